@@ -1,0 +1,2 @@
+//! The PC tool.
+fn main() {}

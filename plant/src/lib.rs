@@ -1,0 +1,1 @@
+//! The simulated rig (f64, host).
