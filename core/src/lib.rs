@@ -1,2 +1,50 @@
+//! The outer loop of a fast pseudodynamic (PSD) test: `no_std`, fixed capacity, f32, no heap, no panic.
+//!
+//! A computer integrates the equation of motion, an actuator pushes a specimen to each computed displacement, and the
+//! measured force goes back into the equation. The actuator is late, and lateness puts energy in; this crate measures
+//! that energy at every step and takes it out again by a variable viscous damping.
+//!
+//! ```text
+//!  Config ──check, f64──► Design ──► OuterLoop::step(sample, ground motion) ──► command, record
+//!
+//!  sample ─► estimate ─► energy ─► compensate ─► newmark ─► signal ─► supervise ─► command
+//!            x̂, R̂        E         C_cor         u_{i+1}    u_c(t)    limits
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `u_c`, `u_m` | commanded and measured displacement | m |
+//! | `R_m` | measured restoring force | N |
+//! | `q`, `s` | `dt v` and `dt^2 a` of the integration | m |
+//! | `v^` | predictor velocity, Eq 16 | m/s |
+//! | `E` | energy error of a step | J |
+//! | `C_cor` | variable damping that compensates it | N s/m |
+//! | `G_v` | sech gain, Eq 19 | 1 |
+//!
+//! Start reading at [`outer_loop`]. Equation numbers are those of the paper (see the README). Time is that of the model
+//! in [`newmark`], [`energy`] and [`compensate`], that of the laboratory elsewhere; the time scale is between them.
+
 #![no_std]
-//! The outer loop.
+#![forbid(unsafe_code)]
+// `!(x <= limit)` is how a NaN fails a limit; a matrix is clearer by its indices.
+#![allow(clippy::neg_cmp_op_on_partial_ord, clippy::needless_range_loop)]
+
+pub mod compensate;
+pub mod config;
+pub mod energy;
+pub mod estimate;
+pub mod ground_motion;
+pub mod matrix;
+pub mod newmark;
+pub mod outer_loop;
+pub mod record;
+pub mod signal;
+pub mod structure;
+pub mod sum;
+pub mod supervise;
+
+pub use config::{Config, Design, Method, Refusal};
+pub use ground_motion::GroundMotion;
+pub use outer_loop::{OuterLoop, Sample, Step};
+pub use record::Record;
+pub use supervise::{Event, Fault, State, Trip};

@@ -1,0 +1,178 @@
+//! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
+
+use super::{Config, Filter, Method, PerFloor, Refusal, accept};
+use crate::compensate;
+use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
+use crate::matrix::{self, Matrix};
+use crate::newmark;
+use crate::signal;
+use crate::structure::Structure;
+use crate::supervise;
+
+/// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
+#[derive(Clone, Debug)]
+pub struct Design<const N: usize> {
+    pub(crate) newmark: newmark::Coefficients<N>,
+    pub(crate) signal: signal::Constants,
+    pub(crate) compensation: compensate::Constants<N>,
+    pub(crate) estimation: estimate::Constants<N>,
+    pub(crate) limits: supervise::Limits,
+    /// Declared stiffness of the specimen, N/m.
+    pub(crate) specimen_stiffness: [[f32; N]; N],
+    pub(crate) window_steps: u16,
+    pub(crate) energy_floor_j: f32,
+    /// 1 / (2 M omega), by axis: turns C_cor into a damping ratio.
+    pub(crate) per_critical: [f32; N],
+    /// Integration step over the natural period.
+    pub(crate) per_period: f32,
+    /// Approach, m per control step.
+    pub(crate) approach_step_m: f32,
+    /// Deceleration of the ramp to hold, m per control step squared.
+    pub(crate) deceleration_step_m: f32,
+    pub(crate) physical: usize,
+}
+
+impl<const N: usize> Design<N> {
+    /// Checks `config` and works its constants out.
+    ///
+    /// # Errors
+    /// The first parameter that cannot be accepted.
+    pub fn new(config: &Config) -> Result<Self, Refusal> {
+        config.check()?;
+        let s = &config.structure;
+        accept(
+            "structure.mass_kg",
+            s.mass_kg.len() as f64,
+            s.mass_kg.len() == N,
+            "as many masses as the loop has degrees of freedom",
+        )?;
+        let structure = Structure::shear_frame(
+            &floors(&s.mass_kg),
+            &floors(&s.stiffness_n_per_m),
+            &floors(&s.damping_ratio),
+            config.physical_storeys(),
+            &floors(&s.physical_mass_kg),
+        )?;
+        Self::with_structure(config, &structure)
+    }
+
+    /// As [`Design::new`], for a structure that is not a shear frame: `config.structure` is then only checked.
+    ///
+    /// # Errors
+    /// The first parameter that cannot be accepted.
+    pub fn with_structure(config: &Config, structure: &Structure<N>) -> Result<Self, Refusal> {
+        config.check()?;
+        let (t, c) = (&config.timing, &config.compensation);
+        let dt_s = config.model_step_s();
+        let control_step_s = 1.0 / t.rate_hz;
+        let omega = structure.natural_frequencies_rad_per_s()?[0];
+        let specimen = matrix::sum(&structure.stiffness, -1.0, &structure.numerical_stiffness);
+        let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
+        let delay_stiffness: [f64; N] =
+            core::array::from_fn(|j| specimen[j][j] * c.delay_ms * 1e-3 / t.time_scale);
+        let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
+        Ok(Self {
+            newmark: newmark::Coefficients::new(
+                structure,
+                dt_s,
+                1.0 / (t.time_scale * t.time_scale),
+            )?,
+            signal: signal::Constants {
+                substeps: t.substeps,
+                solve_substeps: t.solve_substeps,
+                slow_down: libm::exp(-1.0 / f64::from(t.slow_down_steps)) as f32,
+                per_substep: (1.0 / f64::from(t.substeps)) as f32,
+            },
+            compensation: compensate::Constants {
+                method: c.kind,
+                gamma: c.gamma as f32,
+                omega_dt: (omega * dt_s) as f32,
+                window_s: (f64::from(c.window_steps) * dt_s) as f32,
+                largest: delay_stiffness.map(|k| (c.clamp * k) as f32),
+                smallest: core::array::from_fn(|j| {
+                    let guard = -2.0 * (1.0 - c.least_mass) * mass[j] / dt_s;
+                    (c.clamp_below * delay_stiffness[j]).max(guard) as f32
+                }),
+                hold_share: c.hold_share as f32,
+            },
+            estimation: estimation(config, structure, control_step_s)?,
+            limits: limits(config),
+            specimen_stiffness: specimen.map(|row| row.map(|x| x as f32)),
+            window_steps: c.window_steps,
+            energy_floor_j: config.limits.energy_floor_j.unwrap_or(floor) as f32,
+            per_critical: mass.map(|m| (1.0 / (2.0 * m * omega)) as f32),
+            per_period: (omega * dt_s / core::f64::consts::TAU) as f32,
+            approach_step_m: (t.approach_m_per_s * control_step_s) as f32,
+            deceleration_step_m: (t.hold_deceleration_m_per_s2 * control_step_s * control_step_s)
+                as f32,
+            physical: structure.physical.min(N),
+        })
+    }
+
+    /// The same design with another compensation.
+    pub fn with_method(mut self, method: Method) -> Self {
+        self.compensation.method = method;
+        self
+    }
+}
+
+/// A list as an array; what is missing is 0. The check has seen to it that only masses on load cells may be.
+fn floors<const N: usize>(list: &PerFloor) -> [f64; N] {
+    core::array::from_fn(|j| list.get(j).copied().unwrap_or(0.0))
+}
+
+fn estimation<const N: usize>(
+    config: &Config,
+    structure: &Structure<N>,
+    step_s: f64,
+) -> Result<estimate::Constants<N>, Refusal> {
+    let e = &config.estimation;
+    Ok(match e.kind {
+        Filter::Off => estimate::Constants::Off,
+        Filter::LowPass => {
+            estimate::Constants::LowPass(Biquad::butterworth(e.cutoff_hz, config.timing.rate_hz))
+        }
+        Filter::Kalman => {
+            let storeys = storey_stiffness(&structure.stiffness);
+            estimate::Constants::Kalman {
+                motion: KalmanGains::new(e, step_s, structure.physical)?,
+                stiffness: storeys.map(|k| {
+                    let relative =
+                        |sigma: f64| (sigma * k / e.force_noise_n) * (sigma * k / e.force_noise_n);
+                    StiffnessPrior {
+                        stiffness_n_per_m: k as f32,
+                        variance: relative(e.stiffness_tolerance) as f32,
+                        walk: (relative(e.stiffness_walk_per_s) * step_s) as f32,
+                        per_noise: (1.0 / e.force_noise_n) as f32,
+                    }
+                }),
+            }
+        }
+    })
+}
+
+/// Storey stiffnesses of a shear frame, from the matrix: minus the entry beside the diagonal, and for the lowest the rest.
+fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
+    core::array::from_fn(|j| match j.checked_sub(1) {
+        Some(below) => -k[j][below],
+        None => k[0].iter().sum(),
+    })
+}
+
+fn limits(config: &Config) -> supervise::Limits {
+    let l = &config.limits;
+    let or_off = |limit: Option<f64>| limit.map_or(f32::INFINITY, |x| x as f32);
+    supervise::Limits {
+        displacement_m: or_off(l.displacement_m),
+        increment_m: or_off(l.increment_m),
+        velocity_step_m: or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz)),
+        rate_hz: config.timing.rate_hz as f32,
+        force_n: or_off(l.force_n),
+        tracking_m: or_off(l.tracking_m),
+        energy_warning: or_off(l.energy_warning),
+        energy_trip: or_off(l.energy_trip),
+        stale_steps: l.stale_steps.unwrap_or(u16::MAX),
+        late_steps: config.timing.late_limit_steps,
+        locked_damping_ratio: l.locked_damping_ratio.unwrap_or(0.3) as f32,
+    }
+}

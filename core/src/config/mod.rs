@@ -1,0 +1,255 @@
+//! What a test is. A [`Config`] is written by people and checked once, whole; a [`Design`] is what the step uses.
+//!
+//! Everything here is f64 and runs before the test. Nothing of it is called in the step.
+
+mod check;
+mod design;
+mod refusal;
+
+pub use design::Design;
+pub use refusal::Refusal;
+pub(crate) use refusal::{accept, between};
+
+use heapless::Vec;
+
+/// The largest number of degrees of freedom.
+pub const MAX_DOF: usize = 8;
+
+/// One value for each floor, from the ground up.
+pub type PerFloor = Vec<f64, MAX_DOF>;
+
+/// A whole test, as the test file and the link carry it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct Config {
+    /// The structure, a shear frame.
+    pub structure: StructureConfig,
+    /// Rates and times.
+    #[cfg_attr(feature = "serde", serde(rename = "loop", default))]
+    pub timing: Timing,
+    /// What takes the actuator's energy error out again.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub compensation: Compensation,
+    /// What is done about noise.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub estimation: Estimation,
+    /// Interlocks; a limit that is left out is off.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub limits: Limits,
+}
+
+/// The structure, listed from the ground up.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct StructureConfig {
+    /// Mass of each floor, kg.
+    pub mass_kg: PerFloor,
+    /// Stiffness of each storey, N/m: the best that is known of it.
+    pub stiffness_n_per_m: PerFloor,
+    /// Damping ratio of each mode, as a fraction of critical.
+    pub damping_ratio: PerFloor,
+    /// How many storeys, from the ground up, stand in the laboratory; left out: all.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub physical_storeys: Option<u8>,
+    /// Mass that hangs on each load cell, kg; left out: none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub physical_mass_kg: PerFloor,
+}
+
+/// Rates, times and the shape of the command.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Timing {
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Laboratory time per model time; 1 is real time, 10 ten times slower.
+    pub time_scale: f64,
+    /// Control steps in one integration step.
+    pub substeps: u16,
+    /// Control steps, at the start of an interval, in which the command is extrapolated because the new target is
+    /// not yet known; 0 interpolates from the start.
+    pub solve_substeps: u16,
+    /// Time constant, in control steps, with which the command slows down when its target is late.
+    pub slow_down_steps: u16,
+    /// Control steps that a target may be late before the test trips.
+    pub late_limit_steps: u16,
+    /// Speed of the approach to the start position, m/s.
+    pub approach_m_per_s: f64,
+    /// Deceleration of the ramp to hold, m/s^2.
+    pub hold_deceleration_m_per_s2: f64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            rate_hz: 2000.0,
+            time_scale: 1.0,
+            substeps: 1,
+            solve_substeps: 0,
+            slow_down_steps: 8,
+            late_limit_steps: 200,
+            approach_m_per_s: 0.002,
+            hold_deceleration_m_per_s2: 5.0,
+        }
+    }
+}
+
+/// The name of a compensation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Method {
+    /// The measured force goes into the equation of motion as it is.
+    #[cfg_attr(feature = "serde", serde(rename = "none"))]
+    None,
+    /// Eq 14 as the paper published it: hold on a change of sign only.
+    #[cfg_attr(feature = "serde", serde(rename = "eq14-unguarded"))]
+    Eq14Unguarded,
+    /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
+    #[cfg_attr(feature = "serde", serde(rename = "eq14"))]
+    Eq14,
+    /// Eq 20 with the sech gain of Eq 19, and the guards.
+    #[default]
+    #[cfg_attr(feature = "serde", serde(rename = "paper"))]
+    Paper,
+}
+
+impl Method {
+    /// Every method, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::None, Self::Eq14Unguarded, Self::Eq14, Self::Paper];
+
+    /// The name on the command line and in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Eq14Unguarded => "eq14-unguarded",
+            Self::Eq14 => "eq14",
+            Self::Paper => "paper",
+        }
+    }
+}
+
+/// Variable damping, Eqs 14 and 20, and its guards.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Compensation {
+    /// Which method.
+    pub kind: Method,
+    /// Exponent of the sech gain, Eq 19; 0 < gamma <= 1.
+    pub gamma: f64,
+    /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
+    pub window_steps: u16,
+    /// The actuator's delay that the clamp is built on, ms of laboratory time.
+    pub delay_ms: f64,
+    /// C_cor is kept below this many times K tau.
+    pub clamp: f64,
+    /// C_cor is kept above this many times K tau; 0 or less.
+    pub clamp_below: f64,
+    /// Share of the mass that `M + dt/2 C_cor` may not fall below.
+    pub least_mass: f64,
+    /// The last C_cor is held while the increment is below this share of its running peak.
+    pub hold_share: f64,
+}
+
+impl Default for Compensation {
+    fn default() -> Self {
+        Self {
+            kind: Method::Paper,
+            gamma: 0.05,
+            window_steps: 1,
+            delay_ms: 4.0,
+            clamp: 2.0,
+            clamp_below: 0.0,
+            least_mass: 0.5,
+            hold_share: 0.05,
+        }
+    }
+}
+
+/// How displacement and force are estimated from the sensors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Filter {
+    /// The samples as they are.
+    #[default]
+    Off,
+    /// The two-stage Kalman filter.
+    Kalman,
+    /// A second-order Butterworth low-pass on both channels, for comparison: it delays.
+    LowPass,
+}
+
+/// The estimator and what it is told about the rig.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Estimation {
+    /// Which filter.
+    pub kind: Filter,
+    /// Cut-off of the low-pass, Hz of laboratory time.
+    pub cutoff_hz: f64,
+    /// Transport delay of the actuator model, ms.
+    pub delay_ms: f64,
+    /// Effective lag (2 zeta / omega) of the second-order actuator model, ms.
+    pub lag_ms: f64,
+    /// Damping ratio zeta of the actuator model.
+    pub lag_damping_ratio: f64,
+    /// White noise of the displacement sensor, m rms.
+    pub displacement_noise_m: f64,
+    /// White noise of the load cell, N rms.
+    pub force_noise_n: f64,
+    /// Acceleration, m/s^2 rms of laboratory time, by which the actuator may depart from its model.
+    pub process_m_per_s2: f64,
+    /// Standard tolerance of the declared storey stiffness, as a fraction of it.
+    pub stiffness_tolerance: f64,
+    /// Standard deviation that the storey stiffness may gain in a second, as a fraction of it.
+    pub stiffness_walk_per_s: f64,
+}
+
+impl Default for Estimation {
+    fn default() -> Self {
+        Self {
+            kind: Filter::Off,
+            cutoff_hz: 100.0,
+            delay_ms: 0.0,
+            lag_ms: 4.0,
+            lag_damping_ratio: 0.7,
+            displacement_noise_m: 1e-5,
+            force_noise_n: 10.0,
+            process_m_per_s2: 0.1,
+            stiffness_tolerance: 0.1,
+            stiffness_walk_per_s: 0.0,
+        }
+    }
+}
+
+/// Interlocks. A limit left out is off; what remains on always is the check for finite numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Limits {
+    /// Largest command, m.
+    pub displacement_m: Option<f64>,
+    /// Largest change of the command in one control step, m.
+    pub increment_m: Option<f64>,
+    /// Largest speed of the command, m/s of laboratory time.
+    pub velocity_m_per_s: Option<f64>,
+    /// Largest measured force, N.
+    pub force_n: Option<f64>,
+    /// Largest difference between sent command and measured displacement, m.
+    pub tracking_m: Option<f64>,
+    /// Energy error relative to the energy put in: warning.
+    pub energy_warning: Option<f64>,
+    /// Energy error relative to the energy put in: trip.
+    pub energy_trip: Option<f64>,
+    /// Energy below which the ratio is not formed, J; left out: the strain energy of the first storey at 1 mm.
+    pub energy_floor_j: Option<f64>,
+    /// Control steps for which a sample may be stale (not fresh, or frozen while the command moves).
+    pub stale_steps: Option<u16>,
+    /// Added damping ratio, averaged over a natural period, above which the structure counts as locked.
+    pub locked_damping_ratio: Option<f64>,
+}

@@ -1,0 +1,278 @@
+//! Energy errors of a step, three ways, and the HSEM monitor.
+//!
+//! Signs: all three are negative where the actuator puts energy *in*, as Eq 14 wants it. Eq 7 as printed has the
+//! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
+//! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
+
+use crate::sum::Sum;
+
+/// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.
+pub const MAX_WINDOW: usize = 64;
+
+/// What the energies are formed from at an integration step.
+#[derive(Clone, Copy, Debug)]
+pub struct Observation<const N: usize> {
+    /// Command that has been reached, u_c, m.
+    pub command_m: [f32; N],
+    /// `u_c,i - u_c,i-1` as the integrator knows it, m.
+    pub increment_m: [f32; N],
+    /// Estimated displacement of the specimen, u_m, m.
+    pub displacement_m: [f32; N],
+    /// Estimated restoring force, R_m, N.
+    pub force_n: [f32; N],
+}
+
+/// Errors of one step and their sums, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Errors {
+    /// Thewalt and Roman, Eq 6, with the declared stiffness; the paper's sign.
+    pub stiffness_j: f32,
+    /// HSEM, Eqs 7 to 9 with the sign turned: perceived minus real work.
+    pub hsem_j: f32,
+    /// Modified, Eqs 10 to 12.
+    pub modified_j: f32,
+}
+
+/// Eq 12 over the window, axis by axis, with the increment of the command over the same window.
+#[derive(Clone, Copy, Debug)]
+pub struct Windowed<const N: usize> {
+    /// Energy error, J, the paper's sign.
+    pub energy_j: [f32; N],
+    /// Increment of the command, m.
+    pub increment_m: [f32; N],
+}
+
+/// One past step, as far as later ones need it.
+#[derive(Clone, Copy, Debug)]
+struct Past<const N: usize> {
+    command_m: [f32; N],
+    error_m: [f32; N],
+    force_n: [f32; N],
+}
+
+impl<const N: usize> Past<N> {
+    const AT_REST: Self = Self {
+        command_m: [0.0; N],
+        error_m: [0.0; N],
+        force_n: [0.0; N],
+    };
+}
+
+/// The three energy errors of a test.
+#[derive(Clone, Debug)]
+pub struct EnergyErrors<const N: usize> {
+    stiffness_n_per_m: [[f32; N]; N],
+    window: usize,
+    past: [Past<N>; MAX_WINDOW],
+    newest: usize,
+    displacement_m: [f32; N],
+    stiffness_force_n: [f32; N],
+    step: Errors,
+    cumulative: [Sum; 3],
+}
+
+impl<const N: usize> EnergyErrors<N> {
+    /// `stiffness_n_per_m` is the declared stiffness of the specimen; `window` is in integration steps and
+    /// the design has checked it.
+    pub fn new(stiffness_n_per_m: [[f32; N]; N], window: usize) -> Self {
+        Self {
+            stiffness_n_per_m,
+            window,
+            past: [Past::AT_REST; MAX_WINDOW],
+            newest: 0,
+            displacement_m: [0.0; N],
+            stiffness_force_n: [0.0; N],
+            step: Errors::default(),
+            cumulative: [Sum::default(); 3],
+        }
+    }
+
+    /// Takes in one integration step; returns Eq 12 over the window for the compensation.
+    #[inline]
+    pub fn update(&mut self, now: &Observation<N>) -> Windowed<N> {
+        let error_m: [f32; N] = core::array::from_fn(|j| now.displacement_m[j] - now.command_m[j]);
+        let last = self.past[self.newest % MAX_WINDOW];
+        let then = self.past[(self.newest + MAX_WINDOW + 1 - self.window) % MAX_WINDOW];
+        let mut windowed = Windowed {
+            energy_j: [0.0; N],
+            increment_m: now.increment_m,
+        };
+        let mut step = Errors::default();
+        for j in 0..N {
+            let stiffness_force_n: f32 = (0..N)
+                .map(|k| self.stiffness_n_per_m[j][k] * error_m[k])
+                .sum();
+            let mean_force_n = 0.5 * (last.force_n[j] + now.force_n[j]);
+            let moved_m = now.displacement_m[j] - self.displacement_m[j];
+            let mean_error_m = 0.5 * (last.error_m[j] + error_m[j]);
+            step.stiffness_j +=
+                0.5 * (self.stiffness_force_n[j] + stiffness_force_n) * now.increment_m[j];
+            step.hsem_j += mean_force_n * (now.increment_m[j] - moved_m);
+            step.modified_j += mean_error_m * (now.force_n[j] - last.force_n[j]);
+            windowed.energy_j[j] =
+                0.5 * (then.error_m[j] + error_m[j]) * (now.force_n[j] - then.force_n[j]);
+            if self.window > 1 {
+                windowed.increment_m[j] = now.command_m[j] - then.command_m[j];
+            }
+            self.stiffness_force_n[j] = stiffness_force_n;
+        }
+        self.cumulative[0].add(step.stiffness_j);
+        self.cumulative[1].add(step.hsem_j);
+        self.cumulative[2].add(step.modified_j);
+        self.step = step;
+        self.displacement_m = now.displacement_m;
+        self.newest = (self.newest + 1) % MAX_WINDOW;
+        self.past[self.newest] = Past {
+            command_m: now.command_m,
+            error_m,
+            force_n: now.force_n,
+        };
+        windowed
+    }
+
+    /// The errors of the last step.
+    #[inline]
+    pub fn step(&self) -> Errors {
+        self.step
+    }
+
+    /// The errors added up since the start.
+    #[inline]
+    pub fn cumulative(&self) -> Errors {
+        Errors {
+            stiffness_j: self.cumulative[0].value(),
+            hsem_j: self.cumulative[1].value(),
+            modified_j: self.cumulative[2].value(),
+        }
+    }
+}
+
+/// How much of the energy in the test is error: Mosqueda's indicator.
+///
+/// `|HSEM error + work of the correction| / (input energy + largest strain energy)`. What the compensation has
+/// taken out again is no longer an error; without compensation the numerator is plain HSEM.
+#[derive(Clone, Debug)]
+pub struct Monitor<const N: usize> {
+    stiffness_n_per_m: [f32; N],
+    floor_j: f32,
+    input: Sum,
+    correction: Sum,
+    largest_strain_j: f32,
+    load_n: [f32; N],
+    correction_n: [f32; N],
+    ratio: f32,
+}
+
+impl<const N: usize> Monitor<N> {
+    /// `stiffness_n_per_m` is the diagonal of the declared stiffness; below `floor_j` the ratio is not formed.
+    pub fn new(stiffness_n_per_m: [f32; N], floor_j: f32) -> Self {
+        Self {
+            stiffness_n_per_m,
+            floor_j,
+            input: Sum::default(),
+            correction: Sum::default(),
+            largest_strain_j: 0.0,
+            load_n: [0.0; N],
+            correction_n: [0.0; N],
+            ratio: 0.0,
+        }
+    }
+
+    /// Takes in one step: external load, force of the correction, increment and restoring force.
+    #[inline]
+    pub fn update(
+        &mut self,
+        now: &Observation<N>,
+        load_n: [f32; N],
+        correction_n: [f32; N],
+        hsem_j: f32,
+    ) {
+        let mut strain_j = 0.0;
+        for j in 0..N {
+            let du = now.increment_m[j];
+            self.input.add(0.5 * (self.load_n[j] + load_n[j]) * du);
+            self.correction
+                .add(0.5 * (self.correction_n[j] + correction_n[j]) * du);
+            strain_j +=
+                0.5 * self.stiffness_n_per_m[j] * now.displacement_m[j] * now.displacement_m[j];
+        }
+        self.load_n = load_n;
+        self.correction_n = correction_n;
+        self.largest_strain_j = self.largest_strain_j.max(strain_j);
+        let scale = self.input.value().max(0.0) + self.largest_strain_j;
+        // A ratio of nothing to nothing at the start is not an error.
+        self.ratio = if scale > self.floor_j {
+            (hsem_j + self.correction.value()).abs() / scale
+        } else {
+            0.0
+        };
+    }
+
+    /// Energy error relative to the energy in the test.
+    #[inline]
+    pub fn ratio(&self) -> f32 {
+        self.ratio
+    }
+
+    /// Work done by the external load since the start, J.
+    #[inline]
+    pub fn input_j(&self) -> f32 {
+        self.input.value()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A linear specimen that follows a sine with a phase lag.
+    fn lagging(steps: usize, lag: f32) -> (EnergyErrors<1>, f32, f32) {
+        let mut errors = EnergyErrors::new([[158e3]], 1);
+        let (mut previous, mut identity, mut worst) = (0.0, 0.0_f32, 0.0_f32);
+        for i in 0..steps {
+            let t = i as f32 * 0.004;
+            let command = 0.1 * libm::sinf(t);
+            let moved = 0.1 * libm::sinf(t - lag) * f32::from(u8::from(t > lag));
+            let force = 158e3 * moved;
+            let now = Observation {
+                command_m: [command],
+                increment_m: [command - previous],
+                displacement_m: [moved],
+                force_n: [force],
+            };
+            errors.update(&now);
+            let product = force * (moved - command);
+            let step = errors.step();
+            worst = worst.max((step.modified_j - step.hsem_j - (product - identity)).abs());
+            identity = product;
+            previous = command;
+        }
+        (errors, worst, identity)
+    }
+
+    #[test]
+    fn eq_7_and_eq_12_add_up_to_the_change_of_force_times_error() {
+        let (_, worst, _) = lagging(10_000, 0.05);
+        assert!(worst < 1e-3, "identity off by {worst} J");
+    }
+
+    #[test]
+    fn the_three_cumulative_errors_agree_over_whole_cycles_and_have_their_signs() {
+        // 2 pi / 0.004 is not whole: the end term R (u_m - u_c) is taken out by the identity.
+        let (errors, _, rest) = lagging(15_708, 0.05);
+        let e = errors.cumulative();
+        assert!(e.hsem_j < 0.0, "a lagging actuator puts energy in");
+        assert!((e.modified_j - e.stiffness_j).abs() < 2e-3 * e.hsem_j.abs());
+        assert!((e.modified_j - rest - e.hsem_j).abs() < 2e-3 * e.hsem_j.abs());
+        // Ten cycles of pi K A^2 sin(lag).
+        let exact = -10.0 * core::f32::consts::PI * 158e3 * 0.01 * libm::sinf(0.05);
+        assert!((e.hsem_j / exact - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_lead_has_the_opposite_sign() {
+        let (lag, ..) = lagging(3_142, 0.05);
+        let (lead, ..) = lagging(3_142, -0.05);
+        assert!(lag.cumulative().hsem_j < 0.0 && lead.cumulative().hsem_j > 0.0);
+    }
+}

@@ -1,0 +1,148 @@
+//! From samples to the displacement and restoring force that the loop works with.
+
+mod actuator_model;
+mod kalman;
+mod low_pass;
+mod stiffness;
+
+pub use actuator_model::MAX_DELAY_STEPS;
+pub(crate) use kalman::KalmanGains;
+pub(crate) use low_pass::Biquad;
+pub(crate) use stiffness::StiffnessPrior;
+
+use kalman::Kalman;
+use low_pass::LowPass;
+use stiffness::StiffnessFilter;
+
+/// Constants of the chosen estimator.
+#[derive(Clone, Debug)]
+pub enum Constants<const N: usize> {
+    /// Samples as they are.
+    Off,
+    /// Two stages: [x, v] with the sent command as known input, then theta in R = theta x.
+    Kalman {
+        /// Stage 1, the same for every axis.
+        motion: KalmanGains,
+        /// Stage 2, one for each storey.
+        stiffness: [StiffnessPrior; N],
+    },
+    /// Butterworth, second order.
+    LowPass(Biquad),
+}
+
+/// What the loop works with.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate<const N: usize> {
+    /// Displacement of the specimen, m.
+    pub displacement_m: [f32; N],
+    /// Restoring force, N.
+    pub force_n: [f32; N],
+    /// Mean squared innovation relative to what the filter expects, displacement and force; 1 is a model that fits,
+    /// 0 where there is no filter.
+    pub innovation: [f32; 2],
+}
+
+/// The estimator of a loop.
+#[derive(Clone, Debug)]
+pub enum Estimator<const N: usize> {
+    /// Samples as they are.
+    Off,
+    /// Two-stage Kalman filter.
+    Kalman {
+        /// Stage 1.
+        motion: [Kalman; N],
+        /// Stage 2.
+        stiffness: [StiffnessFilter; N],
+        /// Running mean of the squared innovations.
+        innovation: [f32; 2],
+    },
+    /// Low-pass, displacement and force.
+    LowPass([[LowPass; 2]; N]),
+}
+
+impl<const N: usize> Estimator<N> {
+    /// An estimator at rest at `position_m` under no force.
+    pub fn at_rest(k: &Constants<N>, position_m: [f32; N]) -> Self {
+        match k {
+            Constants::Off => Self::Off,
+            Constants::Kalman { stiffness, .. } => Self::Kalman {
+                motion: position_m.map(Kalman::at_rest),
+                stiffness: core::array::from_fn(|j| StiffnessFilter::new(&stiffness[j])),
+                innovation: [1.0; 2],
+            },
+            Constants::LowPass(_) => {
+                Self::LowPass(position_m.map(|x| [LowPass::settled(x), LowPass::settled(0.0)]))
+            }
+        }
+    }
+
+    /// Takes in a sample; `sent_m` is the command that was in force while it was taken. Axes from `physical` on have
+    /// no sensors.
+    #[inline]
+    pub fn update(
+        &mut self,
+        k: &Constants<N>,
+        sent_m: &[f32; N],
+        displacement_m: &[f32; N],
+        force_n: &[f32; N],
+        physical: usize,
+    ) -> Estimate<N> {
+        let mut out = Estimate {
+            displacement_m: *displacement_m,
+            force_n: *force_n,
+            innovation: [0.0; 2],
+        };
+        match (self, k) {
+            (
+                Self::Kalman {
+                    motion,
+                    stiffness,
+                    innovation,
+                },
+                Constants::Kalman {
+                    motion: gains,
+                    stiffness: priors,
+                },
+            ) => {
+                let mut squared = [0.0_f32; 2];
+                for j in 0..N.min(physical) {
+                    squared[0] += motion[j].update(gains, sent_m[j], displacement_m[j]);
+                    out.displacement_m[j] = motion[j].displacement_m();
+                }
+                // Storey by storey: a floor's actuator force is the difference of two storey shears.
+                let (mut shear, mut above) = (0.0, [0.0; N]);
+                for j in (0..N.min(physical)).rev() {
+                    shear += force_n[j];
+                    let below = if j == 0 {
+                        0.0
+                    } else {
+                        out.displacement_m[j - 1]
+                    };
+                    let drift = out.displacement_m[j] - below;
+                    squared[1] += stiffness[j].update(&priors[j], drift, shear);
+                    above[j] = stiffness[j].stiffness_n_per_m() * drift;
+                }
+                for j in 0..N.min(physical) {
+                    let upper = if j + 1 < N.min(physical) {
+                        above[j + 1]
+                    } else {
+                        0.0
+                    };
+                    out.force_n[j] = above[j] - upper;
+                }
+                for (mean, new) in innovation.iter_mut().zip(squared) {
+                    *mean += gains.memory * (new * gains.per_axis - *mean);
+                }
+                out.innovation = *innovation;
+            }
+            (Self::LowPass(filters), Constants::LowPass(k)) => {
+                for j in 0..N.min(physical) {
+                    out.displacement_m[j] = filters[j][0].update(k, displacement_m[j]);
+                    out.force_n[j] = filters[j][1].update(k, force_n[j]);
+                }
+            }
+            _ => {}
+        }
+        out
+    }
+}

@@ -1,0 +1,454 @@
+//! One step of the outer loop. This file is the map of the crate.
+//!
+//! ```text
+//!  sample ─► estimate ─► energy ─► compensate ─► integrate ─► generate ─► interlock ─► command, record
+//! ```
+//!
+//! # Timing
+//! [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
+//! gives the command for the next. It does no input or output, never waits, and takes the same path in every call of
+//! a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
+
+use crate::compensate::{Compensator, Correction, Motion};
+use crate::config::Design;
+use crate::energy::{EnergyErrors, Monitor, Observation};
+use crate::estimate::{Estimate, Estimator};
+use crate::ground_motion::GroundMotion;
+use crate::newmark::Newmark;
+use crate::record::{Record, flag};
+use crate::signal::{SignalGenerator, Target};
+use crate::supervise::{
+    Checked, Event, Fault, Finding, HISTORY, LockWatch, Rejected, StaleWatch, State, Trip, check,
+};
+use heapless::HistoryBuf;
+
+/// What was measured in a control step, and what the board knows about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<const N: usize> {
+    /// Measured displacement of each axis, m. Axes without an actuator are not looked at.
+    pub displacement_m: [f32; N],
+    /// Measured force of each axis, N, positive where it resists positive displacement.
+    pub force_n: [f32; N],
+    /// Taken in this control period; a sample that is not is not integrated with.
+    pub fresh: bool,
+    /// What the board has to report: a rail, a missed deadline, a lost link, the emergency stop.
+    pub fault: Option<Fault>,
+}
+
+impl<const N: usize> Sample<N> {
+    /// A good sample.
+    pub const fn new(displacement_m: [f32; N], force_n: [f32; N]) -> Self {
+        Self {
+            displacement_m,
+            force_n,
+            fresh: true,
+            fault: None,
+        }
+    }
+}
+
+/// What a control step gives.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<const N: usize> {
+    /// Command for the next control period, m; always finite.
+    pub command_m: [f32; N],
+    /// Whether the actuator may move on it.
+    pub permit: bool,
+    /// The record of this step.
+    pub record: Record<N>,
+}
+
+/// The outer loop of a test with `N` degrees of freedom.
+#[derive(Clone, Debug)]
+pub struct OuterLoop<const N: usize> {
+    design: Design<N>,
+    state: State,
+    trip: Option<Trip>,
+    obstacle: Option<Finding>,
+    history: HistoryBuf<Record<N>, HISTORY>,
+    tick: u32,
+    step: u32,
+    sent_m: [f32; N],
+    standing_m: Option<[f32; N]>,
+    returning: bool,
+    estimator: Estimator<N>,
+    energy: EnergyErrors<N>,
+    monitor: Monitor<N>,
+    compensator: Compensator<N>,
+    correction: Correction<N>,
+    newmark: Newmark<N>,
+    signal: SignalGenerator<N>,
+    stale: StaleWatch<N>,
+    lock: LockWatch,
+    flags: u32,
+    ground_m_per_s2: f32,
+}
+
+impl<const N: usize> OuterLoop<N> {
+    /// An idle loop.
+    pub fn new(design: Design<N>) -> Self {
+        let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
+        Self {
+            state: State::Idle,
+            trip: None,
+            obstacle: None,
+            history: HistoryBuf::new(),
+            tick: 0,
+            step: 0,
+            sent_m: [0.0; N],
+            standing_m: None,
+            returning: false,
+            estimator: Estimator::at_rest(&design.estimation, [0.0; N]),
+            energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
+            monitor: Monitor::new(diagonal, design.energy_floor_j),
+            compensator: Compensator::at_rest(),
+            correction: Correction::NONE,
+            newmark: Newmark::at_rest(),
+            signal: SignalGenerator::standing_at([0.0; N]),
+            stale: StaleWatch::new(),
+            lock: LockWatch::default(),
+            flags: 0,
+            ground_m_per_s2: 0.0,
+            design,
+        }
+    }
+
+    /// One control step: sample in, command and record out.
+    #[inline]
+    pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<N> {
+        self.flags = 0;
+        let stale_steps = self.watch(sample);
+        let estimate = self.estimate(sample);
+        let next_m = match self.state {
+            State::Running => self.run(&estimate, ground, stale_steps == 0),
+            State::Idle => self.follow(sample),
+            State::Armed => self.approach([0.0; N]),
+            State::Holding | State::Finished => self.slow_down(),
+            State::Tripped => self.sent_m,
+        };
+        let finding = self.interlock(sample, &next_m, stale_steps);
+        let record = self.record(sample, &estimate);
+        let command_m = self.supervise(finding, next_m, &record);
+        if self.state == State::Running && self.step > ground.steps() {
+            self.state = State::Finished;
+        }
+        self.tick = self.tick.wrapping_add(1);
+        Step {
+            command_m,
+            permit: self.state.permits_motion(),
+            record,
+        }
+    }
+
+    /// The running test: solve when the target has been reached, then go on towards the next.
+    #[inline]
+    fn run(&mut self, estimate: &Estimate<N>, ground: &GroundMotion<'_>, fit: bool) -> [f32; N] {
+        if self.returning {
+            let target = self.newmark.displacement_m();
+            if self.sent_m != target {
+                return self.approach(target);
+            }
+            self.returning = false;
+            self.signal = SignalGenerator::standing_at(target);
+        }
+        if self.signal.at_target() && fit {
+            self.solve(estimate, ground.at(self.step));
+        }
+        self.signal.advance(&self.design.signal);
+        if self.signal.late_steps() > 0 {
+            self.flags |= flag::LATE;
+        }
+        *self.signal.command_m()
+    }
+
+    /// One integration step: energy, compensation, equation of motion, next target.
+    #[inline]
+    fn solve(&mut self, estimate: &Estimate<N>, ground_m_per_s2: f32) {
+        let now = Observation {
+            command_m: self.newmark.displacement_m(),
+            increment_m: *self.newmark.increment_m(),
+            displacement_m: estimate.displacement_m,
+            force_n: estimate.force_n,
+        };
+        let energy = self.energy.update(&now);
+
+        let motion = Motion {
+            displacement_m: now.command_m,
+            velocity_dt_m: self.newmark.velocity_dt_m(),
+            predictor_velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
+        };
+        let k = &self.design;
+        self.correction = self.compensator.update(&k.compensation, &energy, &motion);
+
+        let load_n = k.newmark.load_n(ground_m_per_s2);
+        let damping = &self.correction.damping;
+        let rate_hz = k.newmark.rate_hz;
+        let correction_n = core::array::from_fn(|j| damping[j] * rate_hz * now.increment_m[j]);
+        let hsem_j = self.energy.cumulative().hsem_j;
+        self.monitor.update(&now, load_n, correction_n, hsem_j);
+        self.newmark
+            .advance(&k.newmark, &load_n, &now.force_n, damping);
+
+        self.signal.aim(
+            &k.signal,
+            Target {
+                displacement_m: self.newmark.displacement_m(),
+                velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
+                acceleration_dt2_m: *self.newmark.acceleration_dt2_m(),
+            },
+        );
+        let mut added_ratio = 0.0_f32;
+        for j in 0..N {
+            added_ratio = added_ratio.max((self.correction.damping[j] * k.per_critical[j]).abs());
+        }
+        if self.lock.update(added_ratio, k.per_period) > k.limits.locked_damping_ratio {
+            self.flags |= flag::LOCKED;
+        }
+        self.ground_m_per_s2 = ground_m_per_s2;
+        self.step = self.step.wrapping_add(1);
+        self.flags |= flag::SOLVED;
+    }
+
+    /// For how long samples have been stale.
+    #[inline]
+    fn watch(&mut self, sample: &Sample<N>) -> u16 {
+        let steps = self.stale.update(
+            sample.fresh,
+            &sample.displacement_m,
+            &self.sent_m,
+            self.design.physical,
+        );
+        if steps > 0 {
+            self.flags |= flag::STALE;
+        }
+        steps
+    }
+
+    /// What the loop believes of the specimen; numerical degrees of freedom are where they were sent.
+    #[inline]
+    fn estimate(&mut self, sample: &Sample<N>) -> Estimate<N> {
+        let k = &self.design;
+        let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
+        for j in k.physical..N {
+            displacement_m[j] = self.sent_m[j];
+            force_n[j] = 0.0;
+        }
+        let estimate = self.estimator.update(
+            &k.estimation,
+            &self.sent_m,
+            &displacement_m,
+            &force_n,
+            k.physical,
+        );
+        // A model that fits has 1; twice that over a second of samples is no chance.
+        if estimate.innovation.iter().any(|&i| !(i <= 2.0)) {
+            self.flags |= flag::MODEL_DOUBT;
+        }
+        estimate
+    }
+
+    /// Idle: the command follows the measured position, so that arming moves nothing.
+    fn follow(&mut self, sample: &Sample<N>) -> [f32; N] {
+        let mut standing_m = self.standing_m.unwrap_or(sample.displacement_m);
+        for (mean, new) in standing_m.iter_mut().zip(sample.displacement_m) {
+            // A mean over some 64 samples, so that noise is not a bump.
+            let moved = *mean + (new - *mean) * (1.0 / 64.0);
+            *mean = if moved.is_finite() { moved } else { 0.0 };
+        }
+        self.standing_m = Some(standing_m);
+        standing_m
+    }
+
+    /// A step of the slow approach to `goal_m`.
+    fn approach(&self, goal_m: [f32; N]) -> [f32; N] {
+        let step = self.design.approach_step_m;
+        core::array::from_fn(|j| {
+            let rest = goal_m[j] - self.sent_m[j];
+            if rest.abs() <= step {
+                goal_m[j]
+            } else {
+                self.sent_m[j] + step.copysign(rest)
+            }
+        })
+    }
+
+    /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.
+    fn slow_down(&mut self) -> [f32; N] {
+        self.signal.decelerate(self.design.deceleration_step_m);
+        *self.signal.command_m()
+    }
+
+    /// What stands against sending `next_m`.
+    #[inline]
+    fn interlock(
+        &self,
+        sample: &Sample<N>,
+        next_m: &[f32; N],
+        stale_steps: u16,
+    ) -> Option<Finding> {
+        let found = check(
+            &self.design.limits,
+            &Checked {
+                next_m,
+                sent_m: &self.sent_m,
+                displacement_m: &sample.displacement_m,
+                force_n: &sample.force_n,
+                energy_ratio: self.monitor.ratio(),
+                stale_steps,
+                late_steps: self.signal.late_steps(),
+                physical: self.design.physical,
+            },
+        );
+        // What the board reports comes first, but for a number that is none.
+        match (found, sample.fault) {
+            (Some(f), _) if f.fault == Fault::NonFinite => found,
+            (_, Some(fault)) => Some(Finding::fact(fault)),
+            _ => found,
+        }
+    }
+
+    /// Sends the command or latches the fault.
+    #[inline]
+    fn supervise(
+        &mut self,
+        finding: Option<Finding>,
+        next_m: [f32; N],
+        record: &Record<N>,
+    ) -> [f32; N] {
+        if self.state != State::Tripped {
+            self.history.write(*record);
+        }
+        self.obstacle = finding;
+        if let (Some(f), Ok(tripped)) = (finding, self.state.after(Event::Fault)) {
+            self.state = tripped;
+            self.trip = Some(Trip {
+                fault: f.fault,
+                axis: f.axis,
+                value: f.value,
+                limit: f.limit,
+                tick: self.tick,
+            });
+            return self.sent_m;
+        }
+        if next_m.iter().all(|x| x.is_finite()) {
+            self.sent_m = next_m;
+        }
+        self.sent_m
+    }
+
+    #[inline]
+    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) -> Record<N> {
+        let k = &self.design;
+        if self.monitor.ratio() > k.limits.energy_warning {
+            self.flags |= flag::ENERGY_WARNING;
+        }
+        if self.correction.held {
+            self.flags |= flag::HELD;
+        }
+        if self.correction.clamped {
+            self.flags |= flag::CLAMPED;
+        }
+        let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
+        Record {
+            tick: self.tick,
+            step: self.step,
+            flags: self.state as u32 | fault << 8 | self.flags,
+            ground_m_per_s2: self.ground_m_per_s2,
+            command_m: self.sent_m,
+            displacement_m: sample.displacement_m,
+            force_n: sample.force_n,
+            estimated_displacement_m: estimate.displacement_m,
+            estimated_force_n: estimate.force_n,
+            velocity_m_per_s: self.newmark.velocity_dt_m().map(|q| q * k.newmark.rate_hz),
+            acceleration_m_per_s2: self
+                .newmark
+                .acceleration_dt2_m()
+                .map(|s| s * k.newmark.rate_squared),
+            added_damping_n_s_per_m: self.correction.damping,
+            gain: self.correction.gain,
+            energy_step: self.energy.step().into(),
+            energy_sum: self.energy.cumulative().into(),
+            energy_input_j: self.monitor.input_j(),
+            energy_ratio: self.monitor.ratio(),
+            innovation: estimate.innovation,
+        }
+    }
+}
+
+mod operate {
+    //! What the operator does with a loop, between steps.
+
+    use super::{Design, Event, OuterLoop, Record, Rejected, State, Trip};
+
+    impl<const N: usize> OuterLoop<N> {
+        /// Where the test stands.
+        pub fn state(&self) -> State {
+            self.state
+        }
+
+        /// The first fault, until it is cleared.
+        pub fn trip(&self) -> Option<Trip> {
+            self.trip
+        }
+
+        /// The last steps, oldest first; after a trip, those that led to it.
+        pub fn history(&self) -> impl Iterator<Item = &Record<N>> {
+            self.history.oldest_ordered()
+        }
+
+        /// Takes an event from the operator or the link.
+        ///
+        /// # Errors
+        /// The event means nothing in this state, an interlock stands against arming, or the approach to the start
+        /// position has not ended; nothing has changed then.
+        pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
+            let rejected = Rejected {
+                state: self.state,
+                event,
+                obstacle: self.obstacle.map(|f| f.fault),
+            };
+            let next = self.state.after(event)?;
+            match (self.state, next) {
+                (State::Idle, State::Armed) if self.obstacle.is_some() => return Err(rejected),
+                (State::Armed, State::Running) if self.sent_m != [0.0; N] => return Err(rejected),
+                (State::Idle, State::Armed) => self.reset(),
+                (State::Holding, State::Running) => self.returning = true,
+                (_, State::Idle) => {
+                    self.trip = None;
+                    self.standing_m = None;
+                    self.history.clear();
+                }
+                _ => {}
+            }
+            self.state = next;
+            Ok(next)
+        }
+
+        /// Exchanges the whole design while idle.
+        ///
+        /// # Errors
+        /// The loop is not idle; it goes on as it was.
+        pub fn configure(&mut self, design: Design<N>) -> Result<(), Rejected> {
+            if self.state != State::Idle {
+                return Err(Rejected {
+                    state: self.state,
+                    event: Event::Arm,
+                    obstacle: None,
+                });
+            }
+            let tick = self.tick;
+            *self = Self::new(design);
+            self.tick = tick;
+            Ok(())
+        }
+
+        /// Everything back to the start, standing at the present command.
+        fn reset(&mut self) {
+            let (tick, sent_m) = (self.tick, self.sent_m);
+            *self = Self::new(self.design.clone());
+            self.tick = tick;
+            self.sent_m = sent_m;
+            self.estimator = super::Estimator::at_rest(&self.design.estimation, sent_m);
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Signal generation: from integration steps to control steps.
+//!
+//! An integration step may last many control steps. While its target is not yet known the command is extrapolated;
+//! from then on it is interpolated to the target (Nakashima and Masaoka 1999). Their Lagrange polynomials through past
+//! targets jump where one takes over from the other; here the first is the Taylor polynomial of the known motion and
+//! the second the cubic that starts with the displacement and velocity that have been reached and ends with the
+//! target's, so the command and its velocity are continuous at the switch and from interval to interval.
+//!
+//! When a target comes late the command slows down and holds; the test trips after a set time.
+
+/// Constants of the generator, in control steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    /// Control steps in an integration step.
+    pub substeps: u16,
+    /// Control steps of extrapolation before the target is used.
+    pub solve_substeps: u16,
+    /// Factor on the velocity in each step of slowing down.
+    pub slow_down: f32,
+    /// 1 / substeps.
+    pub per_substep: f32,
+}
+
+/// Where an integration step leads, by axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<const N: usize> {
+    /// Displacement at the end of the step, m.
+    pub displacement_m: [f32; N],
+    /// Predictor velocity there, m per integration step.
+    pub velocity_dt_m: [f32; N],
+    /// Acceleration of the last solved step, m per integration step squared.
+    pub acceleration_dt2_m: [f32; N],
+}
+
+/// The generator of commands between targets.
+#[derive(Clone, Debug)]
+pub struct SignalGenerator<const N: usize> {
+    command_m: [f32; N],
+    /// Velocity of the command, m per control step.
+    velocity_m: [f32; N],
+    /// Where the present piece began.
+    from_m: [f32; N],
+    from_velocity_m: [f32; N],
+    target: Target<N>,
+    /// Acceleration to extrapolate with, m per control step squared.
+    acceleration_m: [f32; N],
+    /// Control steps since the interval began; `length` and more: the target has been reached.
+    tick: u16,
+    length: u16,
+    late: u16,
+}
+
+impl<const N: usize> SignalGenerator<N> {
+    /// Standing at `position_m`, ready for a first target.
+    pub const fn standing_at(position_m: [f32; N]) -> Self {
+        Self {
+            command_m: position_m,
+            velocity_m: [0.0; N],
+            from_m: position_m,
+            from_velocity_m: [0.0; N],
+            target: Target {
+                displacement_m: position_m,
+                velocity_dt_m: [0.0; N],
+                acceleration_dt2_m: [0.0; N],
+            },
+            acceleration_m: [0.0; N],
+            tick: 0,
+            length: 0,
+            late: 0,
+        }
+    }
+
+    /// The command that was last generated, m.
+    #[inline]
+    pub fn command_m(&self) -> &[f32; N] {
+        &self.command_m
+    }
+
+    /// Velocity of the command, m per control step.
+    #[inline]
+    pub fn velocity_m(&self) -> &[f32; N] {
+        &self.velocity_m
+    }
+
+    /// The last target has been reached: the sample belongs to it and the next step can be solved.
+    #[inline]
+    pub fn at_target(&self) -> bool {
+        self.tick >= self.length
+    }
+
+    /// Control steps by which the present target is late.
+    #[inline]
+    pub fn late_steps(&self) -> u16 {
+        self.late
+    }
+
+    /// Takes the next target.
+    #[inline]
+    pub fn aim(&mut self, k: &Constants, target: Target<N>) {
+        let per = k.per_substep;
+        // The motion extrapolated is the one known before the solution: the previous target's acceleration.
+        self.acceleration_m = self.target.acceleration_dt2_m.map(|a| a * per * per);
+        self.from_m = self.command_m;
+        self.from_velocity_m = self.velocity_m;
+        self.target = target;
+        self.tick = 0;
+        self.length = k.substeps;
+        self.late = 0;
+    }
+
+    /// The next command of the interval; past its end, slows down and holds.
+    #[inline]
+    pub fn advance(&mut self, k: &Constants) {
+        if self.at_target() {
+            self.late = self.late.saturating_add(1);
+            for j in 0..N {
+                self.velocity_m[j] *= k.slow_down;
+                self.command_m[j] += self.velocity_m[j];
+            }
+            return;
+        }
+        self.tick += 1;
+        if self.tick >= self.length {
+            self.command_m = self.target.displacement_m;
+            self.velocity_m = self.target.velocity_dt_m.map(|v| v * k.per_substep);
+        } else if self.tick <= k.solve_substeps {
+            let t = f32::from(self.tick);
+            for j in 0..N {
+                let a = self.acceleration_m[j];
+                self.velocity_m[j] = self.from_velocity_m[j] + a * t;
+                self.command_m[j] = self.from_m[j] + t * (self.from_velocity_m[j] + 0.5 * a * t);
+            }
+        } else {
+            if self.tick == k.solve_substeps + 1 {
+                self.from_m = self.command_m;
+                self.from_velocity_m = self.velocity_m;
+            }
+            self.interpolate(k);
+        }
+    }
+
+    /// A step of the ramp to hold: the speed falls by `by_m` a control step until the command stands.
+    pub fn decelerate(&mut self, by_m: f32) {
+        for j in 0..N {
+            let v = self.velocity_m[j];
+            self.velocity_m[j] = if v.abs() <= by_m {
+                0.0
+            } else {
+                v - by_m.copysign(v)
+            };
+            self.command_m[j] += self.velocity_m[j];
+        }
+    }
+
+    /// One point of the cubic from where the interpolation began to the target.
+    fn interpolate(&mut self, k: &Constants) {
+        let span = f32::from(self.length - k.solve_substeps);
+        let t = f32::from(self.tick - k.solve_substeps) / span;
+        for j in 0..N {
+            let rise = self.target.displacement_m[j] - self.from_m[j];
+            let start = self.from_velocity_m[j] * span;
+            let end = self.target.velocity_dt_m[j] * k.per_substep * span;
+            // Cubic Hermite: from + start t + (3 rise - 2 start - end) t^2 + (start + end - 2 rise) t^3.
+            let square = 3.0 * rise - 2.0 * start - end;
+            let cube = start + end - 2.0 * rise;
+            self.command_m[j] = self.from_m[j] + t * (start + t * (square + t * cube));
+            self.velocity_m[j] = (start + t * (2.0 * square + t * 3.0 * cube)) / span;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn constants(substeps: u16, solve_substeps: u16) -> Constants {
+        Constants {
+            substeps,
+            solve_substeps,
+            slow_down: 0.8,
+            per_substep: 1.0 / f32::from(substeps),
+        }
+    }
+
+    /// u = sin(t), 0.1 rad an interval, with exact velocities and accelerations.
+    fn sine_target(i: u16) -> Target<1> {
+        let (h, t) = (0.1, f64::from(i) * 0.1);
+        Target {
+            displacement_m: [libm::sin(t) as f32],
+            velocity_dt_m: [(h * libm::cos(t)) as f32],
+            acceleration_dt2_m: [(-h * h * libm::sin(t)) as f32],
+        }
+    }
+
+    #[test]
+    fn is_continuous_in_displacement_and_velocity_and_meets_every_target() {
+        for solve in [0, 3, 9] {
+            let k = constants(10, solve);
+            let mut g = SignalGenerator::<1>::standing_at([0.0]);
+            g.velocity_m = [0.01];
+            let (mut last, mut last_step) = (0.0_f32, 0.01_f32);
+            for i in 1..200 {
+                g.aim(&k, sine_target(i));
+                for tick in 1..=10 {
+                    g.advance(&k);
+                    let step = g.command_m[0] - last;
+                    // Bound: the largest acceleration of the smooth motion, 1e-4 a step^2, and the correction at a
+                    // late switch, which has only one control step left at solve = 9.
+                    let bound = if solve == 9 { 9e-4 } else { 3.0e-4 };
+                    assert!(
+                        (step - last_step).abs() < bound,
+                        "solve {solve}, {i}.{tick}: {step} {last_step}"
+                    );
+                    (last, last_step) = (g.command_m[0], step);
+                }
+                assert_eq!(g.command_m, sine_target(i).displacement_m);
+                assert!(g.at_target());
+            }
+        }
+    }
+
+    #[test]
+    fn one_substep_passes_the_target_through() {
+        let k = constants(1, 0);
+        let mut g = SignalGenerator::<1>::standing_at([0.0]);
+        g.aim(&k, sine_target(1));
+        g.advance(&k);
+        assert_eq!(g.command_m, sine_target(1).displacement_m);
+    }
+
+    #[test]
+    fn a_late_target_slows_the_command_down_to_a_hold() {
+        let k = constants(1, 0);
+        let mut g = SignalGenerator::<1>::standing_at([0.0]);
+        g.aim(
+            &k,
+            Target {
+                velocity_dt_m: [1e-3],
+                displacement_m: [1e-3],
+                acceleration_dt2_m: [0.0],
+            },
+        );
+        g.advance(&k);
+        let mut steps = [0.0_f32; 60];
+        for step in &mut steps {
+            let before = g.command_m[0];
+            g.advance(&k);
+            *step = g.command_m[0] - before;
+        }
+        assert!(
+            steps.windows(2).all(|w| w[1] <= w[0]),
+            "it only ever slows down"
+        );
+        assert!(steps[0] < 1e-3 && steps[59] < 1e-8);
+        assert_eq!(g.late_steps(), 60);
+    }
+}

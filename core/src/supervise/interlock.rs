@@ -1,0 +1,220 @@
+//! The interlocks: what must hold after all computing, before a command is sent.
+
+use super::fault::Fault;
+
+/// Limits; infinite where a limit is off.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Largest command, m.
+    pub displacement_m: f32,
+    /// Largest change of the command in a control step, m: the smaller of the increment and the velocity limit is
+    /// reported as itself.
+    pub increment_m: f32,
+    /// Largest speed of the command as a change in a control step, m.
+    pub velocity_step_m: f32,
+    /// Control rate, Hz, to report a velocity.
+    pub rate_hz: f32,
+    /// Largest measured force, N.
+    pub force_n: f32,
+    /// Largest difference between command and measured displacement, m.
+    pub tracking_m: f32,
+    /// Energy ratio: warning.
+    pub energy_warning: f32,
+    /// Energy ratio: trip.
+    pub energy_trip: f32,
+    /// Control steps for which samples may be stale.
+    pub stale_steps: u16,
+    /// Control steps that a target may be late.
+    pub late_steps: u16,
+    /// Averaged added damping ratio above which the structure counts as locked.
+    pub locked_damping_ratio: f32,
+}
+
+/// What an interlock found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    /// Which fault.
+    pub fault: Fault,
+    /// The axis.
+    pub axis: u8,
+    /// The value that was reached.
+    pub value: f32,
+    /// The limit.
+    pub limit: f32,
+}
+
+impl Finding {
+    /// A fault that is a fact and has no value.
+    pub const fn fact(fault: Fault) -> Self {
+        Self {
+            fault,
+            axis: 0,
+            value: 1.0,
+            limit: 0.0,
+        }
+    }
+}
+
+/// What the interlocks look at.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked<'a, const N: usize> {
+    /// The command that is about to be sent, m.
+    pub next_m: &'a [f32; N],
+    /// The command in force, m.
+    pub sent_m: &'a [f32; N],
+    /// Measured displacement, m.
+    pub displacement_m: &'a [f32; N],
+    /// Measured force, N.
+    pub force_n: &'a [f32; N],
+    /// Energy ratio of the monitor.
+    pub energy_ratio: f32,
+    /// Control steps for which samples have been stale.
+    pub stale_steps: u16,
+    /// Control steps that the target is late.
+    pub late_steps: u16,
+    /// Number of axes that have an actuator.
+    pub physical: usize,
+}
+
+/// The first limit that is passed, in the order of the fault numbers.
+#[inline]
+pub fn check<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Option<Finding> {
+    // Compared as `!(x <= limit)`: a NaN passes no limit, so it fails every one.
+    let mut worst: Option<Finding> = None;
+    let mut found = |fault: Fault, axis: usize, value: f32, limit: f32| {
+        let first = match worst {
+            Some(w) => fault.code() < w.fault.code(),
+            None => true,
+        };
+        if first {
+            worst = Some(Finding {
+                fault,
+                axis: axis as u8,
+                value,
+                limit,
+            });
+        }
+    };
+    for j in 0..N.min(c.physical) {
+        let next = c.next_m[j];
+        let step = (next - c.sent_m[j]).abs();
+        let force = c.force_n[j].abs();
+        let error = (c.sent_m[j] - c.displacement_m[j]).abs();
+        if !(next.is_finite() && force.is_finite() && error.is_finite()) {
+            let culprit = if next.is_finite() {
+                force + error
+            } else {
+                next
+            };
+            found(Fault::NonFinite, j, culprit, f32::MAX);
+        }
+        if !(next.abs() <= limits.displacement_m) {
+            found(Fault::Displacement, j, next, limits.displacement_m);
+        }
+        if !(step <= limits.increment_m) {
+            found(Fault::Increment, j, step, limits.increment_m);
+        }
+        if !(step <= limits.velocity_step_m) {
+            let rate = limits.rate_hz;
+            found(
+                Fault::Velocity,
+                j,
+                step * rate,
+                limits.velocity_step_m * rate,
+            );
+        }
+        if !(force <= limits.force_n) {
+            found(Fault::Force, j, c.force_n[j], limits.force_n);
+        }
+        if !(error <= limits.tracking_m) {
+            found(Fault::Tracking, j, error, limits.tracking_m);
+        }
+    }
+    if !(c.energy_ratio <= limits.energy_trip) {
+        found(Fault::EnergyRatio, 0, c.energy_ratio, limits.energy_trip);
+    }
+    if c.stale_steps > limits.stale_steps {
+        found(
+            Fault::StaleSample,
+            0,
+            f32::from(c.stale_steps),
+            f32::from(limits.stale_steps),
+        );
+    }
+    if c.late_steps > limits.late_steps {
+        found(
+            Fault::TargetLate,
+            0,
+            f32::from(c.late_steps),
+            f32::from(limits.late_steps),
+        );
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits {
+        displacement_m: 0.1,
+        increment_m: 2e-3,
+        velocity_step_m: 1e-3,
+        rate_hz: 2000.0,
+        force_n: 1e4,
+        tracking_m: 0.02,
+        energy_warning: 0.05,
+        energy_trip: 0.2,
+        stale_steps: 3,
+        late_steps: 10,
+        locked_damping_ratio: 0.3,
+    };
+
+    fn found(change: impl FnOnce(&mut [f32; 5], &mut [u16; 2])) -> Option<Finding> {
+        let (mut v, mut n) = ([0.0, 0.0, 0.0, 0.0, 0.0], [0, 0]);
+        change(&mut v, &mut n);
+        check::<1>(
+            &LIMITS,
+            &Checked {
+                next_m: &[v[0]],
+                sent_m: &[v[1]],
+                displacement_m: &[v[2]],
+                force_n: &[v[3]],
+                energy_ratio: v[4],
+                stale_steps: n[0],
+                late_steps: n[1],
+                physical: 1,
+            },
+        )
+    }
+
+    #[test]
+    fn each_limit_acts_above_and_not_at_its_value() {
+        assert_eq!(found(|_, _| ()), None);
+        assert_eq!(found(|v, _| (v[0], v[1], v[2]) = (0.1, 0.1, 0.1)), None);
+        let fault = |f: Option<Finding>| f.map(|f| f.fault);
+        assert_eq!(
+            fault(found(|v, _| (v[0], v[1], v[2]) = (0.1001, 0.1, 0.1))),
+            Some(Fault::Displacement)
+        );
+        assert_eq!(fault(found(|v, _| v[0] = 1.5e-3)), Some(Fault::Velocity));
+        assert_eq!(fault(found(|v, _| v[0] = 2.5e-3)), Some(Fault::Increment));
+        assert_eq!(fault(found(|v, _| v[3] = -1.01e4)), Some(Fault::Force));
+        assert_eq!(fault(found(|v, _| v[2] = 0.021)), Some(Fault::Tracking));
+        assert_eq!(fault(found(|v, _| v[4] = 0.21)), Some(Fault::EnergyRatio));
+        assert_eq!(fault(found(|_, n| n[0] = 4)), Some(Fault::StaleSample));
+        assert_eq!(fault(found(|_, n| n[1] = 11)), Some(Fault::TargetLate));
+        let velocity = found(|v, _| v[0] = 1.5e-3).unwrap();
+        assert!((velocity.value - 3.0).abs() < 1e-5 && (velocity.limit - 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_the_first_fault() {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for place in 0..4 {
+                let f = found(|v, _| v[place] = bad).unwrap();
+                assert_eq!(f.fault, Fault::NonFinite, "{bad} in place {place}");
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Finds samples that are too old to trust: not fresh, or frozen while the command moves.
+
+/// Counts how long samples have been stale.
+///
+/// A frozen converter delivers the same two words for ever, on time. That is only suspicious while the command has
+/// moved since the words last changed, by more than the sensor could fail to show.
+#[derive(Clone, Debug)]
+pub struct StaleWatch<const N: usize> {
+    displacement_m: [f32; N],
+    command_m: [f32; N],
+    steps: u16,
+}
+
+/// Motion, m, that a frozen sensor may hide: 0.1 mm, four steps of a 12-bit converter over +-50 mm.
+const HIDDEN_MOTION_M: f32 = 1e-4;
+
+impl<const N: usize> StaleWatch<N> {
+    /// Nothing seen yet.
+    pub const fn new() -> Self {
+        Self {
+            displacement_m: [f32::NAN; N],
+            command_m: [0.0; N],
+            steps: 0,
+        }
+    }
+
+    /// Takes in a sample; returns for how many control steps samples have been stale.
+    #[inline]
+    pub fn update(
+        &mut self,
+        fresh: bool,
+        displacement_m: &[f32; N],
+        sent_m: &[f32; N],
+        physical: usize,
+    ) -> u16 {
+        let mut frozen = false;
+        for j in 0..N.min(physical) {
+            if displacement_m[j].to_bits() == self.displacement_m[j].to_bits() {
+                frozen |= (sent_m[j] - self.command_m[j]).abs() > HIDDEN_MOTION_M;
+            } else {
+                self.displacement_m[j] = displacement_m[j];
+                self.command_m[j] = sent_m[j];
+            }
+        }
+        self.steps = if fresh && !frozen {
+            0
+        } else {
+            self.steps.saturating_add(1)
+        };
+        self.steps
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_standing_specimen_is_not_frozen_but_a_standing_sensor_is() {
+        let mut watch = StaleWatch::<1>::new();
+        for _ in 0..100 {
+            assert_eq!(watch.update(true, &[0.0], &[0.0], 1), 0);
+        }
+        let mut stale = 0;
+        for i in 0..100 {
+            stale = watch.update(true, &[0.0], &[i as f32 * 1e-5], 1);
+        }
+        assert!(stale > 80);
+        assert_eq!(watch.update(true, &[1e-6], &[1e-3], 1), 0);
+        assert_eq!(watch.update(false, &[2e-6], &[1e-3], 1), 1);
+    }
+}
