@@ -1,0 +1,252 @@
+//! What an operator sees: arming, running, holding, tripping, clearing.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Rig, shaking, started, table1};
+use outerloop_core::record::flag;
+use outerloop_core::{Design, Event, Fault, GroundMotion, Method, OuterLoop, Sample, State};
+
+const RECORD_S: f64 = 6.0;
+
+fn ground(points: &[f32]) -> GroundMotion<'_> {
+    GroundMotion::new(points, 0.01, 5e-4).unwrap()
+}
+
+#[test]
+fn arming_moves_nothing_and_the_approach_is_slow() {
+    let points = shaking(RECORD_S);
+    let config = table1();
+    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    let mut position = 0.004_f32;
+    for _ in 0..100 {
+        let step = outer.step(&Sample::new([position], [0.0]), &ground(&points));
+        assert!(!step.permit && (step.command_m[0] - position).abs() < 1e-9);
+    }
+    outer.handle(Event::Arm).unwrap();
+    let early = outer.handle(Event::Start).unwrap_err();
+    assert_eq!((early.state, early.event), (State::Armed, Event::Start));
+    let mut steps = 0;
+    while position != 0.0 {
+        let step = outer.step(&Sample::new([position], [0.0]), &ground(&points));
+        assert!(
+            step.permit && (step.command_m[0] - position).abs() < 1.01e-6,
+            "2 mm/s is 1 um a step"
+        );
+        position = step.command_m[0];
+        steps += 1;
+        assert!(steps < 5000);
+    }
+    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+}
+
+#[test]
+fn a_record_ends_in_a_hold_and_a_clear() {
+    let points = shaking(RECORD_S);
+    let mut rig = Rig::new(8);
+    let mut outer = started(&table1(), &mut rig, &ground(&points));
+    let mut steps = 0;
+    while outer.state() == State::Running {
+        rig.step(&mut outer, &ground(&points));
+        steps += 1;
+    }
+    assert_eq!(
+        (outer.state(), steps),
+        (State::Finished, ground(&points).steps() + 1)
+    );
+    let mut last = [rig.sent; 2];
+    for _ in 0..2000 {
+        let now = rig.step(&mut outer, &ground(&points)).command_m[0];
+        let bump = (now - last[1]) - (last[1] - last[0]);
+        assert!(
+            last[0] == last[1] || bump.abs() < 1.3e-6,
+            "5 m/s^2 is 1.25 um a step squared: {bump:e}"
+        );
+        last = [last[1], now];
+    }
+    assert_eq!(last[0], last[1]);
+    assert_eq!(outer.handle(Event::Clear), Ok(State::Idle));
+}
+
+#[test]
+fn a_hold_in_mid_test_costs_time_and_nothing_else() {
+    let points = shaking(RECORD_S);
+    let peak = |hold: bool| {
+        let mut rig = Rig::new(0);
+        let mut outer = started(&table1(), &mut rig, &ground(&points));
+        let mut solved = Vec::new();
+        for i in 0..400_000 {
+            if hold && i == 3000 {
+                outer.handle(Event::Hold).unwrap();
+            }
+            if hold && i == 6000 {
+                outer.handle(Event::Start).unwrap();
+            }
+            let record = rig.step(&mut outer, &ground(&points)).record;
+            if record.has(flag::SOLVED) {
+                solved.push(record.command_m[0]);
+            }
+            if outer.state() == State::Finished {
+                return solved;
+            }
+        }
+        panic!("the test did not finish");
+    };
+    let (straight, held) = (peak(false), peak(true));
+    assert_eq!(
+        straight, held,
+        "with an ideal actuator a hold changes no bit of the motion"
+    );
+}
+
+#[test]
+fn the_first_fault_is_latched_with_the_last_steps_and_needs_a_clear() {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    config.limits.force_n = Some(20_000.0);
+    let mut rig = Rig::new(8);
+    let mut outer = started(&config, &mut rig, &ground(&points));
+    for _ in 0..2000 {
+        rig.step(&mut outer, &ground(&points));
+    }
+    let before = rig.sent;
+    let mut sample = rig.sample();
+    sample.force_n = [25_000.0];
+    let step = outer.step(&sample, &ground(&points));
+    assert_eq!(step.command_m[0], before, "the command stands where it was");
+    assert!(!step.permit);
+    let trip = outer.trip().unwrap();
+    assert_eq!(
+        (trip.fault, trip.value, trip.limit),
+        (Fault::Force, 25_000.0, 20_000.0)
+    );
+    // A second fault changes nothing.
+    sample.fault = Some(Fault::EmergencyStop);
+    outer.step(&sample, &ground(&points));
+    assert_eq!(outer.trip(), Some(trip));
+    let last: Vec<_> = outer.history().map(|r| r.tick).collect();
+    assert_eq!(last.len(), 16);
+    assert_eq!(last[15], trip.tick);
+    assert!(last.windows(2).all(|w| w[1] == w[0] + 1));
+    assert!(outer.handle(Event::Start).is_err() && outer.handle(Event::Arm).is_err());
+    assert_eq!(outer.handle(Event::Clear), Ok(State::Idle));
+    assert_eq!(outer.trip(), None);
+}
+
+#[test]
+fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
+    let points = shaking(RECORD_S);
+    for fault in [
+        Fault::AdcRail,
+        Fault::DeadlineMissed,
+        Fault::LinkLost,
+        Fault::EmergencyStop,
+    ] {
+        let mut rig = Rig::new(8);
+        let mut outer = started(&table1(), &mut rig, &ground(&points));
+        for _ in 0..500 {
+            rig.step(&mut outer, &ground(&points));
+        }
+        let mut sample = rig.sample();
+        sample.fault = Some(fault);
+        outer.step(&sample, &ground(&points));
+        assert_eq!(outer.trip().map(|t| t.fault), Some(fault));
+        outer.handle(Event::Clear).unwrap();
+        outer.step(&sample, &ground(&points));
+        assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
+        let good = rig.sample();
+        outer.step(&good, &ground(&points));
+        assert_eq!(outer.handle(Event::Arm), Ok(State::Armed));
+    }
+}
+
+#[test]
+fn a_stale_sample_slows_the_test_down_and_too_many_trip_it() {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    config.limits.stale_steps = Some(40);
+    let mut rig = Rig::new(0);
+    let mut outer = started(&config, &mut rig, &ground(&points));
+    for _ in 0..2000 {
+        rig.step(&mut outer, &ground(&points));
+    }
+    let mut stale = rig.sample();
+    stale.fresh = false;
+    let mut speed = f32::INFINITY;
+    for _ in 0..40 {
+        let before = rig.sent;
+        let step = outer.step(&stale, &ground(&points));
+        rig.sent = step.command_m[0];
+        assert!(step.record.has(flag::LATE) && !step.record.has(flag::SOLVED));
+        assert!((rig.sent - before).abs() <= speed);
+        speed = (rig.sent - before).abs();
+    }
+    assert_eq!(outer.state(), State::Running);
+    outer.step(&stale, &ground(&points));
+    assert_eq!(outer.trip().map(|t| t.fault), Some(Fault::StaleSample));
+}
+
+#[test]
+fn a_late_target_trips_after_its_time() {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    config.timing.late_limit_steps = 25;
+    let mut rig = Rig::new(0);
+    let mut outer = started(&config, &mut rig, &ground(&points));
+    let mut stale = rig.sample();
+    stale.fresh = false;
+    for _ in 0..25 {
+        outer.step(&stale, &ground(&points));
+    }
+    assert_eq!(outer.state(), State::Running);
+    outer.step(&stale, &ground(&points));
+    assert_eq!(
+        outer.trip().map(|t| (t.fault, t.value)),
+        Some((Fault::TargetLate, 26.0))
+    );
+}
+
+#[test]
+fn the_energy_monitor_warns_and_trips_an_uncompensated_test() {
+    let points = shaking(60.0);
+    let mut config = table1();
+    config.compensation.kind = Method::None;
+    (config.limits.energy_warning, config.limits.energy_trip) = (Some(0.1), Some(0.5));
+    let trip = |config| {
+        let mut rig = Rig::new(8);
+        let mut outer = started(&config, &mut rig, &ground(&points));
+        let mut warned = None;
+        for i in 0..120_000 {
+            let record = rig.step(&mut outer, &ground(&points)).record;
+            if warned.is_none() && record.has(flag::ENERGY_WARNING) {
+                warned = Some(i);
+            }
+            if outer.state() != State::Running {
+                return (warned, outer.trip().map(|t| (t.fault, i)));
+            }
+        }
+        (warned, None)
+    };
+    let (warned, tripped) = trip(config.clone());
+    let (fault, at) = tripped.unwrap();
+    assert_eq!(fault, Fault::EnergyRatio);
+    assert!(warned.unwrap() < at);
+    config.compensation.kind = Method::Paper;
+    assert_eq!(
+        trip(config),
+        (None, None),
+        "what the damping takes out again is no error"
+    );
+}
+
+#[test]
+fn a_configuration_is_exchanged_only_while_idle() {
+    let points = shaking(RECORD_S);
+    let mut rig = Rig::new(8);
+    let config = table1();
+    let mut outer = started(&config, &mut rig, &ground(&points));
+    assert!(outer.configure(Design::new(&config).unwrap()).is_err());
+    outer.handle(Event::Stop).unwrap();
+    outer.handle(Event::Clear).unwrap();
+    assert!(outer.configure(Design::new(&config).unwrap()).is_ok());
+}
