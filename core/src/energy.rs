@@ -40,12 +40,15 @@ pub struct Windowed<const N: usize> {
     pub energy_j: [f32; N],
     /// Increment of the command, m.
     pub increment_m: [f32; N],
+    /// Increment of the specimen, m.
+    pub moved_m: [f32; N],
 }
 
 /// One past step, as far as later ones need it.
 #[derive(Clone, Copy, Debug)]
 struct Past<const N: usize> {
     command_m: [f32; N],
+    displacement_m: [f32; N],
     error_m: [f32; N],
     force_n: [f32; N],
 }
@@ -53,6 +56,7 @@ struct Past<const N: usize> {
 impl<const N: usize> Past<N> {
     const AT_REST: Self = Self {
         command_m: [0.0; N],
+        displacement_m: [0.0; N],
         error_m: [0.0; N],
         force_n: [0.0; N],
     };
@@ -65,7 +69,6 @@ pub struct EnergyErrors<const N: usize> {
     window: usize,
     past: [Past<N>; MAX_WINDOW],
     newest: usize,
-    displacement_m: [f32; N],
     stiffness_force_n: [f32; N],
     step: Errors,
     cumulative: [Sum; 3],
@@ -80,7 +83,6 @@ impl<const N: usize> EnergyErrors<N> {
             window,
             past: [Past::AT_REST; MAX_WINDOW],
             newest: 0,
-            displacement_m: [0.0; N],
             stiffness_force_n: [0.0; N],
             step: Errors::default(),
             cumulative: [Sum::default(); 3],
@@ -96,6 +98,7 @@ impl<const N: usize> EnergyErrors<N> {
         let mut windowed = Windowed {
             energy_j: [0.0; N],
             increment_m: now.increment_m,
+            moved_m: [0.0; N],
         };
         let mut step = Errors::default();
         for j in 0..N {
@@ -103,7 +106,7 @@ impl<const N: usize> EnergyErrors<N> {
                 .map(|k| self.stiffness_n_per_m[j][k] * error_m[k])
                 .sum();
             let mean_force_n = 0.5 * (last.force_n[j] + now.force_n[j]);
-            let moved_m = now.displacement_m[j] - self.displacement_m[j];
+            let moved_m = now.displacement_m[j] - last.displacement_m[j];
             let mean_error_m = 0.5 * (last.error_m[j] + error_m[j]);
             step.stiffness_j +=
                 0.5 * (self.stiffness_force_n[j] + stiffness_force_n) * now.increment_m[j];
@@ -111,6 +114,7 @@ impl<const N: usize> EnergyErrors<N> {
             step.modified_j += mean_error_m * (now.force_n[j] - last.force_n[j]);
             windowed.energy_j[j] =
                 0.5 * (then.error_m[j] + error_m[j]) * (now.force_n[j] - then.force_n[j]);
+            windowed.moved_m[j] = now.displacement_m[j] - then.displacement_m[j];
             if self.window > 1 {
                 windowed.increment_m[j] = now.command_m[j] - then.command_m[j];
             }
@@ -120,10 +124,10 @@ impl<const N: usize> EnergyErrors<N> {
         self.cumulative[1].add(step.hsem_j);
         self.cumulative[2].add(step.modified_j);
         self.step = step;
-        self.displacement_m = now.displacement_m;
         self.newest = (self.newest + 1) % MAX_WINDOW;
         self.past[self.newest] = Past {
             command_m: now.command_m,
+            displacement_m: now.displacement_m,
             error_m,
             force_n: now.force_n,
         };

@@ -12,7 +12,7 @@
 
 pub mod sech_gain;
 
-use crate::config::Method;
+use crate::config::{Method, Secant};
 use crate::energy::Windowed;
 use sech_gain::sech_gain;
 
@@ -21,6 +21,8 @@ use sech_gain::sech_gain;
 pub struct Constants<const N: usize> {
     /// Which equation.
     pub method: Method,
+    /// Which increment the energy is divided by.
+    pub secant: Secant,
     /// Exponent of the sech gain.
     pub gamma: f32,
     /// Fundamental natural frequency times the integration step.
@@ -109,8 +111,13 @@ impl<const N: usize> Compensator<N> {
             let reversal = velocity * motion.predictor_velocity_dt_m[j] < 0.0;
             // The sign rule alone leaves 0/0 beside a reversal, which f32 cannot resolve.
             let small = guarded && du.abs() <= k.hold_share * self.peak_m[j];
-            let raw = -energy.energy_j[j] * gain * k.window_s / (du * du);
-            let damping = if reversal || small || !raw.is_finite() {
+            let across = match k.secant {
+                Secant::Command => du,
+                Secant::Measured => energy.moved_m[j],
+            };
+            let raw = -energy.energy_j[j] * gain * k.window_s / (du * across);
+            let apart = du * across < 0.0;
+            let damping = if reversal || small || apart || !raw.is_finite() {
                 out.held = true;
                 self.last[j]
             } else if guarded {
@@ -135,6 +142,7 @@ mod tests {
     fn constants(method: Method) -> Constants<1> {
         Constants {
             method,
+            secant: Secant::Command,
             gamma: 0.05,
             omega_dt: 0.006,
             window_s: 5e-4,
@@ -159,6 +167,7 @@ mod tests {
         let energy = Windowed {
             energy_j: [-8.0 * du * k * du],
             increment_m: [du],
+            moved_m: [du],
         };
         let mut c = Compensator::at_rest();
         let out = c.update(&constants(Method::Eq14), &energy, &moving(du, du, du));
@@ -173,6 +182,7 @@ mod tests {
         let energy = |e: f32, du: f32| Windowed {
             energy_j: [e],
             increment_m: [du],
+            moved_m: [du],
         };
         let first = c
             .update(&k, &energy(-1e-3, 1e-3), &moving(1e-3, 1e-3, 1e-3))
@@ -192,6 +202,7 @@ mod tests {
         let energy = Windowed {
             energy_j: [0.0],
             increment_m: [0.0],
+            moved_m: [0.0],
         };
         for method in Method::ALL {
             let out =

@@ -85,6 +85,7 @@ impl<const N: usize> Design<N> {
             },
             compensation: compensate::Constants {
                 method: c.kind,
+                secant: c.secant,
                 gamma: c.gamma as f32,
                 omega_dt: (omega * dt_s) as f32,
                 window_s: (f64::from(c.window_steps) * dt_s) as f32,

@@ -131,6 +131,18 @@ impl Method {
     }
 }
 
+/// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Secant {
+    /// The command's, as published: the result is a stiffness `(omega tau)^2` too high.
+    #[default]
+    Command,
+    /// The specimen's own, `u_m,i - u_m,i-1`: that error is gone. Held where the two increments disagree in sign.
+    Measured,
+}
+
 /// Variable damping, Eqs 14 and 20, and its guards.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -138,6 +150,8 @@ impl Method {
 pub struct Compensation {
     /// Which method.
     pub kind: Method,
+    /// Which increment stands in the denominator.
+    pub secant: Secant,
     /// Exponent of the sech gain, Eq 19; 0 < gamma <= 1.
     pub gamma: f64,
     /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
@@ -158,6 +172,7 @@ impl Default for Compensation {
     fn default() -> Self {
         Self {
             kind: Method::Paper,
+            secant: Secant::Command,
             gamma: 0.05,
             window_steps: 1,
             delay_ms: 4.0,
