@@ -26,8 +26,8 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
-// `!(x <= limit)` is how a NaN fails a limit; a matrix is clearer by its indices.
-#![allow(clippy::neg_cmp_op_on_partial_ord, clippy::needless_range_loop)]
+// `!(x <= limit)` is how a NaN fails a limit.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod compensate;
 pub mod config;
