@@ -20,7 +20,7 @@ use crate::signal::{SignalGenerator, Target};
 use crate::supervise::{
     Checked, Event, Fault, Finding, HISTORY, LockWatch, Rejected, StaleWatch, State, Trip, check,
 };
-use heapless::HistoryBuf;
+use heapless::Deque;
 
 /// What was measured in a control step, and what the board knows about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ pub struct OuterLoop<const N: usize> {
     state: State,
     trip: Option<Trip>,
     obstacle: Option<Finding>,
-    history: HistoryBuf<Record<N>, HISTORY>,
+    history: Deque<Record<N>, HISTORY>,
     tick: u32,
     step: u32,
     sent_m: [f32; N],
@@ -92,7 +92,7 @@ impl<const N: usize> OuterLoop<N> {
             state: State::Idle,
             trip: None,
             obstacle: None,
-            history: HistoryBuf::new(),
+            history: Deque::new(),
             tick: 0,
             step: 0,
             sent_m: [0.0; N],
@@ -316,7 +316,11 @@ impl<const N: usize> OuterLoop<N> {
         record: &Record<N>,
     ) -> [f32; N] {
         if self.state != State::Tripped {
-            self.history.write(*record);
+            if self.history.is_full() {
+                self.history.pop_front();
+            }
+            // There is room now: the refusal cannot happen and would lose no more than a line of history.
+            let _ = self.history.push_back(*record);
         }
         self.obstacle = finding;
         if let (Some(f), Ok(tripped)) = (finding, self.state.after(Event::Fault)) {
@@ -393,7 +397,7 @@ mod operate {
 
         /// The last steps, oldest first; after a trip, those that led to it.
         pub fn history(&self) -> impl Iterator<Item = &Record<N>> {
-            self.history.oldest_ordered()
+            self.history.iter()
         }
 
         /// Takes an event from the operator or the link.
