@@ -1,0 +1,7 @@
+//! What a board is made of. Nothing here knows the algorithm.
+
+#[cfg(target_os = "none")]
+pub mod stack;
+
+#[cfg(all(target_os = "none", feature = "qemu"))]
+pub mod qemu;

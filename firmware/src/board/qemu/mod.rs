@@ -1,0 +1,12 @@
+//! QEMU's `netduinoplus2`: a Cortex-M4F with memory and a SysTick, and the host's files by semihosting.
+//!
+//! # Limitations
+//! None of the STM32's peripherals can be relied on there, so nothing of a real board's input and output is in it.
+
+mod exchange;
+mod semihosting;
+mod systick;
+
+pub use exchange::{Exchange, Lost, Period};
+pub use semihosting::exit;
+pub use systick::SysTick;

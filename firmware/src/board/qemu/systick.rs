@@ -1,0 +1,54 @@
+//! SysTick as a stopwatch.
+//!
+//! Under `-icount` the emulated clock advances by a fixed time with every instruction, so that this counts
+//! instructions; [`SysTick::ticks_per_1024_instructions`] measures by how much.
+
+use crate::converters::Stopwatch;
+use core::arch::asm;
+use core::sync::atomic::{Ordering, compiler_fence};
+use cortex_m::peripheral::{SYST, syst::SystClkSource};
+
+/// The counter has 24 bits and counts down.
+const TURN: u32 = 0x00FF_FFFF;
+
+/// The running counter.
+pub struct SysTick;
+
+impl SysTick {
+    /// Starts the counter at the processor's clock.
+    pub fn start(mut counter: SYST) -> Self {
+        counter.set_clock_source(SystClkSource::Core);
+        counter.set_reload(TURN);
+        counter.clear_current();
+        counter.enable_counter();
+        Self
+    }
+
+    /// Ticks that 1024 instructions take, and those that a measurement of nothing takes.
+    #[inline(never)]
+    pub fn ticks_per_1024_instructions(&self) -> (u32, u32) {
+        let begin = self.now();
+        let nothing = self.now();
+        // SAFETY: 1024 instructions that do nothing.
+        unsafe { asm!(".rept 1024", "nop", ".endr", options(nomem, nostack)) };
+        let end = self.now();
+        let overhead = Self::between(begin, nothing);
+        (Self::between(nothing, end) - overhead, overhead)
+    }
+}
+
+impl Stopwatch for SysTick {
+    #[inline]
+    fn between(earlier: u32, later: u32) -> u32 {
+        earlier.wrapping_sub(later) & TURN
+    }
+
+    #[inline]
+    fn now(&self) -> u32 {
+        // What was written before is done before the clock is read, and the other way round.
+        compiler_fence(Ordering::SeqCst);
+        let ticks = SYST::get_current();
+        compiler_fence(Ordering::SeqCst);
+        ticks
+    }
+}
