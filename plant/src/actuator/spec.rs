@@ -1,0 +1,212 @@
+//! The `[plant.actuator]` table.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Actuator, DelayLine, Dynamics, FirstOrder, Jump, RandomMultiplier, SecondOrder, ServoHydraulic,
+    ServoSpec,
+};
+use crate::error::{Accept, RigError};
+use crate::per_axis::PerAxis;
+use crate::random::{Normal, Purpose};
+
+/// How a command becomes a displacement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ActuatorKind {
+    /// The displacement is the command of the same step. Delay and lag are not looked at, so that any test file can
+    /// be run against the ideal.
+    #[default]
+    Ideal,
+    /// Pure transport delay `delay_ms`, whole periods or not.
+    Delay,
+    /// First-order lag with the time constant `delay_ms`.
+    FirstOrder,
+    /// Second-order lag with `2 zeta / omega = delay_ms`.
+    SecondOrder,
+    /// Transport delay `delay_ms`, then a first-order lag with the time constant `lag_ms`.
+    LagDelay,
+    /// The random multiplier of the displacement increment (paper, Fig 6b) with the mean delay `delay_ms`.
+    RandomMultiplier,
+    /// Valve, oil column and proportional control, with rate and force saturation; `delay_ms` is reached through the
+    /// control gain.
+    ServoHydraulic,
+}
+
+/// The `[plant.actuator]` table. Every number is one for all axes or a list, one an axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ActuatorSpec {
+    /// Which dynamics.
+    pub kind: ActuatorKind,
+    /// Effective delay of the kind, ms, 0 to 1000.
+    pub delay_ms: PerAxis,
+    /// First-order time constant, ms, 0 to 1000; `lag_delay` only.
+    pub lag_ms: PerAxis,
+    /// Displacement per command, 1; below 1 undershoots, above 1 overshoots.
+    pub gain: PerAxis,
+    /// Damping ratio of `second_order`, 0.01 to 10; 0.7 where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zeta: Option<f64>,
+    /// Standard deviation of the random multiplier, 0 to 0.5; 0.05 where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub multiplier_sd: Option<f64>,
+    /// A sudden change of the delay.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_jump: Option<DelayJump>,
+    /// The hydraulics of `servo_hydraulic`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoSpec>,
+}
+
+/// At `at_s` of lab time the delay becomes `delay_ms`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DelayJump {
+    /// When, s since the first step.
+    pub at_s: f64,
+    /// The delay from then on, ms, 0 to 1000.
+    pub delay_ms: f64,
+}
+
+impl Default for ActuatorSpec {
+    fn default() -> Self {
+        Self {
+            kind: ActuatorKind::Ideal,
+            delay_ms: 0.0.into(),
+            lag_ms: 0.0.into(),
+            gain: 1.0.into(),
+            zeta: None,
+            multiplier_sd: None,
+            delay_jump: None,
+            servo: None,
+        }
+    }
+}
+
+const TIME_MS: Accept = Accept::new(0.0, 1000.0, "ms");
+const GAIN: Accept = Accept::new(0.1, 10.0, "");
+const ZETA: Accept = Accept::new(0.01, 10.0, "");
+const DEVIATION: Accept = Accept::new(0.0, 0.5, "");
+const JUMP_S: Accept = Accept::new(0.0, 1e6, "s");
+
+impl ActuatorSpec {
+    /// One actuator an axis. `stiffness_n_per_m` and `mass_kg` are what the specimen puts on each.
+    pub(crate) fn build(
+        &self,
+        stiffness_n_per_m: &[f64],
+        mass_kg: &[f64],
+        rate_hz: f64,
+        seed: u64,
+    ) -> Result<Vec<Actuator>, RigError> {
+        self.refuse_what_the_kind_has_not()?;
+        let axes = stiffness_n_per_m.len();
+        let delay_ms = self
+            .delay_ms
+            .resolve("plant.actuator.delay_ms", axes, TIME_MS)?;
+        let lag_ms = self
+            .lag_ms
+            .resolve("plant.actuator.lag_ms", axes, TIME_MS)?;
+        let gain = self.gain.resolve("plant.actuator.gain", axes, GAIN)?;
+        let zeta = ZETA.check("plant.actuator.zeta", self.zeta.unwrap_or(0.7))?;
+        let deviation = DEVIATION.check(
+            "plant.actuator.multiplier_sd",
+            self.multiplier_sd.unwrap_or(0.05),
+        )?;
+        let step_s = 1.0 / rate_hz;
+        let jump = match self.delay_jump {
+            None => None,
+            Some(jump) => {
+                let at_s = JUMP_S.check("plant.actuator.delay_jump.at_s", jump.at_s)?;
+                let delay_ms =
+                    TIME_MS.check("plant.actuator.delay_jump.delay_ms", jump.delay_ms)?;
+                Some(Jump {
+                    steps_left: (at_s * rate_hz).round() as u64,
+                    delay_s: delay_ms * 1e-3,
+                })
+            }
+        };
+        let longest = jump.map_or(0.0, |jump| jump.delay_s * rate_hz);
+        (0..axes)
+            .map(|axis| {
+                let delay_s = delay_ms[axis] * 1e-3;
+                let line = || DelayLine::new(delay_ms[axis] * rate_hz / 1e3, longest);
+                let dynamics = match self.kind {
+                    ActuatorKind::Ideal => Dynamics::Ideal,
+                    ActuatorKind::Delay => Dynamics::Delay(line()),
+                    ActuatorKind::FirstOrder => {
+                        Dynamics::FirstOrder(FirstOrder::new(delay_s, step_s))
+                    }
+                    ActuatorKind::SecondOrder => Dynamics::SecondOrder {
+                        lag: SecondOrder::with_delay(delay_s, zeta, step_s),
+                        zeta,
+                    },
+                    ActuatorKind::LagDelay => Dynamics::LagDelay {
+                        line: line(),
+                        lag: FirstOrder::new(lag_ms[axis] * 1e-3, step_s),
+                    },
+                    ActuatorKind::RandomMultiplier => {
+                        Dynamics::RandomMultiplier(RandomMultiplier::new(
+                            delay_s,
+                            deviation,
+                            step_s,
+                            Normal::new(seed, Purpose::RandomMultiplier, axis),
+                        ))
+                    }
+                    ActuatorKind::ServoHydraulic => {
+                        let servo = ServoHydraulic::new(
+                            &self.servo.unwrap_or_default(),
+                            delay_s,
+                            jump.map(|jump| jump.delay_s),
+                            stiffness_n_per_m[axis],
+                            mass_kg[axis],
+                            step_s,
+                        )?;
+                        Dynamics::ServoHydraulic(Box::new(servo))
+                    }
+                };
+                Ok(Actuator {
+                    dynamics,
+                    gain: gain[axis],
+                    step_s,
+                    jump,
+                })
+            })
+            .collect()
+    }
+
+    /// A parameter that would have no effect is a mistake; the ideal alone ignores all.
+    fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
+        use ActuatorKind as Kind;
+        let belongs = |name: &str, given: bool, kind: Kind, only: &str| {
+            if given && self.kind != kind && self.kind != Kind::Ideal {
+                Err(RigError::new(
+                    format!("plant.actuator.{name}"),
+                    "given",
+                    format!("it beside plant.actuator.kind = \"{only}\" only"),
+                ))
+            } else {
+                Ok(())
+            }
+        };
+        belongs("lag_ms", !self.lag_ms.is(0.0), Kind::LagDelay, "lag_delay")?;
+        belongs(
+            "zeta",
+            self.zeta.is_some(),
+            Kind::SecondOrder,
+            "second_order",
+        )?;
+        belongs(
+            "multiplier_sd",
+            self.multiplier_sd.is_some(),
+            Kind::RandomMultiplier,
+            "random_multiplier",
+        )?;
+        belongs(
+            "servo",
+            self.servo.is_some(),
+            Kind::ServoHydraulic,
+            "servo_hydraulic",
+        )
+    }
+}

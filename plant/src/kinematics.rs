@@ -1,0 +1,82 @@
+//! Velocity and acceleration of a sampled motion, in lab time.
+
+/// The last samples of one displacement.
+///
+/// Backward differences of second order: in phase with the motion to `(omega dt)^2`, exact for a parabola (velocity) and
+/// a cubic (acceleration). They need the past only, so the force of this sample can depend on them.
+#[derive(Clone, Debug, Default)]
+pub struct Kinematics {
+    rate_hz: f64,
+    displacement_m: f64,
+    first_m: f64,
+    second_m: f64,
+    velocity_m_s: f64,
+    acceleration_m_s2: f64,
+}
+
+impl Kinematics {
+    /// At rest at zero, sampled `rate_hz` times a second.
+    pub fn new(rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            ..Self::default()
+        }
+    }
+
+    /// Takes in the next sample, m.
+    #[inline]
+    pub fn advance(&mut self, displacement_m: f64) {
+        let first = displacement_m - self.displacement_m;
+        let second = first - self.first_m;
+        // v = (3 x0 - 4 x1 + x2) / 2 dt and a = (2 x0 - 5 x1 + 4 x2 - x3) / dt^2, written with backward differences.
+        self.velocity_m_s = (first + 0.5 * second) * self.rate_hz;
+        self.acceleration_m_s2 = (2.0 * second - self.second_m) * self.rate_hz * self.rate_hz;
+        self.displacement_m = displacement_m;
+        self.first_m = first;
+        self.second_m = second;
+    }
+
+    /// The latest sample, m.
+    pub fn displacement_m(&self) -> f64 {
+        self.displacement_m
+    }
+
+    /// Change of displacement over the last period, m.
+    pub fn increment_m(&self) -> f64 {
+        self.first_m
+    }
+
+    /// Velocity at the latest sample, m/s.
+    pub fn velocity_m_s(&self) -> f64 {
+        self.velocity_m_s
+    }
+
+    /// Acceleration at the latest sample, m/s^2.
+    pub fn acceleration_m_s2(&self) -> f64 {
+        self.acceleration_m_s2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sine_is_differentiated_to_second_order() {
+        for rate in [1000.0, 2000.0] {
+            let omega: f64 = 30.0;
+            let mut k = Kinematics::new(rate);
+            for i in 0..2000 {
+                let t = f64::from(i) / rate;
+                k.advance((omega * t).sin());
+                if i > 4 {
+                    let bound = (omega / rate).powi(2);
+                    let v = k.velocity_m_s() / omega - (omega * t).cos();
+                    let a = k.acceleration_m_s2() / omega.powi(2) + (omega * t).sin();
+                    assert!(v.abs() < 0.4 * bound, "velocity off by {v}");
+                    assert!(a.abs() < 1.0 * bound, "acceleration off by {a}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The `[plant.sensors]` table, and the measuring channels that it describes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::actuator::DelayLine;
+use crate::converter::Converter;
+use crate::error::{Accept, RigError};
+use crate::random::{Normal, Purpose};
+use crate::sensor::{Sensor, SensorSpec};
+
+/// The `[plant.sensors]` table; the same sensors on every axis. The default is perfect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorsSpec {
+    /// White noise of the displacement, mm rms.
+    pub displacement_noise_mm: f64,
+    /// White noise of the force, N rms.
+    pub force_noise_n: f64,
+    /// Coloured noise of the displacement, mm rms.
+    pub displacement_coloured_noise_mm: f64,
+    /// Coloured noise of the force, N rms.
+    pub force_coloured_noise_n: f64,
+    /// Corner frequency of the coloured noise, Hz.
+    pub coloured_noise_corner_hz: f64,
+    /// Displacement read per displacement, 1.
+    pub displacement_gain: f64,
+    /// Force read per force, 1.
+    pub force_gain: f64,
+    /// Displacement read at zero, mm.
+    pub displacement_offset_mm: f64,
+    /// Force read at zero, N.
+    pub force_offset_n: f64,
+    /// Frequency of the mains hum, Hz.
+    pub hum_hz: f64,
+    /// Amplitude of the hum on the displacement, mm.
+    pub displacement_hum_mm: f64,
+    /// Amplitude of the hum on the force, N.
+    pub force_hum_n: f64,
+    /// The force is read later than the displacement by this, ms; negative: the displacement later than the force.
+    pub skew_ms: f64,
+    /// Bits of the converters, 2 to 32; without, nothing is quantised.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bits: Option<u32>,
+    /// The displacement converter takes plus and minus this, mm. Without: no rails, but 250 mm where there are bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement_range_mm: Option<f64>,
+    /// The force converter takes plus and minus this, N. Without: no rails, but what the stiffest storey resists over
+    /// the displacement range where there are bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_range_n: Option<f64>,
+}
+
+impl Default for SensorsSpec {
+    fn default() -> Self {
+        Self {
+            displacement_noise_mm: 0.0,
+            force_noise_n: 0.0,
+            displacement_coloured_noise_mm: 0.0,
+            force_coloured_noise_n: 0.0,
+            coloured_noise_corner_hz: 50.0,
+            displacement_gain: 1.0,
+            force_gain: 1.0,
+            displacement_offset_mm: 0.0,
+            force_offset_n: 0.0,
+            hum_hz: 50.0,
+            displacement_hum_mm: 0.0,
+            force_hum_n: 0.0,
+            skew_ms: 0.0,
+            bits: None,
+            displacement_range_mm: None,
+            force_range_n: None,
+        }
+    }
+}
+
+/// The displacement range that bits are spread over where the table gives none, mm.
+const DISPLACEMENT_RANGE_MM: f64 = 250.0;
+
+/// Displacement and force channel of one axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Channels {
+    pub(crate) displacement: Channel,
+    pub(crate) force: Channel,
+}
+
+/// One measured quantity: when it is sampled, its sensor, its converter.
+#[derive(Clone, Debug)]
+pub(crate) struct Channel {
+    late: Option<DelayLine>,
+    sensor: Sensor,
+    converter: Converter,
+}
+
+impl Channel {
+    /// What the loop is given for `quantity`, and whether it is at a rail.
+    #[inline]
+    pub(crate) fn read(&mut self, quantity: f64) -> (f64, bool) {
+        let sampled = match &mut self.late {
+            Some(line) => line.step(quantity),
+            None => quantity,
+        };
+        self.converter.convert(self.sensor.step(sampled))
+    }
+}
+
+impl SensorsSpec {
+    pub(crate) fn build(
+        &self,
+        stiffness_n_per_m: &[f64],
+        rate_hz: f64,
+        seed: u64,
+    ) -> Result<Vec<Channels>, RigError> {
+        let check = |name: &str, value: f64, min: f64, max: f64, unit| {
+            Accept::new(min, max, unit).check(&format!("plant.sensors.{name}"), value)
+        };
+        let corner_hz = check(
+            "coloured_noise_corner_hz",
+            self.coloured_noise_corner_hz,
+            1e-3,
+            rate_hz / 2.0,
+            "Hz",
+        )?;
+        let hum_hz = check("hum_hz", self.hum_hz, 1e-3, 1e4, "Hz")?;
+        let displacement = SensorSpec {
+            gain: check("displacement_gain", self.displacement_gain, 0.1, 10.0, "")?,
+            offset: 1e-3
+                * check(
+                    "displacement_offset_mm",
+                    self.displacement_offset_mm,
+                    -1e4,
+                    1e4,
+                    "mm",
+                )?,
+            white_rms: 1e-3
+                * check(
+                    "displacement_noise_mm",
+                    self.displacement_noise_mm,
+                    0.0,
+                    1e4,
+                    "mm",
+                )?,
+            coloured_rms: 1e-3
+                * check(
+                    "displacement_coloured_noise_mm",
+                    self.displacement_coloured_noise_mm,
+                    0.0,
+                    1e4,
+                    "mm",
+                )?,
+            coloured_corner_hz: corner_hz,
+            hum_amplitude: 1e-3
+                * check(
+                    "displacement_hum_mm",
+                    self.displacement_hum_mm,
+                    0.0,
+                    1e4,
+                    "mm",
+                )?,
+            hum_hz,
+        };
+        let force = SensorSpec {
+            gain: check("force_gain", self.force_gain, 0.1, 10.0, "")?,
+            offset: check("force_offset_n", self.force_offset_n, -1e9, 1e9, "N")?,
+            white_rms: check("force_noise_n", self.force_noise_n, 0.0, 1e9, "N")?,
+            coloured_rms: check(
+                "force_coloured_noise_n",
+                self.force_coloured_noise_n,
+                0.0,
+                1e9,
+                "N",
+            )?,
+            coloured_corner_hz: corner_hz,
+            hum_amplitude: check("force_hum_n", self.force_hum_n, 0.0, 1e9, "N")?,
+            hum_hz,
+        };
+        if let Some(bits) = self.bits {
+            check("bits", f64::from(bits), 2.0, 32.0, "")?;
+        }
+        let optional = |name, value: Option<f64>, max, unit| {
+            value
+                .map(|value| check(name, value, 1e-6, max, unit))
+                .transpose()
+        };
+        let range_m = optional(
+            "displacement_range_mm",
+            self.displacement_range_mm,
+            1e5,
+            "mm",
+        )?
+        .or(self.bits.map(|_| DISPLACEMENT_RANGE_MM))
+        .map(|mm| mm * 1e-3);
+        let stiffest = stiffness_n_per_m.iter().copied().fold(0.0, f64::max);
+        let range_n = match optional("force_range_n", self.force_range_n, 1e9, "N")? {
+            None if self.bits.is_some() && stiffest == 0.0 => {
+                return Err(RigError::new(
+                    "plant.sensors.force_range_n",
+                    "missing",
+                    "a range beside bits, where the specimen has no stiffness to take it from",
+                ));
+            }
+            None => self.bits.and(range_m).map(|range_m| stiffest * range_m),
+            given => given,
+        };
+        let skew = check("skew_ms", self.skew_ms, -1000.0, 1000.0, "ms")? * rate_hz / 1e3;
+        let late = |periods: f64| (periods > 0.0).then(|| DelayLine::new(periods, 0.0));
+        Ok((0..stiffness_n_per_m.len())
+            .map(|axis| {
+                let normal = |purpose| Normal::new(seed, purpose, axis);
+                Channels {
+                    displacement: Channel {
+                        late: late(-skew),
+                        sensor: Sensor::new(
+                            &displacement,
+                            rate_hz,
+                            normal(Purpose::DisplacementNoise),
+                        ),
+                        converter: Converter::new(range_m, self.bits),
+                    },
+                    force: Channel {
+                        late: late(skew),
+                        sensor: Sensor::new(&force, rate_hz, normal(Purpose::ForceNoise)),
+                        converter: Converter::new(range_n, self.bits),
+                    },
+                }
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,40 @@
+//! From deformation to restoring force: one element a storey.
+
+mod bilinear;
+mod bouc_wen;
+mod spec;
+
+pub use bilinear::Bilinear;
+pub use bouc_wen::BoucWen;
+pub use spec::{SpecimenKind, SpecimenSpec};
+
+use crate::kinematics::Kinematics;
+
+/// Restoring force of one storey against its drift.
+#[derive(Clone, Debug)]
+enum Restoring {
+    Linear { stiffness_n_per_m: f64 },
+    Bilinear(Bilinear),
+    BoucWen(BoucWen),
+}
+
+/// One storey of the specimen: a spring of some kind and a dashpot beside it.
+#[derive(Clone, Debug)]
+pub struct Storey {
+    restoring: Restoring,
+    damping_n_s_per_m: f64,
+}
+
+impl Storey {
+    /// Storey shear, N, at the drift, m, and in the motion that `drift` holds.
+    #[inline]
+    pub fn step(&mut self, drift: &Kinematics) -> f64 {
+        let x = drift.displacement_m();
+        let spring = match &mut self.restoring {
+            Restoring::Linear { stiffness_n_per_m } => *stiffness_n_per_m * x,
+            Restoring::Bilinear(bilinear) => bilinear.step(x),
+            Restoring::BoucWen(bouc_wen) => bouc_wen.step(x),
+        };
+        spring + self.damping_n_s_per_m * drift.velocity_m_s()
+    }
+}

@@ -1,0 +1,193 @@
+//! The `[plant.specimen]` table.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bilinear, BoucWen, Restoring, Storey};
+use crate::error::{Accept, RigError};
+use crate::per_axis::PerAxis;
+
+/// The restoring force of a storey.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SpecimenKind {
+    /// `R = K x`.
+    #[default]
+    Linear,
+    /// Bilinear with kinematic hardening: `yield_mm`, `hardening_ratio`.
+    Bilinear,
+    /// Bouc-Wen: `yield_mm`, `hardening_ratio`, `sharpness`, `loop_shape`.
+    BoucWen,
+    /// A dashpot, `R = c v`: `damping_n_s_per_mm`; with a spring beside it only where `stiffness_n_per_m` is given here.
+    Viscous,
+}
+
+/// The `[plant.specimen]` table. Every number is one for all storeys or a list from the ground up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpecimenSpec {
+    /// Which restoring force.
+    pub kind: SpecimenKind,
+    /// Initial stiffness of a storey, N/m, 0 to 1e12; the structure's where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_per_m: Option<PerAxis>,
+    /// Yield drift, mm, 1e-6 to 1e6; needed by `bilinear` and `bouc_wen`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yield_mm: Option<PerAxis>,
+    /// Stiffness after yield over initial stiffness, 0 to 1; 0.05 where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardening_ratio: Option<PerAxis>,
+    /// Exponent n of Bouc-Wen's knee, 0.5 to 50; 2 where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sharpness: Option<f64>,
+    /// Bouc-Wen's beta, 0.5 to 1, gamma being the rest to 1; 0.5 (straight unloading) where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_shape: Option<f64>,
+    /// Viscous damping beside the restoring force of any kind, N s/mm, 0 to 1e6.
+    pub damping_n_s_per_mm: PerAxis,
+    /// Mass that hangs on the load cell of each axis, kg, 0 to 1e9: it reads `m a` of the lab's motion as well.
+    pub physical_mass_kg: PerAxis,
+}
+
+impl Default for SpecimenSpec {
+    fn default() -> Self {
+        Self {
+            kind: SpecimenKind::Linear,
+            stiffness_n_per_m: None,
+            yield_mm: None,
+            hardening_ratio: None,
+            sharpness: None,
+            loop_shape: None,
+            damping_n_s_per_mm: 0.0.into(),
+            physical_mass_kg: 0.0.into(),
+        }
+    }
+}
+
+const STIFFNESS: Accept = Accept::new(0.0, 1e12, "N/m");
+const YIELD: Accept = Accept::new(1e-6, 1e6, "mm");
+const RATIO: Accept = Accept::new(0.0, 1.0, "");
+const SHARPNESS: Accept = Accept::new(0.5, 50.0, "");
+const LOOP_SHAPE: Accept = Accept::new(0.5, 1.0, "");
+const DAMPING: Accept = Accept::new(0.0, 1e6, "N s/mm");
+const MASS: Accept = Accept::new(0.0, 1e9, "kg");
+
+impl SpecimenSpec {
+    /// Initial stiffness of every storey, N/m, where the structure's is `structure_n_per_m`.
+    pub(crate) fn stiffness(&self, structure_n_per_m: &[f64]) -> Result<Vec<f64>, RigError> {
+        match &self.stiffness_n_per_m {
+            Some(own) => own.resolve(
+                "plant.specimen.stiffness_n_per_m",
+                structure_n_per_m.len(),
+                STIFFNESS,
+            ),
+            None if self.kind == SpecimenKind::Viscous => Ok(vec![0.0; structure_n_per_m.len()]),
+            None => Ok(structure_n_per_m.to_vec()),
+        }
+    }
+
+    /// Mass on every load cell, kg.
+    pub(crate) fn mass(&self, axes: usize) -> Result<Vec<f64>, RigError> {
+        self.physical_mass_kg
+            .resolve("plant.specimen.physical_mass_kg", axes, MASS)
+    }
+
+    /// One element a storey, with the initial stiffness that [`SpecimenSpec::stiffness`] gave.
+    pub(crate) fn build(&self, stiffness_n_per_m: &[f64]) -> Result<Vec<Storey>, RigError> {
+        self.refuse_what_the_kind_has_not()?;
+        let axes = stiffness_n_per_m.len();
+        let yields = matches!(self.kind, SpecimenKind::Bilinear | SpecimenKind::BoucWen);
+        let yield_mm = match &self.yield_mm {
+            Some(mm) => mm.resolve("plant.specimen.yield_mm", axes, YIELD)?,
+            None if yields => {
+                let accepted = format!("{YIELD} beside this plant.specimen.kind");
+                return Err(RigError::new(
+                    "plant.specimen.yield_mm",
+                    "missing",
+                    accepted,
+                ));
+            }
+            None => Vec::new(),
+        };
+        let ratio = self.hardening_ratio.clone().unwrap_or(0.05.into());
+        let ratio = ratio.resolve("plant.specimen.hardening_ratio", axes, RATIO)?;
+        let sharpness = self.sharpness.unwrap_or(2.0);
+        let sharpness = SHARPNESS.check("plant.specimen.sharpness", sharpness)?;
+        let loop_shape = self.loop_shape.unwrap_or(0.5);
+        let loop_shape = LOOP_SHAPE.check("plant.specimen.loop_shape", loop_shape)?;
+        let path = "plant.specimen.damping_n_s_per_mm";
+        let damping = self.damping_n_s_per_mm.resolve(path, axes, DAMPING)?;
+        if self.kind == SpecimenKind::Viscous && damping.contains(&0.0) {
+            return Err(RigError::new(
+                path,
+                0,
+                "more than 0 beside plant.specimen.kind = \"viscous\"",
+            ));
+        }
+        let storey = |j: usize| {
+            let k = stiffness_n_per_m[j];
+            let restoring = match self.kind {
+                SpecimenKind::Linear | SpecimenKind::Viscous => Restoring::Linear {
+                    stiffness_n_per_m: k,
+                },
+                SpecimenKind::Bilinear => {
+                    Restoring::Bilinear(Bilinear::new(k, yield_mm[j] * 1e-3, ratio[j]))
+                }
+                SpecimenKind::BoucWen => Restoring::BoucWen(BoucWen::new(
+                    k,
+                    yield_mm[j] * 1e-3,
+                    ratio[j],
+                    sharpness,
+                    loop_shape,
+                )),
+            };
+            Storey {
+                restoring,
+                damping_n_s_per_m: damping[j] * 1e3,
+            }
+        };
+        Ok((0..axes).map(storey).collect())
+    }
+
+    /// A parameter that would have no effect is a mistake.
+    fn refuse_what_the_kind_has_not(&self) -> Result<(), RigError> {
+        use SpecimenKind::{Bilinear, BoucWen};
+        let belongs = |name: &str, given: bool, kinds: &[SpecimenKind], to: &str| {
+            if given && !kinds.contains(&self.kind) {
+                let accepted = format!("it beside plant.specimen.kind = {to} only");
+                Err(RigError::new(
+                    format!("plant.specimen.{name}"),
+                    "given",
+                    accepted,
+                ))
+            } else {
+                Ok(())
+            }
+        };
+        let both = [Bilinear, BoucWen];
+        belongs(
+            "yield_mm",
+            self.yield_mm.is_some(),
+            &both,
+            "\"bilinear\" or \"bouc_wen\"",
+        )?;
+        let ratio = self.hardening_ratio.is_some();
+        belongs(
+            "hardening_ratio",
+            ratio,
+            &both,
+            "\"bilinear\" or \"bouc_wen\"",
+        )?;
+        belongs(
+            "sharpness",
+            self.sharpness.is_some(),
+            &[BoucWen],
+            "\"bouc_wen\"",
+        )?;
+        belongs(
+            "loop_shape",
+            self.loop_shape.is_some(),
+            &[BoucWen],
+            "\"bouc_wen\"",
+        )
+    }
+}
