@@ -35,6 +35,8 @@ pub struct Constants<const N: usize> {
     pub smallest: [f32; N],
     /// Share of the running peak of the increment below which the last value is held.
     pub hold_share: f32,
+    /// What the running peak keeps from one integration step to the next.
+    pub peak_memory: f32,
 }
 
 /// How the structure moves, as the compensation sees it.
@@ -107,7 +109,9 @@ impl<const N: usize> Compensator<N> {
                 _ => 1.0,
             };
             let guarded = k.method != Method::Eq14Unguarded;
-            self.peak_m[j] = self.peak_m[j].max(du.abs());
+            // The peak fades within a natural period: in the quiet end of a test a peak of its strong part would hold
+            // whatever C_cor happened to be last, for ever.
+            self.peak_m[j] = (k.peak_memory * self.peak_m[j]).max(du.abs());
             let reversal = velocity * motion.predictor_velocity_dt_m[j] < 0.0;
             // The sign rule alone leaves 0/0 beside a reversal, which f32 cannot resolve.
             let small = guarded && du.abs() <= k.hold_share * self.peak_m[j];
@@ -149,6 +153,7 @@ mod tests {
             largest: [1264.0],
             smallest: [0.0],
             hold_share: 0.05,
+            peak_memory: 0.999,
         }
     }
 

@@ -185,12 +185,14 @@ impl Config {
             1e3,
             "above 0 and below 1000",
         )?;
-        accept(
-            "compensation.clamp_below",
-            c.clamp_below,
-            c.clamp_below <= 0.0 && c.clamp_below > -1e3,
-            "above -1000 and at most 0",
-        )?;
+        if let Some(below) = c.clamp_below {
+            accept(
+                "compensation.clamp_below",
+                below,
+                below <= 0.0 && below > -1e3,
+                "above -1000 and at most 0",
+            )?;
+        }
         between(
             "compensation.least_mass",
             c.least_mass,

@@ -70,6 +70,12 @@ impl<const N: usize> Design<N> {
         let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
         let delay_stiffness: [f64; N] =
             core::array::from_fn(|j| specimen[j][j] * c.delay_ms * 1e-3 / t.time_scale);
+        let several = if structure.physical > 1 {
+            -c.clamp
+        } else {
+            0.0
+        };
+        let below = c.clamp_below.unwrap_or(several);
         let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
         Ok(Self {
             newmark: newmark::Coefficients::new(
@@ -92,9 +98,10 @@ impl<const N: usize> Design<N> {
                 largest: delay_stiffness.map(|k| (c.clamp * k) as f32),
                 smallest: core::array::from_fn(|j| {
                     let guard = -2.0 * (1.0 - c.least_mass) * mass[j] / dt_s;
-                    (c.clamp_below * delay_stiffness[j]).max(guard) as f32
+                    (below * delay_stiffness[j]).max(guard) as f32
                 }),
                 hold_share: c.hold_share as f32,
+                peak_memory: libm::exp(-omega * dt_s / core::f64::consts::TAU) as f32,
             },
             estimation: estimation(config, structure, control_step_s)?,
             limits: limits(config),

@@ -160,8 +160,10 @@ pub struct Compensation {
     pub delay_ms: f64,
     /// C_cor is kept below this many times K tau.
     pub clamp: f64,
-    /// C_cor is kept above this many times K tau; 0 or less.
-    pub clamp_below: f64,
+    /// C_cor is kept above this many times K tau; 0 or less. Left out: 0 with one actuator, `-clamp` with several. A
+    /// single floor's share of a frame's damping is negative where the floors beside it move the other way; only the
+    /// sum must not be.
+    pub clamp_below: Option<f64>,
     /// Share of the mass that `M + dt/2 C_cor` may not fall below.
     pub least_mass: f64,
     /// The last C_cor is held while the increment is below this share of its running peak.
@@ -177,7 +179,7 @@ impl Default for Compensation {
             window_steps: 1,
             delay_ms: 4.0,
             clamp: 2.0,
-            clamp_below: 0.0,
+            clamp_below: None,
             least_mass: 0.5,
             hold_share: 0.05,
         }
