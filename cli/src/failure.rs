@@ -1,0 +1,36 @@
+//! One clear sentence and an exit status.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// Why a verb did not do what was asked.
+#[derive(Debug)]
+pub enum Failure {
+    /// The input cannot be used: what, where, which value, what would be accepted. Exit status 2.
+    Input(String),
+    /// The test tripped or failed. Exit status 1.
+    Test(String),
+}
+
+impl Failure {
+    /// Bad input.
+    pub fn input(sentence: impl Into<String>) -> Self {
+        Self::Input(sentence.into())
+    }
+
+    /// The exit status that the contract gives.
+    pub fn exit(&self) -> ExitCode {
+        match self {
+            Self::Input(_) => ExitCode::from(2),
+            Self::Test(_) => ExitCode::from(1),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(sentence) | Self::Test(sentence) => f.write_str(sentence),
+        }
+    }
+}
