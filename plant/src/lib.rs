@@ -16,6 +16,8 @@
 //! | [`actuator`] | command to displacement: delays, lags, the random multiplier, a servo-hydraulic actuator |
 //! | [`specimen`] | displacement to force: one restoring-force element a storey |
 //! | [`measurement`] | what the loop gets to see of both: sampling skew, [`sensor`], [`converter`] |
+//! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
+//! | `stage` | what an effect puts into the way of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
 //!
 //! Time is lab time: one [`Rig::step`] is one control period. A sample is taken at the *end* of the period in which the
@@ -23,6 +25,7 @@
 
 pub mod actuator;
 pub mod converter;
+pub mod effect;
 mod error;
 pub mod kinematics;
 pub mod measurement;
@@ -31,7 +34,9 @@ mod random;
 pub mod rig;
 pub mod sensor;
 pub mod specimen;
+mod stage;
 
-pub use error::RigError;
+pub use effect::{Channel, Effect, EffectSpec, Family, catalogue};
+pub use error::{Accept, RigError};
 pub use per_axis::PerAxis;
 pub use rig::{Reading, Rig, RigSpec};

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::actuator::DelayLine;
 use crate::converter::Converter;
+use crate::effect::{Additions, Signal};
 use crate::error::{Accept, RigError};
 use crate::random::{Normal, Purpose};
 use crate::sensor::{Sensor, SensorSpec};
+use crate::stage::{Stage, Stages};
 
 /// The `[plant.sensors]` table; the same sensors on every axis. The default is perfect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,8 +46,8 @@ pub struct SensorsSpec {
     /// The displacement converter takes plus and minus this, mm. Without: no rails, but 250 mm where there are bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub displacement_range_mm: Option<f64>,
-    /// The force converter takes plus and minus this, N. Without: no rails, but what the stiffest storey resists over
-    /// the displacement range where there are bits.
+    /// The force converter takes plus and minus this, N. Without: no rails, but what the structure's stiffest
+    /// storey resists over the displacement range where there are bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force_range_n: Option<f64>,
 }
@@ -86,8 +88,9 @@ pub(crate) struct Channels {
 /// One measured quantity: when it is sampled, its sensor, its converter.
 #[derive(Clone, Debug)]
 pub(crate) struct Channel {
-    late: Option<DelayLine>,
+    before_sampling: Stages,
     sensor: Sensor,
+    after_sensor: Stages,
     converter: Converter,
 }
 
@@ -95,11 +98,9 @@ impl Channel {
     /// What the loop is given for `quantity`, and whether it is at a rail.
     #[inline]
     pub(crate) fn read(&mut self, quantity: f64) -> (f64, bool) {
-        let sampled = match &mut self.late {
-            Some(line) => line.step(quantity),
-            None => quantity,
-        };
-        self.converter.convert(self.sensor.step(sampled))
+        let sampled = self.before_sampling.step(quantity);
+        let signal = self.after_sensor.step(self.sensor.step(sampled));
+        self.converter.convert(signal)
     }
 }
 
@@ -107,6 +108,7 @@ impl SensorsSpec {
     pub(crate) fn build(
         &self,
         stiffness_n_per_m: &[f64],
+        additions: &[Additions],
         rate_hz: f64,
         seed: u64,
     ) -> Result<Vec<Channels>, RigError> {
@@ -191,38 +193,33 @@ impl SensorsSpec {
         .map(|mm| mm * 1e-3);
         let stiffest = stiffness_n_per_m.iter().copied().fold(0.0, f64::max);
         let range_n = match optional("force_range_n", self.force_range_n, 1e9, "N")? {
-            None if self.bits.is_some() && stiffest == 0.0 => {
-                return Err(RigError::new(
-                    "plant.sensors.force_range_n",
-                    "missing",
-                    "a range beside bits, where the specimen has no stiffness to take it from",
-                ));
-            }
             None => self.bits.and(range_m).map(|range_m| stiffest * range_m),
             given => given,
         };
         let skew = check("skew_ms", self.skew_ms, -1000.0, 1000.0, "ms")? * rate_hz / 1e3;
-        let late = |periods: f64| (periods > 0.0).then(|| DelayLine::new(periods, 0.0));
-        Ok((0..stiffness_n_per_m.len())
-            .map(|axis| {
-                let normal = |purpose| Normal::new(seed, purpose, axis);
-                Channels {
-                    displacement: Channel {
-                        late: late(-skew),
-                        sensor: Sensor::new(
-                            &displacement,
-                            rate_hz,
-                            normal(Purpose::DisplacementNoise),
-                        ),
-                        converter: Converter::new(range_m, self.bits),
-                    },
-                    force: Channel {
-                        late: late(skew),
-                        sensor: Sensor::new(&force, rate_hz, normal(Purpose::ForceNoise)),
-                        converter: Converter::new(range_n, self.bits),
-                    },
-                }
-            })
-            .collect())
+        let channel = |late: f64, spec, normal, range, added: &Signal| {
+            let mut before_sampling = added.before_sampling.clone();
+            if late > 0.0 {
+                before_sampling.push(Stage::Delay(DelayLine::new(late, 0.0)));
+            }
+            Channel {
+                before_sampling,
+                sensor: Sensor::new(spec, rate_hz, normal),
+                after_sensor: added.after_sensor.clone(),
+                converter: Converter::new(range, self.bits),
+            }
+        };
+        let axis = |(axis, added): (usize, &Additions)| {
+            let normal = |purpose| Normal::new(seed, purpose, axis);
+            let (at_m, at_n) = (
+                normal(Purpose::DisplacementNoise),
+                normal(Purpose::ForceNoise),
+            );
+            Channels {
+                displacement: channel(-skew, &displacement, at_m, range_m, &added.displacement),
+                force: channel(skew, &force, at_n, range_n, &added.force),
+            }
+        };
+        Ok(additions.iter().enumerate().map(axis).collect())
     }
 }

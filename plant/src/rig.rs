@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::actuator::{Actuator, ActuatorSpec, Load};
+use crate::effect::{Effect, EffectSpec, additions};
 use crate::error::{Accept, RigError};
 use crate::kinematics::Kinematics;
 use crate::measurement::{Channels, SensorsSpec};
@@ -18,6 +19,40 @@ pub struct RigSpec {
     pub specimen: SpecimenSpec,
     /// What is read of both.
     pub sensors: SensorsSpec,
+    /// Whatever else is wrong with it, in the order in which it acts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSpec>,
+}
+
+impl RigSpec {
+    /// The same rig with one more effect.
+    ///
+    /// # Errors
+    /// A parameter that is missing, unknown or out of its range, by its name.
+    pub fn with_effect(
+        mut self,
+        effect: Effect,
+        parameters: &[(&str, f64)],
+    ) -> Result<Self, RigError> {
+        let spec = EffectSpec::new(effect, parameters);
+        spec.check(&format!("plant.effects[{}]", self.effects.len()))?;
+        self.effects.push(spec);
+        Ok(self)
+    }
+
+    /// The rig that a test is compared with: the same specimen, of which nothing hangs on the load cell, under ideal
+    /// actuators and sensors, without any effect.
+    pub fn ideal(&self) -> Self {
+        Self {
+            actuator: ActuatorSpec::default(),
+            specimen: SpecimenSpec {
+                physical_mass_kg: 0.0.into(),
+                ..self.specimen.clone()
+            },
+            sensors: SensorsSpec::default(),
+            effects: Vec::new(),
+        }
+    }
 }
 
 /// What one control period gives; one number an axis, from the ground up.
@@ -52,10 +87,40 @@ struct Floor {
     /// Motion of the floor.
     motion: Kinematics,
     mass_kg: f64,
+    /// By what the actuator gives way to a force, m/N.
+    droop_m_per_n: f64,
+    /// By what the floor falls short of the actuator under a force, m/N.
+    compliance_m_per_n: f64,
     channels: Channels,
     /// What the specimen puts on the actuator, inertia aside: a physical mass moves with the piston.
     load: Load,
     shear_n: f64,
+    /// Displacement of the actuator, where its transducer is.
+    actuator_m: f64,
+}
+
+impl Floor {
+    /// Where the floor comes to stand when the actuator's dynamics would put it at `wanted_m`: both the actuator and the
+    /// rig between it and the specimen give way to the force. That force is the last one, carried on with the
+    /// specimen's initial stiffness; for a linear specimen this is the exact equilibrium.
+    #[inline]
+    fn give_way(&mut self, wanted_m: f64) -> f64 {
+        let gives = self.droop_m_per_n + self.compliance_m_per_n;
+        if gives == 0.0 {
+            self.actuator_m = wanted_m;
+            return wanted_m;
+        }
+        let Load {
+            force_n,
+            stiffness_n_per_m,
+        } = self.load;
+        let from = self.motion.displacement_m();
+        // x = wanted - gives (F + k (x - from))
+        let x = (wanted_m - gives * (force_n - stiffness_n_per_m * from))
+            / (1.0 + gives * stiffness_n_per_m);
+        self.actuator_m = x + self.compliance_m_per_n * (force_n + stiffness_n_per_m * (x - from));
+        x
+    }
 }
 
 const RATE: Accept = Accept::new(1.0, 1e6, "Hz");
@@ -82,16 +147,22 @@ impl Rig {
         }
         let axes = storey_stiffness_n_per_m.len();
         let stiffness = spec.specimen.stiffness(storey_stiffness_n_per_m)?;
-        let mass = spec.specimen.mass(axes)?;
-        let storeys = spec.specimen.build(&stiffness)?;
+        let additions = additions(&spec.effects, &stiffness, rate_hz)?;
+        let mut mass = spec.specimen.mass(axes)?;
+        for (mass, added) in mass.iter_mut().zip(&additions) {
+            *mass += added.mass_kg;
+        }
+        let storeys = spec.specimen.build(&stiffness, &additions)?;
         // A floor is held by the storeys below and above it.
         let held: Vec<f64> = (0..axes)
             .map(|j| stiffness[j] + stiffness.get(j + 1).unwrap_or(&0.0))
             .collect();
-        let actuators = spec.actuator.build(&held, &mass, rate_hz, seed)?;
+        let actuators = spec
+            .actuator
+            .build(&held, &mass, &additions, rate_hz, seed)?;
         let channels = spec
             .sensors
-            .build(storey_stiffness_n_per_m, rate_hz, seed)?;
+            .build(storey_stiffness_n_per_m, &additions, rate_hz, seed)?;
         let floors = actuators
             .into_iter()
             .zip(storeys)
@@ -103,12 +174,15 @@ impl Rig {
                 drift: Kinematics::new(rate_hz),
                 motion: Kinematics::new(rate_hz),
                 mass_kg: mass[j],
+                droop_m_per_n: additions[j].droop_m_per_n,
+                compliance_m_per_n: additions[j].compliance_m_per_n,
                 channels,
                 load: Load {
                     force_n: 0.0,
                     stiffness_n_per_m: held[j],
                 },
                 shear_n: 0.0,
+                actuator_m: 0.0,
             })
             .collect();
         let zeros = vec![0.0; axes];
@@ -141,11 +215,12 @@ impl Rig {
         );
         let mut below = 0.0;
         for (floor, &command) in self.floors.iter_mut().zip(command_m) {
-            let displacement = floor.actuator.step(command, floor.load);
-            floor.motion.advance(displacement);
-            floor.drift.advance(displacement - below);
+            let actuator = floor.actuator.step(command, floor.load);
+            let at = floor.give_way(actuator);
+            floor.motion.advance(at);
+            floor.drift.advance(at - below);
             floor.shear_n = floor.storey.step(&floor.drift);
-            below = displacement;
+            below = at;
         }
         let mut above_n = 0.0;
         self.reading.at_rail = false;
@@ -154,7 +229,7 @@ impl Rig {
             above_n = floor.shear_n;
             floor.load.force_n = restoring;
             let force = restoring + floor.mass_kg * floor.motion.acceleration_m_s2();
-            let displacement = floor.motion.displacement_m();
+            let displacement = floor.actuator_m;
             let (read_m, rail_m) = floor.channels.displacement.read(displacement);
             let (read_n, rail_n) = floor.channels.force.read(force);
             self.reading.displacement_m[j] = read_m;

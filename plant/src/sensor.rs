@@ -98,7 +98,7 @@ impl Coloured {
 
 /// A sine by rotation.
 #[derive(Clone, Debug)]
-struct Hum {
+pub(crate) struct Hum {
     cos: f64,
     sin: f64,
     re: f64,
@@ -106,7 +106,7 @@ struct Hum {
 }
 
 impl Hum {
-    fn new(amplitude: f64, frequency_hz: f64, rate_hz: f64) -> Self {
+    pub(crate) fn new(amplitude: f64, frequency_hz: f64, rate_hz: f64) -> Self {
         let (sin, cos) = (TAU * frequency_hz / rate_hz).sin_cos();
         Self {
             cos,
@@ -117,7 +117,7 @@ impl Hum {
     }
 
     #[inline]
-    fn step(&mut self) -> f64 {
+    pub(crate) fn step(&mut self) -> f64 {
         let re = self.cos * self.re - self.sin * self.im;
         self.im = self.sin * self.re + self.cos * self.im;
         self.re = re;

@@ -24,6 +24,11 @@ impl FirstOrder {
         self.stays = (-step_s / time_constant_s).exp();
     }
 
+    /// Puts it there at once.
+    pub fn move_to(&mut self, position: f64) {
+        self.position = position;
+    }
+
     /// Where the lag is after one period at the command `input`.
     #[inline]
     pub fn step(&mut self, input: f64) -> f64 {

@@ -16,6 +16,8 @@ pub use random_multiplier::RandomMultiplier;
 pub use servo_hydraulic::{ServoHydraulic, ServoSpec};
 pub use spec::{ActuatorKind, ActuatorSpec, DelayJump};
 
+use crate::stage::Stages;
+
 /// What hangs on the piston: the specimen, linearised about the last sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Load {
@@ -42,6 +44,8 @@ enum Dynamics {
 pub struct Actuator {
     dynamics: Dynamics,
     gain: f64,
+    /// What its motion goes through after its dynamics.
+    motion: Stages,
     step_s: f64,
     jump: Option<Jump>,
 }
@@ -67,7 +71,7 @@ impl Actuator {
             }
         }
         let target = self.gain * command_m;
-        match &mut self.dynamics {
+        let moved = match &mut self.dynamics {
             Dynamics::Ideal => target,
             Dynamics::Delay(line) => line.step(target),
             Dynamics::FirstOrder(lag) => lag.step(target),
@@ -75,7 +79,8 @@ impl Actuator {
             Dynamics::LagDelay { line, lag } => lag.step(line.step(target)),
             Dynamics::RandomMultiplier(block) => block.step(target),
             Dynamics::ServoHydraulic(servo) => servo.step(target, load),
-        }
+        };
+        self.motion.step(moved)
     }
 
     fn set_delay(&mut self, delay_s: f64) {

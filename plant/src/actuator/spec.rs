@@ -6,9 +6,11 @@ use super::{
     Actuator, DelayLine, Dynamics, FirstOrder, Jump, RandomMultiplier, SecondOrder, ServoHydraulic,
     ServoSpec,
 };
+use crate::effect::Additions;
 use crate::error::{Accept, RigError};
 use crate::per_axis::PerAxis;
 use crate::random::{Normal, Purpose};
+use crate::stage::{Stage, Stages};
 
 /// How a command becomes a displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,6 +98,7 @@ impl ActuatorSpec {
         &self,
         stiffness_n_per_m: &[f64],
         mass_kg: &[f64],
+        additions: &[Additions],
         rate_hz: f64,
         seed: u64,
     ) -> Result<Vec<Actuator>, RigError> {
@@ -129,8 +132,16 @@ impl ActuatorSpec {
         let longest = jump.map_or(0.0, |jump| jump.delay_s * rate_hz);
         (0..axes)
             .map(|axis| {
-                let delay_s = delay_ms[axis] * 1e-3;
-                let line = || DelayLine::new(delay_ms[axis] * rate_hz / 1e3, longest);
+                let mut motion = additions[axis].motion.clone();
+                let (delay_ms, lag_ms) = self.timing(
+                    delay_ms[axis],
+                    lag_ms[axis],
+                    &additions[axis],
+                    &mut motion,
+                    rate_hz,
+                )?;
+                let delay_s = delay_ms * 1e-3;
+                let line = || DelayLine::new(delay_ms * rate_hz / 1e3, longest);
                 let dynamics = match self.kind {
                     ActuatorKind::Ideal => Dynamics::Ideal,
                     ActuatorKind::Delay => Dynamics::Delay(line()),
@@ -143,7 +154,7 @@ impl ActuatorSpec {
                     },
                     ActuatorKind::LagDelay => Dynamics::LagDelay {
                         line: line(),
-                        lag: FirstOrder::new(lag_ms[axis] * 1e-3, step_s),
+                        lag: FirstOrder::new(lag_ms * 1e-3, step_s),
                     },
                     ActuatorKind::RandomMultiplier => {
                         Dynamics::RandomMultiplier(RandomMultiplier::new(
@@ -168,11 +179,54 @@ impl ActuatorSpec {
                 Ok(Actuator {
                     dynamics,
                     gain: gain[axis],
+                    motion,
                     step_s,
                     jump,
                 })
             })
             .collect()
+    }
+
+    /// Delay and lag with the timing errors among the effects: in the actuator's own element where its kind has one, else
+    /// in a stage behind it.
+    fn timing(
+        &self,
+        delay_ms: f64,
+        lag_ms: f64,
+        additions: &Additions,
+        motion: &mut Stages,
+        rate_hz: f64,
+    ) -> Result<(f64, f64), RigError> {
+        use ActuatorKind as Kind;
+        let (more_delay, more_lag) = (additions.delay_ms, additions.lag_ms);
+        let own_delay = matches!(self.kind, Kind::Delay | Kind::LagDelay);
+        let check = |effect: &str, sum: f64| {
+            TIME_MS.check(
+                &format!("plant.actuator with the {effect} of plant.effects"),
+                sum,
+            )
+        };
+        let (delay_ms, rest_delay) = if own_delay {
+            (check("delay_error", delay_ms + more_delay)?, 0.0)
+        } else {
+            (delay_ms, check("delay_error", more_delay)?)
+        };
+        let (delay_ms, lag_ms, rest_lag) = match self.kind {
+            // The time constant of this kind is its delay.
+            Kind::FirstOrder => (check("lag_error", delay_ms + more_lag)?, lag_ms, 0.0),
+            Kind::LagDelay => (delay_ms, check("lag_error", lag_ms + more_lag)?, 0.0),
+            _ => (delay_ms, lag_ms, check("lag_error", more_lag)?),
+        };
+        if rest_lag > 0.0 {
+            motion.push(Stage::Lag(FirstOrder::new(rest_lag * 1e-3, 1.0 / rate_hz)));
+        }
+        if rest_delay > 0.0 {
+            motion.push(Stage::Delay(DelayLine::new(
+                rest_delay * rate_hz / 1e3,
+                0.0,
+            )));
+        }
+        Ok((delay_ms, lag_ms))
     }
 
     /// A parameter that would have no effect is a mistake; the ideal alone ignores all.

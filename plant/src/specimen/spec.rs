@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Bilinear, BoucWen, Restoring, Storey};
+use crate::effect::Additions;
 use crate::error::{Accept, RigError};
 use crate::per_axis::PerAxis;
 
@@ -92,7 +93,11 @@ impl SpecimenSpec {
     }
 
     /// One element a storey, with the initial stiffness that [`SpecimenSpec::stiffness`] gave.
-    pub(crate) fn build(&self, stiffness_n_per_m: &[f64]) -> Result<Vec<Storey>, RigError> {
+    pub(crate) fn build(
+        &self,
+        stiffness_n_per_m: &[f64],
+        additions: &[Additions],
+    ) -> Result<Vec<Storey>, RigError> {
         self.refuse_what_the_kind_has_not()?;
         let axes = stiffness_n_per_m.len();
         let yields = matches!(self.kind, SpecimenKind::Bilinear | SpecimenKind::BoucWen);
@@ -143,6 +148,8 @@ impl SpecimenSpec {
             Storey {
                 restoring,
                 damping_n_s_per_m: damping[j] * 1e3,
+                deformation: additions[j].deformation.clone(),
+                added: additions[j].forces.clone(),
             }
         };
         Ok((0..axes).map(storey).collect())

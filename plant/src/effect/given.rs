@@ -1,0 +1,78 @@
+//! The parameters of an effect as given, checked against the catalogue.
+
+use super::{Channel, EffectSpec};
+use crate::error::RigError;
+
+/// An effect whose parameters are complete and in range.
+#[derive(Debug)]
+pub(crate) struct Given {
+    pub(crate) channel: Channel,
+    values: Vec<(&'static str, f64)>,
+}
+
+impl Given {
+    /// Checks `spec`, which is at `path` in the test file.
+    pub(crate) fn new(spec: &EffectSpec, path: &str) -> Result<Self, RigError> {
+        let entry = spec.name.entry();
+        let channel = Self::channel(spec, path)?;
+        let here = entry
+            .parameters
+            .iter()
+            .filter(|p| p.channel.is_none_or(|own| own == channel));
+        for (name, value) in &spec.parameters {
+            if !here.clone().any(|p| p.name == name) {
+                let names: Vec<_> = here.clone().map(|p| p.name).collect();
+                return Err(RigError::new(
+                    format!("{path}.{name} of {}", spec.name),
+                    value,
+                    format!("in the {channel} channel {}", names.join(", ")),
+                ));
+            }
+        }
+        let values = here
+            .map(|p| {
+                let path = format!("{path}.{} of {}", p.name, spec.name);
+                match spec.parameters.get(p.name).copied().or(p.default) {
+                    Some(value) => Ok((p.name, p.accept.check(&path, value)?)),
+                    None => Err(RigError::new(path, "missing", p.accept.to_string())),
+                }
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { channel, values })
+    }
+
+    /// The channel that is asked for, or that a parameter belongs to, or the first.
+    fn channel(spec: &EffectSpec, path: &str) -> Result<Channel, RigError> {
+        let entry = spec.name.entry();
+        if let Some(channel) = spec.channel {
+            if !entry.channels.contains(&channel) {
+                let names: Vec<_> = entry.channels.iter().map(|c| c.name()).collect();
+                return Err(RigError::new(
+                    format!("{path}.channel of {}", spec.name),
+                    channel,
+                    names.join(" or "),
+                ));
+            }
+            return Ok(channel);
+        }
+        let implied = entry
+            .parameters
+            .iter()
+            .filter(|p| spec.parameters.contains_key(p.name))
+            .find_map(|p| p.channel);
+        Ok(implied.unwrap_or(entry.channels[0]))
+    }
+
+    /// The value of a parameter that the catalogue has for this effect in this channel. A name that it has not is a
+    /// fault of this crate (every effect is built in the tests); it shows as NaN.
+    pub(crate) fn get(&self, name: &str) -> f64 {
+        let found = self.values.iter().find(|(own, _)| *own == name);
+        debug_assert!(found.is_some(), "no parameter {name}");
+        found.map_or(f64::NAN, |(_, value)| *value)
+    }
+
+    /// A parameter in thousandths (mm, ms), in SI.
+    pub(crate) fn milli(&self, name: &str) -> f64 {
+        self.get(name) * 1e-3
+    }
+}

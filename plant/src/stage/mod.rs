@@ -1,0 +1,138 @@
+//! What can be put into the way of a displacement or of a signal: one number in, one number out, every control period.
+
+mod friction;
+mod lost_motion;
+mod slow;
+
+pub use friction::Friction;
+pub use lost_motion::{Play, SlipGap};
+pub use slow::{Drift, WarmUp};
+
+use crate::actuator::{DelayLine, FirstOrder, SecondOrder};
+use crate::sensor::Hum;
+
+/// One stage. Numbers are in SI units of the quantity that passes.
+#[derive(Clone, Debug)]
+pub(crate) enum Stage {
+    /// Transport delay.
+    Delay(DelayLine),
+    /// First-order lag.
+    Lag(FirstOrder),
+    /// Second-order resonance.
+    Resonance(SecondOrder),
+    /// First-order lag on the way down only, as of a piston with unequal areas.
+    RetractLag(FirstOrder, f64),
+    /// Multiplies.
+    Gain(f64),
+    /// Multiplies by `1 + d/2` above zero, by `1 - d/2` below.
+    UnequalGain(f64),
+    /// Adds.
+    Offset(f64),
+    /// Adds what grows with time.
+    Drift(Drift),
+    /// Multiplies by what grows with time.
+    WarmUp(WarmUp),
+    /// Follows a reversal only after the play.
+    Play(Play),
+    /// Passes nothing within this distance from zero.
+    DeadZone(f64),
+    /// Slips in a bolt hole.
+    SlipGap(SlipGap),
+    /// Falls short by what friction holds back.
+    Friction(Friction),
+    /// Does not go beyond this, either way.
+    Stop(f64),
+    /// Moves by no more than this in a period.
+    Slew(f64, f64),
+    /// A sine.
+    Hum(Hum),
+    /// Rounds to multiples of this.
+    Rounding(f64),
+}
+
+impl Stage {
+    #[inline]
+    fn step(&mut self, x: f64) -> f64 {
+        match self {
+            Self::Delay(line) => line.step(x),
+            Self::Lag(lag) => lag.step(x),
+            Self::Resonance(lag) => lag.step(x),
+            Self::RetractLag(lag, at) => {
+                if x >= *at {
+                    lag.move_to(x);
+                    *at = x;
+                } else {
+                    *at = lag.step(x);
+                }
+                *at
+            }
+            Self::Gain(gain) => *gain * x,
+            Self::UnequalGain(difference) => x + 0.5 * *difference * x.abs(),
+            Self::Offset(offset) => x + *offset,
+            Self::Drift(drift) => x + drift.step(),
+            Self::WarmUp(warm_up) => x * warm_up.step(),
+            Self::Play(play) => play.step(x),
+            Self::DeadZone(half) => x - x.clamp(-*half, *half),
+            Self::SlipGap(gap) => gap.step(x),
+            Self::Friction(friction) => x - friction.step(x),
+            Self::Stop(limit) => x.clamp(-*limit, *limit),
+            Self::Slew(most, at) => {
+                *at += (x - *at).clamp(-*most, *most);
+                *at
+            }
+            Self::Hum(hum) => x + hum.step(),
+            Self::Rounding(step) => (x / *step).round() * *step,
+        }
+    }
+}
+
+/// Stages in a row, usually none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stages(Vec<Stage>);
+
+impl Stages {
+    pub(crate) fn push(&mut self, stage: Stage) {
+        self.0.push(stage);
+    }
+
+    #[inline]
+    pub(crate) fn step(&mut self, x: f64) -> f64 {
+        self.0.iter_mut().fold(x, |x, stage| stage.step(x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piston_that_retracts_slowly_lags_on_the_way_down_only() {
+        let mut stage = Stage::RetractLag(FirstOrder::new(0.02, 5e-4), 0.0);
+        for i in 1..=100 {
+            assert_eq!(stage.step(f64::from(i)), f64::from(i));
+        }
+        let mut down = 0.0;
+        for _ in 0..40 {
+            down = stage.step(0.0);
+        }
+        assert!(
+            (down / (100.0 * (-1.0_f64).exp()) - 1.0).abs() < 1e-9,
+            "{down}"
+        );
+    }
+
+    #[test]
+    fn stops_slews_zones_and_rounding() {
+        assert_eq!(Stage::Stop(2.0).step(-3.0), -2.0);
+        let mut slew = Stage::Slew(0.5, 0.0);
+        assert_eq!(
+            [slew.step(1.2), slew.step(1.2), slew.step(1.2)],
+            [0.5, 1.0, 1.2]
+        );
+        assert_eq!(Stage::DeadZone(0.5).step(-2.0), -1.5);
+        assert_eq!(Stage::DeadZone(0.5).step(0.4), 0.0);
+        assert_eq!(Stage::Rounding(0.25).step(0.9), 1.0);
+        assert_eq!(Stage::UnequalGain(0.2).step(-1.0), -0.9);
+        assert_eq!(Stage::UnequalGain(0.2).step(1.0), 1.1);
+    }
+}
