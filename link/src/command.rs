@@ -1,0 +1,96 @@
+//! What the PC asks of the board.
+
+use crate::channel::Calibration;
+use heapless::Vec;
+use outerloop_core::{Config, Event};
+use serde::{Deserialize, Serialize};
+
+/// The longest ground motion, points.
+pub const MAX_POINTS: usize = 16_384;
+
+/// Points of the ground motion in one command.
+pub const CHUNK: usize = 128;
+
+/// A command. Postcard; the frame's sequence number is the request's number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Command {
+    /// Who are you: [`Reply::Identity`](crate::Reply::Identity).
+    Identify,
+    /// How are you: [`Reply::Status`](crate::Reply::Status). The PC asks a few times a second; that is also how the board
+    /// knows that the PC is there.
+    Status,
+    /// Exchange the whole test, while idle.
+    Configure(Config),
+    /// Exchange the calibration, while idle.
+    Calibrate(Calibration),
+    /// Make the present reading of a channel the given value, by moving the channel's zero, while idle.
+    Zero {
+        /// Which channel.
+        channel: Channel,
+        /// What the reading is to be: m or N.
+        value: f32,
+    },
+    /// Write test and calibration where they survive power-off, while idle.
+    Save,
+    /// A ground motion of so many points follows, while idle; what was loaded is gone.
+    Motion {
+        /// Number of points, at most [`MAX_POINTS`].
+        points: u32,
+        /// Interval of the points in model time, s.
+        interval_s: f64,
+        /// [`checksum`](crate::frame::checksum) of all points as little-endian bytes.
+        checksum: u32,
+    },
+    /// Points of the ground motion, m/s^2, in order and without a gap. The last one closes the motion and is checked.
+    Points {
+        /// Index of the first.
+        first: u32,
+        /// The points.
+        points: Vec<f32, CHUNK>,
+    },
+    /// What the next start runs: a commissioning signal, or the test.
+    Signal(Option<Signal>),
+    /// Arm, start, hold, stop, clear.
+    Event(Event),
+    /// The loop's record of one of the last steps before a fault, 0 the oldest.
+    History(u8),
+}
+
+/// A channel of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Channel {
+    /// Measured displacement.
+    Displacement,
+    /// Measured force.
+    Force,
+}
+
+/// A signal to measure the actuator with, around zero displacement. All the test's limits are in force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Signal {
+    /// Its shape.
+    pub shape: Shape,
+    /// Largest displacement, m.
+    pub amplitude_m: f32,
+    /// Its length, s, the half second of rise and of fall included.
+    pub seconds: f32,
+}
+
+/// The shape of a commissioning signal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Shape {
+    /// To the amplitude, and back at the end.
+    Constant,
+    /// A sine.
+    Sine {
+        /// Its frequency, Hz.
+        frequency_hz: f32,
+    },
+    /// A sine whose frequency goes linearly from one to the other.
+    Chirp {
+        /// At the start, Hz.
+        from_hz: f32,
+        /// At the end, Hz.
+        to_hz: f32,
+    },
+}

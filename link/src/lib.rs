@@ -1,0 +1,64 @@
+//! What the PC and the board say to each other over the serial port. `no_std`, no heap, bounded, no panic.
+//!
+//! ```text
+//!  PC ─► board    command    request number, one of [`Command`]
+//!  PC ◄─ board    reply      the request's number, one of [`Reply`]
+//!  PC ◄─ board    telemetry  every control step, 24 bytes each, [`telemetry`]
+//!
+//!  on the wire    COBS( version | kind | sequence number | body | CRC-32 ) 0
+//! ```
+//!
+//! Every frame carries a sequence number of its sender, so the receiver can say what it has lost ([`Continuity`]). A
+//! command that was not answered is sent again under its old number: the board answers it again and does not carry it
+//! out twice.
+//!
+//! # Speed
+//! 8N1 at [`BAUD`]: 100 000 bytes a second. Telemetry of every step at 2 kHz takes 52 % of it, and the board refuses a
+//! control rate that would take more than 90 % ([`fastest_rate_hz`]).
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`frame`] | bytes to frames and back |
+//! | [`message`] | commands and replies to frames and back |
+//! | [`command`], [`reply`], [`status`] | what is asked and answered |
+//! | [`telemetry`] | the record of a step as it travels |
+//! | [`channel`] | converter codes and what they mean in SI units |
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod channel;
+pub mod command;
+pub mod continuity;
+pub mod frame;
+pub mod message;
+pub mod reply;
+pub mod status;
+pub mod telemetry;
+
+pub use channel::{AdcCode, Calibration, DacCode};
+pub use command::Command;
+pub use continuity::Continuity;
+pub use frame::{Decoder, Frame, Kind};
+pub use reply::Reply;
+pub use status::Status;
+pub use telemetry::Telemetry;
+
+/// Version of everything in this crate; a frame of another version is counted and not looked at.
+pub const VERSION: u8 = 1;
+
+/// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
+/// ST-LINK that makes a USB port of it.
+pub const BAUD: u32 = 1_000_000;
+
+/// Bits on the wire for a byte: start, eight, stop.
+pub const BITS_PER_BYTE: u32 = 10;
+
+/// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies.
+pub const fn fastest_rate_hz(baud: u32) -> u32 {
+    let bytes_per_s = baud / BITS_PER_BYTE;
+    bytes_per_s / 10 * 9 / telemetry::FRAME_BYTES as u32 * telemetry::STEPS as u32
+}

@@ -1,0 +1,249 @@
+//! Commands and replies as frames, coded with postcard.
+
+use crate::command::Command;
+use crate::frame::{Frame, Kind, MAX_BODY, MAX_WIRE, TooLong};
+use crate::reply::Answer;
+use heapless::Vec;
+use serde::{Serialize, de::DeserializeOwned};
+
+/// What can be the body of a frame of its kind.
+pub trait Message: Serialize + DeserializeOwned {
+    /// The kind of its frames.
+    const KIND: Kind;
+
+    /// As a frame on the wire.
+    ///
+    /// # Errors
+    /// It is longer than [`MAX_BODY`]; no command or reply of this crate is.
+    fn encode(&self, sequence: u16) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
+        let mut body = [0; MAX_BODY];
+        let body = postcard::to_slice(self, &mut body).map_err(|_| TooLong)?;
+        let frame = Frame {
+            kind: Self::KIND,
+            sequence,
+            body,
+        };
+        frame.encode()
+    }
+
+    /// From a frame; `None` if it is of another kind, is none of the messages, or has bytes left over.
+    fn decode(frame: &Frame<'_>) -> Option<Self> {
+        if frame.kind != Self::KIND {
+            return None;
+        }
+        match postcard::take_from_bytes(frame.body) {
+            Ok((message, [])) => Some(message),
+            _ => None,
+        }
+    }
+}
+
+impl Message for Command {
+    const KIND: Kind = Kind::Command;
+}
+
+impl Message for Answer {
+    const KIND: Kind = Kind::Reply;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channel::Calibration;
+    use crate::command::{CHUNK, Channel, Shape, Signal};
+    use crate::frame::{Decoder, Seen};
+    use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
+    use crate::status::{Cause, LastWords, Start, Status, Timing};
+    use core::fmt::Debug;
+    use outerloop_core::config::{Config, Limits, MAX_DOF, PerFloor, StructureConfig};
+    use outerloop_core::supervise::Trip;
+    use outerloop_core::{Event, Fault, State};
+    use proptest::prelude::*;
+
+    fn there_and_back<M: Message + PartialEq + Debug>(message: &M) -> usize {
+        let wire = message.encode(321).expect("fits");
+        let mut decoder = Decoder::new();
+        let mut arrived = None;
+        for &byte in &wire {
+            if let Some(frame) = decoder.push(byte) {
+                assert_eq!(frame.sequence, 321);
+                arrived = M::decode(&frame);
+            }
+        }
+        assert_eq!(arrived.as_ref(), Some(message));
+        wire.len()
+    }
+
+    /// Every number that can be left out is written, and with the longest code.
+    fn largest_config() -> Config {
+        let floors: PerFloor = [f64::MAX; MAX_DOF].into_iter().collect();
+        let limit = Some(f64::MAX);
+        let mut config = Config {
+            structure: StructureConfig {
+                mass_kg: floors.clone(),
+                stiffness_n_per_m: floors.clone(),
+                damping_ratio: floors.clone(),
+                physical_storeys: Some(u8::MAX),
+                physical_mass_kg: floors,
+            },
+            timing: Default::default(),
+            compensation: Default::default(),
+            estimation: Default::default(),
+            limits: Limits {
+                displacement_m: limit,
+                increment_m: limit,
+                velocity_m_per_s: limit,
+                force_n: limit,
+                tracking_m: limit,
+                energy_warning: limit,
+                energy_trip: limit,
+                energy_floor_j: limit,
+                stale_steps: Some(u16::MAX),
+                locked_damping_ratio: limit,
+            },
+        };
+        config.timing.substeps = u16::MAX;
+        config.timing.late_limit_steps = u16::MAX;
+        config
+    }
+
+    #[test]
+    fn every_command_comes_back_as_it_was() {
+        let signal = |shape| {
+            Some(Signal {
+                shape,
+                amplitude_m: 0.01,
+                seconds: 20.0,
+            })
+        };
+        let mut commands = std::vec![
+            Command::Identify,
+            Command::Status,
+            Command::Configure(largest_config()),
+            Command::Calibrate(Calibration::UNCALIBRATED),
+            Command::Zero {
+                channel: Channel::Force,
+                value: -1.5
+            },
+            Command::Save,
+            Command::Motion {
+                points: 16_384,
+                interval_s: 0.005,
+                checksum: u32::MAX
+            },
+            Command::Points {
+                first: 16_000,
+                points: [f32::MIN; CHUNK].into_iter().collect()
+            },
+            Command::Signal(None),
+            Command::Signal(signal(Shape::Constant)),
+            Command::Signal(signal(Shape::Sine { frequency_hz: 1.0 })),
+            Command::Signal(signal(Shape::Chirp {
+                from_hz: 0.1,
+                to_hz: 20.0
+            })),
+            Command::History(15),
+        ];
+        commands.extend(Event::ALL.map(Command::Event));
+        let longest = commands.iter().map(there_and_back).max();
+        assert!(longest <= Some(MAX_WIRE), "{longest:?}");
+    }
+
+    #[test]
+    fn every_reply_comes_back_as_it_was() {
+        let long = "ä".repeat(200);
+        let replies = std::vec![
+            Reply::Identity(Identity {
+                board: cut(&long),
+                version: cut(&long),
+                commit: cut(&long),
+                clock_hz: 168_000_000,
+                timer_hz: 84_000_000,
+                rate_hz: 2000,
+                fastest_rate_hz: 3000,
+                output_delay_us: 50.0,
+                max_points: 16_384,
+                max_dof: 3,
+                calibration: Calibration::UNCALIBRATED,
+            }),
+            Reply::Status(Status {
+                tick: u32::MAX,
+                state: State::Tripped,
+                trip: Some(Trip {
+                    fault: Fault::Force,
+                    axis: 0,
+                    value: 1.0,
+                    limit: 0.5,
+                    tick: 9
+                }),
+                obstacle: Some(Fault::AdcRail),
+                permit: true,
+                configured: true,
+                points: 16_384,
+                crystal_ok: true,
+                codes: [8190; 2],
+                timing: Timing::default(),
+                link: Seen::default(),
+                dropped_steps: 3,
+                stack_bytes: 4096,
+                started: Start::Watchdog,
+                last_words: Some(LastWords {
+                    cause: Cause::Panic,
+                    tick: 77,
+                    state: State::Running,
+                    text: cut(&long),
+                }),
+            }),
+            Reply::Done {
+                tick: 1,
+                state: State::Armed
+            },
+            Reply::Refused(RefusedParameter::new(&long, 1.5, &long)),
+            Reply::Rejected {
+                state: State::Idle,
+                event: Some(Event::Arm),
+                obstacle: Some(Obstacle::Fault(Fault::AdcRail))
+            },
+            Reply::Zeroed {
+                code: 4095.5,
+                spread: 3
+            },
+            Reply::Record([u32::MAX; crate::reply::MAX_RECORD].into_iter().collect()),
+            Reply::Expected(128),
+            Reply::WrongSum { received: 5 },
+            Reply::Unknown,
+        ];
+        for reply in replies {
+            there_and_back(&Answer { request: 9, reply });
+        }
+    }
+
+    #[test]
+    fn bytes_left_over_are_no_message() {
+        let frame = |kind, body| Frame {
+            kind,
+            sequence: 0,
+            body,
+        };
+        assert!(Command::decode(&frame(Kind::Command, &[0])).is_some());
+        assert!(Command::decode(&frame(Kind::Command, &[0, 0])).is_none());
+        assert!(Command::decode(&frame(Kind::Reply, &[0])).is_none());
+        assert!(Command::decode(&frame(Kind::Command, &[200])).is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn no_body_is_too_much(body in proptest::collection::vec(any::<u8>(), 0..MAX_BODY)) {
+            for kind in [Kind::Command, Kind::Reply] {
+                let frame = Frame { kind, sequence: 0, body: &body };
+                // Whatever is read is a message that can be sent again.
+                if let Some(command) = Command::decode(&frame) {
+                    prop_assert!(command.encode(0).is_ok());
+                }
+                if let Some(answer) = Answer::decode(&frame) {
+                    prop_assert!(answer.encode(0).is_ok());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! What the board answers.
+
+use crate::status::Status;
+use heapless::{String, Vec};
+use outerloop_core::config::Refusal;
+use outerloop_core::supervise::Rejected;
+use outerloop_core::{Event, Fault, State};
+use serde::{Deserialize, Serialize};
+
+/// Words of the record of a loop with three degrees of freedom, the most that a board runs.
+pub const MAX_RECORD: usize = outerloop_core::Record::<3>::WORDS;
+
+/// A reply, with the number of the request it answers. Postcard.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Sequence number of the command.
+    pub request: u16,
+    /// The answer to it.
+    pub reply: Reply,
+}
+
+/// What the answer can be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Reply {
+    /// Who the board is.
+    Identity(Identity),
+    /// How it is.
+    Status(Status),
+    /// Done. From the control step with this tick on it is in force.
+    Done {
+        /// The first control step with it.
+        tick: u32,
+        /// The state after it.
+        state: State,
+    },
+    /// A parameter is not accepted; nothing has changed.
+    Refused(RefusedParameter),
+    /// The event or command means nothing in this state, or an interlock stands against it; nothing has changed.
+    Rejected {
+        /// The state.
+        state: State,
+        /// The event, if it was one.
+        event: Option<Event>,
+        /// The interlock.
+        obstacle: Option<Obstacle>,
+    },
+    /// The channel's zero was moved.
+    Zeroed {
+        /// Mean code over the reading.
+        code: f32,
+        /// Largest less smallest code in it.
+        spread: u16,
+    },
+    /// A record, word for word; empty if there is none of this number.
+    Record(Vec<u32, MAX_RECORD>),
+    /// A chunk of the ground motion that does not go on where the last one ended; the point that is expected.
+    Expected(u32),
+    /// The ground motion's check sum does not fit; it is not loaded.
+    WrongSum {
+        /// Of what arrived.
+        received: u32,
+    },
+    /// The frame was good and the command was not: another version of this crate.
+    Unknown,
+}
+
+/// What stands against arming.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Obstacle {
+    /// An interlock of the loop.
+    Fault(Fault),
+    /// No configuration has been accepted since power-up and none was kept.
+    NotConfigured,
+    /// No ground motion is loaded and no commissioning signal is set.
+    NothingToRun,
+    /// The crystal does not have the frequency that the clocks are worked out from.
+    Crystal,
+}
+
+/// A refusal with its text, as it travels.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RefusedParameter {
+    /// Name of the parameter as in the test file.
+    pub name: String<48>,
+    /// The value that was given.
+    pub value: f64,
+    /// What would be accepted.
+    pub accepted: String<120>,
+}
+
+impl RefusedParameter {
+    /// From its parts; what does not fit of the texts is cut.
+    pub fn new(name: &str, value: f64, accepted: &str) -> Self {
+        Self {
+            name: cut(name),
+            value,
+            accepted: cut(accepted),
+        }
+    }
+}
+
+impl From<Refusal> for RefusedParameter {
+    fn from(r: Refusal) -> Self {
+        Self::new(r.name, r.value, r.accepted)
+    }
+}
+
+impl From<Refusal> for Reply {
+    fn from(r: Refusal) -> Self {
+        Self::Refused(r.into())
+    }
+}
+
+impl From<Rejected> for Reply {
+    fn from(r: Rejected) -> Self {
+        Self::Rejected {
+            state: r.state,
+            event: Some(r.event),
+            obstacle: r.obstacle.map(Obstacle::Fault),
+        }
+    }
+}
+
+impl core::fmt::Display for RefusedParameter {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{}", self.name)?;
+        if !self.value.is_nan() {
+            write!(f, " = {}", self.value)?;
+        }
+        write!(
+            f,
+            " is refused by the board: accepted are {}",
+            self.accepted
+        )
+    }
+}
+
+/// As much of `text` as fits, whole characters only.
+pub fn cut<const N: usize>(text: &str) -> String<N> {
+    let mut out = String::new();
+    for c in text.chars() {
+        if out.push(c).is_err() {
+            break;
+        }
+    }
+    out
+}
+
+/// Who the board is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Its name.
+    pub board: String<24>,
+    /// Version of the firmware.
+    pub version: String<16>,
+    /// Commit that it was built from, `-dirty` behind it if it was not that commit.
+    pub commit: String<24>,
+    /// Processor clock, Hz.
+    pub clock_hz: u32,
+    /// Clock of the sampling timer, Hz; a control rate must divide it.
+    pub timer_hz: u32,
+    /// Control rate in force, Hz.
+    pub rate_hz: u32,
+    /// The fastest control rate whose telemetry the port carries, Hz.
+    pub fastest_rate_hz: u32,
+    /// From the sampling trigger to the instant at which the command leaves the converter, us.
+    pub output_delay_us: f32,
+    /// Longest ground motion, points.
+    pub max_points: u32,
+    /// Most degrees of freedom.
+    pub max_dof: u8,
+    /// The calibration in force.
+    pub calibration: crate::channel::Calibration,
+}

@@ -1,0 +1,101 @@
+//! How the board is.
+
+use crate::frame::Seen;
+use heapless::String;
+use outerloop_core::{Fault, State, supervise::Trip};
+use serde::{Deserialize, Serialize};
+
+/// Everything that is worth watching.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// Control step since power-up.
+    pub tick: u32,
+    /// Where the test stands.
+    pub state: State,
+    /// The first fault, until it is cleared.
+    pub trip: Option<Trip>,
+    /// The fault that the present sample would cause.
+    pub obstacle: Option<Fault>,
+    /// The PERMIT line.
+    pub permit: bool,
+    /// A test has been accepted.
+    pub configured: bool,
+    /// Points of the ground motion that is loaded and checked.
+    pub points: u32,
+    /// The crystal has the right frequency.
+    pub crystal_ok: bool,
+    /// The codes of the last sample, displacement and force.
+    pub codes: [u16; 2],
+    /// Times of the control step.
+    pub timing: Timing,
+    /// What the board has received.
+    pub link: Seen,
+    /// Telemetry steps that found the queue full and were dropped.
+    pub dropped_steps: u32,
+    /// Bytes of stack used at most.
+    pub stack_bytes: u32,
+    /// Why the board last started.
+    pub started: Start,
+    /// What the program said last before a start that nobody asked for.
+    pub last_words: Option<LastWords>,
+}
+
+/// Times of the control step, in cycles of the processor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Timing {
+    /// Cycles of a period as set.
+    pub period_cycles: u32,
+    /// Shortest distance between the beginnings of two steps.
+    pub shortest_period_cycles: u32,
+    /// Longest.
+    pub longest_period_cycles: u32,
+    /// Longest step.
+    pub worst_step_cycles: u32,
+    /// Mean step.
+    pub mean_step_cycles: u32,
+    /// Steps that took longer than their deadline.
+    pub overruns: u32,
+}
+
+/// Why a board started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Start {
+    /// Power came.
+    Power,
+    /// The supply had been too low.
+    BrownOut,
+    /// The reset pin: the button, or the debugger.
+    Pin,
+    /// The program asked for it.
+    Software,
+    /// The watchdog: nobody had fed it.
+    Watchdog,
+}
+
+/// What is kept across a reset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LastWords {
+    /// What had happened.
+    pub cause: Cause,
+    /// Control step at which it happened.
+    pub tick: u32,
+    /// State of the test at the time.
+    pub state: State,
+    /// Message of a panic, or registers of a fault.
+    pub text: String<96>,
+}
+
+/// What a program can die of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Cause {
+    /// A panic.
+    Panic,
+    /// A fault of the processor that has no other name.
+    HardFault,
+    /// The stack grew beyond its end.
+    StackOverflow,
+    /// A task gave no sign of life, so the watchdog was not fed.
+    Starved,
+    /// The control interrupt itself had stopped: the watchdog bit with no word left.
+    Silent,
+}

@@ -1,0 +1,232 @@
+//! The record of a control step as it travels: 24 bytes, fixed layout, little-endian.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0..4 | state, latched fault and flags: [`Record::flags`] |
+//! | 4..6, 6..8 | codes of displacement and force, as sampled |
+//! | 8..12 | command that was in force, m |
+//! | 12..16 | C_cor, N s/m |
+//! | 16..20 | energy error since the start, Eq 12, J |
+//! | 20..24 | digest of the whole record |
+//!
+//! A frame holds [`STEPS`] successive steps behind the tick of the first. The outer loop has the same bits on the PC as on
+//! the board, so the PC, fed with the codes, works out every other word of the record; the digest proves that it has.
+
+use crate::channel::AdcCode;
+use crate::frame::wire_bytes;
+use heapless::Vec;
+use outerloop_core::{Fault, Record, State};
+
+/// Steps in a full frame: 4 ms at 2 kHz. The last frame before a pause may hold fewer.
+pub const STEPS: usize = 8;
+
+/// Bytes of a step.
+pub const STEP_BYTES: usize = 24;
+
+/// Bytes of the body of a full frame.
+pub const BODY_BYTES: usize = 4 + STEPS * STEP_BYTES;
+
+/// Bytes of a full frame on the wire.
+pub const FRAME_BYTES: usize = wire_bytes(BODY_BYTES);
+
+/// One control step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// State, fault and flags of the record.
+    pub flags: u32,
+    /// Displacement as sampled.
+    pub displacement: AdcCode,
+    /// Force as sampled.
+    pub force: AdcCode,
+    /// The command that was in force while the sample was taken, m.
+    pub command_m: f32,
+    /// C_cor of axis 1, N s/m.
+    pub added_damping_n_s_per_m: f32,
+    /// Energy error since the start, Eq 12, J.
+    pub energy_j: f32,
+    /// Digest of the record.
+    pub digest: u32,
+}
+
+/// A hash of all words of a record in 32 bits.
+pub fn digest<const N: usize>(record: &Record<N>) -> u32 {
+    let hash = record.hash(Record::<N>::HASH_START);
+    (hash ^ (hash >> 32)) as u32
+}
+
+impl StepReport {
+    /// The report of `record`, whose sample had these codes.
+    #[inline]
+    pub fn of<const N: usize>(record: &Record<N>, displacement: AdcCode, force: AdcCode) -> Self {
+        Self {
+            flags: record.flags,
+            displacement,
+            force,
+            command_m: record.command_m.first().copied().unwrap_or(0.0),
+            added_damping_n_s_per_m: record
+                .added_damping_n_s_per_m
+                .first()
+                .copied()
+                .unwrap_or(0.0),
+            energy_j: record.energy_sum.modified_j,
+            digest: digest(record),
+        }
+    }
+
+    /// Where the test stands; `None` if the flags hold no state.
+    pub fn state(&self) -> Option<State> {
+        State::ALL
+            .into_iter()
+            .find(|&s| s as u32 == self.flags & 0xf)
+    }
+
+    /// The latched fault.
+    pub fn fault(&self) -> Option<Fault> {
+        Fault::from_code((self.flags >> 8) as u8)
+    }
+
+    /// As bytes.
+    pub fn to_bytes(&self) -> [u8; STEP_BYTES] {
+        let mut bytes = [0; STEP_BYTES];
+        let codes = u32::from(self.displacement.value()) | u32::from(self.force.value()) << 16;
+        let words = [
+            self.flags,
+            codes,
+            self.command_m.to_bits(),
+            self.added_damping_n_s_per_m.to_bits(),
+            self.energy_j.to_bits(),
+            self.digest,
+        ];
+        for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
+            place.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// From bytes; `None` for codes that no converter gives.
+    pub fn from_bytes(bytes: &[u8; STEP_BYTES]) -> Option<Self> {
+        let (words, _) = bytes.as_chunks::<4>();
+        let &[flags, codes, command, damping, energy, digest] = words else {
+            return None;
+        };
+        let codes = u32::from_le_bytes(codes);
+        Some(Self {
+            flags: u32::from_le_bytes(flags),
+            displacement: AdcCode::new(codes as u16)?,
+            force: AdcCode::new((codes >> 16) as u16)?,
+            command_m: f32::from_le_bytes(command),
+            added_damping_n_s_per_m: f32::from_le_bytes(damping),
+            energy_j: f32::from_le_bytes(energy),
+            digest: u32::from_le_bytes(digest),
+        })
+    }
+}
+
+/// Successive steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Telemetry {
+    /// Tick of the first step.
+    pub first_tick: u32,
+    /// The steps.
+    pub steps: Vec<StepReport, STEPS>,
+}
+
+impl Telemetry {
+    /// As the body of a frame.
+    pub fn encode(&self) -> Vec<u8, BODY_BYTES> {
+        let mut body = Vec::new();
+        // Room for all of it is in the type.
+        let _ = body.extend_from_slice(&self.first_tick.to_le_bytes());
+        for step in &self.steps {
+            let _ = body.extend_from_slice(&step.to_bytes());
+        }
+        body
+    }
+
+    /// From the body of a frame; `None` if it is no telemetry.
+    pub fn decode(body: &[u8]) -> Option<Self> {
+        let (tick, steps) = body.split_first_chunk::<4>()?;
+        let (steps, rest) = steps.as_chunks::<STEP_BYTES>();
+        if !rest.is_empty() || steps.len() > STEPS {
+            return None;
+        }
+        Some(Self {
+            first_tick: u32::from_le_bytes(*tick),
+            steps: steps
+                .iter()
+                .map(StepReport::from_bytes)
+                .collect::<Option<_>>()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Frame, Kind};
+    use proptest::prelude::*;
+
+    fn step(seed: u32) -> StepReport {
+        let mix = |k: u32| seed.wrapping_mul(0x9e37_79b9).wrapping_add(k);
+        StepReport {
+            flags: mix(1),
+            displacement: AdcCode::new((mix(2) % 8191) as u16).unwrap(),
+            force: AdcCode::new((mix(3) % 8191) as u16).unwrap(),
+            command_m: mix(4) as f32,
+            added_damping_n_s_per_m: mix(5) as f32,
+            energy_j: mix(6) as f32,
+            digest: mix(7),
+        }
+    }
+
+    #[test]
+    fn a_full_frame_is_as_long_as_the_budget_says() {
+        let t = Telemetry {
+            first_tick: u32::MAX,
+            steps: (0..STEPS as u32).map(step).collect(),
+        };
+        let frame = Frame {
+            kind: Kind::Telemetry,
+            sequence: u16::MAX,
+            body: &t.encode(),
+        };
+        let wire = frame.encode().unwrap();
+        assert_eq!(wire.len(), FRAME_BYTES);
+        let share = wire.len() as f64 / STEPS as f64 * 2000.0 * 10.0 / f64::from(crate::BAUD);
+        assert!(share < 0.53, "{share} of the port");
+        assert!(crate::fastest_rate_hz(crate::BAUD) >= 2000);
+    }
+
+    #[test]
+    fn a_record_is_known_by_its_digest() {
+        let mut a = Record::<2>::EMPTY;
+        a.tick = 5;
+        let mut b = a;
+        assert_eq!(digest(&a), digest(&b));
+        b.innovation[1] = f32::from_bits(1);
+        assert_ne!(digest(&a), digest(&b));
+    }
+
+    #[test]
+    fn half_a_step_and_impossible_codes_are_refused() {
+        let body = Telemetry {
+            first_tick: 1,
+            steps: [step(3)].into_iter().collect(),
+        }
+        .encode();
+        assert!(Telemetry::decode(&body[..27]).is_none());
+        let mut bad = body.clone();
+        bad[9] = 0xff;
+        assert!(Telemetry::decode(&bad).is_none());
+        assert!(Telemetry::decode(&[]).is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn comes_back_as_it_was(first_tick: u32, count in 0..=STEPS, seed: u32) {
+            let steps = (0..count as u32).map(|i| step(seed.wrapping_add(i))).collect();
+            let t = Telemetry { first_tick, steps };
+            prop_assert_eq!(Telemetry::decode(&t.encode()), Some(t));
+        }
+    }
+}
