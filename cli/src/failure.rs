@@ -4,7 +4,7 @@ use std::fmt;
 use std::process::ExitCode;
 
 /// Why a verb did not do what was asked.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// The input cannot be used: what, where, which value, what would be accepted. Exit status 2.
     Input(String),
@@ -16,6 +16,11 @@ impl Failure {
     /// Bad input.
     pub fn input(sentence: impl Into<String>) -> Self {
         Self::Input(sentence.into())
+    }
+
+    /// A test that failed.
+    pub fn test(sentence: impl Into<String>) -> Self {
+        Self::Test(sentence.into())
     }
 
     /// The exit status that the contract gives.
@@ -34,3 +39,5 @@ impl fmt::Display for Failure {
         }
     }
 }
+
+impl std::error::Error for Failure {}

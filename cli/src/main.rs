@@ -1,14 +1,7 @@
 //! `outerloop`: runs and judges fast pseudodynamic tests.
 
-mod bench;
-mod failure;
-mod files;
-mod report;
-mod summary;
-mod terminal;
-mod verb;
-
 use clap::{Parser, Subcommand};
+use outerloop_cli::verb;
 use std::process::ExitCode;
 
 /// The outer loop of a fast pseudodynamic test
@@ -21,16 +14,18 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Verb {
+    Demo(verb::demo::Demo),
     Run(verb::run::Run),
     Compare(verb::compare::Compare),
-    Demo(verb::demo::Demo),
+    Effects(verb::effects::Effects),
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().verb {
+        Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
         Verb::Compare(v) => v.go(),
-        Verb::Demo(v) => v.go(),
+        Verb::Effects(v) => v.go(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

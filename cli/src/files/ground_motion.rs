@@ -160,7 +160,7 @@ fn read_at2(file: &str, text: &str) -> Result<(f64, Vec<f64>), Failure> {
     let mut acc = Vec::new();
     for (i, line) in text.lines().enumerate() {
         if points.is_none() {
-            let upper = line.to_uppercase().replace('=', " ").replace(',', " ");
+            let upper = line.to_uppercase().replace(['=', ','], " ");
             let words: Vec<&str> = upper.split_whitespace().collect();
             let after = |key: &str| {
                 let at = words.iter().position(|w| *w == key)?;
@@ -185,7 +185,7 @@ fn read_at2(file: &str, text: &str) -> Result<(f64, Vec<f64>), Failure> {
             "{file}: has no line with NPTS and DT, which a PEER AT2 file has"
         )));
     };
-    if points != acc.len() || !(interval > 0.0) {
+    if points != acc.len() || interval <= 0.0 || interval.is_nan() {
         return Err(Failure::input(format!(
             "{file}: the header says NPTS = {points}, DT = {interval} s and the file has {} points",
             acc.len()

@@ -1,9 +1,10 @@
-//! Files that people write and read: tests, ground motions, records.
+//! Files that people write and read: tests, ground motions, recorded data, results.
 
 pub mod ground_motion;
 pub mod near_fault;
 pub mod output;
 pub mod record;
+pub mod table;
 pub mod test;
 
 use crate::failure::Failure;

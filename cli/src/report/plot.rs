@@ -159,7 +159,7 @@ fn draw(
 fn tick(v: f64) -> String {
     match v.abs() {
         0.0 => "0".into(),
-        a if a >= 1e6 || a < 1e-3 => format!("{v:.0e}"),
+        a if !(1e-3..1e6).contains(&a) => format!("{v:.0e}"),
         a if a >= 100.0 => format!("{v:.0}"),
         _ => {
             let text = format!("{v:.3}");

@@ -1,0 +1,72 @@
+//! `outerloop effects`: every effect by the name that files and answers use.
+
+use crate::failure::Failure;
+use crate::terminal::table;
+use plant::catalogue;
+use serde_json::json;
+
+/// List every effect that a rig can have and a diagnosis can name
+#[derive(clap::Args, Debug)]
+pub struct Effects {
+    /// One JSON array on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+impl Effects {
+    /// Prints the list.
+    ///
+    /// # Errors
+    /// None; the signature is that of every verb.
+    pub fn go(&self) -> Result<(), Failure> {
+        if self.json {
+            let entries: Vec<_> = catalogue()
+                .iter()
+                .map(|e| {
+                    let parameters: Vec<_> = e
+                        .parameters
+                        .iter()
+                        .map(|p| json!({ "name": p.name, "unit": p.accept.unit, "meaning": p.meaning }))
+                        .collect();
+                    json!({
+                        "name": e.effect.name(),
+                        "family": e.family.name(),
+                        "channels": e.channels.iter().map(|c| c.name()).collect::<Vec<_>>(),
+                        "parameters": parameters,
+                        "physics": e.physics,
+                    })
+                })
+                .collect();
+            println!("{}", json!(entries));
+            return Ok(());
+        }
+        let mut t = table(&["family", "effect", "channels", "parameters [unit]"]);
+        for column in t.column_iter_mut() {
+            column.set_cell_alignment(comfy_table::CellAlignment::Left);
+        }
+        let mut family = "";
+        for e in catalogue() {
+            let same = family == e.family.name();
+            family = e.family.name();
+            let mut parameters: Vec<String> = Vec::new();
+            for p in e.parameters {
+                let text = match p.accept.unit {
+                    "" => p.name.to_owned(),
+                    unit => format!("{} [{unit}]", p.name),
+                };
+                if !parameters.contains(&text) {
+                    parameters.push(text);
+                }
+            }
+            let channels: Vec<_> = e.channels.iter().map(|c| c.name()).collect();
+            t.add_row([
+                if same { "" } else { family }.to_owned(),
+                e.effect.name().to_owned(),
+                channels.join(", "),
+                parameters.join("\n"),
+            ]);
+        }
+        println!("{t}");
+        Ok(())
+    }
+}

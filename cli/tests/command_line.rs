@@ -1,0 +1,310 @@
+//! The binary as people and scripts call it: keys, exit statuses, one clear sentence, nothing half written.
+#![allow(missing_docs)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn outerloop(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = outerloop(arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
+}
+
+/// Exit status 2, one sentence on standard error that says all of `words`, nothing on standard output.
+#[track_caller]
+fn refused(arguments: &[&str], words: &[&str]) {
+    let output = outerloop(arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(said.trim().lines().count(), 1, "{said}");
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
+
+const TABLE1: &str = "examples/table1.toml";
+
+#[test]
+fn run_prints_every_key_of_the_contract() {
+    let r = json(&["run", TABLE1, "--json", "--duration", "10"]);
+    for key in [
+        "record",
+        "compensation",
+        "steps",
+        "rate_hz",
+        "verdict",
+        "trip",
+        "eps_max",
+        "eps_rms",
+        "peak_displacement_m",
+        "mean_added_damping_ratio",
+        "energy_error_j",
+        "energy_error_hsem_j",
+        "energy_error_stiffness_j",
+        "wall_s",
+    ] {
+        assert!(r.get(key).is_some(), "{key}");
+    }
+    assert_eq!(r["verdict"], "completed");
+    assert_eq!(r["compensation"], "paper");
+    assert_eq!(r["steps"], 20_000);
+    assert!(r["trip"].is_null());
+    assert!(r["eps_rms"].as_f64().unwrap() < 0.02);
+}
+
+#[test]
+fn without_compensation_the_verdict_is_diverged() {
+    let r = json(&["run", TABLE1, "--json", "--compensation", "none"]);
+    assert_eq!(r["verdict"], "diverged");
+    assert!(r["eps_max"].as_f64().unwrap() > 1.0);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_test_and_another_does_not() {
+    let run = |seed| {
+        let mut r = json(&[
+            "run",
+            "examples/steel-frame.toml",
+            "--json",
+            "--duration",
+            "2",
+            "--seed",
+            seed,
+        ]);
+        r.as_object_mut().unwrap().remove("wall_s");
+        r
+    };
+    assert_eq!(run("7"), run("7"));
+    assert_ne!(run("7"), run("8"));
+}
+
+#[test]
+fn a_value_can_be_set_from_outside() {
+    let error = |delay: &str| {
+        let set = format!("plant.actuator.delay_ms={delay}");
+        json(&["run", TABLE1, "--json", "--duration", "10", "--set", &set])["eps_rms"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!(error("8") > 2.0 * error("2"));
+}
+
+#[test]
+fn a_trip_is_exit_status_1_and_says_which_limit() {
+    let output = outerloop(&["run", TABLE1, "--json", "--set", "limits.force_n=3000"]);
+    assert_eq!(output.status.code(), Some(1));
+    let r: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (r["verdict"].as_str(), r["trip"].as_str()),
+        (Some("tripped"), Some("force"))
+    );
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("force") && said.contains("3000 N"), "{said}");
+}
+
+#[test]
+fn every_example_completes() {
+    for example in ["table1", "steel-frame", "three-storey", "hybrid"] {
+        let file = format!("examples/{example}.toml");
+        let r = json(&["run", &file, "--json"]);
+        assert_eq!(r["verdict"], "completed", "{example}");
+        assert!(r["eps_rms"].as_f64().unwrap() < 0.05, "{example}: {r}");
+    }
+}
+
+#[test]
+fn compare_gives_a_row_each() {
+    let r = json(&[
+        "compare",
+        TABLE1,
+        "--compensations",
+        "none,paper",
+        "--json",
+        "--duration",
+        "10",
+    ]);
+    let names: Vec<_> = r["rows"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| r["compensation"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["none", "paper"]);
+}
+
+#[test]
+fn effects_lists_every_fixed_name() {
+    let r = json(&["effects", "--json"]);
+    let names: Vec<_> = r
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| e["name"].as_str().unwrap())
+        .collect();
+    for name in [
+        "delay_error",
+        "lag_error",
+        "second_lag",
+        "oil_column",
+        "channel_skew",
+        "gain_error",
+        "offset",
+        "rig_compliance",
+        "drift",
+        "temperature_gain",
+        "coulomb_friction",
+        "stribeck_friction",
+        "bilinear_hysteresis",
+        "bouc_wen_hysteresis",
+        "backlash",
+        "dead_band",
+        "slip_gap",
+        "saturation",
+        "rate_limit",
+        "viscous_damping",
+        "quadratic_damping",
+        "maxwell_damper",
+        "hardening",
+        "softening",
+        "asymmetric_actuator",
+        "asymmetric_stiffness",
+        "inertia_force",
+        "mains_hum",
+        "quantisation",
+    ] {
+        assert!(names.contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn out_writes_a_report_that_needs_nothing_beside_it_and_a_record_that_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    json(&["run", TABLE1, "--json", "--duration", "5", "--out", out]);
+    let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(html.matches("<svg").count() >= 6);
+    assert!(!html.contains("<script") && !html.contains("<link") && !html.contains("src="));
+    let csv = std::fs::read_to_string(folder.path().join("record.csv")).unwrap();
+    let mut lines = csv.lines();
+    let names: Vec<_> = lines.next().unwrap().split(',').collect();
+    assert_eq!(
+        &names[..4],
+        ["time_s", "command_m", "displacement_m", "force_n"]
+    );
+    let mut rows = 0;
+    for line in lines {
+        let cells: Vec<f32> = line.split(',').map(|c| c.parse().unwrap()).collect();
+        assert_eq!(cells.len(), names.len());
+        // A linear specimen: the force that was written is the stiffness times the displacement that was written.
+        assert!((cells[3] - 158e3 * cells[2]).abs() <= 1e-6 * cells[3].abs() + 1e-3);
+        rows += 1;
+    }
+    assert_eq!(rows, 10_000);
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|f| f.unwrap().file_name())
+        .collect();
+    assert_eq!(left.len(), 3, "nothing half written: {left:?}");
+}
+
+#[test]
+fn bad_input_gets_one_sentence() {
+    refused(
+        &["run", "nowhere.toml"],
+        &["nowhere.toml", "cannot be read"],
+    );
+    refused(
+        &["run", TABLE1, "--compensation", "magic"],
+        &["magic", "eq14", "paper"],
+    );
+    refused(
+        &["run", TABLE1, "--record", "nowhere.csv"],
+        &["nowhere.csv"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.actuator.delay_msec=4"],
+        &["delay_msec"],
+    );
+    refused(&["run", TABLE1, "--set", "loop.rate=4"], &["rate"]);
+    refused(&["run", TABLE1, "--set", "loop.rate_hz"], &["PATH=VALUE"]);
+    refused(&["run", TABLE1, "--set", "loop.rate_hz=fast"], &["fast"]);
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=-1"],
+        &["loop.rate_hz", "-1", "10 to 100000"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=nan"],
+        &["loop.rate_hz"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=15"],
+        &["loop.rate_hz", "natural frequency"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "structure.mass_kg=0"],
+        &["structure.mass_kg", "above 0"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "structure.mass_kg=[1,2]"],
+        &["as many values as masses"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "compensation.gamma=2"],
+        &["compensation.gamma", "2"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.actuator.delay_ms=-3"],
+        &["plant.actuator.delay_ms", "-3"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.sensors.bits=99"],
+        &["bits", "99"],
+    );
+    refused(&["run", TABLE1, "--duration", "-1"], &["-1"]);
+}
+
+#[test]
+fn a_broken_file_leaves_no_folder_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new");
+    refused(
+        &[
+            "run",
+            TABLE1,
+            "--set",
+            "structure.mass_kg=-1",
+            "--out",
+            out.to_str().unwrap(),
+        ],
+        &["mass_kg"],
+    );
+    assert!(!out.exists());
+}
+
+#[test]
+fn the_demonstration_needs_no_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = outerloop(&["demo", "--out", folder.path().to_str().unwrap()]);
+    assert!(output.status.success());
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("diverged") && said.contains("paper"));
+    assert!(folder.path().join("report.html").exists());
+}
