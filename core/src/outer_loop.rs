@@ -71,6 +71,7 @@ pub struct OuterLoop<const N: usize> {
     sent_m: [f32; N],
     standing_m: Option<[f32; N]>,
     returning: bool,
+    goal_m: Option<[f32; N]>,
     estimator: Estimator<N>,
     energy: EnergyErrors<N>,
     monitor: Monitor<N>,
@@ -98,6 +99,7 @@ impl<const N: usize> OuterLoop<N> {
             sent_m: [0.0; N],
             standing_m: None,
             returning: false,
+            goal_m: None,
             estimator: Estimator::at_rest(&design.estimation, [0.0; N]),
             energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
             monitor: Monitor::new(diagonal, design.energy_floor_j),
@@ -120,7 +122,10 @@ impl<const N: usize> OuterLoop<N> {
         let stale_steps = self.watch(sample);
         let estimate = self.estimate(sample);
         let next_m = match self.state {
-            State::Running => self.run(&estimate, ground, stale_steps == 0),
+            State::Running => match self.goal_m {
+                Some(goal_m) => self.pursue(goal_m),
+                None => self.run(&estimate, ground, stale_steps == 0),
+            },
             State::Idle => self.follow(sample),
             State::Armed => self.approach([0.0; N]),
             State::Holding | State::Finished => self.slow_down(),
@@ -138,6 +143,12 @@ impl<const N: usize> OuterLoop<N> {
             permit: self.state.permits_motion(),
             record,
         }
+    }
+
+    /// A commissioning signal in place of the test: the command goes where it is told.
+    fn pursue(&mut self, goal_m: [f32; N]) -> [f32; N] {
+        self.signal.follow(goal_m);
+        goal_m
     }
 
     /// The running test: solve when the target has been reached, then go on towards the next.
@@ -426,6 +437,12 @@ mod operate {
             }
             self.state = next;
             Ok(next)
+        }
+
+        /// Gives the command of the next step while running, in place of the integration: a commissioning signal. All
+        /// interlocks are in force. `None`, and arming, go back to the test.
+        pub fn set_goal(&mut self, goal_m: Option<[f32; N]>) {
+            self.goal_m = goal_m;
         }
 
         /// Exchanges the whole design while idle.

@@ -139,6 +139,14 @@ impl<const N: usize> SignalGenerator<N> {
         }
     }
 
+    /// Goes to a command given from outside, so that a ramp to hold can begin from its velocity.
+    pub fn follow(&mut self, command_m: [f32; N]) {
+        for j in 0..N {
+            self.velocity_m[j] = command_m[j] - self.command_m[j];
+        }
+        self.command_m = command_m;
+    }
+
     /// A step of the ramp to hold: the speed falls by `by_m` a control step until the command stands.
     pub fn decelerate(&mut self, by_m: f32) {
         for j in 0..N {

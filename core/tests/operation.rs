@@ -250,3 +250,42 @@ fn a_configuration_is_exchanged_only_while_idle() {
     outer.handle(Event::Clear).unwrap();
     assert!(outer.configure(Design::new(&config).unwrap()).is_ok());
 }
+
+#[test]
+fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump() {
+    let mut config = table1();
+    config.limits.displacement_m = Some(0.01);
+    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    let none = GroundMotion::none();
+    let tick = |outer: &mut OuterLoop<1>, goal: Option<f32>| {
+        outer.set_goal(goal.map(|g| [g]));
+        outer.step(&Sample::new([0.0], [0.0]), &none).command_m[0]
+    };
+    tick(&mut outer, None);
+    outer.handle(Event::Arm).unwrap();
+    outer.handle(Event::Start).unwrap();
+    let sine = |i: u16, amplitude: f32| amplitude * libm::sinf(f32::from(i) * 0.01);
+    for i in 0..1000 {
+        assert_eq!(tick(&mut outer, Some(sine(i, 0.005))), sine(i, 0.005));
+    }
+    // Stopped at speed: the command slows down from the speed it had.
+    let (before, last) = (sine(998, 0.005), sine(999, 0.005));
+    assert_eq!(outer.handle(Event::Stop), Ok(State::Finished));
+    let next = tick(&mut outer, None);
+    assert!(
+        ((next - last) - (last - before)).abs() < 2e-6,
+        "{next} {last} {before}"
+    );
+
+    outer.handle(Event::Clear).unwrap();
+    tick(&mut outer, None);
+    outer.handle(Event::Arm).unwrap();
+    while tick(&mut outer, None) != 0.0 {}
+    outer.handle(Event::Start).unwrap();
+    let mut i = 0;
+    while outer.state() == State::Running {
+        assert!(tick(&mut outer, Some(sine(i, 0.02))).abs() <= 0.01);
+        i += 1;
+    }
+    assert_eq!(outer.trip().unwrap().fault, Fault::Displacement);
+}

@@ -176,7 +176,6 @@ mod tests {
                     limit: 0.5,
                     tick: 9
                 }),
-                obstacle: Some(Fault::AdcRail),
                 permit: true,
                 configured: true,
                 points: 16_384,

@@ -2,7 +2,7 @@
 
 use crate::frame::Seen;
 use heapless::String;
-use outerloop_core::{Fault, State, supervise::Trip};
+use outerloop_core::{State, supervise::Trip};
 use serde::{Deserialize, Serialize};
 
 /// Everything that is worth watching.
@@ -14,8 +14,6 @@ pub struct Status {
     pub state: State,
     /// The first fault, until it is cleared.
     pub trip: Option<Trip>,
-    /// The fault that the present sample would cause.
-    pub obstacle: Option<Fault>,
     /// The PERMIT line.
     pub permit: bool,
     /// A test has been accepted.
