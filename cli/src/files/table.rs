@@ -36,7 +36,17 @@ impl NumberTable {
             let line = e.position().map_or(0, csv::Position::line);
             refuse(line, "is not CSV".into())
         };
-        let line_of = |row: &csv::StringRecord| row.position().map_or(0, csv::Position::line);
+        // The reader counts a row from where the one before it ended: comments and blank lines are still to be skipped.
+        let text_lines: Vec<&str> = text.lines().map(str::trim_start).collect();
+        let line_of = |row: &csv::StringRecord| {
+            let from = row.position().map_or(0, csv::Position::line);
+            let skipped = text_lines
+                .iter()
+                .skip((from as usize).saturating_sub(1))
+                .take_while(|l| l.is_empty() || l.starts_with('#'))
+                .count();
+            from + skipped as u64
+        };
         let header = match rows.next() {
             Some(row) => row.map_err(malformed)?,
             None => return Err(Failure::input(format!("{file}: is empty"))),
