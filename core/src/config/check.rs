@@ -1,6 +1,6 @@
 //! Validation: the whole configuration, once. Nothing is clamped; what cannot be accepted is refused by name.
 
-use super::{Config, MAX_DOF, PerFloor, Refusal, accept, between};
+use super::{Config, Filter, MAX_DOF, PerFloor, Refusal, accept, between};
 
 impl Config {
     /// Number of degrees of freedom.
@@ -211,13 +211,15 @@ impl Config {
     fn check_estimation(&self) -> Result<(), Refusal> {
         let e = &self.estimation;
         let nyquist = self.timing.rate_hz / 2.0;
-        between(
-            "estimation.cutoff_hz",
-            e.cutoff_hz,
-            0.0,
-            nyquist,
-            "above 0 and below half of loop.rate_hz",
-        )?;
+        if e.kind == Filter::LowPass {
+            between(
+                "estimation.cutoff_hz",
+                e.cutoff_hz,
+                0.0,
+                nyquist,
+                "above 0 and below half of loop.rate_hz",
+            )?;
+        }
         let longest = crate::estimate::MAX_DELAY_STEPS as f64 / self.timing.rate_hz * 1e3;
         accept(
             "estimation.delay_ms",
