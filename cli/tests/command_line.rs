@@ -255,7 +255,7 @@ fn bad_input_gets_one_sentence() {
         &["loop.rate_hz"],
     );
     refused(
-        &["run", TABLE1, "--set", "loop.rate_hz=15"],
+        &["run", TABLE1, "--set", "loop.rate_hz=12"],
         &["loop.rate_hz", "natural frequency"],
     );
     refused(
