@@ -223,12 +223,14 @@ impl<const N: usize> OuterLoop<N> {
     /// For how long samples have been stale.
     #[inline]
     fn watch(&mut self, sample: &Sample<N>) -> u16 {
-        let steps = self.stale.update(
-            sample.fresh,
-            &sample.displacement_m,
-            &self.sent_m,
-            self.design.physical,
-        );
+        // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
+        let watched = match self.state {
+            State::Idle => 0,
+            _ => self.design.physical,
+        };
+        let steps = self
+            .stale
+            .update(sample.fresh, &sample.displacement_m, &self.sent_m, watched);
         if steps > 0 {
             self.flags |= flag::STALE;
         }

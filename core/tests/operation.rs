@@ -289,3 +289,14 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     }
     assert_eq!(outer.trip().unwrap().fault, Fault::Displacement);
 }
+
+#[test]
+fn a_sensor_that_stands_away_from_zero_does_not_forbid_arming() {
+    let mut config = table1();
+    config.limits.stale_steps = Some(3);
+    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    for _ in 0..100 {
+        outer.step(&Sample::new([0.003], [0.0]), &GroundMotion::none());
+    }
+    assert_eq!(outer.handle(Event::Arm), Ok(State::Armed));
+}

@@ -55,6 +55,11 @@ impl<const N: usize> ControlLoop<N> {
         self.outer.handle(event)
     }
 
+    /// As [`OuterLoop::set_goal`].
+    pub fn set_goal(&mut self, goal_m: Option<[f32; N]>) {
+        self.outer.set_goal(goal_m);
+    }
+
     /// The loop itself.
     pub const fn outer(&self) -> &OuterLoop<N> {
         &self.outer

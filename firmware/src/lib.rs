@@ -12,9 +12,12 @@
 //! built for the target by `scripts/cross`. The half without hardware builds and is tested on the host too.
 
 #![cfg_attr(target_os = "none", no_std)]
+// `!(x <= limit)` is how a NaN fails a limit.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod board;
 pub mod control_loop;
 pub mod converters;
 pub mod session;
+pub mod station;
 pub mod step_time;

@@ -1,0 +1,229 @@
+//! Commissioning signals: constant, sine and chirp around zero, to measure the actuator with.
+//!
+//! micromath's sine is off by less than 1.2e-3 of the amplitude (the test below measures it): enough here, since what was
+//! commanded is in the record. The control path has libm instead.
+
+use link::command::{Shape, Signal};
+use micromath::F32Ext;
+use outerloop_core::{Config, Refusal};
+
+/// Rise and fall, s.
+pub const RAMP_S: f32 = 0.5;
+
+/// The longest signal, s.
+const LONGEST_S: f32 = 600.0;
+
+/// A signal, step by step.
+#[derive(Clone, Copy, Debug)]
+pub struct Generator {
+    signal: Signal,
+    step_s: f32,
+    step: u32,
+    steps: u32,
+    /// Phase of the oscillation in turns, 0 to 1.
+    phase: f32,
+}
+
+impl Generator {
+    /// Checks the signal against the test's rate and limits.
+    ///
+    /// # Errors
+    /// The first parameter that is not accepted.
+    pub fn new(signal: Signal, config: &Config) -> Result<Self, Refusal> {
+        let refuse = |name, value, accepted| {
+            Err(Refusal {
+                name,
+                value: f64::from(value),
+                accepted,
+            })
+        };
+        let stroke_m = config.limits.displacement_m.unwrap_or(0.0) as f32;
+        if !(signal.amplitude_m.abs() <= stroke_m) {
+            return refuse(
+                "signal.amplitude_m",
+                signal.amplitude_m,
+                "up to limits.displacement_m, which must be set",
+            );
+        }
+        if !(signal.seconds >= 2.0 * RAMP_S && signal.seconds <= LONGEST_S) {
+            return refuse("signal.seconds", signal.seconds, "1 to 600 s");
+        }
+        let rate_hz = config.timing.rate_hz as f32;
+        let top_hz = rate_hz / 20.0;
+        let frequencies: &[f32] = match &signal.shape {
+            Shape::Constant => &[],
+            Shape::Sine { frequency_hz } => &[*frequency_hz],
+            Shape::Chirp { from_hz, to_hz } => &[*from_hz, *to_hz],
+        };
+        for &f in frequencies {
+            if !(f > 0.0 && f <= top_hz) {
+                return refuse(
+                    "signal.frequency_hz",
+                    f,
+                    "above 0 and at most a twentieth of loop.rate_hz",
+                );
+            }
+        }
+        Ok(Self {
+            signal,
+            step_s: 1.0 / rate_hz,
+            step: 0,
+            steps: (signal.seconds * rate_hz) as u32,
+            phase: 0.0,
+        })
+    }
+
+    /// The next command, m; `None` after the end, where the command is zero.
+    pub fn next_m(&mut self) -> Option<f32> {
+        if self.step > self.steps {
+            return None;
+        }
+        let t_s = self.step as f32 * self.step_s;
+        let rest_s = (self.steps - self.step) as f32 * self.step_s;
+        let shape = match self.signal.shape {
+            Shape::Constant => 1.0,
+            Shape::Sine { .. } | Shape::Chirp { .. } => {
+                F32Ext::sin(self.phase * core::f32::consts::TAU)
+            }
+        };
+        self.phase += self.frequency_hz(t_s) * self.step_s;
+        self.phase -= self.phase as u32 as f32;
+        self.step += 1;
+        Some(self.signal.amplitude_m * ramp(t_s) * ramp(rest_s) * shape)
+    }
+
+    fn frequency_hz(&self, t_s: f32) -> f32 {
+        match self.signal.shape {
+            Shape::Constant => 0.0,
+            Shape::Sine { frequency_hz } => frequency_hz,
+            Shape::Chirp { from_hz, to_hz } => {
+                from_hz + (to_hz - from_hz) * t_s / self.signal.seconds
+            }
+        }
+    }
+}
+
+/// From 0 to 1 in [`RAMP_S`], its slope zero at both ends.
+fn ramp(t_s: f32) -> f32 {
+    let x = (t_s / RAMP_S).clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use outerloop_core::config::StructureConfig;
+
+    fn config() -> Config {
+        let one = |x: f64| [x].into_iter().collect();
+        let mut config = Config {
+            structure: StructureConfig {
+                mass_kg: one(1000.0),
+                stiffness_n_per_m: one(158e3),
+                damping_ratio: one(0.02),
+                physical_storeys: None,
+                physical_mass_kg: [].into_iter().collect(),
+            },
+            timing: Default::default(),
+            compensation: Default::default(),
+            estimation: Default::default(),
+            limits: Default::default(),
+        };
+        config.limits.displacement_m = Some(0.02);
+        config
+    }
+
+    fn run(shape: Shape) -> Vec<f32> {
+        let signal = Signal {
+            shape,
+            amplitude_m: 0.01,
+            seconds: 10.0,
+        };
+        let mut generator = Generator::new(signal, &config()).unwrap();
+        core::iter::from_fn(|| generator.next_m()).collect()
+    }
+
+    #[test]
+    fn micromath_is_as_near_as_it_says() {
+        let worst = (0..100_000)
+            .map(|i| i as f32 / 100_000.0 * core::f32::consts::TAU)
+            .map(|x| (f64::from(F32Ext::sin(x)) - f64::from(x).sin()).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 1.2e-3, "{worst}");
+    }
+
+    #[test]
+    fn a_signal_begins_and_ends_at_zero_and_keeps_its_amplitude_and_frequency() {
+        let sine = run(Shape::Sine { frequency_hz: 2.0 });
+        assert_eq!(sine.len(), 20_001);
+        assert!(sine[0] == 0.0 && sine[20_000].abs() < 1e-7);
+        let largest = sine.iter().fold(0.0_f32, |a, x| a.max(x.abs()));
+        assert!((largest - 0.01).abs() < 2e-5, "{largest}");
+        let crossings = sine
+            .windows(2)
+            .filter(|w| w[0] < 0.0 && w[1] >= 0.0)
+            .count();
+        assert!(
+            (19..=20).contains(&crossings),
+            "20 periods; the first begins at zero"
+        );
+        // No step is larger than the sine's largest slope and the ramp's together.
+        let bound = 0.01 * (core::f32::consts::TAU * 2.0 + 1.5 / RAMP_S) / 2000.0 + 3e-5;
+        assert!(sine.windows(2).all(|w| (w[1] - w[0]).abs() < bound));
+
+        let constant = run(Shape::Constant);
+        assert_eq!(
+            (constant[0], constant[10_000], constant[20_000]),
+            (0.0, 0.01, 0.0)
+        );
+    }
+
+    #[test]
+    fn a_chirp_goes_through_its_frequencies() {
+        let chirp = run(Shape::Chirp {
+            from_hz: 1.0,
+            to_hz: 9.0,
+        });
+        let rising = |part: &[f32]| {
+            part.windows(2)
+                .filter(|w| w[0] < 0.0 && w[1] >= 0.0)
+                .count()
+        };
+        // From 4 s to 5 s the mean frequency is 1 + 8 * 0.45 = 4.6 Hz; over all ten seconds it is 5 Hz.
+        assert!((4..=5).contains(&rising(&chirp[8000..10_000])));
+        assert!((49..=50).contains(&rising(&chirp)));
+    }
+
+    #[test]
+    fn a_signal_beyond_the_limits_is_refused_with_its_name() {
+        let good = Signal {
+            shape: Shape::Sine { frequency_hz: 2.0 },
+            amplitude_m: 0.01,
+            seconds: 10.0,
+        };
+        let refused = |s: Signal| Generator::new(s, &config()).err().map(|r| r.name);
+        assert_eq!(refused(good), None);
+        for amplitude_m in [0.021, f32::NAN, -0.03] {
+            let name = refused(Signal {
+                amplitude_m,
+                ..good
+            });
+            assert_eq!(name, Some("signal.amplitude_m"));
+        }
+        for seconds in [0.9, 601.0, f32::NAN] {
+            let name = refused(Signal { seconds, ..good });
+            assert_eq!(name, Some("signal.seconds"));
+        }
+        for frequency_hz in [0.0, -1.0, 101.0, f32::INFINITY] {
+            let shape = Shape::Chirp {
+                from_hz: 1.0,
+                to_hz: frequency_hz,
+            };
+            let name = refused(Signal { shape, ..good });
+            assert_eq!(name, Some("signal.frequency_hz"));
+        }
+        let mut unlimited = config();
+        unlimited.limits.displacement_m = None;
+        assert!(Generator::new(good, &unlimited).is_err());
+    }
+}

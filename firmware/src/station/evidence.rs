@@ -1,0 +1,104 @@
+//! Signs of life: what the watchdog is fed on.
+//!
+//! The control interrupt feeds the hardware watchdog, and only while every task has shown a sign of life within
+//! [`TASK_PATIENCE_STEPS`]. So the watchdog bites when the interrupt stops, when a task starves, and when the program
+//! hangs with interrupts off.
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Who has to show signs of life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// The task that hears commands.
+    Listen,
+    /// The task that sends reports.
+    Report,
+    /// Not a task: a good frame from the PC.
+    Heard,
+}
+
+/// Control steps within which a task must have run: 100 ms at 2 kHz. The tasks run every millisecond.
+pub const TASK_PATIENCE_STEPS: u32 = 200;
+
+/// Control steps within which the PC must have been heard while the actuator may move: 500 ms at 2 kHz. The PC asks for
+/// the status every 100 ms.
+pub const PC_PATIENCE_STEPS: u32 = 1000;
+
+/// The clock of the signs and their last times.
+#[derive(Debug, Default)]
+pub struct Evidence {
+    tick: AtomicU32,
+    last: [AtomicU32; 3],
+}
+
+impl Evidence {
+    /// At step 0, everybody just seen.
+    pub const fn new() -> Self {
+        Self {
+            tick: AtomicU32::new(0),
+            last: [const { AtomicU32::new(0) }; 3],
+        }
+    }
+
+    /// A sign of life.
+    pub fn show(&self, sign: Sign) {
+        self.last[sign as usize].store(self.tick.load(Relaxed), Relaxed);
+    }
+
+    /// The control interrupt has come to step `tick`.
+    pub fn advance(&self, tick: u32) {
+        self.tick.store(tick, Relaxed);
+    }
+
+    /// The present control step.
+    pub fn tick(&self) -> u32 {
+        self.tick.load(Relaxed)
+    }
+
+    /// Steps since a sign was shown.
+    pub fn age(&self, sign: Sign) -> u32 {
+        let tick = self.tick.load(Relaxed);
+        tick.wrapping_sub(self.last[sign as usize].load(Relaxed))
+    }
+
+    /// The task that has starved, if one has.
+    pub fn starved(&self) -> Option<Sign> {
+        [Sign::Listen, Sign::Report]
+            .into_iter()
+            .find(|&task| self.age(task) > TASK_PATIENCE_STEPS)
+    }
+
+    /// The PC has not been heard for too long.
+    pub fn pc_is_lost(&self) -> bool {
+        self.age(Sign::Heard) > PC_PATIENCE_STEPS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_task_that_shows_no_sign_of_life_starves_and_the_other_does_not_hide_it() {
+        let evidence = Evidence::new();
+        for tick in 0..=TASK_PATIENCE_STEPS + 1 {
+            assert_eq!(evidence.starved(), None);
+            evidence.advance(tick);
+            evidence.show(Sign::Listen);
+        }
+        assert_eq!(evidence.starved(), Some(Sign::Report));
+        evidence.show(Sign::Report);
+        assert_eq!(evidence.starved(), None);
+    }
+
+    #[test]
+    fn the_pc_is_lost_after_its_patience_even_across_the_turn_of_the_counter() {
+        let evidence = Evidence::new();
+        evidence.advance(u32::MAX - 10);
+        evidence.show(Sign::Heard);
+        evidence.advance(u32::MAX.wrapping_add(PC_PATIENCE_STEPS - 10));
+        assert!(!evidence.pc_is_lost());
+        evidence.advance(u32::MAX.wrapping_add(PC_PATIENCE_STEPS - 9));
+        assert!(evidence.pc_is_lost());
+    }
+}

@@ -1,0 +1,121 @@
+//! The ground motion's memory, which is either written by the service or read by the loop, never both.
+//!
+//! 64 KiB are too much to have twice. Whoever holds a [`Writable`] may write; whoever holds a [`Loaded`] may read; each
+//! turns into the other, and there is only one.
+
+use core::cell::UnsafeCell;
+use link::command::MAX_POINTS;
+use outerloop_core::GroundMotion;
+
+/// The memory.
+pub struct Points(UnsafeCell<[f32; MAX_POINTS]>);
+
+// SAFETY: the memory is reached only through the one `Writable` or `Loaded` that `Points::claim` gave out, and those
+// follow the borrow rules.
+unsafe impl Sync for Points {}
+
+impl Points {
+    /// Memory that nobody has claimed.
+    pub const fn new() -> Self {
+        Self(UnsafeCell::new([0.0; MAX_POINTS]))
+    }
+
+    /// Claims the memory, for good.
+    pub fn claim(&'static mut self) -> Writable {
+        Writable(self)
+    }
+}
+
+impl Default for Points {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The right to write.
+pub struct Writable(&'static Points);
+
+impl Writable {
+    /// The memory.
+    pub fn points(&mut self) -> &mut [f32; MAX_POINTS] {
+        // SAFETY: this is the only handle to the memory, and it is borrowed mutably.
+        unsafe { &mut *self.0.0.get() }
+    }
+
+    /// The first `count` points as a ground motion.
+    ///
+    /// # Errors
+    /// There are not so many points, or the times cannot be laid out; the right to write comes back.
+    pub fn load(self, count: usize, interval_s: f64, model_step_s: f64) -> Result<Loaded, Self> {
+        // SAFETY: as above; nobody writes until `Loaded::unload` gives the right to write back, and the reference
+        // leaves `Loaded` only with its lifetime.
+        let points: &'static [f32; MAX_POINTS] = unsafe { &*self.0.0.get() };
+        let motion = points
+            .get(..count)
+            .and_then(|p| GroundMotion::new(p, interval_s, model_step_s));
+        match motion {
+            Some(motion) => Ok(Loaded {
+                memory: self.0,
+                motion,
+                count,
+                interval_s,
+            }),
+            None => Err(self),
+        }
+    }
+}
+
+/// The right to read a whole ground motion.
+pub struct Loaded {
+    memory: &'static Points,
+    motion: GroundMotion<'static>,
+    count: usize,
+    interval_s: f64,
+}
+
+impl Loaded {
+    /// The ground motion.
+    pub fn motion(&self) -> &GroundMotion<'_> {
+        &self.motion
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Interval of the points, s.
+    pub fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    /// Gives up reading for writing.
+    pub fn unload(self) -> Writable {
+        Writable(self.memory)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_and_can_be_written_again() {
+        let mut writable = Box::leak(Box::new(Points::new())).claim();
+        writable.points()[..3].copy_from_slice(&[0.0, 4.0, -4.0]);
+        let loaded = writable.load(3, 0.02, 0.0005).ok().unwrap();
+        assert_eq!(loaded.motion().steps(), 80);
+        assert!((loaded.motion().at(40) - 4.0).abs() < 1e-5);
+        let mut writable = loaded.unload();
+        writable.points()[1] = 8.0;
+        let loaded = writable.load(3, 0.02, 0.0005).ok().unwrap();
+        assert!((loaded.motion().at(40) - 8.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn more_points_than_there_are_or_no_time_between_them_is_refused() {
+        let writable = Box::leak(Box::new(Points::new())).claim();
+        let writable = writable.load(MAX_POINTS + 1, 0.02, 0.0005).err().unwrap();
+        assert!(writable.load(3, 0.0, 0.0005).is_err());
+    }
+}

@@ -1,0 +1,83 @@
+//! What the tasks ask of the control interrupt, and what comes back.
+
+use super::motion::Loaded;
+use super::setup::Setup;
+use crate::station::commission::Generator;
+use link::channel::Calibration;
+use link::reply::MAX_RECORD;
+use link::status::Timing;
+use outerloop_core::supervise::{Rejected, Trip};
+use outerloop_core::{Event, State};
+
+/// An order. The interrupt takes one a step, after the command has gone out.
+pub enum Order {
+    /// From the operator.
+    Event(Event),
+    /// Another test in place of the present one; while idle.
+    Exchange(&'static mut Setup),
+    /// The ground motion is wanted back; while idle.
+    Unload,
+    /// A ground motion; while idle.
+    Load(Loaded),
+    /// What the next start runs: a commissioning signal, or the test; while idle.
+    Signal(Option<Generator>),
+    /// Other lines for the channels; while idle.
+    Calibrate(Calibration),
+    /// A record of the steps before a fault.
+    History(u8),
+    /// How are you.
+    Vitals,
+}
+
+/// What became of an order.
+pub struct Outcome {
+    /// The first control step with it in force.
+    pub tick: u32,
+    /// The state now.
+    pub state: State,
+    /// What comes back, or why nothing was done.
+    pub result: Result<Returned, Refused>,
+}
+
+/// What comes back.
+pub enum Returned {
+    /// Done.
+    Nothing,
+    /// The test that was in force before, to be filled anew, and the ground motion, whose steps were the old test's.
+    Setup(&'static mut Setup, Option<Loaded>),
+    /// The ground motion, if there was one.
+    Motion(Option<Loaded>),
+    /// A record.
+    Record(heapless::Vec<u32, MAX_RECORD>),
+    /// How the interrupt is.
+    Vitals(Vitals),
+}
+
+/// Nothing was done; what was given comes back.
+pub enum Refused {
+    /// The event means nothing now, or an interlock stands against it.
+    Event(Rejected),
+    /// There is no test.
+    NotConfigured,
+    /// There is nothing to run.
+    NothingToRun,
+    /// Only while idle.
+    NotIdle(Option<Order>),
+}
+
+/// How the interrupt is.
+#[derive(Clone, Copy, Debug)]
+pub struct Vitals {
+    /// The first fault.
+    pub trip: Option<Trip>,
+    /// The PERMIT line.
+    pub permit: bool,
+    /// A test has been accepted.
+    pub configured: bool,
+    /// Points of the loaded ground motion.
+    pub points: u32,
+    /// Times.
+    pub timing: Timing,
+    /// Reports that found the queue full.
+    pub dropped_steps: u32,
+}

@@ -1,0 +1,428 @@
+//! Commands to orders, outcomes to replies.
+//!
+//! One request at a time. What can be answered at once is ([`Asked::Reply`]); what the control interrupt has to do goes
+//! to it as an order and is answered when it is done ([`Asked::Wait`], [`Service::finish`]). A request that comes twice is
+//! answered twice and carried out once.
+
+use super::commission::Generator;
+use super::motion::Writable;
+use super::order::{Order, Outcome, Refused, Returned, Vitals};
+use super::settings::Settings;
+use super::setup::{Clock, Setup};
+use super::tick::Report;
+use super::upload::{Upload, Uploaded};
+use super::window::Window;
+use heapless::spsc::Producer;
+use link::channel::{Calibration, Line};
+use link::command::{Channel, Command, MAX_POINTS};
+use link::frame::Seen;
+use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
+use link::status::{LastWords, Start, Status};
+use outerloop_core::{Config, Event, State};
+
+/// What does not change while the board runs.
+#[derive(Clone, Debug)]
+pub struct Board {
+    /// Its name.
+    pub name: &'static str,
+    /// Commit that the firmware was built from.
+    pub commit: &'static str,
+    /// Its clocks.
+    pub clock: Clock,
+    /// From the sampling trigger to the output of the command, us.
+    pub output_delay_us: f32,
+    /// The crystal has the right frequency.
+    pub crystal_ok: bool,
+    /// Why the board started.
+    pub started: Start,
+    /// What was kept across the reset.
+    pub last_words: Option<LastWords>,
+}
+
+/// What becomes of a command.
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant)] // There is no heap.
+pub enum Asked {
+    /// The answer.
+    Reply(Answer),
+    /// The interrupt has an order; its outcome goes to [`Service::finish`].
+    Wait,
+    /// These settings are to be written; then [`Service::saved`].
+    Save(Settings),
+}
+
+/// What the outcome of the order is for.
+#[allow(clippy::large_enum_variant)] // There is no heap.
+enum Pending {
+    Nothing,
+    Done,
+    Status(Seen, u32),
+    Configure(Config),
+    Reload(u32),
+    Calibrate(Calibration, Option<(f32, u16)>),
+    Upload(Upload),
+}
+
+/// The service.
+pub struct Service {
+    board: Board,
+    orders: Producer<'static, Order>,
+    spare: Option<&'static mut Setup>,
+    writable: Option<Writable>,
+    upload: Option<Upload>,
+    config: Option<Config>,
+    rate_hz: f32,
+    model_step_s: f64,
+    calibration: Calibration,
+    windows: [Window; 2],
+    state: State,
+    tick: u32,
+    request: u16,
+    pending: Pending,
+    answered: Option<Answer>,
+}
+
+/// What the service is made of.
+pub struct Parts {
+    /// Orders to the interrupt.
+    pub orders: Producer<'static, Order>,
+    /// Room for the next test.
+    pub spare: &'static mut Setup,
+    /// Room for the ground motion.
+    pub writable: Writable,
+    /// The test in force, if somebody has asked for it.
+    pub config: Option<Config>,
+    /// The calibration in force.
+    pub calibration: Calibration,
+}
+
+impl Service {
+    /// Nothing asked yet. `in_force` is the test that the interrupt begins with.
+    pub fn new(board: Board, parts: Parts, in_force: (f32, f64)) -> Self {
+        Self {
+            board,
+            orders: parts.orders,
+            spare: Some(parts.spare),
+            writable: Some(parts.writable),
+            upload: None,
+            config: parts.config,
+            rate_hz: in_force.0,
+            model_step_s: in_force.1,
+            calibration: parts.calibration,
+            windows: [Window::new(), Window::new()],
+            state: State::Idle,
+            tick: 0,
+            request: 0,
+            pending: Pending::Nothing,
+            answered: None,
+        }
+    }
+
+    /// Takes in a step's report.
+    pub fn see(&mut self, report: &Report) {
+        let [displacement, force] = &mut self.windows;
+        displacement.add(report.step.displacement);
+        force.add(report.step.force);
+        self.state = report.step.state().unwrap_or(self.state);
+        self.tick = report.tick;
+    }
+
+    /// Hears a command. `link` and `stack_bytes` are for the status.
+    pub fn hear(&mut self, request: u16, command: Command, link: Seen, stack_bytes: u32) -> Asked {
+        if let Some(answer) = self.answered.as_ref().filter(|a| a.request == request) {
+            return Asked::Reply(answer.clone());
+        }
+        self.request = request;
+        match command {
+            Command::Identify => self.reply(self.identity()),
+            Command::Status => self.order(Order::Vitals, Pending::Status(link, stack_bytes)),
+            Command::Configure(config) => self.configure(config),
+            Command::Calibrate(calibration) => self.calibrate(calibration, None),
+            Command::Zero { channel, value } => self.zero(channel, value),
+            Command::Save => self.save(),
+            Command::Motion {
+                points,
+                interval_s,
+                checksum,
+            } => self.begin_motion(points, interval_s, checksum),
+            Command::Points { first, points } => self.take_points(first, &points),
+            Command::Signal(None) => self.order(Order::Signal(None), Pending::Done),
+            Command::Signal(Some(signal)) => match &self.config {
+                None => self.reply(self.rejected(None, Some(Obstacle::NotConfigured))),
+                Some(config) => match Generator::new(signal, config) {
+                    Ok(generator) => self.order(Order::Signal(Some(generator)), Pending::Done),
+                    Err(refusal) => self.reply(refusal.into()),
+                },
+            },
+            Command::Event(Event::Arm) if !self.board.crystal_ok => {
+                self.reply(self.rejected(Some(Event::Arm), Some(Obstacle::Crystal)))
+            }
+            Command::Event(event) => self.order(Order::Event(event), Pending::Done),
+            Command::History(index) => self.order(Order::History(index), Pending::Done),
+        }
+    }
+
+    /// Hears a good frame that holds no command of this version.
+    pub fn not_understood(&mut self, request: u16) -> Answer {
+        Answer {
+            request,
+            reply: Reply::Unknown,
+        }
+    }
+
+    /// The outcome of the order has come. `Wait`: another one was needed.
+    pub fn finish(&mut self, outcome: Outcome) -> Asked {
+        let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
+        let (tick, state) = (outcome.tick, outcome.state);
+        self.state = state;
+        let returned = match outcome.result {
+            Ok(returned) => returned,
+            Err(refused) => return self.refuse(refused),
+        };
+        match (pending, returned) {
+            (Pending::Status(link, stack_bytes), Returned::Vitals(vitals)) => {
+                self.reply(self.status(tick, state, &vitals, link, stack_bytes))
+            }
+            (Pending::Configure(config), Returned::Setup(old, motion)) => {
+                self.rate_hz = config.timing.rate_hz as f32;
+                self.model_step_s = config.model_step_s();
+                self.config = Some(config);
+                self.spare = Some(old);
+                let Some(motion) = motion else {
+                    return self.done(tick, state);
+                };
+                // The motion was laid out over the old test's steps.
+                let (count, interval_s) = (motion.count(), motion.interval_s());
+                match motion.unload().load(count, interval_s, self.model_step_s) {
+                    Ok(loaded) => self.order(Order::Load(loaded), Pending::Reload(tick)),
+                    Err(writable) => {
+                        self.writable = Some(writable);
+                        self.done(tick, state)
+                    }
+                }
+            }
+            (Pending::Reload(since), Returned::Motion(_)) => self.done(since, state),
+            (Pending::Calibrate(calibration, zeroed), _) => {
+                self.calibration = calibration;
+                match zeroed {
+                    Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),
+                    None => self.done(tick, state),
+                }
+            }
+            (Pending::Upload(upload), Returned::Motion(motion)) => {
+                self.writable = motion.map(|m| m.unload()).or(self.writable.take());
+                self.upload = Some(upload);
+                self.done(tick, state)
+            }
+            (_, Returned::Record(words)) => self.reply(Reply::Record(words)),
+            (_, _) => self.done(tick, state),
+        }
+    }
+
+    /// The settings have been written, or not.
+    pub fn saved(&mut self, written: bool) -> Answer {
+        let reply = if written {
+            Reply::Done {
+                tick: self.tick,
+                state: self.state,
+            }
+        } else {
+            Reply::Refused(RefusedParameter::new(
+                "save",
+                f64::NAN,
+                "a flash that can be written; this one reads back differently",
+            ))
+        };
+        self.answer(reply)
+    }
+
+    fn answer(&mut self, reply: Reply) -> Answer {
+        let answer = Answer {
+            request: self.request,
+            reply,
+        };
+        self.answered = Some(answer.clone());
+        answer
+    }
+
+    fn reply(&mut self, reply: Reply) -> Asked {
+        Asked::Reply(self.answer(reply))
+    }
+
+    fn done(&mut self, tick: u32, state: State) -> Asked {
+        self.reply(Reply::Done { tick, state })
+    }
+
+    fn order(&mut self, order: Order, pending: Pending) -> Asked {
+        self.pending = pending;
+        match self.orders.enqueue(order) {
+            Ok(()) => Asked::Wait,
+            // Cannot be: one request at a time, and each order is taken before its outcome.
+            Err(_) => self.reply(self.rejected(None, None)),
+        }
+    }
+
+    fn rejected(&self, event: Option<Event>, obstacle: Option<Obstacle>) -> Reply {
+        Reply::Rejected {
+            state: self.state,
+            event,
+            obstacle,
+        }
+    }
+
+    fn refuse(&mut self, refused: Refused) -> Asked {
+        let reply = match refused {
+            Refused::Event(rejected) => rejected.into(),
+            Refused::NotConfigured => {
+                self.rejected(Some(Event::Arm), Some(Obstacle::NotConfigured))
+            }
+            Refused::NothingToRun => self.rejected(Some(Event::Arm), Some(Obstacle::NothingToRun)),
+            Refused::NotIdle(order) => {
+                match order {
+                    Some(Order::Exchange(setup)) => self.spare = Some(setup),
+                    Some(Order::Load(motion)) => self.writable = Some(motion.unload()),
+                    _ => {}
+                }
+                self.rejected(None, None)
+            }
+        };
+        self.reply(reply)
+    }
+
+    fn identity(&self) -> Reply {
+        let board = &self.board;
+        Reply::Identity(Identity {
+            board: cut(board.name),
+            version: cut(env!("CARGO_PKG_VERSION")),
+            commit: cut(board.commit),
+            clock_hz: board.clock.stopwatch_hz,
+            timer_hz: board.clock.timer_hz,
+            rate_hz: self.rate_hz as u32,
+            fastest_rate_hz: board.clock.fastest_rate_hz,
+            output_delay_us: board.output_delay_us,
+            max_points: MAX_POINTS as u32,
+            max_dof: super::any_loop::MAX_DOF as u8,
+            calibration: self.calibration,
+        })
+    }
+
+    fn status(&self, tick: u32, state: State, vitals: &Vitals, link: Seen, stack: u32) -> Reply {
+        Reply::Status(Status {
+            tick,
+            state,
+            trip: vitals.trip,
+            permit: vitals.permit,
+            configured: vitals.configured,
+            points: vitals.points,
+            crystal_ok: self.board.crystal_ok,
+            codes: [self.windows[0].last(), self.windows[1].last()],
+            timing: vitals.timing,
+            link,
+            dropped_steps: vitals.dropped_steps,
+            stack_bytes: stack,
+            started: self.board.started,
+            last_words: self.board.last_words.clone(),
+        })
+    }
+
+    fn configure(&mut self, config: Config) -> Asked {
+        let Some(spare) = self.spare.take() else {
+            return self.reply(self.rejected(None, None));
+        };
+        match Setup::new(&config, &self.board.clock) {
+            Ok(setup) => {
+                *spare = setup;
+                self.order(Order::Exchange(spare), Pending::Configure(config))
+            }
+            Err(refusal) => {
+                self.spare = Some(spare);
+                self.reply(refusal.into())
+            }
+        }
+    }
+
+    fn calibrate(&mut self, calibration: Calibration, zeroed: Option<(f32, u16)>) -> Asked {
+        match calibration.check() {
+            Ok(()) => self.order(
+                Order::Calibrate(calibration),
+                Pending::Calibrate(calibration, zeroed),
+            ),
+            Err(refusal) => self.reply(refusal.into()),
+        }
+    }
+
+    fn zero(&mut self, channel: Channel, value: f32) -> Asked {
+        let [displacement, force] = &self.windows;
+        let window = match channel {
+            Channel::Displacement => displacement,
+            Channel::Force => force,
+        };
+        let Some((code, spread)) = window.mean_and_spread() else {
+            return self.reply(Reply::Refused(RefusedParameter::new(
+                "zero",
+                f64::NAN,
+                "a channel that has been sampled for a while",
+            )));
+        };
+        let mut calibration = self.calibration;
+        let line: &mut Line = match channel {
+            Channel::Displacement => &mut calibration.displacement,
+            Channel::Force => &mut calibration.force,
+        };
+        line.zero_code = code - value / line.per_code;
+        self.calibrate(calibration, Some((code, spread)))
+    }
+
+    fn save(&mut self) -> Asked {
+        match &self.config {
+            None => self.reply(self.rejected(None, Some(Obstacle::NotConfigured))),
+            Some(_) if self.state != State::Idle => self.reply(self.rejected(None, None)),
+            Some(config) => Asked::Save(Settings {
+                config: config.clone(),
+                calibration: self.calibration,
+            }),
+        }
+    }
+
+    fn begin_motion(&mut self, points: u32, interval_s: f64, checksum: u32) -> Asked {
+        match Upload::new(points, interval_s, checksum) {
+            Ok(upload) => self.order(Order::Unload, Pending::Upload(upload)),
+            Err(refusal) => self.reply(refusal.into()),
+        }
+    }
+
+    fn take_points(&mut self, first: u32, points: &[f32]) -> Asked {
+        let (Some(mut upload), Some(mut writable)) = (self.upload.take(), self.writable.take())
+        else {
+            return self.reply(Reply::Expected(0));
+        };
+        let uploaded = upload.take(writable.points(), first, points);
+        match uploaded {
+            Uploaded::Whole => {
+                match writable.load(upload.count(), upload.interval_s(), self.model_step_s) {
+                    Ok(loaded) => self.order(Order::Load(loaded), Pending::Done),
+                    Err(writable) => {
+                        self.writable = Some(writable);
+                        self.reply(Reply::Refused(RefusedParameter::new(
+                            "motion.interval_s",
+                            upload.interval_s(),
+                            "at least a thousandth of the integration step",
+                        )))
+                    }
+                }
+            }
+            uploaded => {
+                self.writable = Some(writable);
+                // Broken off only by a wrong sum: everything else can be sent again.
+                let reply = match uploaded {
+                    Uploaded::WrongSum { received } => Reply::WrongSum { received },
+                    other => {
+                        self.upload = Some(upload);
+                        other.reply(self.tick, self.state)
+                    }
+                };
+                self.reply(reply)
+            }
+        }
+    }
+}

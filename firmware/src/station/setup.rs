@@ -1,0 +1,153 @@
+//! A test, worked out and ready to be exchanged for another.
+
+use super::any_loop::AnyLoop;
+use outerloop_core::config::StructureConfig;
+use outerloop_core::{Config, Refusal};
+
+/// What the board's clocks allow.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Clock of the sampling timer, Hz.
+    pub timer_hz: u32,
+    /// The fastest control rate, Hz.
+    pub fastest_rate_hz: u32,
+    /// Ticks of the stopwatch that a step may take.
+    pub deadline_ticks: u32,
+    /// Ticks of the stopwatch in a second.
+    pub stopwatch_hz: u32,
+}
+
+/// A test.
+pub struct Setup {
+    /// The loop.
+    pub outer: AnyLoop,
+    /// Period of the sampling timer, in its ticks.
+    pub period_ticks: u32,
+    /// Control rate, Hz.
+    pub rate_hz: f32,
+    /// Integration step in model time, s.
+    pub model_step_s: f64,
+    /// Somebody has asked for this test; the one that a board starts with cannot be armed.
+    pub configured: bool,
+}
+
+impl Setup {
+    /// Works `config` out.
+    ///
+    /// # Errors
+    /// The first parameter that is not accepted.
+    pub fn new(config: &Config, clock: &Clock) -> Result<Self, Refusal> {
+        let rate_hz = config.timing.rate_hz;
+        // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
+        let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
+        let divides = f64::from(period_ticks) * rate_hz == f64::from(clock.timer_hz);
+        if !(divides && rate_hz <= f64::from(clock.fastest_rate_hz)) {
+            return Err(Refusal {
+                name: "loop.rate_hz",
+                value: rate_hz,
+                accepted: "rates that divide the sampling timer's clock and whose telemetry the link carries",
+            });
+        }
+        let floors = config.structure.mass_kg.len();
+        let physical = config
+            .structure
+            .physical_storeys
+            .map_or(floors, usize::from);
+        if physical != 1 {
+            return Err(Refusal {
+                name: "structure.physical_storeys",
+                value: physical as f64,
+                accepted: "1 on this board, which has one actuator",
+            });
+        }
+        Ok(Self {
+            outer: AnyLoop::new(config, clock.deadline_ticks)?,
+            period_ticks,
+            rate_hz: rate_hz as f32,
+            model_step_s: config.model_step_s(),
+            configured: true,
+        })
+    }
+
+    /// What a board starts with: it samples and reports at 2 kHz and cannot be armed.
+    ///
+    /// # Errors
+    /// The clock does not allow 2 kHz.
+    pub fn unconfigured(clock: &Clock) -> Result<Self, Refusal> {
+        let one = |x: f64| [x].into_iter().collect();
+        let config = Config {
+            structure: StructureConfig {
+                mass_kg: one(1.0),
+                stiffness_n_per_m: one(1.0),
+                damping_ratio: one(0.02),
+                physical_storeys: Some(1),
+                physical_mass_kg: [].into_iter().collect(),
+            },
+            timing: Default::default(),
+            compensation: Default::default(),
+            estimation: Default::default(),
+            limits: Default::default(),
+        };
+        Ok(Self {
+            configured: false,
+            ..Self::new(&config, clock)?
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLOCK: Clock = Clock {
+        timer_hz: 84_000_000,
+        fastest_rate_hz: 3400,
+        deadline_ticks: 5000,
+        stopwatch_hz: 168_000_000,
+    };
+
+    fn with(change: impl FnOnce(&mut Config)) -> Result<Setup, Refusal> {
+        let one = |x: f64| [x].into_iter().collect();
+        let mut config = Config {
+            structure: StructureConfig {
+                mass_kg: one(1000.0),
+                stiffness_n_per_m: one(158e3),
+                damping_ratio: one(0.02),
+                physical_storeys: None,
+                physical_mass_kg: [].into_iter().collect(),
+            },
+            timing: Default::default(),
+            compensation: Default::default(),
+            estimation: Default::default(),
+            limits: Default::default(),
+        };
+        change(&mut config);
+        Setup::new(&config, &CLOCK)
+    }
+
+    #[test]
+    fn a_rate_that_does_not_divide_the_clock_or_floods_the_link_is_refused() {
+        assert_eq!(with(|_| ()).ok().map(|s| s.period_ticks), Some(42_000));
+        assert!(with(|c| c.timing.rate_hz = 1000.0).is_ok());
+        assert!(with(|c| c.timing.rate_hz = 2100.0).is_ok());
+        for rate in [1999.0, 2000.5, 4000.0, f64::NAN, -2000.0, 0.0] {
+            let refusal = with(|c| c.timing.rate_hz = rate).err().unwrap();
+            assert_eq!(refusal.name, "loop.rate_hz", "{rate}");
+        }
+    }
+
+    #[test]
+    fn more_actuators_or_floors_than_the_board_has_are_refused() {
+        let floors = |n: usize, x: f64| core::iter::repeat_n(x, n).collect();
+        let frame = |c: &mut Config, n| {
+            c.structure.mass_kg = floors(n, 1000.0);
+            c.structure.stiffness_n_per_m = floors(n, 158e3);
+            c.structure.damping_ratio = floors(n, 0.02);
+        };
+        assert!(with(|c| (frame(c, 3), c.structure.physical_storeys = Some(1)).0).is_ok());
+        let two = with(|c| frame(c, 2)).err().unwrap();
+        assert_eq!(two.name, "structure.physical_storeys");
+        let four = with(|c| (frame(c, 4), c.structure.physical_storeys = Some(1)).0);
+        assert_eq!(four.err().unwrap().name, "structure.mass_kg");
+    }
+}

@@ -1,0 +1,290 @@
+//! Station and service together, as the board runs them, on the host.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Bench, bench, config, pulse};
+use link::command::{Channel, Command, Shape, Signal};
+use link::reply::{Obstacle, Reply};
+use link::telemetry::digest;
+use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
+
+fn done(reply: &Reply) -> u32 {
+    match reply {
+        Reply::Done { tick, .. } => *tick,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn obstacle(reply: Reply) -> Option<Obstacle> {
+    match reply {
+        Reply::Rejected { obstacle, .. } => obstacle,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The loop on the PC, fed with the codes that the board reported and the events at the ticks that it answered, has the
+/// same bits in every word of every record.
+#[test]
+fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
+    let mut b = bench();
+    let points = pulse();
+    let mut events = Vec::new();
+    let configured = done(&b.ask(Command::Configure(config())));
+    b.upload(&points, 0.01);
+    for _ in 0..300 {
+        b.step();
+    }
+    events.push((done(&b.event(Event::Arm)), Event::Arm));
+    while b.log.last().unwrap().step.command_m != 0.0 {
+        b.step();
+    }
+    events.push((done(&b.event(Event::Start)), Event::Start));
+    for _ in 0..500 {
+        b.step();
+    }
+    events.push((done(&b.event(Event::Hold)), Event::Hold));
+    for _ in 0..200 {
+        b.step();
+    }
+    events.push((done(&b.event(Event::Start)), Event::Start));
+    b.until(State::Finished);
+    events.push((done(&b.event(Event::Clear)), Event::Clear));
+    for _ in 0..10 {
+        b.step();
+    }
+
+    let config = config();
+    let motion = GroundMotion::new(&points, 0.01, config.model_step_s()).unwrap();
+    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    let calibration = link::channel::Calibration::UNCALIBRATED;
+    let mut moved = 0.0_f32;
+    for report in b.log.iter().filter(|r| r.tick >= configured) {
+        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
+            outer.handle(*event).unwrap();
+        }
+        let sample = Sample::new(
+            [calibration.displacement.quantity(report.step.displacement)],
+            [calibration.force.quantity(report.step.force)],
+        );
+        let record = outer.step(&sample, &motion).record;
+        assert_eq!(digest(&record), report.step.digest, "tick {}", report.tick);
+        assert_eq!(
+            record.command_m[0].to_bits(),
+            report.step.command_m.to_bits()
+        );
+        moved = moved.max(record.command_m[0].abs());
+    }
+    assert!(moved > 0.005, "the test moved {moved} m");
+    assert_eq!(outer.state(), State::Idle);
+}
+
+#[test]
+fn arming_needs_a_test_and_something_to_run() {
+    let mut b = bench();
+    b.step();
+    assert_eq!(obstacle(b.event(Event::Arm)), Some(Obstacle::NotConfigured));
+    done(&b.ask(Command::Configure(config())));
+    assert_eq!(obstacle(b.event(Event::Arm)), Some(Obstacle::NothingToRun));
+    b.upload(&pulse(), 0.01);
+    b.rig.stop_pressed = true;
+    b.step();
+    let pressed = Some(Obstacle::Fault(Fault::EmergencyStop));
+    assert_eq!(obstacle(b.event(Event::Arm)), pressed);
+    b.rig.stop_pressed = false;
+    b.step();
+    done(&b.event(Event::Arm));
+}
+
+#[test]
+fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    done(&b.event(Event::Start));
+    for command in [
+        Command::Configure(config()),
+        Command::Calibrate(link::channel::Calibration::UNCALIBRATED),
+        Command::Save,
+        Command::Signal(None),
+        Command::Motion {
+            points: 10,
+            interval_s: 0.01,
+            checksum: 0,
+        },
+        Command::Zero {
+            channel: Channel::Force,
+            value: 0.0,
+        },
+    ] {
+        let reply = b.ask(command);
+        assert!(
+            matches!(
+                reply,
+                Reply::Rejected {
+                    state: State::Running,
+                    ..
+                }
+            ),
+            "{reply:?}"
+        );
+    }
+    b.until(State::Finished);
+    done(&b.event(Event::Clear));
+    b.until(State::Idle);
+    // The room that was offered in vain is still there, and so is the ground motion.
+    done(&b.ask(Command::Configure(config())));
+    done(&b.event(Event::Arm));
+}
+
+#[test]
+fn a_refused_configuration_says_what_and_changes_nothing() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    let mut bad = config();
+    bad.structure.mass_kg[0] = f64::NAN;
+    let reply = b.ask(Command::Configure(bad));
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "structure.mass_kg"),
+        "{reply:?}"
+    );
+    b.upload(&pulse(), 0.01);
+    done(&b.event(Event::Arm));
+}
+
+#[test]
+fn a_request_that_comes_twice_is_carried_out_once() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    let first = b.event(Event::Start);
+    assert_eq!(b.ask_again(Command::Event(Event::Start)), first);
+    assert!(matches!(b.event(Event::Start), Reply::Rejected { .. }));
+}
+
+/// What happens to a running test: the fault, PERMIT low and the converter where it was, all within `steps`.
+fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    done(&b.event(Event::Start));
+    for _ in 0..200 {
+        b.step();
+    }
+    assert!(b.rig.permit);
+    harm(&mut b);
+    let mut last = b.rig.code;
+    for step in 0.. {
+        b.step();
+        if !b.rig.permit {
+            break;
+        }
+        assert!(step < steps, "{fault:?} after {step} steps");
+        assert!(b.rig.code.abs_diff(last) < 40, "the converter jumped");
+        last = b.rig.code;
+    }
+    // The last code may have been rounded the other way by the error feedback.
+    assert!(
+        b.rig.code.abs_diff(last) <= 1,
+        "{fault:?}: the converter jumped"
+    );
+    let held = b.rig.code;
+    for _ in 0..100 {
+        b.step();
+        assert!(!b.rig.permit);
+        assert_eq!(b.rig.code, held, "{fault:?}: the converter holds");
+        assert_eq!((b.state(), b.fault()), (State::Tripped, Some(fault)));
+    }
+    let Reply::Status(status) = b.ask(Command::Status) else {
+        panic!("no status");
+    };
+    assert_eq!(status.trip.map(|t| t.fault), Some(fault));
+    let Reply::Record(words) = b.ask(Command::History(15)) else {
+        panic!("no history");
+    };
+    assert_eq!(words.len(), outerloop_core::Record::<1>::WORDS);
+}
+
+#[test]
+fn every_fault_drops_the_permission_and_holds_the_converter() {
+    trips(Fault::EmergencyStop, 1, |b| b.rig.stop_pressed = true);
+    trips(Fault::AdcRail, 1, |b| b.rig.broken = Some((8190, 4095)));
+    trips(Fault::AdcRail, 1, |b| b.rig.broken = Some((4095, 0)));
+    trips(Fault::StaleSample, 200, |b| {
+        let last = b.log.last().unwrap().step;
+        b.rig.broken = Some((last.displacement.value(), last.force.value()));
+    });
+    trips(Fault::LinkLost, 1002, |b| b.heard = false);
+}
+
+#[test]
+fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
+    trips(Fault::LinkLost, 202, |b| b.listening = false);
+    let mut b = bench();
+    for _ in 0..500 {
+        b.step();
+    }
+    assert_eq!((b.rig.fed, b.rig.starving), (500, None));
+    b.reporting = false;
+    for _ in 0..500 {
+        b.step();
+    }
+    let patience = firmware::station::TASK_PATIENCE_STEPS;
+    assert!((patience..patience + 3).contains(&(b.rig.fed - 500)));
+    assert_eq!(b.rig.starving, Some(firmware::station::Sign::Report));
+}
+
+#[test]
+fn zeroing_moves_the_zero_and_not_the_scale() {
+    let mut b = bench();
+    b.rig.broken = Some((5000, 3000));
+    for _ in 0..300 {
+        b.step();
+    }
+    let zero = Command::Zero {
+        channel: Channel::Displacement,
+        value: 0.001,
+    };
+    let reply = b.ask(zero);
+    assert_eq!(
+        reply,
+        Reply::Zeroed {
+            code: 5000.0,
+            spread: 0
+        }
+    );
+    let Reply::Identity(identity) = b.ask(Command::Identify) else {
+        panic!("no identity");
+    };
+    let line = identity.calibration.displacement;
+    let reading = line.quantity(link::AdcCode::new(5000).unwrap());
+    assert!((reading - 0.001).abs() < 1e-7);
+    assert_eq!(
+        line.per_code,
+        link::channel::Calibration::UNCALIBRATED
+            .displacement
+            .per_code
+    );
+}
+
+#[test]
+fn a_commissioning_signal_runs_and_ends_by_itself() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Signal(Some(Signal {
+        shape: Shape::Sine { frequency_hz: 2.0 },
+        amplitude_m: 0.01,
+        seconds: 3.0,
+    }))));
+    for _ in 0..300 {
+        b.step();
+    }
+    done(&b.event(Event::Arm));
+    while b.log.last().unwrap().step.command_m != 0.0 {
+        b.step();
+    }
+    done(&b.event(Event::Start));
+    b.until(State::Running);
+    let steps = b.until(State::Finished);
+    assert!((5998..=6003).contains(&steps), "{steps}");
+    let largest = b.log.iter().rev().take(6000).map(|r| r.step.command_m);
+    let largest = largest.fold(0.0_f32, |a, x| a.max(x.abs()));
+    assert!((largest - 0.01).abs() < 1e-4, "{largest}");
+}
