@@ -4,16 +4,21 @@
 //! |---|---|
 //! | [`verb`] | one file a verb of the command line |
 //! | [`files`] | what people write and read: tests, ground motions, recorded data |
-//! | [`bench`](mod@bench) | where a test runs, and what it leaves |
-//! | [`summary`] | Eqs 17 and 18 and the verdict |
+//! | [`experiment`] | a test on a ground motion, and the ideal that it is compared with |
+//! | [`bench`](mod@bench) | where a test runs: one trait, whatever stands behind it |
+//! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
+//! | [`summary`] | the figures and the verdict |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
 
 pub mod bench;
+pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod report;
+pub mod score;
 pub mod summary;
 pub mod terminal;
+pub mod trace;
 pub mod verb;

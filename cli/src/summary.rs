@@ -1,10 +1,17 @@
-//! What a test is judged by.
+//! What a test is judged by, in figures and in words.
 
-use crate::bench::Finished;
-use crate::files::test::TestFile;
-use outerloop_core::record::flag;
-use outerloop_core::{State, Trip};
+use crate::bench::Ending;
+use crate::experiment::Experiment;
+use crate::score::Score;
+use outerloop_core::{Method, State, Trip};
 use serde::Serialize;
+
+/// From this eps_rms on, a result is not the structure's, however stable the test was.
+pub const POOR_EPS_RMS: f64 = 0.1;
+/// Up to this eps_rms a result is as good as other uncertainties of a test.
+pub const GOOD_EPS_RMS: f64 = 0.02;
+/// From this share of locked steps on, the added damping holds the structure in place.
+const LOCKED_SHARE: f64 = 0.2;
 
 /// How a test ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -14,7 +21,7 @@ pub enum Verdict {
     Completed,
     /// An interlock ended it.
     Tripped,
-    /// It ran away: the error is above the largest ideal displacement and largest at the end.
+    /// It ran away: in the last fifth of the test the error was above the largest ideal displacement.
     Diverged,
 }
 
@@ -27,6 +34,17 @@ impl Verdict {
             Self::Diverged => "diverged",
         }
     }
+}
+
+/// What the figures of a test are worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Worth {
+    /// The structure's own response, as far as the actuator goes.
+    Good,
+    /// Usable if its error is said beside it.
+    Fair,
+    /// Not the structure's response.
+    Bad,
 }
 
 /// The figures of one test. The keys are a contract.
@@ -48,6 +66,8 @@ pub struct Summary {
     pub eps_max: f64,
     /// Eq 18, worst floor.
     pub eps_rms: f64,
+    /// Eq 17, floor by floor.
+    pub eps_max_by_floor: Vec<f64>,
     /// Eq 18, floor by floor.
     pub eps_rms_by_floor: Vec<f64>,
     /// Largest displacement of any floor, m.
@@ -66,6 +86,10 @@ pub struct Summary {
     pub energy_ratio: f64,
     /// Share of the steps in which the structure counted as locked by its own added damping.
     pub locked_share: f64,
+    /// Share of the steps in which the innovation did not fit the estimator's model of the rig.
+    pub model_doubt_share: f64,
+    /// Factor on the ground motion.
+    pub record_scale: f64,
     /// Seconds on the wall clock.
     pub wall_s: f64,
     /// The fault with its value and limit.
@@ -74,113 +98,94 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Judges `run` against `ideal`.
-    pub fn of(test: &TestFile, record: &str, run: &Finished, ideal: &Finished) -> Self {
-        let trace = &run.trace;
-        let n = trace.time_s.len();
-        let (mut eps_max, mut eps_rms_by_floor, mut peak) = (0.0_f64, Vec::new(), 0.0_f64);
-        let mut largest_at_end = false;
-        for (floor, exact) in trace.floors.iter().zip(&ideal.trace.floors) {
-            let scale = largest(&exact.command_m);
-            let (mut worst, mut worst_at, mut square) = (0.0_f64, 0, 0.0);
-            for (i, (a, b)) in floor.command_m.iter().zip(&exact.command_m).enumerate() {
-                let e = (f64::from(*a) - f64::from(*b)) / scale;
-                if e.abs() > worst {
-                    (worst, worst_at) = (e.abs(), i);
-                }
-                square += e * e;
-            }
-            if worst > eps_max {
-                eps_max = worst;
-                largest_at_end = worst_at > n * 4 / 5;
-            }
-            eps_rms_by_floor.push((square / n.max(1) as f64).sqrt());
-            peak = peak.max(largest(&floor.command_m));
-        }
-        let ratio = added_damping_ratio(test);
-        let added = trace
-            .floors
-            .first()
-            .map_or(&[][..], |f| &f.added_damping_n_s_per_m);
-        let sum: f64 = added.iter().map(|c| f64::from(*c)).sum();
-        let verdict = match run.state {
-            State::Tripped => Verdict::Tripped,
-            _ if eps_max > 1.0 && largest_at_end => Verdict::Diverged,
-            _ => Verdict::Completed,
-        };
-        let last = |column: &[f32]| column.last().copied().map_or(0.0, f64::from);
-        let locked = trace
-            .flags
-            .iter()
-            .filter(|f| **f & flag::LOCKED != 0)
-            .count();
+    /// Judges a test that ended with `ending`.
+    pub fn of(e: &Experiment, method: Method, score: &Score<'_>, ending: &Ending) -> Self {
+        let worst = |floors: &[f64]| floors.iter().copied().fold(0.0, f64::max);
+        let (eps_max_by_floor, eps_rms_by_floor) = (score.eps_max(), score.eps_rms());
+        let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
+        let per_critical = e.per_critical();
         Self {
-            record: record.to_owned(),
-            compensation: test.config.compensation.kind.name(),
-            steps: n,
-            rate_hz: test.config.timing.rate_hz,
-            verdict,
-            trip: run.trip.map(|t| t.fault.name()),
-            eps_max,
-            eps_rms: eps_rms_by_floor.iter().copied().fold(0.0, f64::max),
+            record: e.record.clone(),
+            compensation: method.name(),
+            steps: score.control_steps,
+            rate_hz: e.test.config.timing.rate_hz,
+            verdict: match ending.state {
+                State::Tripped => Verdict::Tripped,
+                _ if score.ran_away() => Verdict::Diverged,
+                _ => Verdict::Completed,
+            },
+            trip: ending.trip.map(|t| t.fault.name()),
+            eps_max: worst(&eps_max_by_floor),
+            eps_rms: worst(&eps_rms_by_floor),
+            eps_max_by_floor,
             eps_rms_by_floor,
-            peak_displacement_m: peak,
-            mean_added_damping_ratio: sum / n.max(1) as f64 * ratio,
-            peak_added_damping_ratio: largest(added) * ratio,
-            energy_error_j: last(&trace.energy_modified_j),
-            energy_error_hsem_j: last(&trace.energy_hsem_j),
-            energy_error_stiffness_j: last(&trace.energy_stiffness_j),
-            energy_ratio: last(&trace.energy_ratio),
-            locked_share: locked as f64 / n.max(1) as f64,
-            wall_s: run.wall_s,
-            trip_detail: run.trip,
+            peak_displacement_m: score.peak_m,
+            mean_added_damping_ratio: score.mean_damping() * per_critical,
+            peak_added_damping_ratio: score.largest_damping * per_critical,
+            energy_error_j: f64::from(score.energy.modified_j),
+            energy_error_hsem_j: f64::from(score.energy.hsem_j),
+            energy_error_stiffness_j: f64::from(score.energy.stiffness_j),
+            energy_ratio: score.energy_ratio,
+            locked_share: share(score.locked, score.compared),
+            model_doubt_share: share(score.doubtful, score.control_steps),
+            record_scale: e.scale,
+            wall_s: ending.wall_s,
+            trip_detail: ending.trip,
+        }
+    }
+
+    /// Whether the added damping held the structure in place.
+    pub fn locked(&self) -> bool {
+        self.locked_share > LOCKED_SHARE
+    }
+
+    /// What the figures are worth.
+    pub fn worth(&self) -> Worth {
+        match self.verdict {
+            Verdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Worth::Bad,
+            Verdict::Completed if self.eps_rms > GOOD_EPS_RMS => Worth::Fair,
+            Verdict::Completed => Worth::Good,
+            Verdict::Tripped | Verdict::Diverged => Worth::Bad,
         }
     }
 
     /// What happened, in a plain sentence.
     pub fn sentence(&self) -> String {
+        let percent = |share: f64| format!("{:.2} %", share * 100.0);
+        let (rms, max) = (percent(self.eps_rms), percent(self.eps_max));
         match (self.verdict, self.trip_detail) {
             (Verdict::Tripped, Some(t)) => format!(
-                "Tripped on {} after {:.2} s: {} {} against a limit of {} {}.",
+                "Tripped on {} after {:.2} s of the laboratory: {} {unit} against a limit of {} {unit}.",
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
                 t.value,
-                t.fault.unit(),
                 t.limit,
-                t.fault.unit()
+                unit = t.fault.unit(),
             ),
             (Verdict::Diverged, _) => format!(
-                "Ran away: the error grew to {:.0} % of the largest ideal displacement. The actuator puts in more energy than the structure dissipates.",
+                "Ran away: the error grew to {:.0} % of the largest ideal displacement, because the actuator puts in \
+                 more energy than the structure dissipates.",
                 self.eps_max * 100.0
             ),
-            _ if self.locked_share > 0.2 => format!(
-                "Locked: the added damping holds the structure in place for {:.0} % of the test. It looks stable and its result is worthless.",
+            _ if self.locked() => format!(
+                "Locked: the added damping held the structure in place for {:.0} % of the test. It looks stable, but \
+                 this is not how the structure moves (eps_rms {rms}).",
                 self.locked_share * 100.0
             ),
-            _ if self.eps_rms > 0.1 => format!(
-                "Stable but wrong: eps_rms is {:.1} % of the largest displacement.",
-                self.eps_rms * 100.0
-            ),
-            _ => format!(
-                "Completed: eps_rms is {:.2} %, eps_max {:.2} % of the largest ideal displacement.",
-                self.eps_rms * 100.0,
-                self.eps_max * 100.0
-            ),
+            _ => match self.worth() {
+                Worth::Good => format!(
+                    "Ran to its end and moved as the structure would: the error is {rms} rms and {max} at most, of the \
+                     largest ideal displacement."
+                ),
+                Worth::Fair => format!(
+                    "Ran to its end with a visible error: {rms} rms and {max} at most, of the largest ideal \
+                     displacement. Say so beside the result."
+                ),
+                Worth::Bad => format!(
+                    "Stable but wrong: the error is {rms} rms and {max} at most, of the largest ideal displacement. \
+                     This is not the structure's response."
+                ),
+            },
         }
     }
-}
-
-/// 1 / (2 M omega_1) of the first floor: turns C_cor into a ratio of critical.
-pub fn added_damping_ratio(test: &TestFile) -> f64 {
-    let s = &test.config.structure;
-    match (&s.mass_kg[..], &s.stiffness_n_per_m[..]) {
-        ([m], [k]) => 0.5 / (m * k).sqrt(),
-        ([m, ..], _) => 0.5 / (m * test.fundamental_rad_per_s()),
-        _ => 0.0,
-    }
-}
-
-/// Largest magnitude.
-pub fn largest(values: &[f32]) -> f64 {
-    values.iter().fold(0.0, |p, x| p.max(f64::from(*x).abs()))
 }

@@ -1,12 +1,15 @@
 //! Tables and progress on the terminal.
 
 use crate::summary::Summary;
+use crate::trace::Witness;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
-use indicatif::{ProgressBar, ProgressStyle};
-use std::time::Duration;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use outerloop_core::Record;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
-/// A table with a head.
+/// A table with a head; numbers, from the second column on, to the right.
 pub fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
     table
@@ -22,7 +25,7 @@ pub fn table(head: &[&str]) -> Table {
 /// One row a test.
 pub fn summaries(rows: &[Summary]) -> Table {
     let mut t = table(&[
-        "test",
+        "ground motion",
         "compensation",
         "verdict",
         "eps_max",
@@ -30,7 +33,7 @@ pub fn summaries(rows: &[Summary]) -> Table {
         "peak",
         "added damping",
         "energy error",
-        "time",
+        "wall",
     ]);
     for s in rows {
         t.add_row([
@@ -66,17 +69,79 @@ pub fn joule(j: f64) -> String {
     match j.abs() {
         a if a >= 1e7 => format!("{j:.2e} J"),
         a if a >= 1e4 => format!("{:.1} kJ", j / 1e3),
-        _ => format!("{j:.1} J"),
+        a if a >= 0.1 || a == 0.0 => format!("{j:.1} J"),
+        _ => format!("{j:.1e} J"),
     }
 }
 
-/// A bar that shows itself only where somebody looks and the work takes longer than a moment.
-pub fn progress(what: &str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::new(length);
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
-        bar.set_style(style);
+/// Steps between two looks at the clock.
+const STEPS_A_TELL: u64 = 1 << 14;
+/// Work that is over by then shows no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A bar on standard error for work that takes longer than a second, where somebody looks at a terminal.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    began: Mutex<Option<Instant>>,
+}
+
+impl Progress {
+    /// A bar over `steps` steps of work.
+    pub fn over(what: &str, steps: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %, {eta} left")
+        {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        Self {
+            bar,
+            began: Mutex::new(Some(Instant::now())),
+        }
     }
-    bar.set_message(what.to_owned());
-    bar.enable_steady_tick(Duration::from_millis(250));
-    bar
+
+    /// Tells of `steps` more.
+    pub fn add(&self, steps: u64) {
+        self.bar.inc(steps);
+        if let Ok(mut began) = self.began.lock()
+            && began.is_some_and(|t| t.elapsed() > PATIENCE)
+        {
+            *began = None;
+            // indicatif itself stays silent where standard error is no terminal.
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    /// What a test tells its steps to.
+    pub fn witness(&self) -> Steps<'_> {
+        Steps {
+            progress: self,
+            untold: 0,
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Counts the steps of a test.
+#[derive(Debug)]
+pub struct Steps<'a> {
+    progress: &'a Progress,
+    untold: u64,
+}
+
+impl Witness for Steps<'_> {
+    #[inline]
+    fn see<const N: usize>(&mut self, _: &Record<N>) {
+        self.untold += 1;
+        if self.untold == STEPS_A_TELL {
+            self.progress.add(self.untold);
+            self.untold = 0;
+        }
+    }
 }

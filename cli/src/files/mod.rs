@@ -3,7 +3,8 @@
 pub mod ground_motion;
 pub mod near_fault;
 pub mod output;
-pub mod record;
+pub mod record_csv;
+pub mod recording;
 pub mod table;
 pub mod test;
 

@@ -3,10 +3,9 @@
 use super::read;
 use crate::failure::Failure;
 use outerloop_core::Config;
-use outerloop_core::config::StructureConfig;
-use outerloop_core::structure::Structure;
-use plant::RigSpec;
-use serde::Deserialize;
+use plant::{PerAxis, RigSpec};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -19,16 +18,20 @@ pub struct TestFile {
     pub plant: RigSpec,
     /// What shakes the structure.
     pub excitation: Excitation,
+    /// The file as it was used, overrides and all.
+    pub text: String,
 }
 
 /// `[excitation]`: which ground motion, how strong, how long.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Excitation {
     /// A file, relative to the test file; left out: the built-in near-fault record.
     pub record: Option<PathBuf>,
     /// Factor on the acceleration.
     pub scale: f64,
+    /// Instead of a factor: the largest displacement, mm, that the linear structure on an ideal rig shall have.
+    pub peak_response_mm: Option<f64>,
     /// Seconds of model time; left out: the whole record.
     pub duration_s: Option<f64>,
 }
@@ -38,7 +41,29 @@ impl Default for Excitation {
         Self {
             record: None,
             scale: 1.0,
+            peak_response_mm: None,
             duration_s: None,
+        }
+    }
+}
+
+impl Excitation {
+    fn check(&self) -> Result<(), String> {
+        let strong = |x: f64| x.is_finite() && x != 0.0 && x.abs() <= 1e3;
+        if !strong(self.scale) {
+            return Err(format!(
+                "excitation.scale = {} is refused: accepted are factors other than 0, to 1000",
+                self.scale
+            ));
+        }
+        match self.peak_response_mm {
+            Some(mm) if !(mm > 0.0 && mm <= 1e4) => Err(format!(
+                "excitation.peak_response_mm = {mm} is refused: accepted are above 0 to 10000 mm"
+            )),
+            Some(_) if self.scale != 1.0 => Err(
+                "excitation.scale and excitation.peak_response_mm are both given: accepted is one of them".into(),
+            ),
+            _ => Ok(()),
         }
     }
 }
@@ -49,114 +74,99 @@ impl TestFile {
     /// # Errors
     /// A file, key or value that cannot be used.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, Failure> {
-        let name = path.display().to_string();
-        let mut table: Table = read(path)?
-            .parse()
-            .map_err(|e: toml::de::Error| Failure::input(format!("{name}: {}", one_line(&e))))?;
-        for assignment in overrides {
-            set(&mut table, assignment)?;
-        }
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_table(table, &name, folder)
+        let file = path.display().to_string();
+        Self::parse(&read(path)?, &file, folder, overrides)
     }
 
-    /// Makes a test of an already parsed table; `folder` is where relative records lie.
+    /// Reads `text`, which came from `file`; records that it names are relative to `folder`.
     ///
     /// # Errors
     /// A key or value that cannot be used.
-    pub fn from_table(mut table: Table, name: &str, folder: &Path) -> Result<Self, Failure> {
-        let plant = part::<RigSpec>(name, "plant", table.remove("plant"))?;
-        let mut excitation = part::<Excitation>(name, "excitation", table.remove("excitation"))?;
-        if !(excitation.scale.is_finite() && excitation.scale.abs() < 1e3) {
-            return Err(Failure::input(format!(
-                "{name}: excitation.scale = {} is refused: accepted are factors below 1000",
-                excitation.scale
-            )));
+    pub fn parse(
+        text: &str,
+        file: &str,
+        folder: &Path,
+        overrides: &[String],
+    ) -> Result<Self, Failure> {
+        let plain: Table = text.parse().map_err(|e: toml::de::Error| {
+            let line = e
+                .span()
+                .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
+            Failure::input(format!("{file}, line {line}: {}", one_line(e.message())))
+        })?;
+        let mut table = plain.clone();
+        for assignment in overrides {
+            set(&mut table, assignment)?;
         }
+        Self::from_table(table, folder).map_err(|mistake| {
+            // Whose mistake it is: the file's own, or that of what was set from outside.
+            let own = overrides.is_empty() || Self::from_table(plain, folder).is_err();
+            let set = if own {
+                String::new()
+            } else {
+                format!(" with --set {}", overrides.join(" --set "))
+            };
+            Failure::input(format!("{file}{set}: {mistake}"))
+        })
+    }
+
+    fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
+        let text = toml::to_string(&table).unwrap_or_default();
+        let plant: RigSpec = part("plant", table.remove("plant"))?;
+        let mut excitation: Excitation = part("excitation", table.remove("excitation"))?;
+        excitation.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
         lists_of_one(&mut table);
         // The clamp of the compensation is built on the delay that is expected: on a simulated rig, the rig's.
-        let delay_ms = plant_delay_ms(&plant);
-        if let Value::Table(compensation) = table
+        let delay_ms = largest(&plant.actuator.delay_ms) + largest(&plant.actuator.lag_ms);
+        let compensation = table
             .entry("compensation")
-            .or_insert_with(|| Value::Table(Table::new()))
+            .or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(compensation) = compensation
             && delay_ms > 0.0
         {
             compensation
                 .entry("delay_ms")
                 .or_insert(Value::Float(delay_ms));
         }
-        let config: Config = Value::Table(table)
-            .try_into()
-            .map_err(|e: toml::de::Error| Failure::input(format!("{name}: {}", one_line(&e))))?;
-        config
-            .check()
-            .map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        let config: Config = typed("", Value::Table(table))?;
+        config.check().map_err(|e| e.to_string())?;
         Ok(Self {
             config,
             plant,
             excitation,
+            text,
         })
     }
 }
 
-impl TestFile {
-    /// Fundamental natural angular frequency of the declared structure, rad/s.
-    pub fn fundamental_rad_per_s(&self) -> f64 {
-        fn of<const N: usize>(s: &StructureConfig) -> Option<f64> {
-            let floors =
-                |list: &[f64]| core::array::from_fn(|j| list.get(j).copied().unwrap_or(0.0));
-            let frame = Structure::<N>::shear_frame(
-                &floors(&s.mass_kg),
-                &floors(&s.stiffness_n_per_m),
-                &floors(&s.damping_ratio),
-                N,
-                &[0.0; N],
-            );
-            Some(frame.ok()?.natural_frequencies_rad_per_s().ok()?[0])
-        }
-        let s = &self.config.structure;
-        let omega = match s.mass_kg.len() {
-            1 => of::<1>(s),
-            2 => of::<2>(s),
-            3 => of::<3>(s),
-            4 => of::<4>(s),
-            5 => of::<5>(s),
-            6 => of::<6>(s),
-            7 => of::<7>(s),
-            _ => of::<8>(s),
-        };
-        omega.unwrap_or(f64::NAN)
-    }
-}
-
-/// The delay of the rig's first actuator, with its lag, ms.
-fn plant_delay_ms(plant: &RigSpec) -> f64 {
-    let table = Value::try_from(&plant.actuator).ok();
-    let number = |key: &str| {
-        let value = table.as_ref()?.get(key)?;
-        let first = value
-            .as_array()
-            .and_then(|list| list.first())
-            .unwrap_or(value);
-        first
-            .as_float()
-            .or_else(|| first.as_integer().map(|i| i as f64))
-    };
-    number("delay_ms").unwrap_or(0.0) + number("lag_ms").unwrap_or(0.0)
-}
-
-fn part<T: for<'a> Deserialize<'a> + Default>(
-    file: &str,
-    name: &str,
-    value: Option<Value>,
-) -> Result<T, Failure> {
+fn largest(value: &PerAxis) -> f64 {
     match value {
-        None => Ok(T::default()),
-        Some(value) => value.try_into().map_err(|e: toml::de::Error| {
-            Failure::input(format!("{file}: {name}: {}", one_line(&e)))
-        }),
+        PerAxis::All(x) => *x,
+        PerAxis::Each(each) => each.iter().copied().fold(0.0, f64::max),
     }
+}
+
+fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
+    value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
+}
+
+/// A table as what it should be, or where in it the mistake is.
+fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
+    serde_path_to_error::deserialize(value).map_err(|e| {
+        let path = match (root, e.path().to_string()) {
+            (root, inner) if inner == "." => root.to_owned(),
+            ("", inner) => inner,
+            (root, inner) => format!("{root}.{inner}"),
+        };
+        let said = one_line(e.inner().message());
+        if path.is_empty() {
+            said
+        } else {
+            format!("{path}: {said}")
+        }
+    })
 }
 
 /// One degree of freedom is written as numbers: core takes lists.
@@ -178,36 +188,135 @@ fn lists_of_one(table: &mut Table) {
     }
 }
 
-/// Sets one value by its dotted path. Whether the path exists is found out when the table is read.
+/// Sets one value by its dotted path; a number in the path is a place in a list, from 0. Whether the names exist is
+/// found out when the table is read.
 fn set(table: &mut Table, assignment: &str) -> Result<(), Failure> {
-    let (path, text) = assignment.split_once('=').ok_or_else(|| {
+    let refuse = |why: &str| {
         Failure::input(format!(
-            "--set {assignment}: accepted are PATH=VALUE, e.g. loop.rate_hz=2000"
+            "--set {assignment}: {why}: accepted is PATH=VALUE, e.g. plant.actuator.delay_ms=8"
         ))
-    })?;
+    };
+    let (path, text) = assignment
+        .split_once('=')
+        .ok_or_else(|| refuse("has no `=`"))?;
     let value = format!("x = {text}")
         .parse::<Table>()
         .ok()
         .and_then(|mut t| t.remove("x"))
         .unwrap_or_else(|| Value::String(text.to_owned()));
-    let mut here = table;
-    let mut keys: Vec<&str> = path.trim().split('.').collect();
-    let last = keys.pop().unwrap_or_default();
-    for key in keys {
-        let next = here
-            .entry(key)
-            .or_insert_with(|| Value::Table(Table::new()));
-        here = next.as_table_mut().ok_or_else(|| {
-            Failure::input(format!(
-                "--set {assignment}: `{key}` is a value and has no parts"
-            ))
-        })?;
+    let keys: Vec<&str> = path.trim().split('.').collect();
+    if keys.iter().any(|k| k.is_empty()) {
+        return Err(refuse("has an empty name in its path"));
     }
-    here.insert(last.to_owned(), value);
+    let (first, rest) = (keys[0], &keys[1..]);
+    let mut here = table
+        .entry(first)
+        .or_insert_with(|| Value::Table(Table::new()));
+    for key in rest {
+        here = match here {
+            Value::Table(t) => t.entry(*key).or_insert_with(|| Value::Table(Table::new())),
+            Value::Array(list) => key
+                .parse::<usize>()
+                .ok()
+                .and_then(|i| list.get_mut(i))
+                .ok_or_else(|| refuse(&format!("`{key}` is no place in the list")))?,
+            _ => {
+                return Err(refuse(&format!(
+                    "`{key}` would be a part of a single value"
+                )));
+            }
+        };
+    }
+    *here = value;
     Ok(())
 }
 
-/// The message of a TOML error without its picture, on one line.
-fn one_line(e: &toml::de::Error) -> String {
-    e.message().replace('\n', " ")
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+                        [plant.actuator]\nkind = \"delay\"\ndelay_ms = 4\n";
+
+    fn with(overrides: &[&str]) -> Result<TestFile, String> {
+        let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
+        TestFile::parse(TEXT, "t.toml", Path::new("tests"), &overrides).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn numbers_stand_for_one_degree_of_freedom_and_the_clamp_follows_the_rig() {
+        let t = with(&[]).unwrap();
+        assert_eq!(t.config.structure.mass_kg.as_slice(), [1000.0]);
+        assert_eq!(t.config.compensation.delay_ms, 4.0);
+        let t = with(&["plant.actuator.delay_ms=8", "compensation.kind=eq14"]).unwrap();
+        assert_eq!(t.config.compensation.delay_ms, 8.0);
+        assert_eq!(t.config.compensation.kind.name(), "eq14");
+        let t = with(&["compensation.delay_ms=3"]).unwrap();
+        assert_eq!(t.config.compensation.delay_ms, 3.0);
+    }
+
+    #[test]
+    fn overrides_reach_into_lists_and_new_tables() {
+        let three = "structure.mass_kg=[1,2,3]";
+        let t = with(&[
+            three,
+            "structure.stiffness_n_per_m=[1000,1000,1000]",
+            "structure.damping_ratio=[0.02,0.02,0.02]",
+            "structure.mass_kg.1=5",
+            "limits.force_n=10",
+            "excitation.record=a.csv",
+        ])
+        .unwrap();
+        assert_eq!(t.config.structure.mass_kg.as_slice(), [1.0, 5.0, 3.0]);
+        assert_eq!(t.config.limits.force_n, Some(10.0));
+        assert_eq!(t.excitation.record, Some(PathBuf::from("tests/a.csv")));
+    }
+
+    #[test]
+    fn each_mistake_says_where_it_is() {
+        for (assignment, said) in [
+            ("loop.rate=2000", &["--set loop.rate=2000", "rate_hz"][..]),
+            ("plant.actuator.delay=8", &["plant.actuator", "delay_ms"]),
+            ("plant.motor.kind=ideal", &["plant", "motor", "actuator"]),
+            ("nonsense.x=1", &["nonsense"]),
+            ("loop.rate_hz=fast", &["loop.rate_hz", "\"fast\"", "f64"]),
+            ("loop.rate_hz=1", &["loop.rate_hz = 1", "10 to 100000 Hz"]),
+            (
+                "compensation.kind=magic",
+                &["compensation.kind", "magic", "paper"],
+            ),
+            (
+                "plant.actuator.kind=magic",
+                &["plant.actuator.kind", "magic", "lag_delay"],
+            ),
+            ("structure.mass_kg.x.y=1", &["a single value"]),
+            ("loop.rate_hz", &["has no `=`"]),
+            ("=1", &["empty name"]),
+            ("excitation.scale=0", &["excitation.scale = 0"]),
+            ("excitation.scale=nan", &["excitation.scale = NaN"]),
+            ("excitation.peak_response_mm=-1", &["peak_response_mm = -1"]),
+        ] {
+            let e = with(&[assignment]).unwrap_err();
+            for word in said {
+                assert!(e.contains(word), "{word} is not in: {e}");
+            }
+            assert!(!e.contains('\n'), "{e}");
+        }
+    }
+
+    #[test]
+    fn mistakes_of_the_file_name_the_file_and_not_the_override() {
+        let text = TEXT.replace("4", "\"four\"");
+        let set = ["loop.rate_hz=1000".to_owned()];
+        let e = TestFile::parse(&text, "t.toml", Path::new(""), &set).unwrap_err();
+        let e = e.to_string();
+        assert!(e.starts_with("t.toml: plant.actuator.delay_ms"), "{e}");
+        let broken = format!("{TEXT}[loop\n");
+        let e = TestFile::parse(&broken, "t.toml", Path::new(""), &[]).unwrap_err();
+        assert!(e.to_string().starts_with("t.toml, line 8:"), "{e}");
+    }
 }

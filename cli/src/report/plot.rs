@@ -1,8 +1,12 @@
 //! Plots as inline SVG.
 
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use plotters::prelude::*;
+use std::error::Error;
+use std::ops::Range;
 
 /// A curve of a plot.
+#[derive(Clone, Debug)]
 pub struct Curve {
     /// Its name in the legend; empty: none.
     pub name: &'static str,
@@ -12,48 +16,79 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Dark blue: what was tested.
-pub const TESTED: RGBColor = RGBColor(28, 78, 128);
-/// Grey: the ideal.
-pub const IDEAL: RGBColor = RGBColor(150, 150, 150);
+/// Blue: what was tested.
+pub const TESTED: RGBColor = RGBColor(31, 95, 153);
+/// Dark grey: the ideal.
+pub const IDEAL: RGBColor = RGBColor(128, 134, 139);
 /// Red: what went wrong or what to watch.
-pub const WRONG: RGBColor = RGBColor(196, 69, 54);
+pub const WRONG: RGBColor = RGBColor(200, 75, 49);
 /// Green: a third curve.
-pub const THIRD: RGBColor = RGBColor(58, 125, 68);
+pub const THIRD: RGBColor = RGBColor(46, 125, 90);
 
-const WIDTH: u32 = 960;
-const HEIGHT: u32 = 270;
+const GRID: RGBColor = RGBColor(232, 234, 237);
+const AXIS: RGBColor = RGBColor(154, 160, 166);
+const INK: RGBColor = RGBColor(60, 64, 67);
+
+/// The drawing is this many units wide for one pixel of the page: curves are drawn in whole units.
+const FINE: u32 = 3;
 /// Columns of the envelope: two points a column are as many as a screen can show.
-const COLUMNS: usize = 900;
+const COLUMNS: usize = 1000;
+/// Points of a loop.
+const LOOP_POINTS: usize = 9000;
+
+/// What a plot looks like.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    width: u32,
+    height: u32,
+}
+
+/// Over the whole width of the page.
+pub const WIDE: Shape = Shape {
+    width: 1000,
+    height: 250,
+};
+/// The same, taller: for the plot that matters most.
+pub const TALL: Shape = Shape {
+    width: 1000,
+    height: 330,
+};
+/// Two beside each other.
+pub const HALF: Shape = Shape {
+    width: 490,
+    height: 380,
+};
 
 /// A time history: smallest and largest value of each column of the picture, so that no spike is lost.
-pub fn history(time_s: &[f64], value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
-    let n = time_s.len();
+pub fn history(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
     if n <= 2 * COLUMNS {
-        return (0..n).map(|i| (time_s[i], value(i))).collect();
+        return (0..n).map(point).collect();
     }
     let mut points = Vec::with_capacity(2 * COLUMNS);
-    for c in 0..COLUMNS {
-        let range = c * n / COLUMNS..(c + 1) * n / COLUMNS;
-        let (mut low, mut high) = (range.start, range.start);
-        for i in range {
-            if value(i) < value(low) {
-                low = i;
+    for column in 0..COLUMNS {
+        let range = column * n / COLUMNS..(column + 1) * n / COLUMNS;
+        let (mut low, mut high) = (point(range.start), point(range.start));
+        for p in range.map(&point) {
+            if p.1 < low.1 {
+                low = p;
             }
-            if value(i) > value(high) {
-                high = i;
+            if p.1 > high.1 {
+                high = p;
             }
         }
-        let (first, second) = (low.min(high), low.max(high));
-        points.push((time_s[first], value(first)));
-        points.push((time_s[second], value(second)));
+        let ordered = if low.0 <= high.0 {
+            [low, high]
+        } else {
+            [high, low]
+        };
+        points.extend(ordered);
     }
     points
 }
 
 /// Every so-many-th point of a path in the plane.
 pub fn path(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
-    let stride = n.div_ceil(6000).max(1);
+    let stride = n.div_ceil(LOOP_POINTS).max(1);
     (0..n).step_by(stride).map(point).collect()
 }
 
@@ -62,108 +97,191 @@ pub fn path(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
 /// # Errors
 /// The drawing library's.
 pub fn plot(
+    shape: Shape,
     x_label: &str,
     y_label: &str,
     curves: &[Curve],
-) -> Result<String, Box<dyn std::error::Error>> {
-    draw(x_label, y_label, curves, WIDTH, HEIGHT)
-}
-
-/// A square plot, for loops.
-///
-/// # Errors
-/// The drawing library's.
-pub fn square(
-    x_label: &str,
-    y_label: &str,
-    curves: &[Curve],
-) -> Result<String, Box<dyn std::error::Error>> {
-    draw(x_label, y_label, curves, 470, 360)
-}
-
-fn draw(
-    x_label: &str,
-    y_label: &str,
-    curves: &[Curve],
-    width: u32,
-    height: u32,
-) -> Result<String, Box<dyn std::error::Error>> {
+) -> Result<String, Box<dyn Error>> {
+    let (width, height) = (shape.width * FINE, shape.height * FINE);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
-        let range = |pick: fn(&(f64, f64)) -> f64| {
-            let all = || {
-                curves
-                    .iter()
-                    .flat_map(|c| c.points.iter().map(pick))
-                    .filter(|x| x.is_finite())
-            };
-            let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                (l.min(x), h.max(x))
-            });
-            if low < high { (low, high) } else { (-1.0, 1.0) }
-        };
-        let (x, y) = (range(|p| p.0), range(|p| p.1));
-        let margin = 0.05 * (y.1 - y.0);
+        let (x, y) = (span(curves, |p| p.0, 0.0), span(curves, |p| p.1, 0.06));
+        let fine = FINE as i32;
         let mut chart = ChartBuilder::on(&root)
-            .margin(8)
-            .margin_right(16)
-            .x_label_area_size(38)
-            .y_label_area_size(64)
-            .build_cartesian_2d(x.0..x.1, y.0 - margin..y.1 + margin)?;
+            .margin(4 * fine)
+            .margin_right(14 * fine)
+            .margin_top(if named(curves) { 26 } else { 8 } * fine)
+            .x_label_area_size(40 * fine)
+            .y_label_area_size(62 * fine)
+            .build_cartesian_2d(Round(x), Round(y))?;
+        let size = |points: i32| f64::from(points * fine);
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(RGBColor(228, 228, 228))
-            .axis_style(RGBColor(120, 120, 120))
+            .bold_line_style(GRID.stroke_width(FINE))
+            .axis_style(AXIS.stroke_width(FINE))
+            .set_all_tick_mark_size(4 * fine)
             .x_desc(x_label)
             .y_desc(y_label)
-            .x_labels(9)
-            .y_labels(6)
-            .label_style(("sans-serif", 13, &RGBColor(70, 70, 70)))
-            .axis_desc_style(("sans-serif", 14, &RGBColor(50, 50, 50)))
+            .x_labels(if shape.width > shape.height * 2 {
+                12
+            } else {
+                7
+            })
+            .y_labels(7)
+            .label_style(("sans-serif", size(12), &INK))
+            .axis_desc_style(("sans-serif", size(13), &INK))
             .x_label_formatter(&|v| tick(*v))
             .y_label_formatter(&|v| tick(*v))
             .draw()?;
         for curve in curves {
-            let style = curve.colour.stroke_width(1);
             let points = curve
                 .points
                 .iter()
                 .copied()
                 .filter(|p| p.0.is_finite() && p.1.is_finite());
-            let series = chart.draw_series(LineSeries::new(points, style))?;
-            if !curve.name.is_empty() {
-                let colour = curve.colour;
-                series.label(curve.name).legend(move |(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(3))
-                });
-            }
+            // A line and a half wide: thin enough for a dense history, thick enough for print.
+            let style = curve.colour.stroke_width(FINE + FINE / 2);
+            chart.draw_series(LineSeries::new(points, style))?;
         }
-        if curves.iter().any(|c| !c.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(TRANSPARENT)
-                .label_font(("sans-serif", 13))
-                .draw()?;
-        }
+        legend(&root, curves)?;
         root.present()?;
     }
     // Fixed sizes become a view box, so that the page decides how large the picture is.
     Ok(svg.replacen(&format!("width=\"{width}\" height=\"{height}\" "), "", 1))
 }
 
+fn named(curves: &[Curve]) -> bool {
+    curves.iter().any(|c| !c.name.is_empty())
+}
+
+/// The names in a line above the plot, where they cover nothing.
+fn legend<D: DrawingBackend>(
+    root: &DrawingArea<D, plotters::coord::Shift>,
+    curves: &[Curve],
+) -> Result<(), Box<dyn Error>>
+where
+    D::ErrorType: 'static,
+{
+    let fine = FINE as i32;
+    let style = ("sans-serif", f64::from(13 * fine))
+        .into_text_style(root)
+        .color(&INK);
+    let (mut x, y) = (70 * fine, 14 * fine);
+    for curve in curves.iter().filter(|c| !c.name.is_empty()) {
+        let line = vec![(x, y), (x + 22 * fine, y)];
+        root.draw(&PathElement::new(line, curve.colour.stroke_width(3 * FINE)))?;
+        root.draw(&Text::new(
+            curve.name,
+            (x + 28 * fine, y - 7 * fine),
+            style.clone(),
+        ))?;
+        // No font is loaded, so the width is a guess: a letter is a little over half as wide as high.
+        x += (28 + 7 * curve.name.chars().count() as i32 + 24) * fine;
+    }
+    Ok(())
+}
+
+/// What the curves span, with a margin.
+fn span(curves: &[Curve], pick: fn(&(f64, f64)) -> f64, margin: f64) -> Range<f64> {
+    let values = curves
+        .iter()
+        .flat_map(|c| c.points.iter().map(pick))
+        .filter(|x| x.is_finite());
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+        (l.min(x), h.max(x))
+    });
+    match (low, high) {
+        (l, h) if l < h => l - margin * (h - l)..h + margin * (h - l),
+        (l, _) if l.is_finite() => l - 1.0..l + 1.0,
+        _ => -1.0..1.0,
+    }
+}
+
+/// An axis whose ticks are round numbers: 1, 2 or 5 times a power of ten.
+struct Round(Range<f64>);
+
+impl Ranged for Round {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let share = (value - self.0.start) / (self.0.end - self.0.start);
+        limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        round_ticks(&self.0, hint.max_num_points().max(2))
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.0.clone()
+    }
+}
+
+fn round_ticks(range: &Range<f64>, most: usize) -> Vec<f64> {
+    let coarse = (range.end - range.start) / most as f64;
+    let power = 10_f64.powf(coarse.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|m| m * power)
+        .find(|s| *s >= coarse)
+        .unwrap_or(10.0 * power);
+    let first = (range.start / step).ceil() as i64;
+    let last = (range.end / step).floor() as i64;
+    (first..=last).map(|i| i as f64 * step).collect()
+}
+
 /// A tick label without needless zeros.
 fn tick(v: f64) -> String {
     match v.abs() {
-        0.0 => "0".into(),
+        a if a < 1e-12 => "0".into(),
         a if !(1e-3..1e6).contains(&a) => format!("{v:.0e}"),
         a if a >= 100.0 => format!("{v:.0}"),
         _ => {
-            let text = format!("{v:.3}");
+            let text = format!("{v:.4}");
             text.trim_end_matches('0').trim_end_matches('.').to_owned()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_envelope_keeps_every_spike() {
+        let value = |i: usize| {
+            if i == 123_457 {
+                50.0
+            } else {
+                (i as f64 * 0.01).sin()
+            }
+        };
+        let points = history(300_000, |i| (i as f64, value(i)));
+        assert!(points.len() <= 2 * COLUMNS);
+        assert!(points.contains(&(123_457.0, 50.0)));
+        assert!(points.windows(2).all(|w| w[0].0 <= w[1].0));
+        assert_eq!(history(3, |i| (i as f64, 1.0)).len(), 3);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(round_ticks(&(-1.3..2.2), 5), [-1.0, 0.0, 1.0, 2.0]);
+        assert_eq!(
+            round_ticks(&(0.0..40.0), 8),
+            [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0]
+        );
+        assert_eq!(tick(0.25), "0.25");
+        assert_eq!(tick(-1e-15), "0");
+        assert_eq!(tick(2e7), "2e7");
+    }
+
+    #[test]
+    fn a_plot_of_nothing_is_still_a_plot() {
+        let svg = plot(WIDE, "x", "y", &[]).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        assert!(!svg.contains("NaN"));
     }
 }

@@ -1,10 +1,10 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{Common, method};
-use crate::bench::{run_ideal, run_on_plant};
+use super::{Common, json, method};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::summary::Summary;
-use crate::terminal;
+use crate::terminal::{self, Progress};
 use outerloop_core::Method;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub struct Compare {
     #[command(flatten)]
     common: Common,
-    /// Ground motions; several may be given
+    /// A ground motion; may be given several times
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
     /// Compensations, separated by commas; left out: all
@@ -29,43 +29,35 @@ impl Compare {
     /// Bad input.
     pub fn go(&self) -> Result<(), Failure> {
         let test = self.common.load()?;
-        let methods = if self.compensations.is_empty() {
-            Method::ALL.to_vec()
-        } else {
-            self.compensations
-                .iter()
-                .map(|n| method(n))
-                .collect::<Result<_, _>>()?
+        let methods = match &self.compensations[..] {
+            [] => Method::ALL.to_vec(),
+            names => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
         };
-        let records = match &self.record[..] {
-            [] => vec![self.common.shaking(&test, None)?],
+        let experiments: Vec<Experiment> = match &self.record[..] {
+            [] => vec![self.common.experiment(&test, None)?],
             files => files
                 .iter()
-                .map(|f| self.common.shaking(&test, Some(f)))
+                .map(|f| self.common.experiment(&test, Some(f)))
                 .collect::<Result<_, _>>()?,
         };
-        let bar = terminal::progress("tests", (records.len() * methods.len()) as u64);
-        let rows: Vec<Vec<Summary>> = records
-            .par_iter()
-            .map(|shaking| {
-                let seconds = self.common.seconds(&test, shaking)?;
-                let ideal = run_ideal(&test, shaking, seconds)?;
-                methods
-                    .par_iter()
-                    .map(|&kind| {
-                        let mut test = test.clone();
-                        test.config.compensation.kind = kind;
-                        let run = run_on_plant(&test, shaking, seconds, self.common.seed, &|_| ())?;
-                        bar.inc(1);
-                        Ok(Summary::of(&test, &shaking.name, &run, &ideal))
-                    })
-                    .collect()
-            })
-            .collect::<Result<_, Failure>>()?;
-        bar.finish_and_clear();
-        let rows = rows.concat();
+        let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
+        let rows = {
+            let progress = Progress::over("compare", (steps * methods.len()) as u64);
+            let rows: Vec<Vec<Summary>> = experiments
+                .par_iter()
+                .map(|e| {
+                    let ideal = e.ideal()?;
+                    let run = |kind: &Method| {
+                        e.run(*kind, &ideal, self.common.seed, false, progress.witness())
+                            .map(|run| run.summary)
+                    };
+                    methods.par_iter().map(run).collect()
+                })
+                .collect::<Result<_, Failure>>()?;
+            rows.concat()
+        };
         if self.common.json {
-            println!("{}", serde_json::json!({ "rows": rows }));
+            println!("{}", json(&serde_json::json!({ "rows": rows }))?);
         } else {
             println!("{}", terminal::summaries(&rows));
         }

@@ -1,14 +1,13 @@
 //! `outerloop demo`: the whole story with no input.
 
-use super::seconds;
-use crate::bench::{run_ideal, run_on_plant};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
 use crate::report::{self, Section};
 use crate::summary::Summary;
-use crate::terminal;
+use crate::terminal::{self, Progress};
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +21,7 @@ pub struct Demo {
 
 /// The test of Table 1, as the examples have it.
 const TEST: &str = include_str!("../../../examples/table1.toml");
+const SEED: u64 = 1;
 
 impl Demo {
     /// Runs the demonstration.
@@ -29,40 +29,38 @@ impl Demo {
     /// # Errors
     /// A folder that cannot be written.
     pub fn go(&self) -> Result<(), Failure> {
-        let table = TEST
-            .parse()
-            .map_err(|e| Failure::Test(format!("examples/table1.toml: {e}")))?;
-        let test = TestFile::from_table(table, "examples/table1.toml", Path::new(""))?;
-        let shaking = near_fault();
-        let seconds = seconds(None, &shaking)?;
+        let test = TestFile::parse(TEST, "examples/table1.toml", Path::new(""), &[])?;
+        let experiment = Experiment::new(test, &near_fault(), None)?;
+        let structure = &experiment.test.config.structure;
         println!(
-            "A structure of {} kg on {} kN/m, an actuator {} ms late, {seconds:.0} s of a near-fault ground motion.\n",
-            test.config.structure.mass_kg[0],
-            test.config.structure.stiffness_n_per_m[0] / 1e3,
-            test.config.compensation.delay_ms,
+            "A structure of {} kg on {} kN/m, an actuator {} ms late, {:.0} s of a near-fault ground motion.\n",
+            structure.mass_kg[0],
+            structure.stiffness_n_per_m[0] / 1e3,
+            experiment.test.config.compensation.delay_ms,
+            experiment.seconds,
         );
-        let ideal = run_ideal(&test, &shaking, seconds)?;
-        let mut tests = Vec::new();
-        for kind in Method::ALL {
-            let mut test = test.clone();
-            test.config.compensation.kind = kind;
-            let run = run_on_plant(&test, &shaking, seconds, 1, &|_| ())?;
-            let summary = Summary::of(&test, &shaking.name, &run, &ideal);
-            tests.push((test, run, summary));
-        }
-        let rows: Vec<Summary> = tests.iter().map(|t| t.2.clone()).collect();
+        let steps = experiment.control_steps() * Method::ALL.len();
+        let ideal = experiment.ideal()?;
+        let runs = {
+            let progress = Progress::over("tests", steps as u64);
+            Method::ALL
+                .into_iter()
+                .map(|kind| experiment.run(kind, &ideal, SEED, true, progress.witness()))
+                .collect::<Result<Vec<_>, _>>()?
+        };
+        let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
         println!("{}\n", terminal::summaries(&rows));
         for row in &rows {
             println!("{:15} {}", row.compensation, row.sentence());
         }
-        let section = |kind| {
-            let (test, run, summary) = tests
+        let section = |kind: Method| {
+            let run = runs
                 .iter()
-                .find(|t| t.0.config.compensation.kind == kind)?;
+                .find(|r| r.summary.compensation == kind.name())?;
             Some(Section {
-                test,
-                summary,
-                run,
+                experiment: &experiment,
+                summary: &run.summary,
+                trace: run.trace.as_ref()?,
                 ideal: &ideal,
             })
         };

@@ -1,12 +1,11 @@
 //! `outerloop run`: one closed-loop test.
 
-use super::{Common, method};
-use crate::bench::{run_ideal, run_on_plant};
+use super::{Common, json, method};
 use crate::failure::Failure;
-use crate::files::{output, record};
+use crate::files::{output, record_csv};
 use crate::report::{self, Section};
-use crate::summary::{Summary, Verdict};
-use crate::terminal;
+use crate::summary::Verdict;
+use crate::terminal::{self, Progress};
 use std::path::PathBuf;
 
 /// One closed-loop test
@@ -31,50 +30,52 @@ impl Run {
     /// # Errors
     /// Bad input, or a test that tripped.
     pub fn go(&self) -> Result<(), Failure> {
-        let mut test = self.common.load()?;
-        if let Some(name) = &self.compensation {
-            test.config.compensation.kind = method(name)?;
-        }
-        let shaking = self.common.shaking(&test, self.record.as_deref())?;
-        let seconds = self.common.seconds(&test, &shaking)?;
-        let bar = terminal::progress(&shaking.name, 1000);
-        let ideal = run_ideal(&test, &shaking, seconds)?;
-        let run = run_on_plant(&test, &shaking, seconds, self.common.seed, &|share| {
-            bar.set_position((share * 1000.0) as u64);
-        })?;
-        bar.finish_and_clear();
-        let summary = Summary::of(&test, &shaking.name, &run, &ideal);
-        let json = serde_json::to_string_pretty(&summary)
-            .map_err(|e| Failure::Test(format!("the summary cannot be written as JSON: {e}")))?;
-        if let Some(folder) = &self.out {
-            let section = Section {
-                test: &test,
-                summary: &summary,
-                run: &run,
-                ideal: &ideal,
-            };
-            let page = report::of_run(&section)?;
-            output::write_all(
-                folder,
-                &[
-                    ("report.html", page),
-                    ("record.csv", record::to_csv(&run.trace)),
-                    ("summary.json", json.clone()),
-                ],
-            )?;
-        }
+        let test = self.common.load()?;
+        let kind = match &self.compensation {
+            Some(name) => method(name)?,
+            None => test.config.compensation.kind,
+        };
+        let experiment = self.common.experiment(&test, self.record.as_deref())?;
+        let run = {
+            let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
+            let ideal = experiment.ideal()?;
+            let keep = self.out.is_some();
+            let run = experiment.run(kind, &ideal, self.common.seed, keep, progress.witness())?;
+            if let (Some(folder), Some(trace)) = (&self.out, &run.trace) {
+                let section = Section {
+                    experiment: &experiment,
+                    summary: &run.summary,
+                    trace,
+                    ideal: &ideal,
+                };
+                output::write_all(
+                    folder,
+                    &[
+                        ("report.html", report::of_run(&section)?),
+                        ("record.csv", record_csv::to_csv(trace)),
+                        ("summary.json", json(&run.summary)?),
+                    ],
+                )?;
+            }
+            run
+        };
         if self.common.json {
-            println!("{json}");
+            println!("{}", json(&run.summary)?);
         } else {
-            println!("{}", terminal::summaries(std::slice::from_ref(&summary)));
-            println!("{}", summary.sentence());
+            println!(
+                "{}",
+                terminal::summaries(std::slice::from_ref(&run.summary))
+            );
+            if run.summary.verdict != Verdict::Tripped {
+                println!("{}", run.summary.sentence());
+            }
             if let Some(folder) = &self.out {
-                println!("{}", folder.join("report.html").display());
+                println!("Look at {}", folder.join("report.html").display());
             }
         }
-        match summary.verdict {
-            Verdict::Tripped => Err(Failure::Test(summary.sentence())),
-            _ => Ok(()),
+        match run.summary.verdict {
+            Verdict::Tripped => Err(Failure::test(run.summary.sentence())),
+            Verdict::Completed | Verdict::Diverged => Ok(()),
         }
     }
 }

@@ -1,0 +1,201 @@
+//! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
+
+use crate::bench::{Assignment, Bench, Ending, PlantBench, with_floors};
+use crate::failure::Failure;
+use crate::files::ground_motion::GroundMotionFile;
+use crate::files::test::TestFile;
+use crate::score::Score;
+use crate::summary::Summary;
+use crate::trace::{Response, Trace, Witness};
+use outerloop_core::config::Filter;
+use outerloop_core::structure::Structure;
+use outerloop_core::{Config, Design, GroundMotion, Method};
+use plant::RigSpec;
+use plant::specimen::SpecimenKind;
+
+/// A test and what shakes it.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// What is tested.
+    pub test: TestFile,
+    /// Name of the ground motion.
+    pub record: String,
+    /// Length, s of model time.
+    pub seconds: f64,
+    /// Factor on the ground motion.
+    pub scale: f64,
+    acc_m_per_s2: Vec<f32>,
+    interval_s: f64,
+}
+
+/// A test that has run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its figures.
+    pub summary: Summary,
+    /// Every step, where they were to be kept.
+    pub trace: Option<Trace>,
+}
+
+impl Experiment {
+    /// Lays `test` over `shaking`: the whole of it, or `duration_s`.
+    ///
+    /// # Errors
+    /// A duration that is no positive number; a ground motion that moves nothing or cannot be laid out.
+    pub fn new(
+        test: TestFile,
+        shaking: &GroundMotionFile,
+        duration_s: Option<f64>,
+    ) -> Result<Self, Failure> {
+        let whole = (shaking.acc_m_per_s2.len() - 1) as f64 * shaking.interval_s;
+        let seconds = match duration_s.or(test.excitation.duration_s) {
+            None => whole,
+            Some(s) if s > 0.0 && s.is_finite() => s.min(whole),
+            Some(s) => {
+                return Err(Failure::input(format!(
+                    "a duration of {s} s is refused: accepted are seconds above 0"
+                )));
+            }
+        };
+        if shaking.acc_m_per_s2.iter().all(|a| *a == 0.0) {
+            return Err(Failure::input(format!(
+                "{}: moves nothing: accepted is a ground motion with an acceleration other than 0",
+                shaking.name
+            )));
+        }
+        let mut experiment = Self {
+            test,
+            record: shaking.name.clone(),
+            seconds,
+            scale: 1.0,
+            acc_m_per_s2: shaking.acc_m_per_s2.clone(),
+            interval_s: shaking.interval_s,
+        };
+        experiment.scale = experiment.wanted_scale()?;
+        let factor = experiment.scale as f32;
+        experiment
+            .acc_m_per_s2
+            .iter_mut()
+            .for_each(|a| *a *= factor);
+        Ok(experiment)
+    }
+
+    /// The test file's factor, or the one with which the elastic structure answers as the file wants it to.
+    fn wanted_scale(&self) -> Result<f64, Failure> {
+        let wanted = &self.test.excitation;
+        let Some(peak_mm) = wanted.peak_response_mm else {
+            return Ok(wanted.scale);
+        };
+        let mut rig = self.test.plant.ideal();
+        (rig.specimen.kind, rig.specimen.yield_mm) = (SpecimenKind::Linear, None);
+        (rig.specimen.hardening_ratio, rig.specimen.sharpness) = (None, None);
+        rig.specimen.loop_shape = None;
+        let peaks = self.response(&rig)?.peaks_m();
+        // Linear, without noise: the peak is proportional to the factor.
+        Ok(peak_mm * 1e-3 / peaks.into_iter().fold(0.0, f64::max))
+    }
+
+    /// The same integration with an ideal actuator and ideal sensors, without compensation, filter or limits: what
+    /// Eqs 17 and 18 compare with.
+    ///
+    /// # Errors
+    /// A parameter that is refused, with its name and value.
+    pub fn ideal(&self) -> Result<Response, Failure> {
+        self.response(&self.test.plant.ideal())
+    }
+
+    fn response(&self, rig: &RigSpec) -> Result<Response, Failure> {
+        let mut config = self.test.config.clone();
+        config.compensation.kind = Method::None;
+        config.estimation.kind = Filter::Off;
+        config.limits = Default::default();
+        config.structure.physical_mass_kg.clear();
+        let mut response = Response::new(config.degrees_of_freedom());
+        let bench = PlantBench { spec: rig, seed: 0 };
+        self.on(&bench, &config, &mut response)?;
+        Ok(response)
+    }
+
+    /// Runs the test with `method` on its simulated rig and judges it against `ideal`. `keep`: every step is kept.
+    ///
+    /// # Errors
+    /// A parameter that is refused, with its name and value.
+    pub fn run(
+        &self,
+        method: Method,
+        ideal: &Response,
+        seed: u64,
+        keep: bool,
+        tell: impl Witness,
+    ) -> Result<Run, Failure> {
+        let mut config = self.test.config.clone();
+        config.compensation.kind = method;
+        let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
+        let mut witnesses = (Score::against(ideal), trace, tell);
+        let bench = PlantBench {
+            spec: &self.test.plant,
+            seed,
+        };
+        let ending = self.on(&bench, &config, &mut witnesses)?;
+        let (score, trace, _) = witnesses;
+        Ok(Run {
+            summary: Summary::of(self, method, &score, &ending),
+            trace,
+        })
+    }
+
+    /// Runs `config` on any bench.
+    ///
+    /// # Errors
+    /// A parameter that is refused, with its name and value; a bench that cannot be set up.
+    pub fn on(
+        &self,
+        bench: &impl Bench,
+        config: &Config,
+        witness: &mut impl Witness,
+    ) -> Result<Ending, Failure> {
+        let step_s = config.model_step_s();
+        let ground =
+            GroundMotion::new(&self.acc_m_per_s2, self.interval_s, step_s).ok_or_else(|| {
+                Failure::input(format!(
+                    "{}: an interval of {} s cannot be laid over integration steps of {step_s} s",
+                    self.record, self.interval_s
+                ))
+            })?;
+        let steps = self.control_steps();
+        with_floors!(config.degrees_of_freedom(), N => {
+            let design = Design::<N>::new(config).map_err(|e| Failure::input(e.to_string()))?;
+            bench.run(&Assignment { config, design, ground, steps }, witness)
+        })
+    }
+
+    /// Control steps of the running test.
+    pub fn control_steps(&self) -> usize {
+        let timing = &self.test.config.timing;
+        (self.seconds * timing.time_scale * timing.rate_hz).round() as usize
+    }
+
+    /// 1 / (2 M_1 omega_1): turns the C_cor of the first floor into a ratio of critical.
+    pub fn per_critical(&self) -> f64 {
+        fn lowest<const N: usize>(config: &Config) -> Result<f64, Failure> {
+            let s = &config.structure;
+            let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
+            let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
+            let frame = Structure::<N>::shear_frame(
+                &list(&s.mass_kg),
+                &list(&s.stiffness_n_per_m),
+                &list(&s.damping_ratio),
+                N,
+                &[0.0; N],
+            )
+            .map_err(refused)?;
+            Ok(frame.natural_frequencies_rad_per_s().map_err(refused)?[0])
+        }
+        let config = &self.test.config;
+        let omega = with_floors!(config.degrees_of_freedom(), N => lowest::<N>(config));
+        // A configuration that was refused never comes here.
+        omega.map_or(f64::NAN, |omega| {
+            0.5 / (config.structure.mass_kg[0] * omega)
+        })
+    }
+}

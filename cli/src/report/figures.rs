@@ -1,0 +1,338 @@
+//! The figures of a test, with what to see in them.
+
+use super::plot::{
+    self, Curve, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history, path,
+};
+use super::{Drawn, Section};
+use crate::summary::Worth;
+use crate::trace::Floor;
+use outerloop_core::Method;
+use outerloop_core::config::Filter;
+use outerloop_core::record::flag;
+use plotters::style::RGBColor;
+use std::ops::Range;
+
+/// Half of a closer look, in periods of the fundamental mode.
+const LOOK_PERIODS: f64 = 3.0;
+
+/// What the figures are drawn from: the control steps in which an integration step was solved.
+pub struct Figures<'a> {
+    section: &'a Section<'a>,
+    /// Their places in the trace; the k-th belongs to integration step k.
+    solved: Vec<usize>,
+    /// Integration step, s of model time.
+    step_s: f64,
+    /// The integration steps around the largest ideal displacement.
+    look: Range<usize>,
+    colour: RGBColor,
+}
+
+impl<'a> Figures<'a> {
+    /// Of this test.
+    pub fn of(section: &'a Section<'a>) -> Self {
+        let trace = section.trace;
+        let solved: Vec<usize> = (0..trace.len())
+            .filter(|i| trace.flags[*i] & flag::SOLVED != 0)
+            .take(section.ideal.steps())
+            .collect();
+        let config = &section.experiment.test.config;
+        let step_s = config.model_step_s();
+        let peak = section
+            .ideal
+            .floor(0)
+            .take(solved.len())
+            .enumerate()
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .map_or(0, |(i, _)| i);
+        // 1 / (2 M omega): back to the period.
+        let omega = 0.5 / (section.experiment.per_critical() * config.structure.mass_kg[0]);
+        let half = (LOOK_PERIODS * std::f64::consts::TAU / omega / step_s) as usize;
+        Self {
+            section,
+            look: peak.saturating_sub(half)..(peak + half).min(solved.len()),
+            colour: match section.summary.worth() {
+                Worth::Bad => WRONG,
+                Worth::Fair | Worth::Good => TESTED,
+            },
+            solved,
+            step_s,
+        }
+    }
+
+    fn floors(&self) -> impl Iterator<Item = (usize, &'a Floor)> {
+        self.section.trace.floors.iter().enumerate()
+    }
+
+    fn physical(&self) -> usize {
+        self.section.experiment.test.config.physical_storeys()
+    }
+
+    /// A quantity of the trace over the integration steps `range`.
+    fn over(&self, range: Range<usize>, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+        let start = range.start;
+        history(range.len(), |k| {
+            let k = start + k;
+            (k as f64 * self.step_s, value(self.solved[k]))
+        })
+    }
+
+    /// The ideal displacement of a floor over `range`, mm.
+    fn ideal(&self, floor: usize, range: Range<usize>) -> Vec<(f64, f64)> {
+        let start = range.start;
+        history(range.len(), |k| {
+            let k = start + k;
+            let u = self
+                .section
+                .ideal
+                .at(k)
+                .map_or(f64::NAN, |u| f64::from(u[floor]));
+            (k as f64 * self.step_s, u * 1e3)
+        })
+    }
+
+    fn whole(&self) -> Range<usize> {
+        0..self.solved.len()
+    }
+
+    /// What shook the structure (Fig 7).
+    pub fn ground_motion(&self) -> Drawn {
+        let acc = &self.section.trace.ground_m_per_s2;
+        let curve = Curve {
+            name: "",
+            colour: plot::IDEAL,
+            points: self.over(self.whole(), |i| f64::from(acc[i])),
+        };
+        Ok("<h2>Ground motion</h2>".to_owned()
+            + &time_plot(
+                WIDE,
+                "acceleration [m/s²]",
+                &[curve],
+                "As the integration saw it.",
+            )?)
+    }
+
+    /// The displacement against the ideal, floor by floor (Figs 8, 10, 15).
+    pub fn response(&self, caption: &str) -> Drawn {
+        let mut html = String::new();
+        for (j, floor) in self.floors() {
+            html +=
+                &self.displacement_of(TALL, j, floor, self.whole(), &self.on_floor(j, caption))?;
+        }
+        Ok(html)
+    }
+
+    /// The same with a closer look and the error.
+    pub fn displacement(&self) -> Drawn {
+        let mut html = String::from("<h2>Displacement</h2>");
+        for (j, floor) in self.floors() {
+            let caption = self.on_floor(j, "The test, over the response with an ideal actuator.");
+            html += &self.displacement_of(TALL, j, floor, self.whole(), &caption)?;
+            let caption = self.on_floor(j, "A closer look at the strongest part.");
+            html += &self.displacement_of(WIDE, j, floor, self.look.clone(), &caption)?;
+            let ideal = self.section.ideal;
+            let error = history(self.solved.len(), |k| {
+                let exact = ideal.at(k).map_or(f64::NAN, |u| f64::from(u[j]));
+                let error = f64::from(floor.command_m[self.solved[k]]) - exact;
+                (k as f64 * self.step_s, error * 1e3)
+            });
+            let curve = Curve {
+                name: "",
+                colour: WRONG,
+                points: error,
+            };
+            html += &time_plot(
+                WIDE,
+                "error [mm]",
+                &[curve],
+                &self.on_floor(j, "What is left: test less ideal."),
+            )?;
+        }
+        Ok(html)
+    }
+
+    fn displacement_of(
+        &self,
+        shape: Shape,
+        j: usize,
+        floor: &Floor,
+        range: Range<usize>,
+        caption: &str,
+    ) -> Drawn {
+        let ideal = Curve {
+            name: "ideal actuator",
+            colour: IDEAL,
+            points: self.ideal(j, range.clone()),
+        };
+        let test = Curve {
+            name: "test",
+            colour: self.colour,
+            points: self.over(range, |i| f64::from(floor.command_m[i]) * 1e3),
+        };
+        // A curve that has run away is drawn under the ideal, or it would hide it.
+        let curves = if self.section.summary.worth() == Worth::Bad {
+            [test, ideal]
+        } else {
+            [ideal, test]
+        };
+        time_plot(shape, "displacement [mm]", &curves, caption)
+    }
+
+    fn on_floor(&self, j: usize, caption: &str) -> String {
+        match self.section.trace.floors.len() {
+            1 => caption.to_owned(),
+            _ => format!("Floor {}. {caption}", j + 1),
+        }
+    }
+
+    /// Force against displacement: as the integration perceives it and as the specimen does (Fig 2).
+    pub fn loops(&self) -> Drawn {
+        let mut html = String::from(
+            "<h2>Force against displacement</h2><p>Left, what the integration believes: the measured force against its \
+             own command. Right, what the specimen did. An area that is on the left only is energy that the \
+             actuator's error puts in or takes out.</p><div class=\"pair\">",
+        );
+        for (j, floor) in self.floors().take(self.physical()) {
+            let force = |i: usize| f64::from(floor.force_n[i]) * 1e-3;
+            let n = floor.force_n.len();
+            for (colour, x, label, caption) in [
+                (
+                    WRONG,
+                    &floor.command_m,
+                    "command [mm]",
+                    "Perceived: force against command.",
+                ),
+                (
+                    TESTED,
+                    &floor.displacement_m,
+                    "measured displacement [mm]",
+                    "Measured: force against displacement.",
+                ),
+            ] {
+                let curve = Curve {
+                    name: "",
+                    colour,
+                    points: path(n, |i| (f64::from(x[i]) * 1e3, force(i))),
+                };
+                let svg = plot::plot(HALF, label, "force [kN]", &[curve])?;
+                html += &figure(&svg, &self.on_floor(j, caption));
+            }
+        }
+        Ok(html + "</div>")
+    }
+
+    /// The three energy errors (Fig 9).
+    pub fn energy(&self) -> Drawn {
+        let trace = self.section.trace;
+        let curve = |name, colour, column: &[f32]| Curve {
+            name,
+            colour,
+            points: self.over(self.whole(), |i| f64::from(column[i])),
+        };
+        let curves = [
+            curve("stiffness known, Eq 6", IDEAL, &trace.energy_stiffness_j),
+            curve("HSEM, Eqs 7 to 9", WRONG, &trace.energy_hsem_j),
+            curve("modified, Eqs 10 to 12", TESTED, &trace.energy_modified_j),
+        ];
+        Ok("<h2>Energy error</h2>".to_owned()
+            + &time_plot(
+                TALL,
+                "cumulative energy error [J]",
+                &curves,
+                "What the actuator's error has put into the structure (negative) or taken out since the start \
+                 (Fig 9 of the paper). Eq 6 needs to know the stiffness, the other two do not.",
+            )?)
+    }
+
+    /// The added damping (Fig 11) and the gain (Fig 16).
+    pub fn damping(&self) -> Drawn {
+        let method = self.section.summary.compensation;
+        if method == Method::None.name() {
+            return Ok("<h2>Added damping</h2><p>None: this test is not compensated.</p>".into());
+        }
+        let mut html = String::from("<h2>Added damping</h2>");
+        let percent = 100.0 * self.section.experiment.per_critical();
+        for (j, floor) in self.floors().take(self.physical()) {
+            let c = &floor.added_damping_n_s_per_m;
+            let curve = Curve {
+                name: "",
+                colour: TESTED,
+                points: self.over(self.whole(), |i| percent * f64::from(c[i])),
+            };
+            html += &time_plot(
+                WIDE,
+                "added damping [%]",
+                &[curve],
+                &self.on_floor(
+                    j,
+                    "What the compensation adds, in per cent of the critical damping of the first mode (Fig 11).",
+                ),
+            )?;
+            if method == Method::Paper.name() {
+                html += &self.gain_of(j, floor)?;
+            }
+        }
+        Ok(html)
+    }
+
+    fn gain_of(&self, j: usize, floor: &Floor) -> Drawn {
+        let curve = Curve {
+            name: "",
+            colour: THIRD,
+            points: self.over(self.look.clone(), |i| f64::from(floor.gain[i])),
+        };
+        time_plot(
+            WIDE,
+            "gain G_v [1]",
+            &[curve],
+            &self.on_floor(
+                j,
+                "The switch of Eq 19 over the strongest part: near 1 in motion, towards 0 where the structure turns \
+                 round (Fig 16).",
+            ),
+        )
+    }
+
+    /// Sensors and what the filter makes of them, where there is one.
+    pub fn estimate(&self) -> Drawn {
+        if self.section.experiment.test.config.estimation.kind == Filter::Off {
+            return Ok(String::new());
+        }
+        let mut html = String::from("<h2>Sensors and estimate</h2>");
+        for (j, floor) in self.floors().take(self.physical()) {
+            for (raw, estimate, factor, label) in [
+                (
+                    &floor.displacement_m,
+                    &floor.estimated_displacement_m,
+                    1e3,
+                    "displacement [mm]",
+                ),
+                (&floor.force_n, &floor.estimated_force_n, 1e-3, "force [kN]"),
+            ] {
+                let curve = |name, colour, column: &[f32]| Curve {
+                    name,
+                    colour,
+                    points: self.over(self.look.clone(), |i| f64::from(column[i]) * factor),
+                };
+                html += &time_plot(
+                    WIDE,
+                    label,
+                    &[
+                        curve("as measured", RGBColor(214, 205, 196), raw),
+                        curve("as estimated", TESTED, estimate),
+                    ],
+                    &self.on_floor(j, "What the sensors said and what the loop made of it."),
+                )?;
+            }
+        }
+        Ok(html)
+    }
+}
+
+fn time_plot(shape: Shape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
+    let svg = plot::plot(shape, "time of the model [s]", y_label, curves)?;
+    Ok(figure(&svg, caption))
+}
+
+fn figure(svg: &str, caption: &str) -> String {
+    format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>\n")
+}

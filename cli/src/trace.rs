@@ -1,0 +1,182 @@
+//! What a running test leaves behind, and who looks at it while it runs.
+
+use outerloop_core::Record;
+use outerloop_core::record::flag;
+
+/// Sees every record of a running test, from its first step to its last.
+pub trait Witness {
+    /// One control step.
+    fn see<const N: usize>(&mut self, record: &Record<N>);
+}
+
+impl<W: Witness> Witness for Option<W> {
+    #[inline]
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        if let Some(witness) = self {
+            witness.see(record);
+        }
+    }
+}
+
+impl<A: Witness, B: Witness, C: Witness> Witness for (A, B, C) {
+    #[inline]
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.see(record);
+        self.1.see(record);
+        self.2.see(record);
+    }
+}
+
+/// The computed displacement of every floor at every integration step: what Eqs 17 and 18 compare.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    floors: usize,
+    command_m: Vec<f32>,
+}
+
+impl Response {
+    /// No step yet.
+    pub fn new(floors: usize) -> Self {
+        Self {
+            floors,
+            command_m: Vec::new(),
+        }
+    }
+
+    /// Number of integration steps.
+    pub fn steps(&self) -> usize {
+        self.command_m.len() / self.floors
+    }
+
+    /// u_c of every floor at integration step `step`, m.
+    pub fn at(&self, step: usize) -> Option<&[f32]> {
+        self.command_m
+            .get(step * self.floors..(step + 1) * self.floors)
+    }
+
+    /// u_c of floor `floor` (0 is the lowest), step by step, m.
+    pub fn floor(&self, floor: usize) -> impl Iterator<Item = f32> {
+        self.command_m
+            .chunks_exact(self.floors)
+            .map(move |u| u[floor])
+    }
+
+    /// Largest magnitude of each floor, m.
+    pub fn peaks_m(&self) -> Vec<f64> {
+        (0..self.floors)
+            .map(|j| self.floor(j).fold(0.0, |p, u| f64::from(u).abs().max(p)))
+            .collect()
+    }
+}
+
+impl Witness for Response {
+    #[inline]
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        if record.has(flag::SOLVED) {
+            self.command_m.extend_from_slice(&record.command_m);
+        }
+    }
+}
+
+/// One floor of a trace, a value a control step.
+#[derive(Clone, Debug, Default)]
+pub struct Floor {
+    /// u_c, m.
+    pub command_m: Vec<f32>,
+    /// u_m as measured, m.
+    pub displacement_m: Vec<f32>,
+    /// R_m as measured, N.
+    pub force_n: Vec<f32>,
+    /// u_m as estimated, m.
+    pub estimated_displacement_m: Vec<f32>,
+    /// R_m as estimated, N.
+    pub estimated_force_n: Vec<f32>,
+    /// v, m/s of model time.
+    pub velocity_m_per_s: Vec<f32>,
+    /// a, m/s^2 of model time.
+    pub acceleration_m_per_s2: Vec<f32>,
+    /// C_cor, N s/m.
+    pub added_damping_n_s_per_m: Vec<f32>,
+    /// G_v.
+    pub gain: Vec<f32>,
+}
+
+/// Every record of a running test, by column.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Integration steps solved so far.
+    pub step: Vec<u32>,
+    /// Flags as core's record has them.
+    pub flags: Vec<u32>,
+    /// Ground acceleration, m/s^2.
+    pub ground_m_per_s2: Vec<f32>,
+    /// Cumulative Eq 6, J.
+    pub energy_stiffness_j: Vec<f32>,
+    /// Cumulative HSEM, J.
+    pub energy_hsem_j: Vec<f32>,
+    /// Cumulative Eq 12, J.
+    pub energy_modified_j: Vec<f32>,
+    /// Work of the external load, J.
+    pub energy_input_j: Vec<f32>,
+    /// Energy error relative to the energy in the test.
+    pub energy_ratio: Vec<f32>,
+    /// Floors from the ground up.
+    pub floors: Vec<Floor>,
+}
+
+impl Trace {
+    /// No step yet.
+    pub fn new(floors: usize, rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            floors: vec![Floor::default(); floors],
+            ..Self::default()
+        }
+    }
+
+    /// Number of control steps.
+    pub fn len(&self) -> usize {
+        self.step.len()
+    }
+
+    /// Whether the test has not begun.
+    pub fn is_empty(&self) -> bool {
+        self.step.is_empty()
+    }
+
+    /// Time of control step `i` since the start, s of the laboratory.
+    pub fn time_s(&self, i: usize) -> f64 {
+        i as f64 / self.rate_hz
+    }
+}
+
+impl Witness for Trace {
+    #[inline]
+    fn see<const N: usize>(&mut self, r: &Record<N>) {
+        self.step.push(r.step);
+        self.flags.push(r.flags);
+        self.ground_m_per_s2.push(r.ground_m_per_s2);
+        self.energy_stiffness_j.push(r.energy_sum.stiffness_j);
+        self.energy_hsem_j.push(r.energy_sum.hsem_j);
+        self.energy_modified_j.push(r.energy_sum.modified_j);
+        self.energy_input_j.push(r.energy_input_j);
+        self.energy_ratio.push(r.energy_ratio);
+        for (j, floor) in self.floors.iter_mut().enumerate().take(N) {
+            floor.command_m.push(r.command_m[j]);
+            floor.displacement_m.push(r.displacement_m[j]);
+            floor.force_n.push(r.force_n[j]);
+            floor
+                .estimated_displacement_m
+                .push(r.estimated_displacement_m[j]);
+            floor.estimated_force_n.push(r.estimated_force_n[j]);
+            floor.velocity_m_per_s.push(r.velocity_m_per_s[j]);
+            floor.acceleration_m_per_s2.push(r.acceleration_m_per_s2[j]);
+            floor
+                .added_damping_n_s_per_m
+                .push(r.added_damping_n_s_per_m[j]);
+            floor.gain.push(r.gain[j]);
+        }
+    }
+}
