@@ -15,6 +15,7 @@
 //! | [`rig`] | the composition: [`RigSpec`] is the `[plant]` table of a test file, [`Rig::step`] one control period |
 //! | [`actuator`] | command to displacement: delays, lags, the random multiplier, a servo-hydraulic actuator |
 //! | [`specimen`] | displacement to force: one restoring-force element a storey |
+//! | `frame` | storeys to floors, and floors that give way |
 //! | [`measurement`] | what the loop gets to see of both: sampling skew, [`sensor`], [`converter`] |
 //! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
 //! | `stage` | what an effect puts into the way of a displacement or a signal |
@@ -27,6 +28,7 @@ pub mod actuator;
 pub mod converter;
 pub mod effect;
 mod error;
+mod frame;
 pub mod kinematics;
 pub mod measurement;
 mod per_axis;

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::actuator::{Actuator, ActuatorSpec, Load};
 use crate::effect::{Effect, EffectSpec, additions};
 use crate::error::{Accept, RigError};
-use crate::kinematics::Kinematics;
+use crate::frame::{Floor, Frame};
 use crate::measurement::{Channels, SensorsSpec};
-use crate::specimen::{SpecimenSpec, Storey};
+use crate::specimen::SpecimenSpec;
 
 /// The `[plant]` table of a test file. The default is an ideal actuator, a linear specimen and perfect sensors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -73,54 +73,20 @@ pub struct Reading {
 /// A rig under test.
 #[derive(Clone, Debug)]
 pub struct Rig {
-    floors: Vec<Floor>,
+    axes: Vec<Axis>,
+    frame: Frame,
     reading: Reading,
 }
 
-/// One axis: the actuator at a floor, and the storey below it.
+/// What one floor is moved and measured by.
 #[derive(Clone, Debug)]
-struct Floor {
+struct Axis {
     actuator: Actuator,
-    storey: Storey,
-    /// Drift of the storey.
-    drift: Kinematics,
-    /// Motion of the floor.
-    motion: Kinematics,
-    mass_kg: f64,
-    /// By what the actuator gives way to a force, m/N.
-    droop_m_per_n: f64,
+    /// Change of its force with its displacement, N/m.
+    stiffness_n_per_m: f64,
     /// By what the floor falls short of the actuator under a force, m/N.
     compliance_m_per_n: f64,
     channels: Channels,
-    /// What the specimen puts on the actuator, inertia aside: a physical mass moves with the piston.
-    load: Load,
-    shear_n: f64,
-    /// Displacement of the actuator, where its transducer is.
-    actuator_m: f64,
-}
-
-impl Floor {
-    /// Where the floor comes to stand when the actuator's dynamics would put it at `wanted_m`: both the actuator and the
-    /// rig between it and the specimen give way to the force. That force is the last one, carried on with the
-    /// specimen's initial stiffness; for a linear specimen this is the exact equilibrium.
-    #[inline]
-    fn give_way(&mut self, wanted_m: f64) -> f64 {
-        let gives = self.droop_m_per_n + self.compliance_m_per_n;
-        if gives == 0.0 {
-            self.actuator_m = wanted_m;
-            return wanted_m;
-        }
-        let Load {
-            force_n,
-            stiffness_n_per_m,
-        } = self.load;
-        let from = self.motion.displacement_m();
-        // x = wanted - gives (F + k (x - from))
-        let x = (wanted_m - gives * (force_n - stiffness_n_per_m * from))
-            / (1.0 + gives * stiffness_n_per_m);
-        self.actuator_m = x + self.compliance_m_per_n * (force_n + stiffness_n_per_m * (x - from));
-        x
-    }
 }
 
 const RATE: Accept = Accept::new(1.0, 1e6, "Hz");
@@ -163,31 +129,30 @@ impl Rig {
         let channels = spec
             .sensors
             .build(storey_stiffness_n_per_m, &additions, rate_hz, seed)?;
-        let floors = actuators
+        let frame = storeys
             .into_iter()
-            .zip(storeys)
-            .zip(channels)
-            .enumerate()
-            .map(|(j, ((actuator, storey), channels))| Floor {
-                actuator,
-                storey,
-                drift: Kinematics::new(rate_hz),
-                motion: Kinematics::new(rate_hz),
-                mass_kg: mass[j],
-                droop_m_per_n: additions[j].droop_m_per_n,
-                compliance_m_per_n: additions[j].compliance_m_per_n,
-                channels,
-                load: Load {
-                    force_n: 0.0,
-                    stiffness_n_per_m: held[j],
-                },
-                shear_n: 0.0,
-                actuator_m: 0.0,
+            .zip(&additions)
+            .zip(&mass)
+            .map(|((storey, added), mass)| {
+                let gives = added.droop_m_per_n + added.compliance_m_per_n;
+                Floor::new(storey, *mass, gives, rate_hz)
             })
             .collect();
-        let zeros = vec![0.0; axes];
+        let axes = actuators
+            .into_iter()
+            .zip(channels)
+            .enumerate()
+            .map(|(j, (actuator, channels))| Axis {
+                actuator,
+                stiffness_n_per_m: held[j],
+                compliance_m_per_n: additions[j].compliance_m_per_n,
+                channels,
+            })
+            .collect();
+        let zeros = vec![0.0; mass.len()];
         Ok(Self {
-            floors,
+            axes,
+            frame: Frame::new(frame),
             reading: Reading {
                 displacement_m: zeros.clone(),
                 force_n: zeros.clone(),
@@ -200,45 +165,52 @@ impl Rig {
 
     /// Number of actuators.
     pub fn axes(&self) -> usize {
-        self.floors.len()
+        self.axes.len()
     }
 
     /// One control period: the actuators are given `command_m` (m, one an axis), and the sensors are sampled at its end.
+    /// An axis whose command is not finite keeps the one before.
     ///
     /// # Panics
     /// If there is not one command for each axis.
     pub fn step(&mut self, command_m: &[f64]) -> &Reading {
         assert_eq!(
             command_m.len(),
-            self.floors.len(),
+            self.axes.len(),
             "one command for each axis"
         );
-        let mut below = 0.0;
-        for (floor, &command) in self.floors.iter_mut().zip(command_m) {
-            let actuator = floor.actuator.step(command, floor.load);
-            let at = floor.give_way(actuator);
-            floor.motion.advance(at);
-            floor.drift.advance(at - below);
-            floor.shear_n = floor.storey.step(&floor.drift);
-            below = at;
+        let loads = self.frame.floors().iter().map(Floor::restoring_n);
+        for (((axis, &command), force_n), to) in self
+            .axes
+            .iter_mut()
+            .zip(command_m)
+            .zip(loads)
+            .zip(&mut self.reading.true_displacement_m)
+        {
+            // A physical mass moves with the piston, so that its inertia is no load here.
+            let load = Load {
+                force_n,
+                stiffness_n_per_m: axis.stiffness_n_per_m,
+            };
+            *to = axis.actuator.step(command, load);
         }
-        let mut above_n = 0.0;
-        self.reading.at_rail = false;
-        for (j, floor) in self.floors.iter_mut().enumerate().rev() {
-            let restoring = floor.shear_n - above_n;
-            above_n = floor.shear_n;
-            floor.load.force_n = restoring;
-            let force = restoring + floor.mass_kg * floor.motion.acceleration_m_s2();
-            let displacement = floor.actuator_m;
-            let (read_m, rail_m) = floor.channels.displacement.read(displacement);
-            let (read_n, rail_n) = floor.channels.force.read(force);
-            self.reading.displacement_m[j] = read_m;
-            self.reading.force_n[j] = read_n;
-            self.reading.true_displacement_m[j] = displacement;
-            self.reading.true_force_n[j] = force;
-            self.reading.at_rail |= rail_m | rail_n;
+        self.frame
+            .step(self.reading.true_displacement_m.iter().copied());
+        let reading = &mut self.reading;
+        reading.at_rail = false;
+        for (j, (axis, floor)) in self.axes.iter_mut().zip(self.frame.floors()).enumerate() {
+            let force = floor.force_n();
+            // The actuator's transducer is before what gives way between it and the specimen.
+            let displacement = floor.displacement_m() + axis.compliance_m_per_n * force;
+            let (read_m, rail_m) = axis.channels.displacement.read(displacement);
+            let (read_n, rail_n) = axis.channels.force.read(force);
+            reading.displacement_m[j] = read_m;
+            reading.force_n[j] = read_n;
+            reading.true_displacement_m[j] = displacement;
+            reading.true_force_n[j] = force;
+            reading.at_rail |= rail_m | rail_n;
         }
-        &self.reading
+        reading
     }
 
     /// What the last step gave; zeros before the first.

@@ -48,6 +48,7 @@ pub struct Actuator {
     motion: Stages,
     step_s: f64,
     jump: Option<Jump>,
+    held_m: f64,
 }
 
 /// A change of delay that is still to come.
@@ -70,7 +71,11 @@ impl Actuator {
                 jump.steps_left -= 1;
             }
         }
-        let target = self.gain * command_m;
+        // A converter cannot put out what is not a number: it keeps the last command.
+        if command_m.is_finite() {
+            self.held_m = command_m;
+        }
+        let target = self.gain * self.held_m;
         let moved = match &mut self.dynamics {
             Dynamics::Ideal => target,
             Dynamics::Delay(line) => line.step(target),

@@ -87,6 +87,7 @@ impl Default for ActuatorSpec {
 }
 
 const TIME_MS: Accept = Accept::new(0.0, 1000.0, "ms");
+const SERVO_MS: Accept = Accept::new(0.5, 1000.0, "ms");
 const GAIN: Accept = Accept::new(0.1, 10.0, "");
 const ZETA: Accept = Accept::new(0.01, 10.0, "");
 const DEVIATION: Accept = Accept::new(0.0, 0.5, "");
@@ -117,6 +118,19 @@ impl ActuatorSpec {
             self.multiplier_sd.unwrap_or(0.05),
         )?;
         let step_s = 1.0 / rate_hz;
+        if self.kind == ActuatorKind::ServoHydraulic {
+            // A proportional loop without delay would have an infinite gain.
+            let beside = "beside plant.actuator.kind = \"servo_hydraulic\"";
+            let later = self.delay_jump.iter().map(|jump| jump.delay_ms);
+            for ms in delay_ms.iter().copied().chain(later) {
+                SERVO_MS
+                    .check("plant.actuator.delay_ms", ms)
+                    .map_err(|e| RigError {
+                        accepted: format!("{} {beside}", e.accepted),
+                        ..e
+                    })?;
+            }
+        }
         let jump = match self.delay_jump {
             None => None,
             Some(jump) => {
@@ -182,6 +196,7 @@ impl ActuatorSpec {
                     motion,
                     step_s,
                     jump,
+                    held_m: 0.0,
                 })
             })
             .collect()

@@ -16,6 +16,8 @@ pub struct BoucWen {
 
 /// Longest substep in units of the yield displacement; four-stage Runge-Kutta is then good to about 1e-6 of the force.
 const SUBSTEP: f64 = 0.1;
+/// Way in yield displacements after which the hysteretic force has reached its limit to rounding.
+const FARTHEST: f64 = 100.0;
 
 impl BoucWen {
     /// At rest at zero. `sharpness` is the exponent n of the knee, `beta` the share of the loop (0.5: straight
@@ -40,7 +42,8 @@ impl BoucWen {
 
     /// Force, N, at the deformation `x` (m), reached from the last one monotonically.
     pub fn step(&mut self, x: f64) -> f64 {
-        let way = (x - self.at_m) / self.yield_m;
+        // Beyond this way z is at its limit, however far it goes on.
+        let way = ((x - self.at_m) / self.yield_m).clamp(-FARTHEST, FARTHEST);
         // An exponent above 1 steepens the knee.
         let parts = (way.abs() * self.sharpness.max(1.0) / SUBSTEP)
             .ceil()
@@ -48,7 +51,13 @@ impl BoucWen {
         let h = way / parts;
         let slope = |z: f64| {
             let share = self.beta * (z * h).signum() + 1.0 - self.beta;
-            1.0 - z.abs().powf(self.sharpness) * share
+            // A power costs more than all the rest; 2 is the usual exponent.
+            let knee = if self.sharpness == 2.0 {
+                z * z
+            } else {
+                z.abs().powf(self.sharpness)
+            };
+            1.0 - knee * share
         };
         let mut z = self.z;
         for _ in 0..parts as u64 {
