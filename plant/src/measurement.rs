@@ -119,7 +119,7 @@ impl SensorsSpec {
             "coloured_noise_corner_hz",
             self.coloured_noise_corner_hz,
             1e-3,
-            rate_hz / 2.0,
+            1e6,
             "Hz",
         )?;
         let hum_hz = check("hum_hz", self.hum_hz, 1e-3, 1e4, "Hz")?;

@@ -1,9 +1,6 @@
 //! Every effect of the catalogue: it can be added to any rig by name, and does in its channel what its name says.
-#![allow(missing_docs)]
 
-mod common;
-
-use common::{RATE_HZ, Row, STIFFNESS, gain_and_delay, run, spec, work};
+use crate::common::{RATE_HZ, Row, STIFFNESS, gain_and_delay, run, spec, work};
 use plant::{Channel, Effect, EffectSpec, RigSpec, catalogue};
 
 const TAU: f64 = std::f64::consts::TAU;

@@ -1,5 +1,4 @@
 //! What the tests of whole rigs share.
-#![allow(dead_code)]
 
 use plant::{Rig, RigSpec};
 

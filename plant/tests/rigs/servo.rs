@@ -1,9 +1,6 @@
 //! The servo-hydraulic actuator against what its hydraulics allow.
-#![allow(missing_docs)]
 
-mod common;
-
-use common::{RATE_HZ, STIFFNESS, run, spec};
+use crate::common::{RATE_HZ, STIFFNESS, run, spec};
 use plant::Rig;
 
 #[test]

@@ -1,9 +1,6 @@
 //! Whole rigs against exact solutions.
-#![allow(missing_docs)]
 
-mod common;
-
-use common::{RATE_HZ, STIFFNESS, gain_and_delay, moments, rig, run, spec, work};
+use crate::common::{RATE_HZ, STIFFNESS, gain_and_delay, moments, rig, run, spec, work};
 use plant::{Rig, RigSpec};
 
 const TAU: f64 = std::f64::consts::TAU;
@@ -331,5 +328,25 @@ fn a_command_that_is_not_a_number_is_not_followed() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(rig.step(&[bad]).true_displacement_m[0], held);
         }
+    }
+}
+
+#[test]
+fn a_rig_can_be_as_slow_as_a_conventional_test() {
+    let rig = Rig::new(&RigSpec::default(), &[STIFFNESS], 1.0, 0);
+    assert!(rig.is_ok());
+}
+
+#[test]
+fn the_ideal_of_a_rig_keeps_its_specimen_and_nothing_else() {
+    let table = "actuator = { kind = 'delay', delay_ms = 4 }
+                 specimen = { kind = 'bilinear', yield_mm = 12, physical_mass_kg = 9 }
+                 sensors = { force_noise_n = 5, bits = 12 }
+                 effects = [{ name = 'coulomb_friction', force_n = 20 }]";
+    let motion = |t: f64| 0.03 * (9.0 * t).sin();
+    let specimen = spec("specimen = { kind = 'bilinear', yield_mm = 12 }");
+    let ideal = run(&spec(table).ideal(), 1.0, motion);
+    for (a, b) in ideal.iter().zip(run(&specimen, 1.0, motion)) {
+        assert_eq!((a.displacement, a.force), (b.displacement, b.force));
     }
 }

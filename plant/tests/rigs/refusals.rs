@@ -1,9 +1,6 @@
 //! The `[plant]` table: its shape, and what is refused with which words.
-#![allow(missing_docs)]
 
-mod common;
-
-use common::{RATE_HZ, STIFFNESS, spec};
+use crate::common::{RATE_HZ, STIFFNESS, spec};
 use plant::{Effect, Rig, RigSpec};
 
 /// The message for a rig of `table` with two storeys.

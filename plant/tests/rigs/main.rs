@@ -1,0 +1,7 @@
+//! Whole rigs: against exact solutions, effect by effect, and what is refused.
+
+mod common;
+mod effects;
+mod refusals;
+mod rig;
+mod servo;
