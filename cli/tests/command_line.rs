@@ -279,6 +279,96 @@ fn bad_input_gets_one_sentence() {
         &["bits", "99"],
     );
     refused(&["run", TABLE1, "--duration", "-1"], &["-1"]);
+    refused(&["run", TABLE1, "--duration", "1e-9"], &["floor 1", "0 m"]);
+    refused(
+        &["run", TABLE1, "--set", "excitation.scale=0"],
+        &["excitation.scale", "0"],
+    );
+    refused(
+        &["compare", TABLE1, "--compensations", "paper,magic"],
+        &["magic", "eq14"],
+    );
+    refused(
+        &["run", TABLE1, "--out", "/dev/null/x"],
+        &["/dev/null/x", "cannot be written"],
+    );
+}
+
+#[test]
+fn a_bad_ground_motion_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let uneven = file("a.csv", "time_s,acc_g\n0,0\n0.01,0.1\n0.02,0\n0.05,0\n");
+    refused(
+        &["run", TABLE1, "--record", &uneven],
+        &["a.csv, line 5", "constant interval"],
+    );
+    let nan = file("b.csv", "# b\ntime_s,acc_g\n0,0\n0.01,nan\n");
+    refused(
+        &["run", TABLE1, "--record", &nan],
+        &["b.csv, line 4", "nan"],
+    );
+    let unit = file("c.csv", "time_s,acc_ft\n0,0\n0.01,1\n");
+    refused(
+        &["run", TABLE1, "--record", &unit],
+        &["c.csv, line 1", "acc_gal"],
+    );
+    let head = "PEER\nx\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .01 SEC\n";
+    let short = file("d.AT2", &format!("{head}.1 .2 .3\n"));
+    refused(
+        &["run", TABLE1, "--record", &short],
+        &["d.AT2", "NPTS = 5", "3 points"],
+    );
+    let column = file("e.txt", "0.1\n0.2\n");
+    refused(
+        &["run", TABLE1, "--record", &column],
+        &["e.txt", "--dt", "--unit"],
+    );
+    let gal = file("f.csv", "time_s,acc_g\n0,0\n0.01,341.7\n");
+    refused(
+        &["compare", TABLE1, "--record", &gal],
+        &["f.csv", "is the unit right?"],
+    );
+    let rest = file("g.csv", "time_s,acc_g\n0,0\n0.01,0\n");
+    refused(
+        &["run", TABLE1, "--record", &rest],
+        &["g", "every floor moves"],
+    );
+}
+
+#[test]
+fn a_plain_column_is_read_with_its_interval_and_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sine.txt");
+    let text: String = (0..500)
+        .map(|i| format!("{}\n", 50.0 * (f64::from(i) * 0.12).sin()))
+        .collect();
+    std::fs::write(&path, text).unwrap();
+    let record = path.to_str().unwrap();
+    let run = |dt: &str, unit: &str| {
+        json(&[
+            "run", TABLE1, "--json", "--record", record, "--dt", dt, "--unit", unit,
+        ])
+    };
+    let gal = run("0.01", "gal");
+    assert_eq!(
+        (gal["record"].as_str(), gal["steps"].as_u64()),
+        (Some("sine"), Some(9980))
+    );
+    let peak = |r: &Value| r["peak_displacement_m"].as_f64().unwrap();
+    let ratio = peak(&run("0.01", "m/s2")) / peak(&gal);
+    assert!((ratio - 100.0).abs() < 0.05, "a linear structure: {ratio}");
+}
+
+#[test]
+fn the_frame_moves_as_far_as_its_file_wants() {
+    let r = json(&["run", "examples/steel-frame.toml", "--json"]);
+    let peak = r["peak_displacement_m"].as_f64().unwrap();
+    assert!((peak / 6e-3 - 1.0).abs() < 0.05, "{peak}");
 }
 
 #[test]

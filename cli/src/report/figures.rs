@@ -4,7 +4,7 @@ use super::plot::{
     self, Curve, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history, path,
 };
 use super::{Drawn, Section};
-use crate::summary::Worth;
+use crate::summary::{Verdict, Worth};
 use crate::trace::Floor;
 use outerloop_core::Method;
 use outerloop_core::config::Filter;
@@ -12,6 +12,8 @@ use outerloop_core::record::flag;
 use plotters::style::RGBColor;
 use std::ops::Range;
 
+/// Dark grey: what shakes, and the ideal where it lies on top.
+const GROUND: RGBColor = RGBColor(110, 116, 122);
 /// Half of a closer look, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
 
@@ -97,11 +99,7 @@ impl<'a> Figures<'a> {
     /// What shook the structure (Fig 7).
     pub fn ground_motion(&self) -> Drawn {
         let acc = &self.section.trace.ground_m_per_s2;
-        let curve = Curve {
-            name: "",
-            colour: plot::IDEAL,
-            points: self.over(self.whole(), |i| f64::from(acc[i])),
-        };
+        let curve = Curve::new(GROUND, self.over(self.whole(), |i| f64::from(acc[i])));
         Ok("<h2>Ground motion</h2>".to_owned()
             + &time_plot(
                 WIDE,
@@ -135,11 +133,7 @@ impl<'a> Figures<'a> {
                 let error = f64::from(floor.command_m[self.solved[k]]) - exact;
                 (k as f64 * self.step_s, error * 1e3)
             });
-            let curve = Curve {
-                name: "",
-                colour: WRONG,
-                points: error,
-            };
+            let curve = Curve::new(WRONG, error);
             html += &time_plot(
                 WIDE,
                 "error [mm]",
@@ -158,21 +152,19 @@ impl<'a> Figures<'a> {
         range: Range<usize>,
         caption: &str,
     ) -> Drawn {
-        let ideal = Curve {
-            name: "ideal actuator",
-            colour: IDEAL,
-            points: self.ideal(j, range.clone()),
-        };
-        let test = Curve {
-            name: "test",
-            colour: self.colour,
-            points: self.over(range, |i| f64::from(floor.command_m[i]) * 1e3),
-        };
+        let ideal = Curve::new(IDEAL, self.ideal(j, range.clone())).named("ideal actuator");
+        let points = self.over(range, |i| f64::from(floor.command_m[i]) * 1e3);
+        let test = Curve::new(self.colour, points).named("test");
         // A curve that has run away is drawn under the ideal, or it would hide it.
-        let curves = if self.section.summary.worth() == Worth::Bad {
-            [test, ideal]
-        } else {
-            [ideal, test]
+        let curves = match self.section.summary.verdict {
+            Verdict::Diverged => [
+                test,
+                Curve {
+                    colour: GROUND,
+                    ..ideal
+                },
+            ],
+            Verdict::Completed | Verdict::Tripped => [ideal.broad(), test],
         };
         time_plot(shape, "displacement [mm]", &curves, caption)
     }
@@ -186,36 +178,41 @@ impl<'a> Figures<'a> {
 
     /// Force against displacement: as the integration perceives it and as the specimen does (Fig 2).
     pub fn loops(&self) -> Drawn {
-        let mut html = String::from(
-            "<h2>Force against displacement</h2><p>Left, what the integration believes: the measured force against its \
-             own command. Right, what the specimen did. An area that is on the left only is energy that the \
-             actuator's error puts in or takes out.</p><div class=\"pair\">",
+        let filtered = self.section.experiment.test.config.estimation.kind != Filter::Off;
+        let mut html = format!(
+            "<h2>Force against displacement</h2><p>Left, what the integration believes: the {} force against its own \
+             command. Right, what the specimen did. An area that is on the left only is energy that the actuator's \
+             error puts in (or, run through the other way, takes out). The strongest part of the test.</p>\
+             <div class=\"pair\">",
+            if filtered { "estimated" } else { "measured" }
         );
+        let part = &self.solved[self.look.clone()];
         for (j, floor) in self.floors().take(self.physical()) {
-            let force = |i: usize| f64::from(floor.force_n[i]) * 1e-3;
-            let n = floor.force_n.len();
-            for (colour, x, label, caption) in [
-                (
-                    WRONG,
-                    &floor.command_m,
-                    "command [mm]",
-                    "Perceived: force against command.",
-                ),
-                (
-                    TESTED,
-                    &floor.displacement_m,
-                    "measured displacement [mm]",
-                    "Measured: force against displacement.",
-                ),
-            ] {
-                let curve = Curve {
-                    name: "",
-                    colour,
-                    points: path(n, |i| (f64::from(x[i]) * 1e3, force(i))),
-                };
-                let svg = plot::plot(HALF, label, "force [kN]", &[curve])?;
-                html += &figure(&svg, &self.on_floor(j, caption));
-            }
+            let (displacement, force) = if filtered {
+                (&floor.estimated_displacement_m, &floor.estimated_force_n)
+            } else {
+                (&floor.displacement_m, &floor.force_n)
+            };
+            let picture = |colour, x: &[f32], label: &str, caption: &str| -> Drawn {
+                let points = path(part.len(), |k| {
+                    let i = part[k];
+                    (f64::from(x[i]) * 1e3, f64::from(force[i]) * 1e-3)
+                });
+                let svg = plot::plot(HALF, label, "force [kN]", &[Curve::new(colour, points)])?;
+                Ok(figure(&svg, &self.on_floor(j, caption)))
+            };
+            html += &picture(
+                WRONG,
+                &floor.command_m,
+                "command [mm]",
+                "Perceived: force against command.",
+            )?;
+            html += &picture(
+                TESTED,
+                displacement,
+                "displacement [mm]",
+                "Measured: force against displacement.",
+            )?;
         }
         Ok(html + "</div>")
     }
@@ -223,23 +220,39 @@ impl<'a> Figures<'a> {
     /// The three energy errors (Fig 9).
     pub fn energy(&self) -> Drawn {
         let trace = self.section.trace;
-        let curve = |name, colour, column: &[f32]| Curve {
-            name,
-            colour,
-            points: self.over(self.whole(), |i| f64::from(column[i])),
+        let (exact, whole) = (&trace.energy_stiffness_j, self.whole());
+        let sum = |colour, column: &[f32]| {
+            Curve::new(colour, self.over(whole.clone(), |i| f64::from(column[i])))
         };
-        let curves = [
-            curve("stiffness known, Eq 6", IDEAL, &trace.energy_stiffness_j),
-            curve("HSEM, Eqs 7 to 9", WRONG, &trace.energy_hsem_j),
-            curve("modified, Eqs 10 to 12", TESTED, &trace.energy_modified_j),
+        let off = |colour, column: &[f32]| {
+            let points = self.over(whole.clone(), |i| {
+                f64::from(column[i]) - f64::from(exact[i])
+            });
+            Curve::new(colour, points)
+        };
+        let (hsem, modified) = (&trace.energy_hsem_j, &trace.energy_modified_j);
+        let sums = [
+            sum(IDEAL, exact).named("stiffness known, Eq 6").broad(),
+            sum(WRONG, hsem).named("HSEM, Eqs 7 to 9"),
+            sum(TESTED, modified).named("modified, Eqs 10 to 12"),
+        ];
+        let differences = [
+            off(WRONG, hsem).named("HSEM less Eq 6"),
+            off(TESTED, modified).named("modified less Eq 6"),
         ];
         Ok("<h2>Energy error</h2>".to_owned()
             + &time_plot(
                 TALL,
                 "cumulative energy error [J]",
-                &curves,
+                &sums,
                 "What the actuator's error has put into the structure (negative) or taken out since the start \
                  (Fig 9 of the paper). Eq 6 needs to know the stiffness, the other two do not.",
+            )?
+            + &time_plot(
+                WIDE,
+                "difference [J]",
+                &differences,
+                "They agree so closely that only their differences can be told apart.",
             )?)
     }
 
@@ -253,11 +266,10 @@ impl<'a> Figures<'a> {
         let percent = 100.0 * self.section.experiment.per_critical();
         for (j, floor) in self.floors().take(self.physical()) {
             let c = &floor.added_damping_n_s_per_m;
-            let curve = Curve {
-                name: "",
-                colour: TESTED,
-                points: self.over(self.whole(), |i| percent * f64::from(c[i])),
-            };
+            let curve = Curve::new(
+                TESTED,
+                self.over(self.whole(), |i| percent * f64::from(c[i])),
+            );
             html += &time_plot(
                 WIDE,
                 "added damping [%]",
@@ -275,11 +287,10 @@ impl<'a> Figures<'a> {
     }
 
     fn gain_of(&self, j: usize, floor: &Floor) -> Drawn {
-        let curve = Curve {
-            name: "",
-            colour: THIRD,
-            points: self.over(self.look.clone(), |i| f64::from(floor.gain[i])),
-        };
+        let curve = Curve::new(
+            THIRD,
+            self.over(self.look.clone(), |i| f64::from(floor.gain[i])),
+        );
         time_plot(
             WIDE,
             "gain G_v [1]",
@@ -308,10 +319,9 @@ impl<'a> Figures<'a> {
                 ),
                 (&floor.force_n, &floor.estimated_force_n, 1e-3, "force [kN]"),
             ] {
-                let curve = |name, colour, column: &[f32]| Curve {
-                    name,
-                    colour,
-                    points: self.over(self.look.clone(), |i| f64::from(column[i]) * factor),
+                let curve = |name, colour, column: &[f32]| {
+                    let points = self.over(self.look.clone(), |i| f64::from(column[i]) * factor);
+                    Curve::new(colour, points).named(name)
                 };
                 html += &time_plot(
                     WIDE,

@@ -107,7 +107,7 @@ fn lead(s: &Section<'_>) -> String {
         scale => format!("{scale} times slower than real time"),
     };
     format!(
-        "{floors}, {} Hz, {pace}. {:.1} s of {}{}, compensation <b>{}</b>.",
+        "{floors}, {} Hz, {pace}. {:.1} s of the ground motion {}{}, compensation <b>{}</b>.",
         c.timing.rate_hz,
         s.summary.steps as f64 / c.timing.rate_hz / c.timing.time_scale,
         escape(&s.summary.record),

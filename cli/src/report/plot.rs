@@ -12,14 +12,51 @@ pub struct Curve {
     pub name: &'static str,
     /// Its colour.
     pub colour: RGBColor,
+    /// Whether it is drawn broad, to be seen under another one.
+    pub broad: bool,
     /// Its points.
     pub points: Vec<(f64, f64)>,
 }
 
+impl Curve {
+    /// A thin curve without a name.
+    pub fn new(colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            name: "",
+            colour,
+            broad: false,
+            points,
+        }
+    }
+
+    /// The same with a name.
+    pub fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    /// The same, broad.
+    pub fn broad(self) -> Self {
+        Self {
+            broad: true,
+            ..self
+        }
+    }
+
+    /// In units of the drawing.
+    fn stroke_width(&self) -> u32 {
+        // A line and a half wide: thin enough for a dense history, thick enough for print.
+        if self.broad {
+            4 * FINE
+        } else {
+            FINE + FINE / 2
+        }
+    }
+}
+
 /// Blue: what was tested.
 pub const TESTED: RGBColor = RGBColor(31, 95, 153);
-/// Dark grey: the ideal.
-pub const IDEAL: RGBColor = RGBColor(128, 134, 139);
+/// Grey: the ideal.
+pub const IDEAL: RGBColor = RGBColor(176, 182, 188);
 /// Red: what went wrong or what to watch.
 pub const WRONG: RGBColor = RGBColor(200, 75, 49);
 /// Green: a third curve.
@@ -59,12 +96,13 @@ pub const HALF: Shape = Shape {
     height: 380,
 };
 
-/// A time history: smallest and largest value of each column of the picture, so that no spike is lost.
+/// A time history: its ends, and smallest and largest value of each column of the picture, so that no spike is lost.
 pub fn history(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
     if n <= 2 * COLUMNS {
         return (0..n).map(point).collect();
     }
-    let mut points = Vec::with_capacity(2 * COLUMNS);
+    let mut points = Vec::with_capacity(2 * COLUMNS + 2);
+    points.push(point(0));
     for column in 0..COLUMNS {
         let range = column * n / COLUMNS..(column + 1) * n / COLUMNS;
         let (mut low, mut high) = (point(range.start), point(range.start));
@@ -83,6 +121,7 @@ pub fn history(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)>
         };
         points.extend(ordered);
     }
+    points.push(point(n - 1));
     points
 }
 
@@ -130,8 +169,8 @@ pub fn plot(
                 7
             })
             .y_labels(7)
-            .label_style(("sans-serif", size(12), &INK))
-            .axis_desc_style(("sans-serif", size(13), &INK))
+            .label_style(("sans-serif", size(13), &INK))
+            .axis_desc_style(("sans-serif", size(14), &INK))
             .x_label_formatter(&|v| tick(*v))
             .y_label_formatter(&|v| tick(*v))
             .draw()?;
@@ -141,8 +180,7 @@ pub fn plot(
                 .iter()
                 .copied()
                 .filter(|p| p.0.is_finite() && p.1.is_finite());
-            // A line and a half wide: thin enough for a dense history, thick enough for print.
-            let style = curve.colour.stroke_width(FINE + FINE / 2);
+            let style = curve.colour.stroke_width(curve.stroke_width());
             chart.draw_series(LineSeries::new(points, style))?;
         }
         legend(&root, curves)?;
@@ -165,7 +203,7 @@ where
     D::ErrorType: 'static,
 {
     let fine = FINE as i32;
-    let style = ("sans-serif", f64::from(13 * fine))
+    let style = ("sans-serif", f64::from(14 * fine))
         .into_text_style(root)
         .color(&INK);
     let (mut x, y) = (70 * fine, 14 * fine);
@@ -260,7 +298,8 @@ mod tests {
             }
         };
         let points = history(300_000, |i| (i as f64, value(i)));
-        assert!(points.len() <= 2 * COLUMNS);
+        assert!(points.len() <= 2 * COLUMNS + 2);
+        assert_eq!((points[0].0, points[points.len() - 1].0), (0.0, 299_999.0));
         assert!(points.contains(&(123_457.0, 50.0)));
         assert!(points.windows(2).all(|w| w[0].0 <= w[1].0));
         assert_eq!(history(3, |i| (i as f64, 1.0)).len(), 3);
