@@ -3,6 +3,7 @@
 //! The driver here is written apart from the PC tool's, so that a figure that both print has been computed twice.
 
 pub mod data;
+pub mod qemu;
 
 use outerloop_core::config::{Filter, StructureConfig};
 use outerloop_core::{
@@ -41,7 +42,11 @@ impl Scenario {
         other
     }
 
-    fn rig(&self) -> RigSpec {
+    /// The rig that the tables describe.
+    ///
+    /// # Panics
+    /// Where they cannot be read.
+    pub fn rig(&self) -> RigSpec {
         let text = format!(
             "[actuator]\n{}\n[specimen]\n{}\n[sensors]\n{}",
             self.actuator, self.specimen, self.sensors

@@ -72,9 +72,16 @@ fn run<const N: usize>(
     pc.reply(&String::new())?;
 
     let mut hash = Record::<N>::HASH_START;
-    let stack = HighWater::paint();
+    let (mut period_stack, mut event_stack) = (0, 0);
+    let mut stack = HighWater::paint();
     while let Some((event, mut period)) = pc.period::<N>()? {
-        period.answer.rejected = event.is_some_and(|e| control.handle(e).is_err());
+        if let Some(event) = event {
+            period_stack = stack.bytes().max(period_stack);
+            stack = HighWater::paint();
+            period.answer.rejected = control.handle(event).is_err();
+            event_stack = stack.bytes().max(event_stack);
+            stack = HighWater::paint();
+        }
         let record = control.tick(&mut period, &watch, &ground);
         hash = record.hash(hash);
         pc.answer(&period.answer, &record)?;
@@ -86,7 +93,8 @@ fn run<const N: usize>(
         worst_ticks: control.time().worst_ticks(),
         ticks_per_1024_instructions,
         overhead_ticks,
-        stack_bytes: stack.bytes() as u32,
+        period_stack_bytes: stack.bytes().max(period_stack) as u32,
+        event_stack_bytes: event_stack as u32,
         state_bytes: size_of::<OuterLoop<N>>() as u32,
     })
 }

@@ -17,15 +17,17 @@ pub struct Summary {
     pub ticks_per_1024_instructions: u32,
     /// Ticks that the measurement itself adds to a step.
     pub overhead_ticks: u32,
-    /// Bytes by which the stack grew in the control periods.
-    pub stack_bytes: u32,
+    /// Bytes of stack that a control period took.
+    pub period_stack_bytes: u32,
+    /// Bytes of stack that an event took.
+    pub event_stack_bytes: u32,
     /// Bytes of the outer loop with all its state.
     pub state_bytes: u32,
 }
 
 impl Summary {
     /// Length in bytes.
-    pub const BYTES: usize = 40;
+    pub const BYTES: usize = 44;
 
     /// As bytes.
     pub fn encode(&self) -> Message {
@@ -37,7 +39,8 @@ impl Summary {
             self.worst_ticks,
             self.ticks_per_1024_instructions,
             self.overhead_ticks,
-            self.stack_bytes,
+            self.period_stack_bytes,
+            self.event_stack_bytes,
             self.state_bytes,
         ] {
             push(&mut bytes, word);
@@ -58,7 +61,8 @@ impl Summary {
             worst_ticks: words.word()?,
             ticks_per_1024_instructions: words.word()?,
             overhead_ticks: words.word()?,
-            stack_bytes: words.word()?,
+            period_stack_bytes: words.word()?,
+            event_stack_bytes: words.word()?,
             state_bytes: words.word()?,
         })
     }
@@ -83,8 +87,9 @@ mod tests {
             worst_ticks: 4,
             ticks_per_1024_instructions: 1376,
             overhead_ticks: 6,
-            stack_bytes: 7,
-            state_bytes: 8,
+            period_stack_bytes: 7,
+            event_stack_bytes: 8,
+            state_bytes: 9,
         };
         let bytes = summary.encode();
         assert_eq!(bytes.len(), Summary::BYTES);

@@ -1,0 +1,175 @@
+//! The same closed loop, once with core in this process and once with the image in QEMU.
+
+use super::machine::{Clock, Machine};
+use crate::{Scenario, Shaking};
+use firmware::session::Summary;
+use outerloop_core::record::flag;
+use outerloop_core::{
+    Config, Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State,
+};
+use plant::Rig;
+use std::io::{Error, Result};
+use std::path::Path;
+
+/// A test: configuration and ground motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Test<'a> {
+    /// Configuration.
+    pub config: &'a Config,
+    /// Ground motion.
+    pub shaking: &'a Shaking,
+}
+
+/// A ground motion that needs no file: two swinging sines, up to 5 m/s^2, that die out in the end.
+pub fn shaking(seconds: f64) -> Shaking {
+    let interval_s = 0.01;
+    let point = |i: usize| {
+        let t = i as f64 * interval_s;
+        let fade = (seconds - t).clamp(0.0, 1.0);
+        let a = 3.0 * (11.0 * t).sin() * (0.7 * t).sin() + 2.0 * (4.0 * t).sin();
+        (fade * a) as f32
+    };
+    Shaking {
+        acc_m_per_s2: (0..=(seconds / interval_s) as usize).map(point).collect(),
+        interval_s,
+    }
+}
+
+/// The rig of a scenario, as a loop with `N` degrees of freedom sees it.
+///
+/// # Panics
+/// Where the rig is refused.
+pub fn rig<const N: usize>(scenario: &Scenario, seed: u64) -> impl FnMut(&[f32; N]) -> Sample<N> {
+    let config = &scenario.config;
+    let physical = config.physical_storeys();
+    let storeys = &config.structure.stiffness_n_per_m[..physical];
+    let mut rig = Rig::new(&scenario.rig(), storeys, config.timing.rate_hz, seed)
+        .unwrap_or_else(|refusal| panic!("{refusal}"));
+    move |command_m| {
+        let command: Vec<f64> = command_m[..physical]
+            .iter()
+            .map(|&u| f64::from(u))
+            .collect();
+        let reading = rig.step(&command);
+        let mut sample = Sample::new([0.0; N], [0.0; N]);
+        for j in 0..physical {
+            sample.displacement_m[j] = reading.displacement_m[j] as f32;
+            sample.force_n[j] = reading.force_n[j] as f32;
+        }
+        sample
+    }
+}
+
+/// The records of all control periods from power-up on, as words.
+pub type Records = Vec<Vec<u32>>;
+
+/// What the operator does in a control period, by its number and the state, and what the board reports.
+pub type Script<'a> = &'a dyn Fn(u32, State) -> (Option<Event>, Option<Fault>);
+
+/// Idles for a while, arms, starts as soon as it may and stays until the end.
+pub fn plain(tick: u32, state: State) -> (Option<Event>, Option<Fault>) {
+    let event = match state {
+        State::Idle if tick >= 200 => Some(Event::Arm),
+        State::Armed => Some(Event::Start),
+        _ => None,
+    };
+    (event, None)
+}
+
+/// Runs `ticks` control periods with core in this process.
+///
+/// # Errors
+/// The test is refused.
+pub fn here<const N: usize>(
+    test: &Test<'_>,
+    ticks: u32,
+    script: Script<'_>,
+    rig: impl FnMut(&[f32; N]) -> Sample<N>,
+) -> Result<(Records, u64)> {
+    let design = Design::new(test.config).map_err(|e| Error::other(e.to_string()))?;
+    let mut outer = OuterLoop::<N>::new(design);
+    let Shaking {
+        acc_m_per_s2,
+        interval_s,
+    } = test.shaking;
+    let ground = GroundMotion::new(acc_m_per_s2, *interval_s, test.config.model_step_s())
+        .ok_or_else(|| Error::other("the ground motion is refused"))?;
+    let mut hash = Record::<N>::HASH_START;
+    let records = drive(ticks, script, rig, |event, sample| {
+        if let Some(event) = event {
+            // Refused where it means nothing yet, here as there.
+            let _ = outer.handle(event);
+        }
+        let step = outer.step(&sample, &ground);
+        hash = step.record.hash(hash);
+        let mut words = Vec::with_capacity(Record::<N>::WORDS);
+        step.record.for_each_word(|w| words.push(w));
+        Ok((step.command_m, words))
+    })?;
+    Ok((records, hash))
+}
+
+/// Runs `ticks` control periods with the image in QEMU.
+///
+/// # Errors
+/// The test is refused or the image goes away.
+pub fn emulated<const N: usize>(
+    image: &Path,
+    clock: Clock,
+    test: &Test<'_>,
+    ticks: u32,
+    script: Script<'_>,
+    rig: impl FnMut(&[f32; N]) -> Sample<N>,
+) -> Result<(Records, Summary)> {
+    let mut machine = Machine::start(image, clock)?;
+    machine.begin(test)?;
+    let records = drive(ticks, script, rig, |event, sample| {
+        let (answer, words) = machine.period(event, sample)?;
+        Ok((answer.command_m, words))
+    })?;
+    Ok((records, machine.end()?))
+}
+
+/// The closed loop: the rig moves, is sampled, and the loop answers with the next command.
+///
+/// # Errors
+/// Those of `period`.
+pub fn drive<const N: usize>(
+    ticks: u32,
+    script: Script<'_>,
+    mut rig: impl FnMut(&[f32; N]) -> Sample<N>,
+    mut period: impl FnMut(Option<Event>, Sample<N>) -> Result<([f32; N], Vec<u32>)>,
+) -> Result<Records> {
+    let mut records = Records::with_capacity(ticks as usize);
+    let mut command_m = [0.0; N];
+    let mut state = State::Idle;
+    for tick in 0..ticks {
+        let mut sample = rig(&command_m);
+        let (event, fault) = script(tick, state);
+        sample.fault = fault;
+        let words;
+        (command_m, words) = period(event, sample)?;
+        state = state_of(&words)?;
+        records.push(words);
+    }
+    Ok(records)
+}
+
+/// The state in a record: bits 0 to 3 of its third word.
+fn state_of(words: &[u32]) -> Result<State> {
+    let flags = words.get(2).copied().unwrap_or(u32::MAX);
+    let state = State::ALL.into_iter().find(|&s| s as u32 == flags & 0xf);
+    state.ok_or_else(|| Error::other("a record without a state"))
+}
+
+/// Whether an integration step was solved in this control period.
+pub fn solved(words: &[u32]) -> bool {
+    words.get(2).is_some_and(|flags| flags & flag::SOLVED != 0)
+}
+
+/// The first control period and word in which two traces differ.
+pub fn first_difference(a: &Records, b: &Records) -> Option<(usize, usize)> {
+    let tick = a.iter().zip(b).position(|(x, y)| x != y)?;
+    let word = a[tick].iter().zip(&b[tick]).position(|(x, y)| x != y);
+    Some((tick, word.unwrap_or(usize::MAX)))
+}

@@ -1,0 +1,191 @@
+//! The emulated machine and a session with the image in it.
+
+use super::bench::Test;
+use firmware::session::{Answer, Header, Order, Summary};
+use outerloop_core::{Event, Sample};
+use std::io::{Error, Read, Result, Write};
+use std::path::Path;
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The emulator.
+pub const EMULATOR: &str = "qemu-system-arm";
+
+/// How the emulator's clock runs and what it tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// As fast as it can; what the image times means nothing.
+    Free,
+    /// 8 ns an instruction: what the image times are instructions.
+    Counting,
+    /// As `Counting`, one instruction at a time, each written to the standard error.
+    Tracing,
+}
+
+/// A session with an image that runs in the emulator.
+#[derive(Debug)]
+pub struct Machine<const N: usize> {
+    child: Child,
+}
+
+impl<const N: usize> Machine<N> {
+    /// Starts `image`, which then waits for its test.
+    ///
+    /// # Errors
+    /// The emulator does not start.
+    pub fn start(image: &Path, clock: Clock) -> Result<Self> {
+        if clock != Clock::Tracing {
+            share_a_processor();
+        }
+        let mut command = Command::new(EMULATOR);
+        command
+            .args([
+                "-M",
+                "netduinoplus2",
+                "-display",
+                "none",
+                "-serial",
+                "none",
+                "-monitor",
+                "none",
+            ])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .arg("-kernel")
+            .arg(image)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        if clock != Clock::Free {
+            command.args(["-icount", "shift=3"]);
+        }
+        if clock == Clock::Tracing {
+            command
+                .args(["-d", "exec,nochain"])
+                .args(one_instruction_at_a_time()?);
+            command.stderr(Stdio::piped());
+        }
+        Ok(Self {
+            child: command.spawn()?,
+        })
+    }
+
+    /// Gives the image its test.
+    ///
+    /// # Errors
+    /// The image has gone, or refuses the test, in its own words.
+    pub fn begin(&mut self, test: &Test<'_>) -> Result<()> {
+        let (config, points) = (test.config, &test.shaking.acc_m_per_s2);
+        let config = postcard::to_stdvec(config).map_err(Error::other)?;
+        let header = Header {
+            dof: N as u32,
+            config_bytes: config.len() as u32,
+            points: points.len() as u32,
+            deadline_ticks: u32::MAX,
+            point_interval_s: test.shaking.interval_s,
+        };
+        let mut bytes = header.encode().to_vec();
+        bytes.extend_from_slice(&config);
+        bytes.extend(points.iter().flat_map(|x| x.to_le_bytes()));
+        self.write(&bytes)?;
+        let mut length = [0; 4];
+        self.read(&mut length)?;
+        let mut refusal = vec![0; u32::from_le_bytes(length) as usize];
+        self.read(&mut refusal)?;
+        if refusal.is_empty() {
+            Ok(())
+        } else {
+            Err(Error::other(String::from_utf8_lossy(&refusal)))
+        }
+    }
+
+    /// One control period; gives the answer and the words of the record.
+    ///
+    /// # Errors
+    /// The image has gone.
+    pub fn period(
+        &mut self,
+        event: Option<Event>,
+        sample: Sample<N>,
+    ) -> Result<(Answer<N>, Vec<u32>)> {
+        self.write(&Order::Step { event, sample }.encode())?;
+        let mut bytes = vec![0; Answer::<N>::BYTES];
+        self.read(&mut bytes)?;
+        let (answer, words) = Answer::decode(&bytes).map_err(malformed)?;
+        Ok((answer, words.collect()))
+    }
+
+    /// Ends the session; gives its account.
+    ///
+    /// # Errors
+    /// The image has gone, or did not end as it should.
+    pub fn end(mut self) -> Result<Summary> {
+        self.write(&Order::<N>::End.encode())?;
+        let mut bytes = [0; Summary::BYTES];
+        self.read(&mut bytes)?;
+        let status = self.child.wait()?;
+        if !status.success() {
+            return Err(Error::other(format!("the image ended with {status}")));
+        }
+        Summary::decode(&bytes).map_err(malformed)
+    }
+
+    /// What the emulator writes while it traces; it stands still, from its start on, where nobody reads it.
+    pub fn trace(&mut self) -> Option<ChildStderr> {
+        self.child.stderr.take()
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        let pipe = self
+            .child
+            .stdin
+            .as_mut()
+            .ok_or_else(|| Error::other("no pipe to the image"))?;
+        pipe.write_all(bytes)
+    }
+
+    fn read(&mut self, bytes: &mut [u8]) -> Result<()> {
+        let pipe = self
+            .child
+            .stdout
+            .as_mut()
+            .ok_or_else(|| Error::other("no pipe from the image"))?;
+        pipe.read_exact(bytes)
+    }
+}
+
+impl<const N: usize> Drop for Machine<N> {
+    fn drop(&mut self) {
+        // Already over where the session was ended; nothing can be done where it will not stop.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Keeps this thread, and with it the emulator that it starts, on one processor: the two take turns, and a wake-up
+/// on another processor costs more than a control period.
+fn share_a_processor() {
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    let all = core_affinity::get_core_ids().unwrap_or_default();
+    let turn = NEXT.fetch_add(1, Ordering::Relaxed);
+    if let Some(&id) = all.get(turn % all.len().max(1)) {
+        // Slower without, not wrong.
+        core_affinity::set_for_current(id);
+    }
+}
+
+fn malformed(_: firmware::session::Malformed) -> Error {
+    Error::other("the image's message has another form")
+}
+
+/// The option had another name before QEMU 8.1.
+fn one_instruction_at_a_time() -> Result<&'static [&'static str]> {
+    let output = Command::new(EMULATOR).arg("--version").output()?.stdout;
+    let text = String::from_utf8_lossy(&output);
+    let mut numbers = text
+        .split(|c: char| !c.is_ascii_digit())
+        .filter_map(|n| n.parse::<u32>().ok());
+    Ok(if (numbers.next(), numbers.next()) >= (Some(8), Some(1)) {
+        &["-accel", "tcg,one-insn-per-tb=on"]
+    } else {
+        &["-singlestep"]
+    })
+}
