@@ -100,7 +100,6 @@ impl Experiment {
     }
 
     /// The response of `rig` without compensation, filter or limits; every floor moves in it.
-
     fn response(&self, rig: &RigSpec) -> Result<Response, Failure> {
         let mut config = self.test.config.clone();
         config.compensation.kind = Method::None;

@@ -4,6 +4,7 @@
 //! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
 //! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 
+use crate::order::larger;
 use crate::sum::Sum;
 
 /// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.
@@ -53,6 +54,15 @@ struct Past<const N: usize> {
     force_n: [f32; N],
 }
 
+impl Errors {
+    /// What a sum begins with: adding to -0 changes no number, adding to 0 costs an instruction.
+    const NOTHING: Self = Self {
+        stiffness_j: -0.0,
+        hsem_j: -0.0,
+        modified_j: -0.0,
+    };
+}
+
 impl<const N: usize> Past<N> {
     const AT_REST: Self = Self {
         command_m: [0.0; N],
@@ -62,16 +72,17 @@ impl<const N: usize> Past<N> {
     };
 }
 
-/// The three energy errors of a test.
+/// The three energy errors of a test, the long array behind the rest.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct EnergyErrors<const N: usize> {
-    stiffness_n_per_m: [[f32; N]; N],
     window: usize,
-    past: [Past<N>; MAX_WINDOW],
     newest: usize,
     stiffness_force_n: [f32; N],
     step: Errors,
     cumulative: [Sum; 3],
+    stiffness_n_per_m: [[f32; N]; N],
+    past: [Past<N>; MAX_WINDOW],
 }
 
 impl<const N: usize> EnergyErrors<N> {
@@ -100,7 +111,7 @@ impl<const N: usize> EnergyErrors<N> {
             increment_m: now.increment_m,
             moved_m: [0.0; N],
         };
-        let mut step = Errors::default();
+        let mut step = Errors::NOTHING;
         for j in 0..N {
             let stiffness_force_n: f32 = (0..N)
                 .map(|k| self.stiffness_n_per_m[j][k] * error_m[k])
@@ -191,7 +202,7 @@ impl<const N: usize> Monitor<N> {
         correction_n: [f32; N],
         hsem_j: f32,
     ) {
-        let mut strain_j = 0.0;
+        let mut strain_j = -0.0;
         for j in 0..N {
             let du = now.increment_m[j];
             self.input.add(0.5 * (self.load_n[j] + load_n[j]) * du);
@@ -202,8 +213,8 @@ impl<const N: usize> Monitor<N> {
         }
         self.load_n = load_n;
         self.correction_n = correction_n;
-        self.largest_strain_j = self.largest_strain_j.max(strain_j);
-        let scale = self.input.value().max(0.0) + self.largest_strain_j;
+        self.largest_strain_j = larger(self.largest_strain_j, strain_j);
+        let scale = larger(0.0, self.input.value()) + self.largest_strain_j;
         // A ratio of nothing to nothing at the start is not an error.
         self.ratio = if scale > self.floor_j {
             (hsem_j + self.correction.value()).abs() / scale

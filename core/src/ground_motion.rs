@@ -6,6 +6,8 @@ pub struct GroundMotion<'a> {
     points_m_per_s2: &'a [f32],
     /// Points of the record in one integration step, times 2^32.
     points_per_step: u64,
+    /// Integration steps until the record has ended.
+    steps: u32,
 }
 
 impl<'a> GroundMotion<'a> {
@@ -19,9 +21,15 @@ impl<'a> GroundMotion<'a> {
     ) -> Option<Self> {
         let ratio = model_step_s / point_interval_s;
         let usable = ratio > 0.0 && ratio <= 1000.0 && point_interval_s > 0.0;
+        let points_per_step = (ratio * 4_294_967_296.0 + 0.5) as u64;
+        let intervals = (points_m_per_s2.len() as u64).saturating_sub(1) << 32;
+        let steps = (intervals + points_per_step / 2)
+            .checked_div(points_per_step)
+            .unwrap_or(0);
         usable.then_some(Self {
             points_m_per_s2,
-            points_per_step: (ratio * 4_294_967_296.0 + 0.5) as u64,
+            points_per_step,
+            steps: u32::try_from(steps).unwrap_or(u32::MAX),
         })
     }
 
@@ -30,6 +38,7 @@ impl<'a> GroundMotion<'a> {
         Self {
             points_m_per_s2: &[],
             points_per_step: 0,
+            steps: 0,
         }
     }
 
@@ -37,7 +46,11 @@ impl<'a> GroundMotion<'a> {
     #[inline]
     pub fn at(&self, step: u32) -> f32 {
         // Time is an integer count of 2^-32 points: it cannot drift, however long the test.
-        let position = self.points_per_step.saturating_mul(u64::from(step));
+        // Within the record it cannot overflow, either.
+        if step > self.steps {
+            return 0.0;
+        }
+        let position = self.points_per_step.wrapping_mul(u64::from(step));
         let index = (position >> 32) as usize;
         let here = self.points_m_per_s2.get(index).copied().unwrap_or(0.0);
         let next = self
@@ -50,13 +63,9 @@ impl<'a> GroundMotion<'a> {
     }
 
     /// Integration steps until the record has ended.
+    #[inline]
     pub fn steps(&self) -> u32 {
-        let intervals = (self.points_m_per_s2.len() as u64).saturating_sub(1) << 32;
-        let half = self.points_per_step / 2;
-        let steps = (intervals + half)
-            .checked_div(self.points_per_step)
-            .unwrap_or(0);
-        u32::try_from(steps).unwrap_or(u32::MAX)
+        self.steps
     }
 }
 

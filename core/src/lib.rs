@@ -36,6 +36,7 @@ pub mod estimate;
 pub mod ground_motion;
 pub mod matrix;
 pub mod newmark;
+mod order;
 pub mod outer_loop;
 pub mod record;
 pub mod signal;

@@ -130,7 +130,8 @@ impl<const N: usize> Newmark<N> {
     /// Solves the equation of motion at `u_i` for `a_i` and moves on to `u_{i+1}`.
     ///
     /// `load_n` is the external load, `restoring_force_n` the specimen's, `added_damping` the diagonal of
-    /// C_cor in N s/m. The damping acts in the same step: `M + dt/2 (C + C_cor)` is the effective mass.
+    /// C_cor in N s/m. The damping acts in the same step: `M + dt/2 (C + C_cor)` is the effective mass. Returns the
+    /// force of the added damping over the increment that led to `u_i`, N.
     #[inline]
     pub fn advance(
         &mut self,
@@ -138,15 +139,16 @@ impl<const N: usize> Newmark<N> {
         load_n: &[f32; N],
         restoring_force_n: &[f32; N],
         added_damping: &[f32; N],
-    ) {
+    ) -> [f32; N] {
         // v_{i-1} + dt/2 a_{i-1} is increment/dt, exactly; so C v takes the increment.
-        let mut unbalanced = [0.0; N];
+        let (mut unbalanced, mut added_n) = ([0.0; N], [0.0; N]);
         for i in 0..N {
             let mut f = load_n[i] - restoring_force_n[i];
             for j in 0..N {
                 f -= k.damping_per_increment[i][j] * self.increment[j];
             }
-            unbalanced[i] = f - added_damping[i] * k.rate_hz * self.increment[i];
+            added_n[i] = added_damping[i] * k.rate_hz * self.increment[i];
+            unbalanced[i] = f - added_n[i];
         }
         if let Some(stiffness) = &k.numerical_stiffness {
             let u = self.displacement_m();
@@ -156,7 +158,7 @@ impl<const N: usize> Newmark<N> {
                 }
             }
         }
-        let mut s = [0.0; N];
+        let mut s = [-0.0; N];
         for i in 0..N {
             for j in 0..N {
                 s[i] += k.flexibility[i][j].times(unbalanced[j]);
@@ -174,6 +176,7 @@ impl<const N: usize> Newmark<N> {
         }
         self.started = true;
         self.s = s;
+        added_n
     }
 }
 

@@ -15,12 +15,13 @@ use crate::energy::{EnergyErrors, Monitor, Observation};
 use crate::estimate::{Estimate, Estimator};
 use crate::ground_motion::GroundMotion;
 use crate::newmark::Newmark;
+use crate::order::larger;
 use crate::record::{Record, flag};
 use crate::signal::{SignalGenerator, Target};
 use crate::supervise::{
-    Checked, Event, Fault, Finding, HISTORY, LockWatch, Rejected, StaleWatch, State, Trip, check,
+    Checked, Event, Fault, Finding, History, LockWatch, Rejected, StaleWatch, State, Trip,
+    first_fault, within,
 };
-use heapless::Deque;
 
 /// What was measured in a control step, and what the board knows about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,31 +50,29 @@ impl<const N: usize> Sample<N> {
 
 /// What a control step gives.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<const N: usize> {
+pub struct Step<'a, const N: usize> {
     /// Command for the next control period, m; always finite.
     pub command_m: [f32; N],
     /// Whether the actuator may move on it.
     pub permit: bool,
     /// The record of this step.
-    pub record: Record<N>,
+    pub record: &'a Record<N>,
 }
 
 /// The outer loop of a test with `N` degrees of freedom.
+///
+/// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct OuterLoop<const N: usize> {
     design: Design<N>,
     state: State,
-    trip: Option<Trip>,
-    obstacle: Option<Finding>,
-    history: Deque<Record<N>, HISTORY>,
+    returning: bool,
     tick: u32,
     step: u32,
+    flags: u32,
+    ground_m_per_s2: f32,
     sent_m: [f32; N],
-    standing_m: Option<[f32; N]>,
-    returning: bool,
-    goal_m: Option<[f32; N]>,
-    estimator: Estimator<N>,
-    energy: EnergyErrors<N>,
     monitor: Monitor<N>,
     compensator: Compensator<N>,
     correction: Correction<N>,
@@ -81,8 +80,13 @@ pub struct OuterLoop<const N: usize> {
     signal: SignalGenerator<N>,
     stale: StaleWatch<N>,
     lock: LockWatch,
-    flags: u32,
-    ground_m_per_s2: f32,
+    trip: Option<Trip>,
+    obstacle: Option<Finding>,
+    standing_m: Option<[f32; N]>,
+    goal_m: Option<[f32; N]>,
+    energy: EnergyErrors<N>,
+    estimator: Estimator<N>,
+    history: History<N>,
 }
 
 impl<const N: usize> OuterLoop<N> {
@@ -93,7 +97,7 @@ impl<const N: usize> OuterLoop<N> {
             state: State::Idle,
             trip: None,
             obstacle: None,
-            history: Deque::new(),
+            history: History::new(),
             tick: 0,
             step: 0,
             sent_m: [0.0; N],
@@ -117,7 +121,7 @@ impl<const N: usize> OuterLoop<N> {
 
     /// One control step: sample in, command and record out.
     #[inline]
-    pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<N> {
+    pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = 0;
         let stale_steps = self.watch(sample);
         let estimate = self.estimate(sample);
@@ -132,8 +136,8 @@ impl<const N: usize> OuterLoop<N> {
             State::Tripped => self.sent_m,
         };
         let finding = self.interlock(sample, &next_m, stale_steps);
-        let record = self.record(sample, &estimate);
-        let command_m = self.supervise(finding, next_m, &record);
+        self.record(sample, &estimate);
+        let command_m = self.supervise(finding, next_m);
         if self.state == State::Running && self.step > ground.steps() {
             self.state = State::Finished;
         }
@@ -141,7 +145,7 @@ impl<const N: usize> OuterLoop<N> {
         Step {
             command_m,
             permit: self.state.permits_motion(),
-            record,
+            record: self.history.latest(),
         }
     }
 
@@ -193,12 +197,11 @@ impl<const N: usize> OuterLoop<N> {
 
         let load_n = k.newmark.load_n(ground_m_per_s2);
         let damping = &self.correction.damping;
-        let rate_hz = k.newmark.rate_hz;
-        let correction_n = core::array::from_fn(|j| damping[j] * rate_hz * now.increment_m[j]);
+        let correction_n = self
+            .newmark
+            .advance(&k.newmark, &load_n, &now.force_n, damping);
         let hsem_j = self.energy.cumulative().hsem_j;
         self.monitor.update(&now, load_n, correction_n, hsem_j);
-        self.newmark
-            .advance(&k.newmark, &load_n, &now.force_n, damping);
 
         self.signal.aim(
             &k.signal,
@@ -210,7 +213,8 @@ impl<const N: usize> OuterLoop<N> {
         );
         let mut added_ratio = 0.0_f32;
         for j in 0..N {
-            added_ratio = added_ratio.max((self.correction.damping[j] * k.per_critical[j]).abs());
+            let ratio = self.correction.damping[j] * k.per_critical[j];
+            added_ratio = larger(added_ratio, ratio.abs());
         }
         if self.lock.update(added_ratio, k.per_period) > k.limits.locked_damping_ratio {
             self.flags |= flag::LOCKED;
@@ -299,42 +303,33 @@ impl<const N: usize> OuterLoop<N> {
         next_m: &[f32; N],
         stale_steps: u16,
     ) -> Option<Finding> {
-        let found = check(
-            &self.design.limits,
-            &Checked {
-                next_m,
-                sent_m: &self.sent_m,
-                displacement_m: &sample.displacement_m,
-                force_n: &sample.force_n,
-                energy_ratio: self.monitor.ratio(),
-                stale_steps,
-                late_steps: self.signal.late_steps(),
-                physical: self.design.physical,
-            },
-        );
+        let checked = Checked {
+            next_m,
+            sent_m: &self.sent_m,
+            displacement_m: &sample.displacement_m,
+            force_n: &sample.force_n,
+            energy_ratio: self.monitor.ratio(),
+            stale_steps,
+            late_steps: self.signal.late_steps(),
+            physical: self.design.physical,
+        };
+        if sample.fault.is_none() && within(&self.design.limits, &checked) {
+            return None;
+        }
+        let found = first_fault(&self.design.limits, &checked);
         // What the board reports comes first, but for a number that is none.
-        match (found, sample.fault) {
-            (Some(f), _) if f.fault == Fault::NonFinite => found,
-            (_, Some(fault)) => Some(Finding::fact(fault)),
-            _ => found,
+        match sample.fault {
+            None => found,
+            Some(fault) => match found {
+                Some(f) if f.fault == Fault::NonFinite => found,
+                _ => Some(Finding::fact(fault)),
+            },
         }
     }
 
     /// Sends the command or latches the fault.
     #[inline]
-    fn supervise(
-        &mut self,
-        finding: Option<Finding>,
-        next_m: [f32; N],
-        record: &Record<N>,
-    ) -> [f32; N] {
-        if self.state != State::Tripped {
-            if self.history.is_full() {
-                self.history.pop_front();
-            }
-            // There is room now: the refusal cannot happen and would lose no more than a line of history.
-            let _ = self.history.push_back(*record);
-        }
+    fn supervise(&mut self, finding: Option<Finding>, next_m: [f32; N]) -> [f32; N] {
         self.obstacle = finding;
         if let (Some(f), Ok(tripped)) = (finding, self.state.after(Event::Fault)) {
             self.state = tripped;
@@ -353,8 +348,9 @@ impl<const N: usize> OuterLoop<N> {
         self.sent_m
     }
 
+    /// Writes the record of this step; the history ends with the step that tripped.
     #[inline]
-    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) -> Record<N> {
+    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) {
         let k = &self.design;
         if self.monitor.ratio() > k.limits.energy_warning {
             self.flags |= flag::ENERGY_WARNING;
@@ -366,7 +362,7 @@ impl<const N: usize> OuterLoop<N> {
             self.flags |= flag::CLAMPED;
         }
         let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
-        Record {
+        *self.history.place(self.state != State::Tripped) = Record {
             tick: self.tick,
             step: self.step,
             flags: self.state as u32 | fault << 8 | self.flags,
@@ -388,7 +384,7 @@ impl<const N: usize> OuterLoop<N> {
             energy_input_j: self.monitor.input_j(),
             energy_ratio: self.monitor.ratio(),
             innovation: estimate.innovation,
-        }
+        };
     }
 }
 
@@ -410,7 +406,7 @@ mod operate {
 
         /// The last steps, oldest first; after a trip, those that led to it.
         pub fn history(&self) -> impl Iterator<Item = &Record<N>> {
-            self.history.iter()
+            self.history.kept()
         }
 
         /// Takes an event from the operator or the link.

@@ -35,7 +35,7 @@ impl<const N: usize> ControlLoop<N> {
         converters: &mut impl Converters<N>,
         watch: &W,
         ground: &GroundMotion<'_>,
-    ) -> Record<N> {
+    ) -> &Record<N> {
         let begin = watch.now();
         let mut sample = converters.sample();
         if self.late {

@@ -7,6 +7,7 @@ use common::{Bench, bench, config, pulse};
 use link::command::{Channel, Command, Shape, Signal};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
+use outerloop_core::supervise::HISTORY;
 use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
 
 fn done(reply: &Reply) -> u32 {
@@ -196,7 +197,7 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
         panic!("no status");
     };
     assert_eq!(status.trip.map(|t| t.fault), Some(fault));
-    let Reply::Record(words) = b.ask(Command::History(15)) else {
+    let Reply::Record(words) = b.ask(Command::History(HISTORY as u8 - 1)) else {
         panic!("no history");
     };
     assert_eq!(words.len(), outerloop_core::Record::<1>::WORDS);

@@ -173,7 +173,7 @@ fn run<const N: usize>(
             }
             State::Running => {
                 trace.hash = step.record.hash(trace.hash);
-                trace.records.push(step.record);
+                trace.records.push(*step.record);
             }
             _ => {}
         }

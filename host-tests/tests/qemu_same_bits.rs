@@ -15,6 +15,7 @@ fn noisy(mut scenario: Scenario) -> Scenario {
     config.estimation.delay_ms = 4.0;
     config.estimation.lag_ms = 0.5;
     config.estimation.displacement_noise_m = 2e-5;
+    config.timing.approach_m_per_s = 0.1;
     config.limits.displacement_m = Some(0.2);
     config.limits.increment_m = Some(2e-3);
     config.limits.velocity_m_per_s = Some(3.0);
@@ -66,7 +67,7 @@ fn same<const N: usize>(
     Some(states)
 }
 
-const STATES: [State; 9] = [
+const STATES: [State; 10] = [
     State::Idle,
     State::Armed,
     State::Running,
@@ -76,12 +77,13 @@ const STATES: [State; 9] = [
     State::Idle,
     State::Armed,
     State::Running,
+    State::Finished,
 ];
 
 #[test]
 fn one_degree_of_freedom() {
     let scenario = noisy(Scenario::delayed(table1(), 4.0));
-    if let Some(states) = same::<1>(&scenario, 10_000, &busy) {
+    if let Some(states) = same::<1>(&scenario, 12_000, &busy) {
         assert_eq!(states, STATES.map(|s| s as u32));
     }
 }
@@ -92,7 +94,7 @@ fn three_degrees_of_freedom() {
         frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
         4.0,
     ));
-    if let Some(states) = same::<3>(&scenario, 10_000, &busy) {
+    if let Some(states) = same::<3>(&scenario, 12_000, &busy) {
         assert_eq!(states, STATES.map(|s| s as u32));
     }
 }

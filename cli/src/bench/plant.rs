@@ -47,7 +47,7 @@ impl Bench for PlantBench<'_> {
             command_m = step.command_m.map(f64::from);
             match before {
                 State::Running => {
-                    witness.see(&step.record);
+                    witness.see(step.record);
                     done += 1;
                 }
                 State::Idle if idle >= IDLE_STEPS => {

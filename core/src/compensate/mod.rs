@@ -14,6 +14,7 @@ pub mod sech_gain;
 
 use crate::config::{Method, Secant};
 use crate::energy::Windowed;
+use crate::order::{larger, smaller};
 use sech_gain::sech_gain;
 
 /// Constants of the variable damping, worked out once.
@@ -111,7 +112,7 @@ impl<const N: usize> Compensator<N> {
             let guarded = k.method != Method::Eq14Unguarded;
             // The peak fades within a natural period: in the quiet end of a test a peak of its strong part would hold
             // whatever C_cor happened to be last, for ever.
-            self.peak_m[j] = (k.peak_memory * self.peak_m[j]).max(du.abs());
+            self.peak_m[j] = larger(k.peak_memory * self.peak_m[j], du.abs());
             let reversal = velocity * motion.predictor_velocity_dt_m[j] < 0.0;
             // The sign rule alone leaves 0/0 beside a reversal, which f32 cannot resolve.
             let small = guarded && du.abs() <= k.hold_share * self.peak_m[j];
@@ -125,7 +126,7 @@ impl<const N: usize> Compensator<N> {
                 out.held = true;
                 self.last[j]
             } else if guarded {
-                let bounded = raw.min(k.largest[j]).max(k.smallest[j]);
+                let bounded = larger(smaller(raw, k.largest[j]), k.smallest[j]);
                 out.clamped |= bounded != raw;
                 bounded
             } else {

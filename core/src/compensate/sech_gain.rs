@@ -1,11 +1,13 @@
 //! The gain of Eq 19, `sech(omega u / v)^gamma`.
+//!
+//! Written as `exp(-gamma (|x| + ln((1 + e) / 2)))` with `e = exp(-2 |x|)`, which cannot overflow. The logarithm is
+//! `-2 artanh((1 - e) / (3 + e))`, whose argument is at most 1/3: a short series does. With an exponential that knows
+//! its argument to be negative this takes a third of the instructions of libm's functions and is as accurate;
+//! micromath's `exp` is off by 2.4e-3 and not monotone.
 
-use core::f32::consts::LN_2;
+use core::f32::consts::LOG2_E;
 
 /// `sech(omega dt u / (dt v))^gamma`, between 0 and 1; 0 at rest.
-///
-/// Written as `exp(-gamma (|x| + ln(1 + exp(-2 |x|)) - ln 2))`, which cannot overflow. libm's single precision
-/// functions are used since micromath's `exp` is off by 2.4e-3 and not monotone; libm is within 1.7e-7.
 #[inline]
 pub fn sech_gain(omega_dt: f32, displacement_m: f32, velocity_dt_m: f32, gamma: f32) -> f32 {
     if velocity_dt_m == 0.0 {
@@ -13,7 +15,36 @@ pub fn sech_gain(omega_dt: f32, displacement_m: f32, velocity_dt_m: f32, gamma: 
         return 0.0;
     }
     let x = (omega_dt * displacement_m / velocity_dt_m).abs();
-    libm::expf(-gamma * (x + libm::logf(1.0 + libm::expf(-2.0 * x)) - LN_2))
+    let e = exp_of_negative(-2.0 * x);
+    let z = (1.0 - e) / (3.0 + e);
+    exp_of_negative(-gamma * (x - 2.0 * artanh_to_a_third(z)))
+}
+
+/// `exp(x)` for `x <= 0`, within 1.5e-7 of its value; 0 below -87.
+#[inline]
+fn exp_of_negative(x: f32) -> f32 {
+    // ln 2 in two parts, the first short enough that its multiples are exact.
+    const LN_2_HIGH: f32 = 0.693_359_4;
+    const LN_2_LOW: f32 = -2.121_944_4e-4;
+    if x < -87.0 {
+        return 0.0;
+    }
+    let halvings = (x * LOG2_E - 0.5) as i32;
+    let n = halvings as f32;
+    let r = x - n * LN_2_HIGH - n * LN_2_LOW;
+    // r coth(r / 2) = 2 + r^2/6 - r^4/360 + ..., and exp(r) = 1 + 2 r / (r coth(r/2) - r).
+    let square = r * r;
+    let c = r - square * (1.0 / 6.0 - square * (1.0 / 360.0));
+    let exp = 1.0 + (r + r * c / (2.0 - c));
+    exp * f32::from_bits(((halvings + 127) as u32) << 23)
+}
+
+/// `artanh(z)` for `|z| <= 1/3`, within 2e-8 of its value before rounding.
+#[inline]
+fn artanh_to_a_third(z: f32) -> f32 {
+    let w = z * z;
+    let tail = 1.0 / 9.0 + w * (1.0 / 11.0 + w * (1.0 / 13.0));
+    z + z * w * (1.0 / 3.0 + w * (1.0 / 5.0 + w * (1.0 / 7.0 + w * tail)))
 }
 
 #[cfg(test)]
@@ -32,6 +63,32 @@ mod tests {
         assert_eq!(sech_gain(1.0, 1e30, 1e-30, 0.05), 0.0);
         assert_eq!(sech_gain(1.0, 1.0, 0.0, 0.05), 0.0);
         assert_eq!(sech_gain(1.0, 0.0, 1.0, 0.05), 1.0);
+    }
+
+    #[test]
+    fn the_exponential_is_that_of_the_reals() {
+        let mut worst = 0.0_f64;
+        for i in 0..870_000 {
+            let x = i as f32 * -1e-4;
+            let exact = libm::exp(f64::from(x));
+            worst = worst.max((f64::from(exp_of_negative(x)) / exact - 1.0).abs());
+        }
+        assert!(worst < 1.5e-7, "{worst}");
+        assert_eq!(exp_of_negative(0.0), 1.0);
+        assert_eq!(exp_of_negative(f32::NEG_INFINITY), 0.0);
+        assert!(exp_of_negative(f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn the_series_is_artanh() {
+        for i in -1000..=1000 {
+            let z = i as f32 / 3000.0;
+            let exact = libm::atanh(f64::from(z));
+            assert!(
+                (f64::from(artanh_to_a_third(z)) - exact).abs() < 4e-8,
+                "{z}"
+            );
+        }
     }
 
     #[test]

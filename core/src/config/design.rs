@@ -169,7 +169,8 @@ fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
 
 fn limits(config: &Config) -> supervise::Limits {
     let l = &config.limits;
-    let or_off = |limit: Option<f64>| limit.map_or(f32::INFINITY, |x| x as f32);
+    // Off is the largest number, so that a value that is none passes no limit.
+    let or_off = |limit: Option<f64>| limit.map_or(f32::MAX, |x| x as f32);
     supervise::Limits {
         displacement_m: or_off(l.displacement_m),
         increment_m: or_off(l.increment_m),

@@ -92,11 +92,12 @@ fn riccati(f: &Matrix2, q: &Matrix2, noise: f64) -> Matrix2 {
 
 /// State of stage 1.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Kalman {
-    command: DelayLine,
     displacement_m: f32,
     /// Metres per control step.
     velocity_m: f32,
+    command: DelayLine,
 }
 
 impl Kalman {

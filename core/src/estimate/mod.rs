@@ -104,13 +104,13 @@ impl<const N: usize> Estimator<N> {
                     stiffness: priors,
                 },
             ) => {
-                let mut squared = [0.0_f32; 2];
+                let mut squared = [-0.0_f32; 2];
                 for j in 0..N.min(physical) {
                     squared[0] += motion[j].update(gains, sent_m[j], displacement_m[j]);
                     out.displacement_m[j] = motion[j].displacement_m();
                 }
                 // Storey by storey: a floor's actuator force is the difference of two storey shears.
-                let (mut shear, mut above) = (0.0, [0.0; N]);
+                let (mut shear, mut above) = (-0.0, [0.0; N]);
                 for j in (0..N.min(physical)).rev() {
                     shear += force_n[j];
                     let below = if j == 0 {

@@ -2,7 +2,7 @@
 
 use super::fault::Fault;
 
-/// Limits; infinite where a limit is off.
+/// Limits; the largest number where a limit is off, so that infinities and NaN fail every one.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Largest command, m.
@@ -76,9 +76,29 @@ pub struct Checked<'a, const N: usize> {
     pub physical: usize,
 }
 
-/// The first limit that is passed, in the order of the fault numbers.
+/// Whether every limit is kept.
 #[inline]
-pub fn check<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Option<Finding> {
+pub fn within<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> bool {
+    for j in 0..N.min(c.physical) {
+        let step = (c.next_m[j] - c.sent_m[j]).abs();
+        let kept = c.next_m[j].abs() <= limits.displacement_m
+            && step <= limits.increment_m
+            && step <= limits.velocity_step_m
+            && c.force_n[j].abs() <= limits.force_n
+            && (c.sent_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m;
+        if !kept {
+            return false;
+        }
+    }
+    c.energy_ratio <= limits.energy_trip
+        && c.stale_steps <= limits.stale_steps
+        && c.late_steps <= limits.late_steps
+}
+
+/// The first limit that is passed, in the order of the fault numbers; looked for only when there is one.
+#[cold]
+#[inline(never)]
+pub fn first_fault<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Option<Finding> {
     // Compared as `!(x <= limit)`: a NaN passes no limit, so it fails every one.
     let mut worst: Option<Finding> = None;
     let mut found = |fault: Fault, axis: usize, value: f32, limit: f32| {
@@ -173,19 +193,19 @@ mod tests {
     fn found(change: impl FnOnce(&mut [f32; 5], &mut [u16; 2])) -> Option<Finding> {
         let (mut v, mut n) = ([0.0, 0.0, 0.0, 0.0, 0.0], [0, 0]);
         change(&mut v, &mut n);
-        check::<1>(
-            &LIMITS,
-            &Checked {
-                next_m: &[v[0]],
-                sent_m: &[v[1]],
-                displacement_m: &[v[2]],
-                force_n: &[v[3]],
-                energy_ratio: v[4],
-                stale_steps: n[0],
-                late_steps: n[1],
-                physical: 1,
-            },
-        )
+        let c = Checked {
+            next_m: &[v[0]],
+            sent_m: &[v[1]],
+            displacement_m: &[v[2]],
+            force_n: &[v[3]],
+            energy_ratio: v[4],
+            stale_steps: n[0],
+            late_steps: n[1],
+            physical: 1,
+        };
+        let first = first_fault::<1>(&LIMITS, &c);
+        assert_eq!(within::<1>(&LIMITS, &c), first.is_none(), "{c:?}");
+        first
     }
 
     #[test]

@@ -5,6 +5,8 @@
 //! natural period does not vibrate any more; no honest correction of a delay does that (it would need
 //! `omega tau` near 2).
 
+use crate::order::smaller;
+
 /// Running mean of the added damping ratio over about a natural period.
 #[derive(Clone, Debug, Default)]
 pub struct LockWatch {
@@ -17,7 +19,7 @@ impl LockWatch {
     #[inline]
     pub fn update(&mut self, added_ratio: f32, memory: f32) -> f32 {
         // A single spike of the unguarded form (400 % of critical for one sample) must not count as locked.
-        self.mean += memory * (added_ratio.abs().min(10.0) - self.mean);
+        self.mean += memory * (smaller(added_ratio.abs(), 10.0) - self.mean);
         self.mean
     }
 }

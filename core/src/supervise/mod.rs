@@ -1,17 +1,19 @@
 //! Who decides whether the command may move: states, interlocks, faults and the last steps before one.
 
 mod fault;
+mod history;
 mod interlock;
 mod locked;
 mod machine;
 mod stale;
 
 pub use fault::{Fault, Trip};
+pub(crate) use history::History;
 pub use interlock::Limits;
-pub(crate) use interlock::{Checked, Finding, check};
+pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
 pub use machine::{Event, Rejected, State};
 pub(crate) use stale::StaleWatch;
 
 /// Number of steps that are kept from before a fault.
-pub const HISTORY: usize = 16;
+pub const HISTORY: usize = 15;

@@ -61,7 +61,11 @@ impl Rig {
         Sample::new([u], [STIFFNESS_N_PER_M as f32 * u])
     }
 
-    pub fn step(&mut self, outer: &mut OuterLoop<1>, ground: &GroundMotion<'_>) -> Step<1> {
+    pub fn step<'a>(
+        &mut self,
+        outer: &'a mut OuterLoop<1>,
+        ground: &GroundMotion<'_>,
+    ) -> Step<'a, 1> {
         let sample = self.sample();
         let step = outer.step(&sample, ground);
         self.sent = step.command_m[0];

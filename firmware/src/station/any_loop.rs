@@ -65,7 +65,7 @@ impl AnyLoop {
             control.set_goal(goal_m.map(on_first_axis));
             let record = control.tick(front, &watch, ground);
             let (displacement, force) = front.codes();
-            StepReport::of(&record, displacement, force)
+            StepReport::of(record, displacement, force)
         })
     }
 
