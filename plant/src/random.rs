@@ -10,6 +10,7 @@ pub(crate) enum Purpose {
     RandomMultiplier = 1,
     DisplacementNoise = 2,
     ForceNoise = 3,
+    Perturbation = 4,
 }
 
 /// Standard normal numbers.

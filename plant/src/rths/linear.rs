@@ -1,0 +1,112 @@
+//! Linear systems over a sampling period, exactly: no error of integration in what others are measured by.
+
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+/// `x' = A x + B u` with `S` states and `I` inputs, sampled.
+#[derive(Clone, Debug)]
+pub struct Linear<const S: usize, const I: usize> {
+    transition: SMatrix<f64, S, S>,
+    held: SMatrix<f64, S, I>,
+    rising: SMatrix<f64, S, I>,
+    /// The state.
+    pub state: SVector<f64, S>,
+}
+
+impl<const S: usize, const I: usize> Linear<S, I> {
+    /// At rest. The inputs are straight lines from sample to sample; a held input is a line that does not rise.
+    pub fn new(a: &SMatrix<f64, S, S>, b: &SMatrix<f64, S, I>, period_s: f64) -> Self {
+        // (x, u, du) over a period of length 1: x' = A T x + B T u, u' = du, du' = 0 (Franklin, Powell and Workman,
+        // Digital Control of Dynamic Systems, section 4.3).
+        let mut whole = DMatrix::zeros(S + 2 * I, S + 2 * I);
+        whole.view_mut((0, 0), (S, S)).copy_from(&(a * period_s));
+        whole.view_mut((0, S), (S, I)).copy_from(&(b * period_s));
+        for i in 0..I {
+            whole[(S + i, S + I + i)] = 1.0;
+        }
+        let over = whole.exp();
+        Self {
+            transition: over.fixed_view::<S, S>(0, 0).into_owned(),
+            held: over.fixed_view::<S, I>(0, S).into_owned(),
+            rising: over.fixed_view::<S, I>(0, S + I).into_owned(),
+            state: SVector::zeros(),
+        }
+    }
+
+    /// One period in which the inputs go from `from` to `to`.
+    #[inline]
+    pub fn step(&mut self, from: &SVector<f64, I>, to: &SVector<f64, I>) {
+        self.state = self.transition * self.state + self.held * from + self.rising * (to - from);
+    }
+}
+
+/// `(b1 s + b0) / (a1 s + a0)` by the trapezoidal rule.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    input: [f64; 2],
+    output: f64,
+    past: [f64; 2],
+}
+
+impl Section {
+    /// From the coefficients of `s` and of 1, at rest.
+    pub fn new(numerator: [f64; 2], denominator: [f64; 2], period_s: f64) -> Self {
+        let pair = |p: [f64; 2]| [2.0 * p[0] / period_s + p[1], p[1] - 2.0 * p[0] / period_s];
+        let (b, a) = (pair(numerator), pair(denominator));
+        Self {
+            input: [b[0] / a[0], b[1] / a[0]],
+            output: a[1] / a[0],
+            past: [0.0; 2],
+        }
+    }
+
+    /// The output at this sample.
+    #[inline]
+    pub fn step(&mut self, input: f64) -> f64 {
+        let output =
+            self.input[0] * input + self.input[1] * self.past[0] - self.output * self.past[1];
+        self.past = [input, output];
+        output
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_oscillator_under_a_ramp_is_exact_at_any_period() {
+        // x'' = -w^2 x + t: x = (t - sin(w t) / w) / w^2.
+        let w: f64 = 3.0;
+        let a = SMatrix::<f64, 2, 2>::new(0.0, 1.0, -w * w, 0.0);
+        let b = SMatrix::<f64, 2, 1>::new(0.0, 1.0);
+        let mut x = Linear::new(&a, &b, 0.7);
+        for i in 0..100 {
+            let t = 0.7 * f64::from(i);
+            x.step(&SVector::from([t]), &SVector::from([t + 0.7]));
+            let t = t + 0.7;
+            let exact = (t - (w * t).sin() / w) / (w * w);
+            assert!((x.state[0] - exact).abs() < 1e-11 * t);
+        }
+    }
+
+    #[test]
+    fn a_section_has_its_gain_and_phase() {
+        let period = 1.0 / 4096.0;
+        let mut lead = Section::new([50.8, 50.8 * 168.6], [1.0, 8570.0], period);
+        let w = std::f64::consts::TAU * 5.0;
+        // Correlation over whole cycles after the transient.
+        let (mut re, mut im) = (0.0, 0.0);
+        let n = 4096;
+        for i in 0..2 * n {
+            let t = f64::from(i) * period;
+            let y = lead.step((w * t).sin());
+            if i >= n {
+                re += y * (w * t).sin() * 2.0 / f64::from(n);
+                im += y * (w * t).cos() * 2.0 / f64::from(n);
+            }
+        }
+        let s = nalgebra::Complex::new(0.0, w);
+        let exact = (s + 168.6) * 50.8 / (s + 8570.0);
+        assert!((re - exact.re).abs() < 1e-4 && (im - exact.im).abs() < 1e-4);
+    }
+}
