@@ -69,7 +69,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
             [calibration.force.quantity(report.step.force)],
         );
         let record = outer.step(&sample, &motion).record;
-        assert_eq!(digest(&record), report.step.digest, "tick {}", report.tick);
+        assert_eq!(digest(record), report.step.digest, "tick {}", report.tick);
         assert_eq!(
             record.command_m[0].to_bits(),
             report.step.command_m.to_bits()
