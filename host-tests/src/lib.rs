@@ -95,6 +95,24 @@ pub fn table1() -> Config {
     frame(&[1000.0], &[158e3], &[0.02])
 }
 
+/// The same test with everything on: two-stage filter, every interlock, noise on both sensors.
+pub fn whole_pipeline(mut scenario: Scenario) -> Scenario {
+    let config = &mut scenario.config;
+    config.estimation.kind = Filter::Kalman;
+    config.estimation.delay_ms = 3.7;
+    config.estimation.lag_ms = 0.5;
+    config.limits.displacement_m = Some(0.5);
+    config.limits.increment_m = Some(2e-3);
+    config.limits.velocity_m_per_s = Some(3.0);
+    config.limits.force_n = Some(1e5);
+    config.limits.tracking_m = Some(0.05);
+    config.limits.energy_warning = Some(1.0);
+    config.limits.energy_trip = Some(10.0);
+    config.limits.stale_steps = Some(5);
+    scenario.sensors = "displacement_noise_mm = 0.02\nforce_noise_n = 10.0".into();
+    scenario
+}
+
 /// A recorded or made-up ground motion.
 #[derive(Clone, Debug)]
 pub struct Shaking {

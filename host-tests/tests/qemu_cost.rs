@@ -5,34 +5,16 @@ use host_tests::qemu::bench::{self, Test, drive, emulated, rig, shaking, solved}
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::{Clock, Machine};
 use host_tests::qemu::profile::{self, Counts, PARTS};
-use host_tests::{Scenario, frame, table1};
-use outerloop_core::config::Filter;
+use host_tests::{Scenario, frame, table1, whole_pipeline};
 use outerloop_core::{Design, OuterLoop};
 
 /// Two-stage filter, integration, three energy errors, Eq 20, every interlock, record.
-fn whole(mut scenario: Scenario) -> Scenario {
-    let config = &mut scenario.config;
-    config.estimation.kind = Filter::Kalman;
-    config.estimation.delay_ms = 3.7;
-    config.estimation.lag_ms = 0.5;
-    config.limits.displacement_m = Some(0.2);
-    config.limits.increment_m = Some(2e-3);
-    config.limits.velocity_m_per_s = Some(3.0);
-    config.limits.force_n = Some(1e5);
-    config.limits.tracking_m = Some(0.05);
-    config.limits.energy_warning = Some(1.0);
-    config.limits.energy_trip = Some(10.0);
-    config.limits.stale_steps = Some(5);
-    scenario.sensors = "displacement_noise_mm = 0.02\nforce_noise_n = 10.0".into();
-    scenario
-}
-
 fn single() -> Scenario {
-    whole(Scenario::delayed(table1(), 4.0))
+    whole_pipeline(Scenario::delayed(table1(), 4.0))
 }
 
 fn three() -> Scenario {
-    whole(Scenario::delayed(
+    whole_pipeline(Scenario::delayed(
         frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
         4.0,
     ))
