@@ -37,8 +37,11 @@ pub struct Run {
     pub trace: Option<Trace>,
 }
 
+/// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
+const LONGEST_S: f64 = 3600.0;
+
 impl Experiment {
-    /// Lays `test` over `shaking`: the whole of it, or `duration_s`.
+    /// Lays `test` over `shaking`: the whole of it, or `duration_s`; what goes on after its end is at rest.
     ///
     /// # Errors
     /// A duration that is no positive number; a ground motion that cannot be laid out or, where its factor is sought,
@@ -51,19 +54,22 @@ impl Experiment {
         let whole = (shaking.acc_m_per_s2.len() - 1) as f64 * shaking.interval_s;
         let seconds = match duration_s.or(test.excitation.duration_s) {
             None => whole,
-            Some(s) if s > 0.0 && s.is_finite() => s.min(whole),
+            Some(s) if s > 0.0 && s <= LONGEST_S => s,
             Some(s) => {
                 return Err(Failure::input(format!(
-                    "a duration of {s} s is refused: accepted are seconds above 0"
+                    "a duration of {s} s is refused: accepted are seconds above 0, up to {LONGEST_S}"
                 )));
             }
         };
+        let mut acc_m_per_s2 = shaking.acc_m_per_s2.clone();
+        let points = (seconds / shaking.interval_s).ceil() as usize + 1;
+        acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
         let mut experiment = Self {
             test,
             record: shaking.name.clone(),
             seconds,
             scale: 1.0,
-            acc_m_per_s2: shaking.acc_m_per_s2.clone(),
+            acc_m_per_s2,
             interval_s: shaking.interval_s,
         };
         experiment.scale = experiment.wanted_scale()?;

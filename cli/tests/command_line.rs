@@ -279,6 +279,7 @@ fn bad_input_gets_one_sentence() {
         &["bits", "99"],
     );
     refused(&["run", TABLE1, "--duration", "-1"], &["-1"]);
+    refused(&["run", TABLE1, "--duration", "1e9"], &["3600"]);
     refused(&["run", TABLE1, "--duration", "1e-9"], &["floor 1", "0 m"]);
     refused(
         &["run", TABLE1, "--set", "excitation.scale=0"],
@@ -357,11 +358,22 @@ fn a_plain_column_is_read_with_its_interval_and_unit() {
     let gal = run("0.01", "gal");
     assert_eq!(
         (gal["record"].as_str(), gal["steps"].as_u64()),
-        (Some("sine"), Some(9980))
+        (Some("sine"), Some(80_000))
     );
     let peak = |r: &Value| r["peak_displacement_m"].as_f64().unwrap();
     let ratio = peak(&run("0.01", "m/s2")) / peak(&gal);
     assert!((ratio - 100.0).abs() < 0.05, "a linear structure: {ratio}");
+}
+
+#[test]
+fn a_test_that_outlasts_its_record_ends_in_rest() {
+    let long = json(&["run", TABLE1, "--json", "--duration", "90"]);
+    assert_eq!(long["steps"].as_u64(), Some(180_000));
+    let short = json(&["run", TABLE1, "--json"]);
+    assert_eq!(
+        long["eps_max"], short["eps_max"],
+        "nothing new after the end"
+    );
 }
 
 #[test]
