@@ -8,6 +8,7 @@
 //! | [`bench`](mod@bench) | where a test runs: one trait, whatever stands behind it |
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
+//! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -18,6 +19,7 @@ pub mod failure;
 pub mod files;
 pub mod report;
 pub mod score;
+pub mod stability;
 pub mod summary;
 pub mod terminal;
 pub mod trace;

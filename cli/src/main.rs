@@ -17,6 +17,7 @@ enum Verb {
     Demo(verb::demo::Demo),
     Run(verb::run::Run),
     Compare(verb::compare::Compare),
+    Check(verb::check::Check),
     Effects(verb::effects::Effects),
 }
 
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
         Verb::Compare(v) => v.go(),
+        Verb::Check(v) => v.go(),
         Verb::Effects(v) => v.go(),
     };
     match outcome {

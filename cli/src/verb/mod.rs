@@ -1,5 +1,6 @@
 //! One file a verb.
 
+pub mod check;
 pub mod compare;
 pub mod demo;
 pub mod effects;

@@ -52,6 +52,33 @@ impl Default for ServoSpec {
     }
 }
 
+impl ServoSpec {
+    /// The actuator in small motion, `x' = A x + b u` with the states displacement, velocity, piston force, spool and
+    /// spool velocity, tuned to lag by `delay_s` behind the stiffness and mass of its specimen.
+    pub fn linear(
+        &self,
+        delay_s: f64,
+        stiffness_n_per_m: f64,
+        mass_kg: f64,
+    ) -> ([[f64; 5]; 5], [f64; 5]) {
+        let mass = mass_kg + self.piston_mass_kg;
+        let oil_rad_s = TAU * self.oil_column_hz;
+        let oil = mass * oil_rad_s * oil_rad_s;
+        let friction = 2.0 * self.oil_column_zeta * oil_rad_s;
+        let flow = 1e-3 * self.velocity_limit_mm_per_s;
+        let gain = (1.0 + stiffness_n_per_m / oil) / (delay_s * flow);
+        let w = TAU * self.valve_hz;
+        let a = [
+            [0.0, 1.0, 0.0, 0.0, 0.0],
+            [-stiffness_n_per_m / mass, -friction, 1.0 / mass, 0.0, 0.0],
+            [0.0, -oil, 0.0, oil * flow, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 1.0],
+            [-w * w * gain, 0.0, 0.0, -w * w, -2.0 * self.valve_zeta * w],
+        ];
+        (a, [0.0, 0.0, 0.0, 0.0, w * w * gain])
+    }
+}
+
 /// States: displacement, velocity, piston force, spool, spool velocity.
 type State = [f64; 5];
 

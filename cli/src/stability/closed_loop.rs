@@ -1,0 +1,252 @@
+//! The closed loop over one integration step, as a matrix.
+//!
+//! ```text
+//!  target ─► signal generator ─► rig ─► sensors ─► filter ─► correction ─► explicit Newmark ─► next target
+//! ```
+//!
+//! Variable damping is not linear. What stands for it here is what it comes to over a cycle: `C_cor` takes out the part of
+//! the force error `K (u_m - u_c)` that is in phase with the velocity (Eq 14 with Eq 12), up to its clamp; so the force
+//! correction is that share of `K (u_c - u_m)`.
+
+use super::blocks::{Block, Signal, nothing};
+use super::filter::Filter;
+use super::rig::{LinearRig, Variation};
+use super::way::Way;
+use crate::bench::with_floors;
+use crate::failure::Failure;
+use nalgebra::{DMatrix, DVector};
+use outerloop_core::structure::Structure;
+use outerloop_core::{Config, Method};
+use plant::RigSpec;
+
+/// The structure of a test in plain matrices.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// kg.
+    pub mass: DMatrix<f64>,
+    /// N s/m.
+    pub damping: DMatrix<f64>,
+    /// N/m, specimen and numerical part.
+    pub stiffness: DMatrix<f64>,
+    /// N/m, numerical part.
+    pub numerical: DMatrix<f64>,
+    /// Natural frequencies, rad/s of model time, ascending.
+    pub omega: Vec<f64>,
+    /// First mode.
+    pub shape: DVector<f64>,
+}
+
+impl Frame {
+    /// Of a test.
+    ///
+    /// # Errors
+    /// A structure that core refuses.
+    pub fn of(config: &Config) -> Result<Self, Failure> {
+        fn plain<const N: usize>(config: &Config) -> Result<Frame, Failure> {
+            let s = &config.structure;
+            let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
+            let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
+            let (m, k): ([f64; N], [f64; N]) = (list(&s.mass_kg), list(&s.stiffness_n_per_m));
+            let (z, p) = (list(&s.damping_ratio), list(&s.physical_mass_kg));
+            let frame = Structure::<N>::shear_frame(&m, &k, &z, config.physical_storeys(), &p)
+                .map_err(refused)?;
+            let matrix = |x: &[[f64; N]; N]| DMatrix::from_fn(N, N, |i, j| x[i][j]);
+            let (_, shapes) = outerloop_core::matrix::modes(&frame.mass, &frame.stiffness)
+                .ok_or_else(|| Failure::input("structure.mass_kg: accepted are positive masses"))?;
+            Ok(Frame {
+                mass: matrix(&frame.mass),
+                damping: matrix(&frame.damping),
+                stiffness: matrix(&frame.stiffness),
+                numerical: matrix(&frame.numerical_stiffness),
+                omega: frame
+                    .natural_frequencies_rad_per_s()
+                    .map_err(refused)?
+                    .to_vec(),
+                shape: DVector::from_fn(N, |i, _| shapes[i][0]),
+            })
+        }
+        with_floors!(config.degrees_of_freedom(), N => plain::<N>(config))
+    }
+}
+
+/// A test whose closed loop is asked for.
+#[derive(Clone, Debug)]
+pub struct Question<'a> {
+    /// The loop.
+    pub config: &'a Config,
+    /// The rig.
+    pub rig: &'a RigSpec,
+}
+
+impl Question<'_> {
+    /// The transition matrix over one integration step of the loop on the rig with `vary`.
+    ///
+    /// # Errors
+    /// A structure or a rig that cannot be written down.
+    pub fn transition(&self, frame: &Frame, vary: &Variation) -> Result<DMatrix<f64>, Failure> {
+        Loop::new(self, frame, vary)?.transition()
+    }
+
+    /// Delay of the measured behind the commanded displacement at the first natural frequency, s of the laboratory, and
+    /// the gain there.
+    ///
+    /// # Errors
+    /// A rig that cannot be written down.
+    pub fn lateness(&self, frame: &Frame, vary: &Variation) -> Result<(f64, f64), Failure> {
+        let t = &self.config.timing;
+        let omega = frame.omega[0] / t.time_scale;
+        let g = LinearRig::new(self.rig, self.config, vary)?.response(omega / t.rate_hz);
+        Ok((-g.arg() / omega, g.norm()))
+    }
+}
+
+struct Loop<'a> {
+    config: &'a Config,
+    rig: LinearRig,
+    filter: Filter,
+    /// `dt^2 (M + dt/2 C)^-1`.
+    flexibility: DMatrix<f64>,
+    damping_per_increment: DMatrix<f64>,
+    numerical: DMatrix<f64>,
+    /// Force per displacement error.
+    correction: DMatrix<f64>,
+    /// `u_i`, `dt v_{i-1}` and `dt^2 a_{i-1}`, m.
+    u: Vec<Signal>,
+    q: Vec<Signal>,
+    s: Vec<Signal>,
+}
+
+impl<'a> Loop<'a> {
+    fn new(question: &Question<'a>, frame: &Frame, vary: &Variation) -> Result<Self, Failure> {
+        let config = question.config;
+        let dt = config.model_step_s();
+        let n = config.degrees_of_freedom();
+        let share = config.timing.time_scale.powi(-2);
+        let mut mass = frame.mass.clone();
+        for (j, p) in config.structure.physical_mass_kg.iter().enumerate() {
+            mass[(j, j)] -= share * p;
+        }
+        let damping = &frame.damping * vary.damping;
+        let flexibility = (mass + &damping * (0.5 * dt))
+            .try_inverse()
+            .ok_or_else(|| {
+                Failure::input("structure.physical_mass_kg: accepted are less than the masses")
+            })?
+            * (dt * dt);
+        let (late_s, _) = question.lateness(frame, vary)?;
+        let rig = LinearRig::new(question.rig, config, vary)?;
+        Ok(Self {
+            config,
+            filter: Filter::new(config, &rig.storeys()),
+            rig,
+            flexibility,
+            damping_per_increment: damping / dt,
+            numerical: frame.numerical.clone(),
+            correction: correction(config, frame, vary, late_s),
+            u: vec![nothing(); n],
+            q: vec![nothing(); n],
+            s: vec![nothing(); n],
+        })
+    }
+
+    /// Every state a row of its own, one step, and what the states are then.
+    fn transition(mut self) -> Result<DMatrix<f64>, Failure> {
+        let mut all = Vec::new();
+        self.states(&mut all);
+        let n = all.len();
+        for (i, state) in all.into_iter().enumerate() {
+            *state = DVector::zeros(n);
+            state[i] = 1.0;
+        }
+        self.period();
+        let mut all = Vec::new();
+        self.states(&mut all);
+        let rows: Vec<_> = all.iter().map(|s| s.transpose()).collect();
+        Ok(DMatrix::from_rows(&rows))
+    }
+
+    /// One integration step: its control steps, the first of which solves.
+    fn period(&mut self) {
+        let substeps = self.config.timing.substeps;
+        let physical = self.config.physical_storeys();
+        let mut way = Way::from_target(&self.u, &self.q, &self.s, &self.config.timing);
+        for tick in 0..substeps {
+            let (displacement, force) = self.rig.step(&way.command[..physical]);
+            let sent = &way.command[..physical];
+            let (displacement, force) = self.filter.step(sent, displacement, force);
+            if tick == 0 {
+                self.solve(&displacement, &force);
+            }
+            way.advance(tick + 1, &self.u, &self.q, &self.s);
+        }
+    }
+
+    fn solve(&mut self, displacement: &[Signal], force: &[Signal]) {
+        let n = self.u.len();
+        // u_i - u_{i-1}, as the integrator knows it.
+        let increment: Vec<Signal> = (0..n).map(|j| &self.q[j] + &self.s[j] * 0.5).collect();
+        let mut unbalanced: Vec<Signal> = Vec::with_capacity(n);
+        for i in 0..n {
+            let mut f = &self.u[i] * 0.0;
+            for j in 0..n {
+                f.axpy(-self.damping_per_increment[(i, j)], &increment[j], 1.0);
+                f.axpy(-self.numerical[(i, j)], &self.u[j], 1.0);
+            }
+            if let Some(r) = force.get(i) {
+                f -= r;
+                for (j, x) in displacement.iter().enumerate() {
+                    f.axpy(-self.correction[(i, j)], &(&self.u[j] - x), 1.0);
+                }
+            }
+            unbalanced.push(f);
+        }
+        for i in 0..n {
+            let mut s = &self.u[i] * 0.0;
+            for (j, f) in unbalanced.iter().enumerate() {
+                s.axpy(self.flexibility[(i, j)], f, 1.0);
+            }
+            self.q[i] += (&self.s[i] + &s) * 0.5;
+            self.u[i] += &self.q[i] + &s * 0.5;
+            self.s[i] = s;
+        }
+    }
+}
+
+impl Block for Loop<'_> {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
+        all.extend(self.u.iter_mut().chain(&mut self.q).chain(&mut self.s));
+        self.rig.states(all);
+        self.filter.states(all);
+    }
+}
+
+/// Force per displacement error that the compensation comes to.
+///
+/// On one axis `K`; on several, the diagonal damping takes out what every axis has in phase with its velocity, so that
+/// the energy of any motion is that of the whole matrix. The clamp leaves of each row what it allows in the first mode.
+fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> DMatrix<f64> {
+    let c = &config.compensation;
+    let physical = config.physical_storeys();
+    let declared = &frame.stiffness - &frame.numerical;
+    let mut specimen = &declared * vary.stiffness;
+    let scale = config.timing.time_scale;
+    // Phase of the error at the first natural frequency; what C_cor would have to be is K sin(phi) / omega.
+    let omega = frame.omega[0];
+    let phase = omega * late_s / scale;
+    let forces = &specimen * &frame.shape;
+    for j in 0..physical {
+        let share = match c.kind {
+            Method::None => 0.0,
+            Method::Eq14Unguarded => 1.0,
+            Method::Eq14 | Method::Paper => {
+                let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;
+                let unit = declared[(j, j)] * 1e-3 * c.delay_ms / scale;
+                let below = if physical > 1 { -c.clamp } else { 0.0 };
+                let allowed = wanted.clamp(unit * c.clamp_below.unwrap_or(below), unit * c.clamp);
+                if wanted == 0.0 { 1.0 } else { allowed / wanted }
+            }
+        };
+        specimen.row_mut(j).scale_mut(share);
+    }
+    specimen
+}

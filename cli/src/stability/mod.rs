@@ -1,0 +1,207 @@
+//! Whether a test can be stable, before the oil is on: closed-loop eigenvalues of integrator, filter, compensation and
+//! actuator in discrete time.
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`blocks`] | delays and lags as linear systems whose signals are rows |
+//! | [`rig`] | the simulated rig in small motion |
+//! | [`filter`] | the loop's own filter |
+//! | [`way`] | the command between targets |
+//! | [`closed_loop`] | all of it over one integration step, as a matrix |
+//! | [`spectrum`] | its eigenvalues |
+//! | [`limits`] | how much later, stronger or faster it may become |
+//! | [`perturbed`] | the worst of many rigs |
+//!
+//! # Limitations
+//! Small motion about rest: a specimen that yields has its initial stiffness, which is the stiffest and the one that
+//! lateness makes unstable first. Variable damping is what it comes to over a cycle (see [`closed_loop`]). Noise,
+//! quantisation and saturation move no eigenvalue; the effects of `plant.effects` are not looked at, and it is said.
+
+pub mod blocks;
+pub mod closed_loop;
+pub mod filter;
+pub mod limits;
+pub mod perturbed;
+pub mod rig;
+pub mod spectrum;
+pub mod way;
+
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use closed_loop::{Frame, Question};
+use limits::{Limits, Part};
+use outerloop_core::Method;
+use perturbed::{Perturbed, Spread};
+use rig::Variation;
+use serde::Serialize;
+use spectrum::Mode;
+
+/// A growth of the largest eigenvalue by less than this in a step is rounding: of 1e-6 a second at 1 kHz.
+const ROUNDING: f64 = 1e-9;
+
+/// The same test under one compensation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub compensation: &'static str,
+    /// Whether it is stable.
+    pub stable: bool,
+    /// Largest magnitude of an eigenvalue over an integration step.
+    pub spectral_radius: f64,
+    /// What the fastest growing motion grows by, 1/s of model time; negative: all decays.
+    pub growth_per_s: f64,
+    /// Damping ratio of the first mode in the loop.
+    pub damping_ratio: f64,
+}
+
+/// What is found out about a test.
+#[derive(Clone, Debug, Serialize)]
+pub struct Answer {
+    /// The compensation that was asked about, and its eigenvalues.
+    #[serde(flatten)]
+    pub row: Row,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Laboratory time per model time.
+    pub time_scale: f64,
+    /// Integration step, s of model time.
+    pub step_s: f64,
+    /// States of the loop.
+    pub states: usize,
+    /// The structure's modes in the loop.
+    pub modes: Vec<Mode>,
+    /// Delay, gain and time scale: present and limit.
+    #[serde(flatten)]
+    pub limits: Limits,
+    /// Where the delay comes from.
+    pub delay_budget: Vec<Part>,
+    /// The worst of many rigs.
+    pub perturbed: Perturbed,
+    /// The other compensations on the same rig.
+    pub alternatives: Vec<Row>,
+    /// Why it cannot be stable; null where it can.
+    pub reason: Option<String>,
+    /// What else is to be known.
+    pub notes: Vec<String>,
+}
+
+/// Eigenvalues of `question` on its rig with `vary`.
+///
+/// # Errors
+/// A test that cannot be written down.
+pub fn row(question: &Question<'_>, frame: &Frame, vary: &Variation) -> Result<Row, Failure> {
+    let step_s = question.config.model_step_s();
+    let z = spectrum::eigenvalues(&question.transition(frame, vary)?);
+    let radius = z.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let first = spectrum::modes(&z, &frame.omega[..1], step_s);
+    Ok(Row {
+        compensation: question.config.compensation.kind.name(),
+        stable: radius <= 1.0 + ROUNDING,
+        spectral_radius: radius,
+        growth_per_s: radius.ln() / step_s,
+        damping_ratio: first.first().map_or(f64::NAN, |m| m.damping_ratio),
+    })
+}
+
+/// Everything about `test` with its own compensation. `tell` hears of every perturbed rig.
+///
+/// # Errors
+/// A test or rig that cannot be written down.
+pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Result<Answer, Failure> {
+    let config = &test.config;
+    let question = Question {
+        config,
+        rig: &test.plant,
+    };
+    let frame = Frame::of(config)?;
+    // A rig that cannot be built is refused by its own words.
+    let storeys = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
+    plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0)
+        .map_err(|e| Failure::input(e.to_string()))?;
+    let transition = question.transition(&frame, &Variation::NONE)?;
+    let z = spectrum::eigenvalues(&transition);
+    let row = row(&question, &frame, &Variation::NONE)?;
+    let limits = limits::of(&question, &frame)?;
+    let alternatives = Method::ALL
+        .into_iter()
+        .filter(|m| *m != config.compensation.kind)
+        .map(|kind| {
+            let mut config = config.clone();
+            config.compensation.kind = kind;
+            let question = Question {
+                config: &config,
+                ..question
+            };
+            self::row(&question, &frame, &Variation::NONE)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut answer = Answer {
+        row,
+        rate_hz: config.timing.rate_hz,
+        time_scale: config.timing.time_scale,
+        step_s: config.model_step_s(),
+        states: transition.nrows(),
+        modes: spectrum::modes(&z, &frame.omega, config.model_step_s()),
+        delay_budget: limits::budget(&question, &limits),
+        limits,
+        perturbed: perturbed::of(&question, &frame, spread, tell)?,
+        alternatives,
+        reason: None,
+        notes: notes(test),
+    };
+    answer.reason = (!answer.row.stable).then(|| reason(&answer));
+    Ok(answer)
+}
+
+/// Why it cannot be stable, and what would be.
+fn reason(a: &Answer) -> String {
+    let mut would = Vec::new();
+    if let Some(ms) = a.limits.delay.limit {
+        would.push(format!("a delay below {ms:.3} ms"));
+    }
+    if let Some(gain) = a.limits.gain.limit {
+        would.push(format!("a loop gain below {gain:.3}"));
+    }
+    if let Some(scale) = a.limits.time_scale_needed {
+        would.push(format!("a time scale of at least {scale:.3}"));
+    }
+    let stable: Vec<_> = a
+        .alternatives
+        .iter()
+        .filter(|r| r.stable)
+        .map(|r| r.compensation)
+        .collect();
+    if !stable.is_empty() {
+        would.push(format!("the compensations {}", stable.join(", ")));
+    }
+    if would.is_empty() {
+        would.push("a softer specimen or more damping".into());
+    }
+    format!(
+        "with compensation `{}` the test cannot be stable: its specimen is {:.2} ms late at {:.2} Hz, the first mode has \
+         {:.3} % of critical damping left in the loop and the response grows by {:.3} % a second: accepted are {}",
+        a.row.compensation,
+        a.limits.delay.present,
+        a.modes.first().map_or(f64::NAN, |m| m.structure_hz) / a.time_scale,
+        a.row.damping_ratio * 100.0,
+        a.row.growth_per_s.exp_m1() * 100.0,
+        would.join(", or "),
+    )
+}
+
+fn notes(test: &TestFile) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !test.plant.effects.is_empty() {
+        notes.push("plant.effects are not looked at: run the test to see what they do".into());
+    }
+    if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
+        notes.push("the specimen is taken at its initial stiffness".into());
+    }
+    if !matches!(test.config.compensation.kind, Method::None) {
+        notes.push(
+            "variable damping is taken as what it comes to over a cycle; it is not linear: look at a run as well"
+                .into(),
+        );
+    }
+    notes
+}

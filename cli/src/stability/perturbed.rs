@@ -1,0 +1,105 @@
+//! The worst of many rigs.
+
+use super::closed_loop::{Frame, Question};
+use super::rig::Variation;
+use super::row;
+use crate::failure::Failure;
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// How rigs differ from the declared one: standard deviations, as fractions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// How many.
+    pub plants: usize,
+    /// Seed of the draw.
+    pub seed: u64,
+    /// Of the actuator's times.
+    pub delay: f64,
+    /// Of its gain.
+    pub gain: f64,
+    /// Of the specimen's stiffness.
+    pub stiffness: f64,
+    /// Of the structure's damping.
+    pub damping: f64,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Perturbed {
+    /// Which rigs.
+    pub spread: Spread,
+    /// How many of them are unstable.
+    pub unstable: usize,
+    /// Largest spectral radius.
+    pub worst_radius: f64,
+    /// Its growth, 1/s of model time.
+    pub worst_growth_per_s: f64,
+    /// Smallest damping ratio of the first mode.
+    pub least_damping_ratio: f64,
+    /// The rig with the largest spectral radius.
+    pub worst: Option<Variation>,
+    /// Growth of each, ascending.
+    #[serde(skip)]
+    pub growths_per_s: Vec<f64>,
+}
+
+/// No rig is further out than this many standard deviations.
+const FURTHEST: f64 = 3.0;
+
+impl Spread {
+    fn draw(&self) -> Vec<Variation> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
+        let mut factor = |deviation: f64| {
+            let normal: f64 = StandardNormal.sample(&mut random);
+            (1.0 + deviation * normal.clamp(-FURTHEST, FURTHEST)).max(0.0)
+        };
+        (0..self.plants)
+            .map(|_| Variation {
+                delay: factor(self.delay),
+                extra_s: 0.0,
+                gain: factor(self.gain),
+                stiffness: factor(self.stiffness),
+                damping: factor(self.damping),
+            })
+            .collect()
+    }
+}
+
+/// All rigs of `spread`, on all cores.
+///
+/// # Errors
+/// A test that cannot be written down.
+pub fn of(
+    question: &Question<'_>,
+    frame: &Frame,
+    spread: &Spread,
+    tell: impl Fn() + Sync,
+) -> Result<Perturbed, Failure> {
+    let mut rows = spread
+        .draw()
+        .into_par_iter()
+        .map(|vary| {
+            let row = row(question, frame, &vary);
+            tell();
+            Ok((vary, row?))
+        })
+        .collect::<Result<Vec<_>, Failure>>()?;
+    rows.sort_by(|a, b| a.1.spectral_radius.total_cmp(&b.1.spectral_radius));
+    let worst = rows.last();
+    Ok(Perturbed {
+        spread: *spread,
+        unstable: rows.iter().filter(|(_, r)| !r.stable).count(),
+        worst_radius: worst.map_or(f64::NAN, |(_, r)| r.spectral_radius),
+        worst_growth_per_s: worst.map_or(f64::NAN, |(_, r)| r.growth_per_s),
+        least_damping_ratio: rows
+            .iter()
+            .map(|(_, r)| r.damping_ratio)
+            .fold(f64::INFINITY, f64::min),
+        worst: worst.map(|(v, _)| *v),
+        growths_per_s: rows.iter().map(|(_, r)| r.growth_per_s).collect(),
+    })
+}

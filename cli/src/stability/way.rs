@@ -1,0 +1,64 @@
+//! The way from target to target, between integration steps: extrapolated while the next target is not known, then the
+//! cubic that meets it.
+
+use super::blocks::Signal;
+use outerloop_core::config::Timing;
+
+/// The command on its way through one integration step.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// Command of each axis.
+    pub command: Vec<Signal>,
+    velocity: Vec<Signal>,
+    acceleration: Vec<Signal>,
+    from: (Vec<Signal>, Vec<Signal>),
+    substeps: u16,
+    solve_substeps: u16,
+}
+
+impl Way {
+    /// At a target `u` that was reached with `q` and `s` of the step before.
+    pub fn from_target(u: &[Signal], q: &[Signal], s: &[Signal], timing: &Timing) -> Self {
+        let per = 1.0 / f64::from(timing.substeps);
+        let velocity: Vec<Signal> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
+        Self {
+            command: u.to_vec(),
+            acceleration: s.iter().map(|s| s * (per * per)).collect(),
+            from: (u.to_vec(), velocity.clone()),
+            velocity,
+            substeps: timing.substeps,
+            solve_substeps: timing.solve_substeps,
+        }
+    }
+
+    /// The command of control step `tick` towards the next target `u`, `q + s`.
+    pub fn advance(&mut self, tick: u16, u: &[Signal], q: &[Signal], s: &[Signal]) {
+        if tick >= self.substeps {
+            self.command = u.to_vec();
+            return;
+        }
+        let extrapolated = tick <= self.solve_substeps;
+        if tick == self.solve_substeps + 1 {
+            self.from = (self.command.clone(), self.velocity.clone());
+        }
+        let span = f64::from(self.substeps - self.solve_substeps);
+        let t = f64::from(tick);
+        for j in 0..u.len() {
+            let (from, speed) = (&self.from.0[j], &self.from.1[j]);
+            if extrapolated {
+                let a = &self.acceleration[j];
+                self.velocity[j] = speed + a * t;
+                self.command[j] = from + speed * t + a * (0.5 * t * t);
+            } else {
+                let t = (t - f64::from(self.solve_substeps)) / span;
+                let rise = &u[j] - from;
+                let start = speed * span;
+                let end = (&q[j] + &s[j]) * (span / f64::from(self.substeps));
+                let square = &rise * 3.0 - &start * 2.0 - &end;
+                let cube = &start + &end - &rise * 2.0;
+                self.command[j] = from + &start * t + &square * (t * t) + &cube * (t * t * t);
+                self.velocity[j] = (&start + &square * (2.0 * t) + &cube * (3.0 * t * t)) / span;
+            }
+        }
+    }
+}

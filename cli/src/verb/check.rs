@@ -1,0 +1,198 @@
+//! `outerloop check`: whether a test can be stable, before the oil is on.
+
+use super::{json, method};
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use crate::stability::perturbed::Spread;
+use crate::stability::{self, Answer, Row};
+use crate::terminal::{Progress, percent, table};
+use std::path::PathBuf;
+
+/// Whether a test can be stable, before the oil is on
+#[derive(clap::Args, Debug)]
+pub struct Check {
+    /// The test file
+    test: PathBuf,
+    /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    overrides: Vec<String>,
+    /// The compensation, instead of the test file's
+    #[arg(long, value_name = "NAME")]
+    compensation: Option<String>,
+    /// How many perturbed rigs
+    #[arg(long, default_value_t = 200)]
+    plants: usize,
+    /// Seed of their draw
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Standard deviation of the actuator's times, per cent
+    #[arg(long, default_value_t = 10.0, value_name = "PERCENT")]
+    delay_spread: f64,
+    /// Standard deviation of the actuator's gain, per cent
+    #[arg(long, default_value_t = 2.0, value_name = "PERCENT")]
+    gain_spread: f64,
+    /// Standard deviation of the specimen's stiffness, per cent
+    #[arg(long, default_value_t = 5.0, value_name = "PERCENT")]
+    stiffness_spread: f64,
+    /// Standard deviation of the structure's damping, per cent
+    #[arg(long, default_value_t = 20.0, value_name = "PERCENT")]
+    damping_spread: f64,
+    /// One JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    /// Answers.
+    ///
+    /// # Errors
+    /// Bad input; a test that cannot be stable.
+    pub fn go(&self) -> Result<(), Failure> {
+        let spread = self.spread()?;
+        let mut test = TestFile::load(&self.test, &self.overrides)?;
+        if let Some(name) = &self.compensation {
+            test.config.compensation.kind = method(name)?;
+        }
+        let answer = {
+            let progress = Progress::over("rigs", spread.plants as u64);
+            stability::answer(&test, &spread, || progress.add(1))?
+        };
+        if self.json {
+            println!("{}", json(&answer)?);
+        } else {
+            print(&answer);
+        }
+        match answer.reason {
+            Some(reason) => Err(Failure::test(format!("{}: {reason}", self.test.display()))),
+            None => Ok(()),
+        }
+    }
+
+    fn spread(&self) -> Result<Spread, Failure> {
+        if !(1..=100_000).contains(&self.plants) {
+            return Err(Failure::input(format!(
+                "--plants {}: accepted are 1 to 100000",
+                self.plants
+            )));
+        }
+        let share = |name: &str, percent: f64| {
+            (0.0..=100.0)
+                .contains(&percent)
+                .then_some(percent / 100.0)
+                .ok_or_else(|| {
+                    Failure::input(format!(
+                        "--{name} {percent}: accepted are 0 to 100 per cent"
+                    ))
+                })
+        };
+        Ok(Spread {
+            plants: self.plants,
+            seed: self.seed,
+            delay: share("delay-spread", self.delay_spread)?,
+            gain: share("gain-spread", self.gain_spread)?,
+            stiffness: share("stiffness-spread", self.stiffness_spread)?,
+            damping: share("damping-spread", self.damping_spread)?,
+        })
+    }
+}
+
+fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
+    value.map_or_else(|| "none found".into(), text)
+}
+
+fn print(a: &Answer) {
+    println!(
+        "{} states over an integration step of {:.4} ms.\n",
+        a.states,
+        a.step_s * 1e3
+    );
+    let mut t = table(&[
+        "compensation",
+        "stable",
+        "largest |z|",
+        "growth a second",
+        "damping, mode 1",
+    ]);
+    let mut row = |r: &Row, here: &str| {
+        t.add_row([
+            format!("{}{here}", r.compensation),
+            if r.stable { "yes" } else { "no" }.to_owned(),
+            format!("{:.7}", r.spectral_radius),
+            percent(r.growth_per_s.exp_m1()),
+            percent(r.damping_ratio),
+        ]);
+    };
+    row(&a.row, "  <- this test");
+    for r in &a.alternatives {
+        row(r, "");
+    }
+    println!("{t}\n");
+
+    let mut t = table(&["mode", "structure", "in the loop", "damping in the loop"]);
+    for (i, m) in a.modes.iter().enumerate() {
+        t.add_row([
+            format!("{}", i + 1),
+            format!("{:.3} Hz", m.structure_hz),
+            format!("{:.3} Hz", m.frequency_hz),
+            percent(m.damping_ratio),
+        ]);
+    }
+    println!("{t}\n");
+
+    let mut t = table(&["", "present", "limit", "margin"]);
+    let margin = |l: &stability::limits::Limit| {
+        l.margin_percent
+            .map_or_else(|| "-".into(), |m| format!("{m:.1} %"))
+    };
+    let (delay, gain) = (&a.limits.delay, &a.limits.gain);
+    t.add_row([
+        "delay".into(),
+        format!("{:.3} ms", delay.present),
+        or_none(delay.limit, |x| format!("{x:.3} ms")),
+        margin(delay),
+    ]);
+    t.add_row([
+        "loop gain".into(),
+        format!("{:.3}", gain.present),
+        or_none(gain.limit, |x| format!("{x:.3}")),
+        margin(gain),
+    ]);
+    let needed = a.limits.time_scale_needed;
+    t.add_row([
+        "time scale".into(),
+        format!("{:.3}", a.time_scale),
+        or_none(needed, |x| format!("at least {x:.3}")),
+        needed.map_or_else(
+            || "-".into(),
+            |x| format!("{:.1} %", (a.time_scale / x - 1.0) * 100.0),
+        ),
+    ]);
+    println!("{t}\n");
+
+    let mut t = table(&["delay budget", "ms", "from"]);
+    for p in &a.delay_budget {
+        t.add_row([
+            p.part.to_owned(),
+            format!("{:+.3}", p.ms),
+            p.from.to_owned(),
+        ]);
+    }
+    println!("{t}\n");
+
+    let p = &a.perturbed;
+    println!(
+        "{} of {} perturbed rigs are unstable (standard deviations: times {}, gain {}, stiffness {}, damping {}).\n\
+         Worst: {} a second, least damping of mode 1 {}.",
+        p.unstable,
+        p.spread.plants,
+        percent(p.spread.delay),
+        percent(p.spread.gain),
+        percent(p.spread.stiffness),
+        percent(p.spread.damping),
+        percent(p.worst_growth_per_s.exp_m1()),
+        percent(p.least_damping_ratio),
+    );
+    for note in &a.notes {
+        println!("Note: {note}.");
+    }
+}

@@ -1,0 +1,168 @@
+//! What `outerloop check` says against what a test does: the eigenvalues of the loop against the growth of its response.
+#![allow(missing_docs)]
+
+use host_tests::{Scenario, Shaking, frame};
+use outerloop_cli::stability::closed_loop::{Frame, Question};
+use outerloop_cli::stability::rig::Variation;
+use outerloop_cli::stability::{Row, row};
+use outerloop_core::Method;
+use outerloop_core::config::Filter;
+use outerloop_core::record::flag;
+
+const STIFFNESS: f64 = 158e3;
+
+/// One degree of freedom of 2 Hz without compensation.
+fn sdof(damping_ratio: f64, actuator: &str) -> Scenario {
+    let config = frame(&[1000.0], &[STIFFNESS], &[damping_ratio]);
+    let mut s = Scenario::delayed(config, 0.0).with(Method::None);
+    s.actuator = actuator.into();
+    s
+}
+
+fn eigenvalues(s: &Scenario) -> Row {
+    let rig = s.rig();
+    let question = Question {
+        config: &s.config,
+        rig: &rig,
+    };
+    let frame = Frame::of(&s.config).expect("a possible structure");
+    row(&question, &frame, &Variation::NONE).expect("a possible loop")
+}
+
+/// 1/s at which the free vibration after a blow grows, from the rms of two stretches of it.
+fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
+    let blow = Shaking {
+        // Small: a servo whose valve is at its end grows no further.
+        acc_m_per_s2: vec![0.0, 1e-8, 0.0],
+        interval_s: 0.05,
+    }
+    .followed_by_rest(seconds + 1.0);
+    let trace = s.run::<N>(&blow, seconds, 1);
+    let solved: Vec<f64> = trace
+        .records
+        .iter()
+        .filter(|r| r.flags & flag::SOLVED != 0)
+        .map(|r| f64::from(r.command_m[N - 1]))
+        .collect();
+    let rms = |from: f64, to: f64| {
+        let at = |share: f64| (share * solved.len() as f64) as usize;
+        let squares = solved[at(from)..at(to)].iter().map(|u| u * u);
+        squares.sum::<f64>().sqrt()
+    };
+    (rms(0.8, 1.0) / rms(0.5, 0.7)).ln() / (0.3 * seconds)
+}
+
+/// Both must agree to 2 % of the growth, and to what the rms of some cycles resolves.
+fn agree<const N: usize>(s: &Scenario) {
+    let said = eigenvalues(s);
+    // Until the dominant mode is alone, but not until it has left the range of f32.
+    let seconds = (15.0 / said.growth_per_s.abs()).clamp(12.0, 120.0);
+    let seen = growth::<N>(s, seconds);
+    println!(
+        "{:45} eigenvalue {:+.4}, simulation {seen:+.4} 1/s",
+        s.actuator.replace('\n', ", "),
+        said.growth_per_s
+    );
+    let tolerance = 0.02 * said.growth_per_s.abs() + 0.001;
+    assert!(
+        (said.growth_per_s - seen).abs() < tolerance,
+        "{s:?}: {} against {seen}",
+        said.growth_per_s
+    );
+    assert!(seen.abs() < 0.002 || said.stable == (seen < 0.0));
+}
+
+#[test]
+fn the_growth_of_an_uncompensated_test_is_that_of_its_largest_eigenvalue() {
+    for damping_ratio in [0.01, 0.02, 0.05] {
+        for delay_ms in [0.5, 2.0, 3.0, 4.0, 6.25, 9.0] {
+            for actuator in [
+                format!("kind = 'delay'\ndelay_ms = {delay_ms:?}"),
+                format!("kind = 'first_order'\ndelay_ms = {delay_ms:?}"),
+                format!("kind = 'second_order'\ndelay_ms = {delay_ms:?}"),
+                format!("kind = 'lag_delay'\ndelay_ms = {delay_ms:?}\nlag_ms = 2.0\ngain = 0.9"),
+            ] {
+                agree::<1>(&sdof(damping_ratio, &actuator));
+            }
+        }
+        let servo = "kind = 'servo_hydraulic'\ndelay_ms = 8.0";
+        agree::<1>(&sdof(damping_ratio, servo));
+    }
+}
+
+#[test]
+fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
+    let base = || sdof(0.03, "kind = 'second_order'\ndelay_ms = 4.0");
+    let mut low_pass = base();
+    low_pass.config.estimation.kind = Filter::LowPass;
+    low_pass.config.estimation.cutoff_hz = 60.0;
+    agree::<1>(&low_pass);
+    let mut kalman = base();
+    kalman.config.estimation.kind = Filter::Kalman;
+    kalman.config.estimation.lag_ms = 3.0;
+    agree::<1>(&kalman);
+    for (substeps, solve) in [(2, 1), (4, 0), (8, 3)] {
+        let mut s = base();
+        s.config.timing.substeps = substeps;
+        s.config.timing.solve_substeps = solve;
+        agree::<1>(&s);
+    }
+    let mut slow = base();
+    slow.config.timing.time_scale = 2.0;
+    agree::<1>(&slow);
+    let mut skewed = base();
+    skewed.sensors = "skew_ms = 1.5\nforce_gain = 1.1".into();
+    agree::<1>(&skewed);
+    let mut dashpot = base();
+    dashpot.specimen = "kind = 'linear'\ndamping_n_s_per_mm = 0.3".into();
+    agree::<1>(&dashpot);
+    let mut mass = base();
+    mass.specimen = "kind = 'linear'\nphysical_mass_kg = 100.0".into();
+    mass.config.structure.physical_mass_kg = [100.0].into_iter().collect();
+    agree::<1>(&mass);
+}
+
+#[test]
+fn several_storeys_grow_as_their_worst_mode_does() {
+    for delay_ms in [0.5, 0.75, 1.0, 2.0] {
+        let config = frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]);
+        agree::<3>(&Scenario::delayed(config, delay_ms).with(Method::None));
+        let mut hybrid = Scenario::delayed(
+            frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
+            3.0 * delay_ms,
+        )
+        .with(Method::None);
+        hybrid.config.structure.physical_storeys = Some(1);
+        agree::<3>(&hybrid);
+    }
+}
+
+#[test]
+fn variable_damping_is_stable_where_its_cycle_says_so() {
+    // The clamp is built on 4 ms: well inside and well outside of what it can take out.
+    for (delay_ms, stable) in [
+        (2.0, true),
+        (4.0, true),
+        (8.0, true),
+        (16.0, false),
+        (24.0, false),
+    ] {
+        let s = Scenario::delayed(frame(&[1000.0], &[STIFFNESS], &[0.02]), delay_ms);
+        for method in [Method::Eq14, Method::Paper] {
+            let s = s.with(method);
+            let (said, seen) = (eigenvalues(&s), growth::<1>(&s, 20.0));
+            println!(
+                "{} at {delay_ms} ms: {:+.3}, {seen:+.3} 1/s",
+                method.name(),
+                said.growth_per_s
+            );
+            assert_eq!(said.stable, stable, "{} at {delay_ms} ms", method.name());
+            assert_eq!(
+                seen < 0.0,
+                stable,
+                "{} at {delay_ms} ms: {seen}",
+                method.name()
+            );
+        }
+    }
+}
