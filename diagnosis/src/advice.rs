@@ -1,0 +1,118 @@
+//! What is said in words: notes, and the experiment that would decide.
+
+use crate::answer::{ChannelAnswer, Verdict};
+use crate::noise::Noise;
+use crate::problem::Base;
+use plant::{Channel, Effect, Family};
+
+/// The declared parameters that were free, as refitted.
+pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<(String, f64)> {
+    let names = match base.channel {
+        Channel::Actuator => ["gain", "delay_ms", "lag_ms", "offset_mm"],
+        Channel::Specimen => [
+            "stiffness_n_per_mm",
+            "damping_n_s_per_mm",
+            "mass_kg",
+            "offset_n",
+        ],
+    };
+    base.free
+        .iter()
+        .map(|f| (names[f.index].to_owned(), theta[f.index]))
+        .collect()
+}
+
+/// Sentences for a colleague.
+pub fn notes(
+    answer: &ChannelAnswer,
+    structured: [f64; 2],
+    noise: &Noise,
+    worse: bool,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let unit = &answer.unit;
+    let name = answer.channel.name();
+    match answer.verdict {
+        Verdict::None => notes.push(format!(
+            "What the {name} model leaves is {:.3} {unit} rms beyond a noise of {:.3} {unit}: nothing that the noise \
+             would show is missing.",
+            structured[0], noise.rms
+        )),
+        Verdict::Effect | Verdict::Ambiguous if !answer.effects.is_empty() => {
+            let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();
+            notes.push(format!(
+                "The {name} model lacks {}: beyond the noise it leaves {:.4} {unit} rms without and {:.4} {unit} with it.",
+                names.join(" and "),
+                structured[0],
+                structured[1]
+            ));
+        }
+        Verdict::Unknown => notes.push(format!(
+            "Something is missing in the {name} model ({:.4} {unit} rms beyond the noise), and no effect of the library \
+             explains enough of it; the model is left as it was.",
+            structured[0]
+        )),
+        _ => {}
+    }
+    if worse {
+        notes.push(
+            "The effect that fitted the training data best makes the held-out data worse: it is not what is missing."
+                .into(),
+        );
+    }
+    if answer.verdict == Verdict::Ambiguous
+        && let Some(first) = answer.effects.first()
+    {
+        notes.push(experiment(first.name).to_owned());
+    }
+    if let (Verdict::Effect | Verdict::Ambiguous, [low, _]) =
+        (answer.verdict, answer.improvement_ci90)
+        && low <= 0.0
+        && answer
+            .effects
+            .iter()
+            .all(|e| e.name != Effect::Quantisation)
+    {
+        notes.push(
+            "On the held-out data the improvement is not certain: its interval includes 0.".into(),
+        );
+    }
+    notes
+}
+
+/// What to measure next, to tell an effect from those that look like it.
+fn experiment(effect: Effect) -> &'static str {
+    match effect.entry().family {
+        Family::Timing => {
+            "To tell a delay from a lag, a second lag or the oil column, excite higher frequencies: a chirp to 1 / (10 T) \
+             of the shortest time constant; to tell channel skew from viscous damping, use a specimen of another stiffness."
+        }
+        Family::Damping => {
+            "To tell viscous damping from channel skew, repeat with a specimen of another stiffness; to tell kinds of \
+             damping apart, use two rates and two amplitudes."
+        }
+        Family::Friction | Family::Hysteresis | Family::Gap => {
+            "To tell friction, hysteresis and lost motion apart, repeat with two amplitudes and two rates, with reversals \
+             at rest."
+        }
+        Family::Calibration | Family::Stiffness => {
+            "To tell a gain error from the rig's compliance and from a stiffness that depends on amplitude, sweep the \
+             amplitude, or read a second displacement sensor."
+        }
+        Family::Slow => {
+            "To tell offset, drift and temperature apart, record longer, with pauses at rest."
+        }
+        Family::Limit => {
+            "To tell a limit from softening, look for samples that pile up at one value, and go further."
+        }
+        Family::Asymmetry => {
+            "To tell asymmetry from drift, take frequencies in random order and a rest afterwards."
+        }
+        Family::Inertia => {
+            "To tell inertia from stiffness, move the rig without the specimen, or at higher frequency."
+        }
+        Family::Interference => {
+            "To find interference, record at rest with pumps and drives on and off."
+        }
+    }
+}

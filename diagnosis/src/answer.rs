@@ -1,0 +1,136 @@
+//! What the diagnosis says.
+
+use plant::{Channel, Effect, Family};
+use serde::Serialize;
+
+/// The verdict on a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model lacks nothing that the noise would show.
+    None,
+    /// One or more effects, each by name.
+    Effect,
+    /// An effect, and others that explain the data equally well.
+    Ambiguous,
+    /// Something is missing that no effect of the library explains.
+    Unknown,
+    /// The data does not allow a verdict.
+    NotAssessed,
+}
+
+/// A parameter of an effect that was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FoundParameter {
+    /// Name, ending with the unit.
+    pub name: String,
+    /// Value.
+    pub value: f64,
+    /// Unit; empty for a plain number.
+    pub unit: String,
+    /// 90 % interval.
+    pub ci90: [f64; 2],
+}
+
+/// An effect that was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FoundEffect {
+    /// Its name.
+    pub name: Effect,
+    /// Its family.
+    pub family: Family,
+    /// Its parameters.
+    pub parameters: Vec<FoundParameter>,
+}
+
+/// The nearest effect where none explains enough.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Nearest {
+    /// Its name.
+    pub name: Effect,
+    /// Share of the structured mean square that it explains.
+    pub explained: f64,
+}
+
+/// Errors of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Errors {
+    /// rms(measured - model) / std(measured) on the training data.
+    pub train_nrmse: f64,
+    /// The same on held-out data.
+    pub test_nrmse: f64,
+    /// rms(measured - model) on held-out data, in the channel's unit.
+    pub test_rms: f64,
+}
+
+/// How far an effect got.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tried {
+    /// Its name.
+    pub name: Effect,
+    /// rms of what is left with it, in the channel's unit.
+    pub rms_left: f64,
+    /// By how much the Bayesian information criterion falls with it; above 30 it is considered.
+    pub bic_gain: f64,
+}
+
+/// Measured and modelled values over time, for pictures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traces {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// What goes into the channel: command or displacement, mm.
+    pub input: Vec<f64>,
+    /// What was measured.
+    pub measured: Vec<f64>,
+    /// What the declared model answers, its parameters refitted inside their tolerance.
+    pub before: Vec<f64>,
+    /// What the improved model answers.
+    pub after: Vec<f64>,
+}
+
+/// The answer for a channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct ChannelAnswer {
+    /// Which channel.
+    pub channel: Channel,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// What was added; the preferred member of the set where it is ambiguous.
+    pub effects: Vec<FoundEffect>,
+    /// Effects that explain the data equally well.
+    pub alternatives: Vec<Effect>,
+    /// What comes nearest, where nothing is near enough.
+    pub nearest: Option<Nearest>,
+    /// rms of the noise.
+    pub noise_floor_rms: f64,
+    /// Unit of the channel.
+    pub unit: String,
+    /// Errors of the declared model.
+    pub error_before: Errors,
+    /// Errors of the improved one.
+    pub error_after: Errors,
+    /// 90 % interval of the fall of the held-out rms.
+    pub improvement_ci90: [f64; 2],
+    /// What else is to be said.
+    pub notes: Vec<String>,
+    /// Effects tried, best first.
+    pub tried: Vec<Tried>,
+    /// Declared parameters as refitted, by name.
+    pub refitted: Vec<(String, f64)>,
+    /// Held-out data, for pictures.
+    #[serde(skip)]
+    pub traces: Traces,
+}
+
+/// The whole answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// How long it took, s.
+    pub seconds: f64,
+    /// One answer for each channel of the model.
+    pub channels: Vec<ChannelAnswer>,
+    /// The model with what was found.
+    #[serde(skip)]
+    pub improved: crate::Model,
+}

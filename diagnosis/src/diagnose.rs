@@ -1,0 +1,474 @@
+//! From a model and records to an answer.
+
+use crate::answer::*;
+use crate::explain::{Explanation, explain};
+use crate::fit::{Solution, settle};
+use crate::interval;
+use crate::model::{Declared, KnownEffect, Model};
+use crate::noise::Noise;
+use crate::problem::{Base, Problem, rms};
+use crate::recording::{Recording, range};
+use crate::{Refusal, advice, lattice, plausible, rest, spectrum};
+use plant::{Channel, Effect};
+use std::time::Instant;
+
+/// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
+///
+/// `rest` are records in which nothing moves; without any, the rest before and after the motion is looked for in the
+/// training data.
+///
+/// # Errors
+/// Data or a model that cannot be judged, in one sentence; see [`Recording::check`] and [`Model::check`].
+pub fn diagnose(
+    model: &Model,
+    train: &[Recording],
+    test: &[Recording],
+    rest: &[Recording],
+) -> Result<Diagnosis, Refusal> {
+    let begin = Instant::now();
+    model.check()?;
+    plausible::check(model, train, test, rest)?;
+    let mut improved = model.clone();
+    let bases = [
+        model.actuator.as_ref().map(Base::actuator),
+        model.specimen.as_ref().map(Base::specimen),
+    ];
+    let channels = bases
+        .into_iter()
+        .flatten()
+        .map(|base| {
+            Channelled {
+                base,
+                train,
+                test,
+                rest,
+            }
+            .assess(&mut improved)
+        })
+        .collect();
+    Ok(Diagnosis {
+        seconds: begin.elapsed().as_secs_f64(),
+        channels,
+        improved,
+    })
+}
+
+/// The held-out data as a problem, and what an answer leaves of them.
+type HeldOut = (Problem, Vec<Vec<f64>>);
+
+/// One channel and its data.
+struct Channelled<'a> {
+    base: Base,
+    train: &'a [Recording],
+    test: &'a [Recording],
+    rest: &'a [Recording],
+}
+
+impl Channelled<'_> {
+    fn input_of<'r>(&self, r: &'r Recording) -> Option<&'r Vec<f64>> {
+        match self.base.channel {
+            Channel::Actuator => r.command_mm.as_ref(),
+            Channel::Specimen => r.displacement_mm.as_ref(),
+        }
+    }
+
+    fn target_of<'r>(&self, r: &'r Recording) -> Option<&'r Vec<f64>> {
+        match self.base.channel {
+            Channel::Actuator => r.displacement_mm.as_ref(),
+            Channel::Specimen => r.force_n.as_ref(),
+        }
+    }
+
+    fn blank(&self, verdict: Verdict) -> ChannelAnswer {
+        ChannelAnswer {
+            channel: self.base.channel,
+            verdict,
+            effects: Vec::new(),
+            alternatives: Vec::new(),
+            nearest: None,
+            noise_floor_rms: 0.0,
+            unit: if self.base.channel == Channel::Actuator {
+                "mm"
+            } else {
+                "N"
+            }
+            .into(),
+            error_before: Errors::default(),
+            error_after: Errors::default(),
+            improvement_ci90: [0.0; 2],
+            notes: Vec::new(),
+            tried: Vec::new(),
+            refitted: Vec::new(),
+            traces: Traces::default(),
+        }
+    }
+
+    fn not_assessed(&self, why: impl Into<String>) -> ChannelAnswer {
+        let mut answer = self.blank(Verdict::NotAssessed);
+        answer.notes.push(why.into());
+        answer
+    }
+
+    /// What stands against a verdict before anything is fitted.
+    fn obstacle(&self) -> Option<String> {
+        let name = self.base.channel.name();
+        for r in self.train.iter().chain(self.test) {
+            let (Some(input), Some(target)) = (self.input_of(r), self.target_of(r)) else {
+                return Some(format!(
+                    "{}: the {name} needs its input and its output; one of them is missing",
+                    r.name
+                ));
+            };
+            for (what, x) in [("input", input), ("output", target)] {
+                if range(x) == 0.0 {
+                    return Some(format!(
+                        "{}: the {what} of the {name} stands still at {}",
+                        r.name, x[0]
+                    ));
+                }
+            }
+            if plausible::clipped(input) {
+                return Some(format!(
+                    "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
+                    r.name
+                ));
+            }
+        }
+        None
+    }
+
+    fn assess(&self, improved: &mut Model) -> ChannelAnswer {
+        if let Some(why) = self.obstacle() {
+            return self.not_assessed(why);
+        }
+        let cutoff_hz = self.cutoff_hz();
+        let Some(problem) = Problem::new(&self.base, self.train, cutoff_hz) else {
+            return self.not_assessed("a signal is missing");
+        };
+        let Some(noise) = self.noise(cutoff_hz) else {
+            return self.unjudged(&problem, cutoff_hz);
+        };
+        let mut problem = problem;
+        problem.scales.line_hz = self.line_hz(&problem, &noise);
+        let Some(explanation) = explain(&problem, &self.base, &noise) else {
+            return self
+                .not_assessed("the declared parameters cannot be told apart in this record");
+        };
+        self.answer(&explanation, &noise, cutoff_hz, improved)
+    }
+
+    /// Where the displacement ends and its noise begins.
+    fn cutoff_hz(&self) -> f64 {
+        let r = &self.train[0];
+        let Some(x) = &r.displacement_mm else {
+            return 0.0;
+        };
+        let h = r.interval_s();
+        let noise = match rest::spans(r).first() {
+            Some(&(a, b)) => Noise::at_rest(&[x[a..b].to_vec()], h, 0.0).rms,
+            None => 1e-3 * range(x),
+        };
+        let steps = lattice::step(x).unwrap_or(0.0) / 12.0_f64.sqrt();
+        spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
+    }
+
+    /// The noise floor: from rest, else from the difference of one period to the next.
+    fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
+        let step = self
+            .train
+            .iter()
+            .filter_map(|r| lattice::step(self.target_of(r)?))
+            .fold(0.0, f64::max);
+        let least = step / 12.0_f64.sqrt();
+        let residuals = |records: &[Recording]| {
+            let problem = Problem::new(&self.base, records, cutoff_hz)?;
+            Some(problem.residuals(&[], &problem.scales))
+        };
+        let h = self.train[0].interval_s();
+        let given = residuals(self.rest).filter(|_| !self.rest.is_empty());
+        let mut stretches = given.unwrap_or_default();
+        if stretches.is_empty() {
+            for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
+                stretches.extend(
+                    rest::spans(r)
+                        .into_iter()
+                        .map(|(a, b)| residual[a..b].to_vec()),
+                );
+            }
+        }
+        if stretches.is_empty() {
+            for r in self.train {
+                let (input, target) = (self.input_of(r)?, self.target_of(r)?);
+                if let Some(p) = rest::period(input) {
+                    let change = |i: usize| (target[i] - target[i - p]) / std::f64::consts::SQRT_2;
+                    stretches.push((p..target.len()).map(change).collect());
+                }
+            }
+        }
+        (!stretches.is_empty()).then(|| Noise::at_rest(&stretches, h, least))
+    }
+
+    /// The strongest line near the mains' frequency in what the declared model leaves.
+    fn line_hz(&self, problem: &Problem, noise: &Noise) -> Option<f64> {
+        let settled = settle(problem, &self.base, noise, &[])?;
+        let residual = settled.problem.residuals(&[], &problem.scales);
+        let longest = residual.iter().max_by_key(|r| r.len())?;
+        spectrum::line_hz(longest, problem.scales.interval_s, 44.0, 66.0).map(|l| l.0)
+    }
+
+    /// Errors without a verdict, where nothing tells the noise.
+    fn unjudged(&self, problem: &Problem, cutoff_hz: f64) -> ChannelAnswer {
+        let mut answer = self.not_assessed(
+            "no rest of half a second before or after the motion, none named, and no motion that repeats itself: the \
+             noise is not known, so no residual can be called significant; record a second of rest",
+        );
+        let still = Noise::at_rest(
+            &[vec![1.0, -1.0, 1.0, -1.0]],
+            problem.scales.interval_s,
+            1.0,
+        );
+        if let Some(s) = settle(problem, &self.base, &still, &[]) {
+            answer.error_before = self.errors(&s, cutoff_hz).0;
+            answer.error_after = answer.error_before;
+        }
+        answer
+    }
+
+    /// Errors on training and held-out data, the held-out problem and its residuals.
+    fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
+        let nrmse = |problem: &Problem, residuals: &[Vec<f64>]| {
+            let targets: Vec<f64> = problem
+                .stretches
+                .iter()
+                .flat_map(|s| s.target.clone())
+                .collect();
+            let mean = targets.iter().sum::<f64>() / targets.len() as f64;
+            let spread = rms(&[targets.iter().map(|t| t - mean).collect()]);
+            rms(residuals) / spread.max(f64::MIN_POSITIVE)
+        };
+        let scales = s.problem.scales;
+        let train = s.problem.residuals(&s.effects, &scales);
+        let mut errors = Errors {
+            train_nrmse: nrmse(&s.problem, &train),
+            ..Errors::default()
+        };
+        let held_out = Problem::new(&self.base, self.test, cutoff_hz).map(|mut problem| {
+            // The base answer at the parameters of the fit; the shapes are measured by the training data.
+            problem.scales = scales;
+            problem.set(&self.base, s.problem.theta);
+            let residuals = problem.residuals(&s.effects, &scales);
+            (problem, residuals)
+        });
+        if let Some((problem, residuals)) = &held_out {
+            errors.test_nrmse = nrmse(problem, residuals);
+            errors.test_rms = rms(residuals);
+        }
+        (errors, held_out)
+    }
+
+    fn answer(
+        &self,
+        e: &Explanation,
+        noise: &Noise,
+        cutoff_hz: f64,
+        improved: &mut Model,
+    ) -> ChannelAnswer {
+        let mut answer = self.blank(Verdict::None);
+        answer.noise_floor_rms = noise.rms;
+        answer.tried = e
+            .tried
+            .iter()
+            .map(|&(name, rms_left, bic_gain)| Tried {
+                name,
+                rms_left,
+                bic_gain,
+            })
+            .collect();
+        let (before, held_before) = self.errors(&e.before, cutoff_hz);
+        let (after, held_after) = self.errors(&e.after, cutoff_hz);
+        (answer.error_before, answer.error_after) = (before, before);
+        let found = !e.after.effects.is_empty();
+        if let (Some((_, b)), Some((_, a))) = (&held_before, &held_after) {
+            let interval = interval::improvement(b, a, e.before.problem.scales.interval_s);
+            if found && !e.vetoed {
+                answer.improvement_ci90 = interval;
+            }
+        }
+        let worse = after.test_rms > before.test_rms * 1.02;
+        if found && !e.vetoed && !worse {
+            answer.verdict = if e.alternatives.is_empty() {
+                Verdict::Effect
+            } else {
+                Verdict::Ambiguous
+            };
+            answer.error_after = after;
+            answer.alternatives.clone_from(&e.alternatives);
+            answer.effects = self.effects(&e.after, noise);
+            self.improve(&e.after, &answer.effects, improved);
+        } else if e.vetoed || found {
+            answer.verdict = Verdict::Unknown;
+            answer.nearest = e.nearest.map(|(name, left)| Nearest {
+                name,
+                explained: (1.0 - (left / e.structured[0].max(f64::MIN_POSITIVE)).powi(2))
+                    .clamp(0.0, 1.0),
+            });
+        } else {
+            self.quantisation(noise, &mut answer);
+        }
+        let solution = if answer.verdict == Verdict::Unknown || !found {
+            &e.before
+        } else {
+            &e.after
+        };
+        answer.refitted = advice::refitted(&self.base, &solution.problem.theta);
+        answer.notes = advice::notes(&answer, e.structured, noise, worse && found && !e.vetoed);
+        if let (Some((problem, b)), Some((_, a))) = (held_before, held_after) {
+            answer.traces = self.traces(
+                &problem,
+                &b,
+                if answer.effects.is_empty() { &b } else { &a },
+            );
+        }
+        answer
+    }
+
+    fn effects(&self, s: &Solution, noise: &Noise) -> Vec<FoundEffect> {
+        let figures = interval::parameters(s, &self.base, noise);
+        s.effects
+            .iter()
+            .zip(figures)
+            .map(|(e, figures)| FoundEffect {
+                name: e.candidate.effect,
+                family: e.candidate.effect.entry().family,
+                parameters: figures
+                    .into_iter()
+                    .map(|(name, unit, value, ci90)| FoundParameter {
+                        name: name.into(),
+                        value,
+                        unit: unit.into(),
+                        ci90,
+                    })
+                    .collect(),
+            })
+            .collect()
+    }
+
+    /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
+    fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
+        let step = self
+            .train
+            .iter()
+            .filter_map(|r| lattice::step(self.target_of(r)?))
+            .fold(0.0, f64::max);
+        let own = step * step / 12.0;
+        let other = (noise.rms * noise.rms - own).max(0.0).sqrt();
+        if step <= 3.0 * other || step == 0.0 {
+            return;
+        }
+        let (name, unit) = match self.base.channel {
+            Channel::Actuator => ("step_mm", "mm"),
+            Channel::Specimen => ("step_n", "N"),
+        };
+        answer.verdict = Verdict::Effect;
+        answer.effects = vec![FoundEffect {
+            name: Effect::Quantisation,
+            family: Effect::Quantisation.entry().family,
+            parameters: vec![FoundParameter {
+                name: name.into(),
+                value: step,
+                unit: unit.into(),
+                ci90: [step, step],
+            }],
+        }];
+    }
+
+    /// Puts what was found into the model: where it has a parameter for it, there, else as an effect.
+    fn improve(&self, s: &Solution, effects: &[FoundEffect], improved: &mut Model) {
+        let theta = s.problem.theta;
+        let scales = s.problem.scales;
+        let mut values = theta;
+        let mut tolerances: [Option<f64>; 4] = [None; 4];
+        for f in &self.base.free {
+            tolerances[f.index] = Some(f.tolerance);
+        }
+        let mut known = self.base.known.clone();
+        for (e, found) in s.effects.iter().zip(effects) {
+            let p = &found.parameters[0];
+            let half = (0.5 * (p.ci90[1] - p.ci90[0]) / 1.645).abs();
+            let into = match (self.base.channel, e.candidate.effect) {
+                (Channel::Actuator, Effect::GainError) | (Channel::Specimen, Effect::GainError) => {
+                    Some((0, values[0] * (1.0 + p.value), half * values[0].abs()))
+                }
+                (Channel::Actuator, Effect::DelayError) => Some((1, values[1] + p.value, half)),
+                (Channel::Actuator, Effect::LagError) => Some((2, values[2] + p.value, half)),
+                (_, Effect::Offset) => Some((3, values[3] + p.value, half)),
+                (Channel::Specimen, Effect::ViscousDamping) => Some((1, values[1] + p.value, half)),
+                (Channel::Specimen, Effect::InertiaForce) => Some((2, values[2] + p.value, half)),
+                _ => None,
+            };
+            match into {
+                Some((index, value, tolerance)) if tolerance.is_finite() => {
+                    values[index] = value;
+                    tolerances[index] = Some(tolerance);
+                }
+                _ => known.push(KnownEffect {
+                    name: e.candidate.effect,
+                    amplitudes: e.amplitudes.clone(),
+                    shapes: e.shapes.clone(),
+                    reference_mm: scales.x,
+                }),
+            }
+        }
+        let declared = |i: usize, present: Option<Declared>| match (tolerances[i], present) {
+            (Some(tolerance), _) => Some(Declared {
+                value: values[i],
+                tolerance,
+            }),
+            (None, present) => present,
+        };
+        match self.base.channel {
+            Channel::Actuator => {
+                if let Some(a) = &mut improved.actuator {
+                    a.gain = declared(0, a.gain);
+                    a.delay_ms = declared(1, a.delay_ms);
+                    a.lag_ms = declared(2, a.lag_ms);
+                    a.offset_mm = declared(3, a.offset_mm);
+                    a.effects = known;
+                }
+            }
+            Channel::Specimen => {
+                if let Some(m) = &mut improved.specimen {
+                    m.stiffness_n_per_mm = declared(0, m.stiffness_n_per_mm);
+                    m.damping_n_s_per_mm = declared(1, m.damping_n_s_per_mm);
+                    m.mass_kg = declared(2, m.mass_kg);
+                    m.offset_n = declared(3, m.offset_n);
+                    m.effects = known;
+                }
+            }
+        }
+    }
+
+    fn traces(&self, held_out: &Problem, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
+        let Some(stretch) = held_out.stretches.first() else {
+            return Traces::default();
+        };
+        let model = |residual: &[f64]| {
+            stretch
+                .target
+                .iter()
+                .zip(residual)
+                .map(|(t, r)| t - r)
+                .collect()
+        };
+        Traces {
+            time_s: stretch.signals.time_s.clone(),
+            input: match self.base.channel {
+                Channel::Actuator => stretch.signals.command.clone(),
+                Channel::Specimen => stretch.signals.x.clone(),
+            },
+            measured: stretch.target.clone(),
+            before: model(&before[0]),
+            after: model(&after[0]),
+        }
+    }
+}

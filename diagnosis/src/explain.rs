@@ -1,0 +1,254 @@
+//! The search for what explains a residual.
+
+use crate::fit::{Frame, Solution, settle};
+use crate::library::{Candidate, candidates};
+use crate::noise::Noise;
+use crate::problem::{Base, Problem, rms};
+use plant::Effect;
+use rayon::prelude::*;
+
+/// Smallest structured rms that matters, in noise rms.
+const MATTERS: f64 = 0.3;
+/// Smallest rms that an effect must explain, in noise rms.
+const EXPLAINS: f64 = 0.15;
+/// Least fall of the Bayesian information criterion.
+const EVIDENCE: f64 = 30.0;
+/// Within this much of it two explanations are equally good.
+const EQUAL: f64 = 10.0;
+/// Largest share of the structured rms that may remain.
+const REMAINS: f64 = 0.3;
+/// A second effect must explain this share of the original structured rms.
+const SECOND: f64 = 0.2;
+
+/// An effect with its shapes.
+type Shaped = (Candidate, Vec<f64>);
+
+/// What the search came to.
+#[derive(Debug)]
+pub struct Explanation {
+    /// The model with its parameters refitted, without any effect.
+    pub before: Solution,
+    /// With the effects that were accepted; the same as `before` where none was.
+    pub after: Solution,
+    /// Effects that explain it equally well.
+    pub alternatives: Vec<Effect>,
+    /// Structured rms before and after.
+    pub structured: [f64; 2],
+    /// Best single effect and the rms that is left with it, where one is worth naming.
+    pub nearest: Option<(Effect, f64)>,
+    /// Every candidate: rms left, fall of the criterion; best first.
+    pub tried: Vec<(Effect, f64, f64)>,
+    /// What remains is too much for a verdict.
+    pub vetoed: bool,
+}
+
+/// rms beyond the noise.
+pub fn structured(residual_rms: f64, noise: &Noise) -> f64 {
+    (residual_rms * residual_rms - noise.rms * noise.rms)
+        .max(0.0)
+        .sqrt()
+}
+
+/// Searches; `None` where the equations have no solution.
+pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanation> {
+    let before = settle(problem, base, noise, &[])?;
+    let left = |s: &Solution| rms(&s.problem.residuals(&s.effects, &problem.scales));
+    let start = structured(left(&before), noise);
+    let mut out = Explanation {
+        after: before.clone(),
+        alternatives: Vec::new(),
+        structured: [start; 2],
+        nearest: None,
+        tried: Vec::new(),
+        vetoed: false,
+        before,
+    };
+    if start < MATTERS * noise.rms {
+        return Some(out);
+    }
+    let ln_n = (problem.samples() as f64).ln();
+    // Fall of -2 ln L less what the unknowns cost; the noise is known, so the sum of squares is -2 ln L up to where
+    // model error rules: there the evidence is counted in the residual's own size.
+    let gain = |from: &Solution, to: &Solution| {
+        let own = (to.cost / problem.samples() as f64).max(1.0);
+        (from.cost - to.cost) / own - (to.unknowns as f64 - from.unknowns as f64) * ln_n
+    };
+    let library = candidates(base.channel);
+    let mut singles = best_with(&[], &library, &out.before, base, noise);
+    singles.sort_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)));
+    out.tried = singles
+        .iter()
+        .map(|s| (s.effects[0].candidate.effect, left(s), gain(&out.before, s)))
+        .collect();
+    let Some(first) = singles.first().cloned() else {
+        return Some(out);
+    };
+    let first_left = structured(left(&first), noise);
+    out.nearest = Some((first.effects[0].candidate.effect, first_left));
+    let explained = (start * start - first_left * first_left).max(0.0).sqrt();
+    if gain(&out.before, &first) < EVIDENCE || explained < EXPLAINS * noise.rms {
+        out.vetoed = true;
+        return Some(out);
+    }
+    out.after = first.clone();
+    let mut now = first_left;
+    if now > (MATTERS * noise.rms).max(0.1 * start)
+        && let Some(pair) = second(&first, &singles, &library, base, noise, ln_n)
+    {
+        let pair_left = structured(left(&pair), noise);
+        let more = (now * now - pair_left * pair_left).max(0.0).sqrt();
+        if gain(&first, &pair) > EVIDENCE && more > SECOND * start && pair_left < 0.5 * now {
+            out.after = pair;
+            now = pair_left;
+        }
+    }
+    out.structured[1] = now;
+    out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
+    if out.after.effects.len() == 1 {
+        out.alternatives = alternatives(&singles, problem, noise, ln_n);
+    }
+    Some(out)
+}
+
+/// Cost and what the unknowns cost.
+fn score(s: &Solution, ln_n: f64) -> f64 {
+    s.cost + s.unknowns as f64 * ln_n
+}
+
+fn shaped(s: &Solution) -> Vec<Shaped> {
+    s.effects
+        .iter()
+        .map(|e| (e.candidate, e.shapes.clone()))
+        .collect()
+}
+
+/// Each candidate at its best beside `fixed`, whose shapes stay.
+fn best_with(
+    fixed: &[Shaped],
+    library: &[Candidate],
+    from: &Solution,
+    base: &Base,
+    noise: &Noise,
+) -> Vec<Solution> {
+    // Around the declared values: without the effect the refitted ones have been pulled aside by it.
+    let mut start = from.problem.clone();
+    if fixed.is_empty() {
+        start.set(base, base.values);
+    }
+    let frame = Frame::new(&start, base, noise, fixed);
+    let relevant = library
+        .iter()
+        .filter(|c| fixed.iter().all(|(f, _)| f.effect != c.effect));
+    let relevant: Vec<&Candidate> = relevant.collect();
+    let mut found: Vec<(Shaped, f64)> = relevant
+        .par_iter()
+        .filter_map(|&candidate| {
+            let (shapes, amplitudes) = frame.search(candidate, None)?;
+            Some(((*candidate, shapes), amplitudes.cost))
+        })
+        .collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // The leading ones once more, linear around where they lead to.
+    let solutions: Vec<Solution> = found
+        .par_iter()
+        .enumerate()
+        .filter_map(|(rank, (effect, _))| {
+            let mut all = fixed.to_vec();
+            all.push(effect.clone());
+            let first = settle(&start, base, noise, &all)?;
+            if rank >= LEADING {
+                Some(first)
+            } else {
+                polish(first, base, noise)
+            }
+        })
+        .collect();
+    solutions
+}
+
+/// How many leading candidates are polished.
+const LEADING: usize = 6;
+
+/// Searches the shapes of each effect again beside the others, around the parameters that have been reached.
+fn polish(solution: Solution, base: &Base, noise: &Noise) -> Option<Solution> {
+    let mut best = solution;
+    for _ in 0..2 {
+        let mut effects = shaped(&best);
+        let mut problem = best.problem.clone();
+        for i in 0..effects.len() {
+            let (candidate, shapes) = effects.remove(i);
+            let frame = Frame::new(&problem, base, noise, &effects);
+            let found = frame
+                .search(&candidate, Some(&shapes))
+                .map_or(shapes, |f| f.0);
+            effects.insert(i, (candidate, found));
+        }
+        let next = settle(&problem, base, noise, &effects)?;
+        problem.clone_from(&next.problem);
+        let better = next.cost < best.cost - 0.5;
+        if next.cost < best.cost {
+            best = next;
+        }
+        if !better {
+            break;
+        }
+    }
+    Some(best)
+}
+
+/// The best pair that begins with one of the leading single effects: greedy, then each is replaced once by what does
+/// better beside the other.
+fn second(
+    first: &Solution,
+    singles: &[Solution],
+    library: &[Candidate],
+    base: &Base,
+    noise: &Noise,
+    ln_n: f64,
+) -> Option<Solution> {
+    let mut best: Option<Solution> = None;
+    for leader in std::iter::once(first).chain(singles.iter().skip(1).take(1)) {
+        let pairs = best_with(&shaped(leader), library, leader, base, noise);
+        let Some(pair) = pairs
+            .into_iter()
+            .min_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)))
+        else {
+            continue;
+        };
+        let other = shaped(&pair).split_off(1);
+        let swapped = best_with(&other, library, &pair, base, noise);
+        for candidate in std::iter::once(pair).chain(swapped) {
+            if best
+                .as_ref()
+                .is_none_or(|b| score(&candidate, ln_n) < score(b, ln_n))
+            {
+                best = Some(candidate);
+            }
+        }
+    }
+    best.and_then(|b| polish(b, base, noise))
+}
+
+/// Single effects that are not worse than the best by more than chance, or by nothing that matters.
+fn alternatives(singles: &[Solution], problem: &Problem, noise: &Noise, ln_n: f64) -> Vec<Effect> {
+    let best = &singles[0];
+    let of = |s: &Solution| s.problem.residuals(&s.effects, &problem.scales);
+    let residual = of(best);
+    let own = (best.cost / problem.samples() as f64).max(1.0);
+    let (mine, room) = (rms(&residual), 0.1 * noise.rms);
+    singles[1..]
+        .iter()
+        .filter(|other| {
+            let candidate = &other.effects[0].candidate;
+            // What contains the best explanation as a special case is no other explanation.
+            let contains = candidate
+                .includes
+                .contains(&best.effects[0].candidate.effect);
+            let close = (score(other, ln_n) - score(best, ln_n)) / own < EQUAL;
+            let theirs = rms(&of(other));
+            let small = theirs * theirs - mine * mine < room * room;
+            !contains && (close || small)
+        })
+        .map(|s| s.effects[0].candidate.effect)
+        .collect()
+}

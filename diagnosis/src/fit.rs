@@ -1,0 +1,309 @@
+//! Effects fitted to whitened records, jointly with the declared parameters.
+
+use crate::library::{Candidate, Shape};
+use crate::linear::{Bound, Normal, dot, solve};
+use crate::noise::Noise;
+use crate::problem::{Base, Fitted, Problem};
+use nalgebra::{DMatrix, DVector};
+
+/// A problem made linear around its present parameters, with everything white that does not change in a search.
+#[derive(Clone, Debug)]
+pub struct Frame<'a> {
+    problem: &'a Problem,
+    noise: &'a Noise,
+    residual: Vec<f64>,
+    fixed: Vec<Vec<f64>>,
+    normal: Normal,
+    bounds: Vec<Bound>,
+    /// Whitened samples.
+    pub samples: usize,
+}
+
+/// The best amplitudes for given shapes.
+#[derive(Clone, Debug)]
+pub struct Amplitudes {
+    /// Sum of squares of the white residual and of what was known beforehand.
+    pub cost: f64,
+    /// Changes of the free declared parameters, then amplitudes of the fixed effects, then of the searched one.
+    pub values: Vec<f64>,
+}
+
+impl<'a> Frame<'a> {
+    /// Linear around `problem.theta`; `fixed` effects keep their shapes and get their amplitudes anew.
+    pub fn new(
+        problem: &'a Problem,
+        base: &Base,
+        noise: &'a Noise,
+        fixed: &[(Candidate, Vec<f64>)],
+    ) -> Self {
+        let mut residual = Vec::new();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for stretch in &problem.stretches {
+            let difference: Vec<f64> = stretch
+                .target
+                .iter()
+                .zip(&stretch.signals.base)
+                .map(|(t, b)| t - b)
+                .collect();
+            noise.whiten_into(&difference, &mut residual);
+            let mut raw = problem.base_columns(base, stretch);
+            for (candidate, shapes) in fixed {
+                raw.extend((candidate.columns)(
+                    &stretch.signals,
+                    shapes,
+                    &problem.scales,
+                ));
+            }
+            columns.resize(raw.len(), Vec::new());
+            for (raw, white) in raw.iter().zip(&mut columns) {
+                noise.whiten_into(raw, white);
+            }
+        }
+        let n = columns.len();
+        let mut matrix = DMatrix::from_fn(n, n, |i, j| {
+            if j <= i {
+                dot(&columns[i], &columns[j])
+            } else {
+                0.0
+            }
+        });
+        matrix.fill_upper_triangle_with_lower_triangle();
+        let mut right = DVector::from_fn(n, |i, _| dot(&columns[i], &residual));
+        let mut square = dot(&residual, &residual);
+        // What is declared is known to a tolerance.
+        for (i, f) in base.free.iter().enumerate() {
+            let (precision, off) = (
+                f.tolerance.powi(-2),
+                base.values[f.index] - problem.theta[f.index],
+            );
+            matrix[(i, i)] += precision;
+            right[i] += precision * off;
+            square += precision * off * off;
+        }
+        let mut bounds = base.bounds(&problem.theta);
+        for (candidate, _) in fixed {
+            bounds.extend((candidate.bounds)(&problem.scales));
+        }
+        let samples = residual.len();
+        Self {
+            problem,
+            noise,
+            residual,
+            fixed: columns,
+            normal: Normal {
+                matrix,
+                right,
+                square,
+            },
+            bounds,
+            samples,
+        }
+    }
+
+    /// Without a further effect.
+    pub fn alone(&self) -> Option<Amplitudes> {
+        let (x, cost) = solve(&self.normal, &self.bounds)?;
+        Some(Amplitudes {
+            cost,
+            values: x.iter().copied().collect(),
+        })
+    }
+
+    /// With one more effect of these shapes.
+    pub fn with(&self, candidate: &Candidate, shapes: &[f64]) -> Option<Amplitudes> {
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for stretch in &self.problem.stretches {
+            let raw = (candidate.columns)(&stretch.signals, shapes, &self.problem.scales);
+            columns.resize(raw.len(), Vec::with_capacity(self.samples));
+            for (raw, white) in raw.iter().zip(&mut columns) {
+                self.noise.whiten_into(raw, white);
+            }
+        }
+        let (n, m) = (self.fixed.len(), columns.len());
+        let matrix = DMatrix::from_fn(n + m, n + m, |i, j| {
+            match (i.checked_sub(n), j.checked_sub(n)) {
+                (None, None) => self.normal.matrix[(i, j)],
+                (Some(i), None) => dot(&columns[i], &self.fixed[j]),
+                (None, Some(j)) => dot(&columns[j], &self.fixed[i]),
+                (Some(i), Some(j)) => dot(&columns[i], &columns[j]),
+            }
+        });
+        let right = DVector::from_fn(n + m, |i, _| match i.checked_sub(n) {
+            None => self.normal.right[i],
+            Some(i) => dot(&columns[i], &self.residual),
+        });
+        let mut bounds = self.bounds.clone();
+        bounds.extend((candidate.bounds)(&self.problem.scales));
+        let normal = Normal {
+            matrix,
+            right,
+            square: self.normal.square,
+        };
+        let (x, cost) = solve(&normal, &bounds)?;
+        cost.is_finite().then(|| Amplitudes {
+            cost,
+            values: x.iter().copied().collect(),
+        })
+    }
+
+    /// The best shapes of a candidate, its amplitudes and cost: a grid, then downhill from the best two points of it
+    /// (or from `start`).
+    pub fn search(
+        &self,
+        candidate: &Candidate,
+        start: Option<&[f64]>,
+    ) -> Option<(Vec<f64>, Amplitudes)> {
+        let shapes = (candidate.shapes)(&self.problem.scales);
+        if shapes.is_empty() {
+            return self.with(candidate, &[]).map(|a| (Vec::new(), a));
+        }
+        let value =
+            |u: &[f64]| -> Vec<f64> { u.iter().zip(&shapes).map(|(u, s)| at(s, *u)).collect() };
+        let cost = |u: &[f64]| self.with(candidate, &value(u)).map_or(f64::MAX, |a| a.cost);
+        let starts: Vec<(Vec<f64>, f64)> = match start {
+            Some(start) => vec![
+                start
+                    .iter()
+                    .zip(&shapes)
+                    .map(|(v, s)| place(s, *v))
+                    .collect::<Vec<f64>>(),
+            ],
+            None => grid(&shapes),
+        }
+        .into_iter()
+        .map(|u| {
+            let c = cost(&u);
+            (u, c)
+        })
+        .collect();
+        let mut order: Vec<&(Vec<f64>, f64)> = starts.iter().collect();
+        order.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let width: Vec<f64> = shapes.iter().map(|s| 0.6 / s.grid.max(2) as f64).collect();
+        let best = order
+            .iter()
+            .take(2)
+            .map(|(u, c)| downhill(&cost, u, *c, &width))
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let shapes = value(&best.0);
+        self.with(candidate, &shapes).map(|a| (shapes, a))
+    }
+}
+
+/// A shape from its place between 0 and 1, on a logarithmic scale.
+fn at(s: &Shape, u: f64) -> f64 {
+    s.low * (s.high / s.low).powf(u.clamp(0.0, 1.0))
+}
+
+fn place(s: &Shape, value: f64) -> f64 {
+    ((value / s.low).ln() / (s.high / s.low).ln()).clamp(0.0, 1.0)
+}
+
+fn grid(shapes: &[Shape]) -> Vec<Vec<f64>> {
+    shapes.iter().fold(vec![Vec::new()], |points, shape| {
+        let along = |p: Vec<f64>| {
+            (0..shape.grid).map(move |i| {
+                let mut p = p.clone();
+                p.push((i as f64 + 0.5) / shape.grid as f64);
+                p
+            })
+        };
+        points.into_iter().flat_map(along).collect()
+    })
+}
+
+/// Pattern search from `u`, whose steps halve until they matter no more.
+fn downhill(cost: &dyn Fn(&[f64]) -> f64, u: &[f64], c: f64, width: &[f64]) -> (Vec<f64>, f64) {
+    let (mut u, mut best) = (u.to_vec(), c);
+    let mut width = width.to_vec();
+    for _ in 0..9 {
+        let mut moved = false;
+        for i in 0..u.len() {
+            for way in [-1.0, 1.0] {
+                let mut tried = u.clone();
+                tried[i] = (tried[i] + way * width[i]).clamp(0.0, 1.0);
+                let c = cost(&tried);
+                if c < best {
+                    (u, best, moved) = (tried, c, true);
+                    break;
+                }
+            }
+        }
+        if !moved {
+            width.iter_mut().for_each(|w| *w *= 0.5);
+        }
+        if width.iter().all(|w| *w < 2e-3) {
+            break;
+        }
+    }
+    (u, best)
+}
+
+/// What came out of a fit: parameters, effects, cost.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The problem at its parameters.
+    pub problem: Problem,
+    /// The effects.
+    pub effects: Vec<Fitted>,
+    /// Sum of squares of the white residual and of what was known beforehand.
+    pub cost: f64,
+    /// Unknowns: amplitudes and shapes of the effects.
+    pub unknowns: usize,
+}
+
+/// Moves the declared parameters (and the amplitudes of `effects`, whose shapes stay) to their best, linear again and
+/// again.
+pub fn settle(
+    problem: &Problem,
+    base: &Base,
+    noise: &Noise,
+    effects: &[(Candidate, Vec<f64>)],
+) -> Option<Solution> {
+    let mut problem = problem.clone();
+    let rounds = if base.channel == plant::Channel::Actuator {
+        4
+    } else {
+        1
+    };
+    let mut last = None;
+    for _ in 0..rounds {
+        let found = Frame::new(&problem, base, noise, effects).alone()?;
+        let mut theta = problem.theta;
+        for (f, change) in base.free.iter().zip(&found.values) {
+            theta[f.index] += change;
+        }
+        problem.set(base, theta);
+        last = Some(found);
+    }
+    // Amplitudes and cost at the parameters themselves.
+    let found = if rounds > 1 {
+        Frame::new(&problem, base, noise, effects).alone()?
+    } else {
+        last?
+    };
+    let mut amplitudes = found.values[base.free.len()..].iter();
+    let fitted: Vec<Fitted> = effects
+        .iter()
+        .map(|(candidate, shapes)| Fitted {
+            candidate: *candidate,
+            shapes: shapes.clone(),
+            amplitudes: amplitudes
+                .by_ref()
+                .take((candidate.bounds)(&problem.scales).len())
+                .copied()
+                .collect(),
+        })
+        .collect();
+    // An amplitude that can be hardly other than 1 is not one that was chosen.
+    let chosen = |f: &Fitted| {
+        let bounds = (f.candidate.bounds)(&problem.scales);
+        bounds.iter().filter(|b| b.high - b.low > 0.5).count()
+    };
+    let unknowns = fitted.iter().map(|f| f.shapes.len() + chosen(f)).sum();
+    Some(Solution {
+        problem,
+        effects: fitted,
+        cost: found.cost,
+        unknowns,
+    })
+}

@@ -1,0 +1,187 @@
+//! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
+
+use crate::fit::Solution;
+use crate::noise::Noise;
+use crate::problem::{Base, Fitted};
+use nalgebra::{DMatrix, DVector};
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// Half a two-sided 90 % interval of the normal distribution.
+const NINETY: f64 = 1.645;
+/// Length of a block, s: longer than what is left of a correlation.
+const BLOCK_S: f64 = 0.25;
+
+/// A parameter of an effect: name, unit, value, 90 % interval.
+pub type Figure = (&'static str, &'static str, f64, [f64; 2]);
+
+/// The parameters of each effect of a solution.
+pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Figure>> {
+    let scales = solution.problem.scales;
+    let values = |effects: &[Fitted], which: usize| {
+        let e = &effects[which];
+        (e.candidate.parameters)(&e.amplitudes, &e.shapes, &scales)
+    };
+    let covariance = covariance(solution, base, noise);
+    let mut first = base.free.len();
+    (0..solution.effects.len())
+        .map(|which| {
+            let e = &solution.effects[which];
+            let unknowns: Vec<Unknown> = unknowns(which, e);
+            let central = values(&solution.effects, which);
+            let mut gradient = DMatrix::zeros(central.len(), unknowns.len());
+            for (j, unknown) in unknowns.iter().enumerate() {
+                let (moved, step) = unknown.moved(&solution.effects);
+                for (i, (there, here)) in values(&moved, which).iter().zip(&central).enumerate() {
+                    gradient[(i, j)] = (there.2 - here.2) / step;
+                }
+            }
+            let part = covariance.as_ref().map(|c| {
+                c.view((first, first), (unknowns.len(), unknowns.len()))
+                    .into_owned()
+            });
+            first += unknowns.len();
+            let spread = part.map(|c| &gradient * c * gradient.transpose());
+            central
+                .into_iter()
+                .enumerate()
+                .map(|(i, (name, unit, value))| {
+                    let half = spread
+                        .as_ref()
+                        .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt());
+                    (name, unit, value, [value - half, value + half])
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// An unknown of an effect.
+#[derive(Clone, Copy, Debug)]
+struct Unknown {
+    effect: usize,
+    amplitude: bool,
+    index: usize,
+}
+
+impl Unknown {
+    /// The effects with this unknown moved a little, and by how much.
+    fn moved(&self, effects: &[Fitted]) -> (Vec<Fitted>, f64) {
+        let mut moved = effects.to_vec();
+        let e = &mut moved[self.effect];
+        let value = if self.amplitude {
+            &mut e.amplitudes[self.index]
+        } else {
+            &mut e.shapes[self.index]
+        };
+        let step = 2e-3 * value.abs().max(1e-9);
+        *value += step;
+        (moved, step)
+    }
+}
+
+fn unknowns(effect: usize, e: &Fitted) -> Vec<Unknown> {
+    let of = |amplitude: bool, n: usize| {
+        (0..n).map(move |index| Unknown {
+            effect,
+            amplitude,
+            index,
+        })
+    };
+    of(true, e.amplitudes.len())
+        .chain(of(false, e.shapes.len()))
+        .collect()
+}
+
+/// `H^-1 (sum of outer products of the blocks' scores) H^-1`, over declared parameters and all unknowns of the effects.
+fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix<f64>> {
+    let (problem, scales) = (&solution.problem, solution.problem.scales);
+    let all: Vec<Unknown> = solution
+        .effects
+        .iter()
+        .enumerate()
+        .flat_map(|(i, e)| unknowns(i, e))
+        .collect();
+    let n = base.free.len() + all.len();
+    let (mut columns, mut white) = (vec![Vec::new(); n], Vec::new());
+    for (stretch, residual) in problem
+        .stretches
+        .iter()
+        .zip(problem.residuals(&solution.effects, &scales))
+    {
+        let mut raw = problem.base_columns(base, stretch);
+        let here = problem.answer(stretch, &solution.effects, &scales);
+        for unknown in &all {
+            let (moved, step) = unknown.moved(&solution.effects);
+            let there = problem.answer(stretch, &moved, &scales);
+            raw.push(
+                there
+                    .iter()
+                    .zip(&here)
+                    .map(|(t, h)| (t - h) / step)
+                    .collect(),
+            );
+        }
+        for (raw, column) in raw.iter().zip(&mut columns) {
+            noise.whiten_into(raw, column);
+        }
+        noise.whiten_into(&residual, &mut white);
+    }
+    let block = ((BLOCK_S / scales.interval_s) as usize).max(4);
+    let mut bread = DMatrix::zeros(n, n);
+    let mut meat = DMatrix::zeros(n, n);
+    for start in (0..white.len()).step_by(block) {
+        let end = (start + block).min(white.len());
+        let part = DMatrix::from_fn(n, end - start, |i, t| columns[i][start + t]);
+        let score = &part * DVector::from_column_slice(&white[start..end]);
+        bread += &part * part.transpose();
+        meat += &score * score.transpose();
+    }
+    // At least what the noise alone makes: few blocks can agree by chance.
+    for i in 0..n {
+        let least = bread[(i, i)];
+        if meat[(i, i)] < least {
+            meat[(i, i)] = least;
+        }
+    }
+    for (i, f) in base.free.iter().enumerate() {
+        bread[(i, i)] += f.tolerance.powi(-2);
+        meat[(i, i)] += f.tolerance.powi(-2);
+    }
+    // Scaled, since units differ by orders of magnitude.
+    let scale = DVector::from_fn(n, |i, _| 1.0 / bread[(i, i)].max(f64::MIN_POSITIVE).sqrt());
+    let scaled = DMatrix::from_fn(n, n, |i, j| {
+        bread[(i, j)] * scale[i] * scale[j] + if i == j { 1e-9 } else { 0.0 }
+    });
+    let inverse = scaled.cholesky()?.inverse();
+    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+    Some(&inverse * meat * &inverse)
+}
+
+/// 90 % interval of `rms(before) - rms(after)`, by resampling blocks.
+pub fn improvement(before: &[Vec<f64>], after: &[Vec<f64>], interval_s: f64) -> [f64; 2] {
+    let block = ((BLOCK_S / interval_s) as usize).max(4);
+    let squares = |parts: &[Vec<f64>]| -> Vec<(f64, f64)> {
+        parts
+            .iter()
+            .flat_map(|p| p.chunks(block))
+            .map(|c| (c.iter().map(|x| x * x).sum(), c.len() as f64))
+            .collect()
+    };
+    let (b, a) = (squares(before), squares(after));
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    let mut falls: Vec<f64> = (0..1000)
+        .map(|_| {
+            let (mut before, mut after, mut n) = (0.0, 0.0, 0.0);
+            for _ in 0..b.len() {
+                let i = (rng.next_u64() % b.len() as u64) as usize;
+                before += b[i].0;
+                after += a[i].0;
+                n += b[i].1;
+            }
+            (before / n).sqrt() - (after / n).sqrt()
+        })
+        .collect();
+    falls.sort_by(f64::total_cmp);
+    [falls[50], falls[949]]
+}

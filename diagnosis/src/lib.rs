@@ -1,0 +1,33 @@
+//! What a declared model of a test rig lacks: the residual between model and record, traced to a physical effect.
+//!
+//! Regression lowers an error and names no cause. Here every effect of a library is fitted together with the declared
+//! parameters (inside their tolerances), in both channels, and accepted by statistics and by size against a noise floor
+//! that comes from the record itself; what explains the data equally well is named beside it, and where too much
+//! remains the answer is "unknown".
+
+mod advice;
+mod answer;
+mod diagnose;
+mod explain;
+mod fit;
+mod interval;
+mod lattice;
+mod library;
+mod linear;
+mod model;
+mod noise;
+mod plausible;
+mod problem;
+mod recording;
+mod refusal;
+mod rest;
+mod signals;
+mod spectrum;
+
+pub use answer::{
+    ChannelAnswer, Diagnosis, Errors, FoundEffect, FoundParameter, Nearest, Traces, Tried, Verdict,
+};
+pub use diagnose::diagnose;
+pub use model::{ActuatorModel, Declared, KnownEffect, Model, SpecimenModel};
+pub use recording::Recording;
+pub use refusal::Refusal;

@@ -1,0 +1,110 @@
+//! Operators with memory, over a whole stretch.
+
+/// Backlash of `width` in all.
+pub fn play(x: &[f64], width: f64) -> Vec<f64> {
+    let half = 0.5 * width;
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at = at.clamp(x - half, x + half);
+            at
+        })
+        .collect()
+}
+
+/// Nothing within `width` in all around zero.
+pub fn dead_zone(x: &[f64], width: f64) -> impl Iterator<Item = f64> + '_ {
+    let half = 0.5 * width;
+    x.iter().map(move |x| x - x.clamp(-half, half))
+}
+
+/// What a joint slips that holds up to the deformation `holds` and has a clearance of `gap` in all.
+pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
+    let mut s = 0.0_f64;
+    x.iter()
+        .map(|&x| {
+            s = s.max(x - holds).min(x + holds).clamp(-0.5 * gap, 0.5 * gap);
+            s
+        })
+        .collect()
+}
+
+/// Friction of size 1 that takes `presliding` to build up: an elastic element that slips.
+pub fn friction(x: &[f64], presliding: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = (z + (x - last) / presliding).clamp(-1.0, 1.0);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Force over stiffness of an elastic-plastic element that yields at `yield_at`.
+pub fn elastic_plastic(x: &[f64], yield_at: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = (z + x - last).clamp(-yield_at, yield_at);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// The same of a Bouc-Wen element, `dz = dx (1 - |z / y|^n (g sign(dx z) + 1 - g))` with the loop shape `g`.
+pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    x.iter()
+        .map(|&x| {
+            let dx = x - last;
+            let near = (z / yield_at).abs().powf(sharpness);
+            let way = if dx * z >= 0.0 {
+                1.0
+            } else {
+                1.0 - 2.0 * loop_shape
+            };
+            z = (z + dx * (1.0 - near * way)).clamp(-yield_at, yield_at);
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Deflection of a spring behind a dashpot: `z' = v - z / tau`.
+pub fn relaxed(x: &[f64], tau_s: f64, interval_s: f64) -> Vec<f64> {
+    let decay = (-interval_s / tau_s).exp();
+    let passed = tau_s / interval_s * (1.0 - decay);
+    let (mut z, mut last) = (0.0, x[0]);
+    x.iter()
+        .map(|&x| {
+            z = z * decay + (x - last) * passed;
+            last = x;
+            z
+        })
+        .collect()
+}
+
+/// Moves by no more than `most` from sample to sample.
+pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at += (x - at).clamp(-most, most);
+            at
+        })
+        .collect()
+}
+
+/// A first-order lag that acts only on the way down.
+pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
+    let share = 1.0 - (-interval_s / lag_s).exp();
+    let mut at = x[0];
+    x.iter()
+        .map(|&x| {
+            at = if x >= at { x } else { at + share * (x - at) };
+            at
+        })
+        .collect()
+}

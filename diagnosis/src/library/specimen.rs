@@ -1,0 +1,299 @@
+//! Effects between displacement and force; columns in N.
+
+use super::operators as op;
+use super::{
+    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, once, positive,
+    settling,
+};
+use crate::linear::Bound;
+use crate::signals::{Scales, Signals, derivative};
+use plant::{Channel, Effect};
+
+/// A candidate of this channel that generalises nothing.
+const BASIS: Candidate = Candidate {
+    effect: Effect::Offset,
+    channel: Channel::Specimen,
+    shapes: no_shape,
+    columns: |s, _, _| vec![vec![1.0; s.x.len()]],
+    bounds: any,
+    parameters: |a, _, _| vec![("offset_n", "N", a[0])],
+    includes: &[],
+};
+
+fn times(x: &[f64], factor: f64) -> Vec<f64> {
+    x.iter().map(|x| factor * x).collect()
+}
+
+/// `k (f(x) - x)`: what is missing where only `f(x)` of the displacement is felt.
+fn instead(x: &[f64], felt: impl IntoIterator<Item = f64>, stiffness: f64) -> Vec<Vec<f64>> {
+    vec![
+        felt.into_iter()
+            .zip(x)
+            .map(|(f, x)| stiffness * (f - x))
+            .collect(),
+    ]
+}
+
+fn share(_: &Scales) -> Vec<Bound> {
+    vec![Bound {
+        low: 0.0,
+        high: 1.0,
+    }]
+}
+
+fn width(s: &Scales) -> Vec<Shape> {
+    vec![Shape::new(0.003 * s.x, 0.9 * s.x, 12)]
+}
+
+fn presliding(s: &Scales) -> Vec<Shape> {
+    vec![Shape::new(0.001 * s.x, 0.3 * s.x, 8)]
+}
+
+/// Powers of the displacement, relative to the largest.
+fn power(s: &Signals, exponent: f64, k: &Scales) -> impl Iterator<Item = (f64, f64)> {
+    let (x, scale) = (s.x.clone(), k.x);
+    x.into_iter()
+        .map(move |x| (x, (x / scale).abs().powf(exponent)))
+}
+
+pub const CANDIDATES: &[Candidate] = &[
+    Candidate {
+        effect: Effect::ChannelSkew,
+        columns: |s, _, _| vec![times(&derivative(&s.base, s.interval_s), -1e-3)],
+        parameters: |a, _, _| vec![("skew_ms", "ms", a[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::GainError,
+        columns: |s, _, _| vec![s.base.clone()],
+        parameters: |a, _, _| vec![("error", "", a[0])],
+        ..BASIS
+    },
+    BASIS,
+    Candidate {
+        effect: Effect::RigCompliance,
+        columns: |s, _, k| vec![times(&s.force, -k.stiffness)],
+        bounds: positive,
+        parameters: |a, _, _| vec![("stiffness_n_per_mm", "N/mm", 1.0 / a[0].max(1e-12))],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::Drift,
+        shapes: settling,
+        columns: |s, p, _| vec![growth(s, p[0]).map(|g| g * p[0]).collect()],
+        parameters: |a, p, _| {
+            vec![
+                ("rate_n_per_s", "N/s", a[0]),
+                ("time_constant_s", "s", p[0]),
+            ]
+        },
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::TemperatureGain,
+        shapes: settling,
+        columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, f)| g * f).collect()],
+        parameters: |a, p, _| vec![("change", "", a[0]), ("time_constant_s", "s", p[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::CoulombFriction,
+        shapes: presliding,
+        columns: |s, p, _| vec![op::friction(&s.x, p[0])],
+        bounds: positive,
+        parameters: |a, p, _| vec![("force_n", "N", a[0]), ("presliding_mm", "mm", p[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::StribeckFriction,
+        shapes: |s| {
+            vec![
+                Shape::new(0.001 * s.x, 0.1 * s.x, 5),
+                Shape::new(0.01 * s.v, 0.5 * s.v, 6),
+            ]
+        },
+        columns: |s, p, _| {
+            let z = op::friction(&s.x, p[0]);
+            let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
+            let more = z.iter().zip(&s.v).map(|(z, v)| z * slow(v)).collect();
+            vec![z, more]
+        },
+        bounds: |_| vec![Bound::POSITIVE; 2],
+        parameters: |a, p, _| {
+            vec![
+                ("force_n", "N", a[0]),
+                ("rest_ratio", "", 1.0 + a[1] / a[0].max(1e-9)),
+                ("stribeck_mm_per_s", "mm/s", p[1]),
+                ("presliding_mm", "mm", p[0]),
+            ]
+        },
+        includes: &[Effect::CoulombFriction],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::BilinearHysteresis,
+        shapes: |s| vec![Shape::new(0.05 * s.x, 0.97 * s.x, 14)],
+        columns: |s, p, k| instead(&s.x, op::elastic_plastic(&s.x, p[0]), k.stiffness),
+        bounds: share,
+        parameters: |a, p, _| {
+            vec![
+                ("yield_mm", "mm", p[0]),
+                ("hardening_ratio", "", 1.0 - a[0]),
+            ]
+        },
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::BoucWenHysteresis,
+        shapes: |s| {
+            vec![
+                Shape::new(0.05 * s.x, 0.97 * s.x, 8),
+                Shape::new(0.7, 12.0, 4),
+            ]
+        },
+        columns: |s, p, k| instead(&s.x, op::bouc_wen(&s.x, p[0], p[1], 0.5), k.stiffness),
+        bounds: share,
+        parameters: |a, p, _| {
+            vec![
+                ("yield_mm", "mm", p[0]),
+                ("hardening_ratio", "", 1.0 - a[0]),
+                ("sharpness", "", p[1]),
+            ]
+        },
+        includes: &[Effect::BilinearHysteresis],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::Backlash,
+        shapes: width,
+        columns: |s, p, k| instead(&s.x, op::play(&s.x, p[0]), k.stiffness),
+        bounds: once,
+        parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::DeadBand,
+        shapes: width,
+        columns: |s, p, k| instead(&s.x, op::dead_zone(&s.x, p[0]), k.stiffness),
+        bounds: once,
+        parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::SlipGap,
+        shapes: |s| {
+            vec![
+                Shape::new(0.01 * s.x, s.x, 8),
+                Shape::new(0.02 * s.x, 0.9 * s.x, 7),
+            ]
+        },
+        columns: |s, p, k| vec![times(&op::slipped(&s.x, p[1], p[0]), -k.stiffness)],
+        bounds: once,
+        parameters: |_, p, k| vec![("gap_mm", "mm", p[0]), ("slip_n", "N", p[1] * k.stiffness)],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::Saturation,
+        shapes: |s| vec![Shape::new(0.3 * s.base, 0.998 * s.base, 16)],
+        columns: |s, p, _| vec![s.base.iter().map(|f| f.clamp(-p[0], p[0]) - f).collect()],
+        bounds: once,
+        parameters: |_, p, _| vec![("limit_n", "N", p[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::ViscousDamping,
+        columns: |s, _, _| vec![s.v.clone()],
+        parameters: |a, _, _| vec![("damping_n_s_per_mm", "N s/mm", a[0])],
+        bounds: positive,
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::QuadraticDamping,
+        columns: |s, _, _| vec![s.v.iter().map(|v| v * v.abs()).collect()],
+        parameters: |a, _, _| vec![("damping_n_s2_per_mm2", "N s2/mm2", a[0])],
+        bounds: positive,
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::MaxwellDamper,
+        shapes: |s| vec![Shape::new(2.0 * s.interval_s, 0.2 * s.seconds, 12)],
+        columns: |s, p, _| vec![op::relaxed(&s.x, p[0], s.interval_s)],
+        bounds: positive,
+        parameters: |a, p, _| {
+            vec![
+                ("stiffness_n_per_mm", "N/mm", a[0]),
+                ("relaxation_ms", "ms", 1e3 * p[0]),
+            ]
+        },
+        includes: &[Effect::ViscousDamping],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::Hardening,
+        shapes: |_| vec![Shape::new(0.5, 6.0, 8)],
+        columns: |s, p, k| {
+            vec![
+                power(s, p[0], k)
+                    .map(|(x, r)| k.stiffness * x * r)
+                    .collect(),
+            ]
+        },
+        bounds: positive,
+        parameters: |a, p, k| {
+            vec![
+                (
+                    "reference_mm",
+                    "mm",
+                    k.x * a[0].max(1e-12).powf(-1.0 / p[0]),
+                ),
+                ("exponent", "", p[0]),
+            ]
+        },
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::Softening,
+        // The reference displacement, then the exponent: the softening is not in proportion to anything.
+        shapes: |s| {
+            vec![
+                Shape::new(0.3 * s.x, 30.0 * s.x, 9),
+                Shape::new(0.7, 5.0, 4),
+            ]
+        },
+        columns: |s, p, k| {
+            let softer = |x: &f64| -x * (1.0 - 1.0 / (1.0 + (x / p[0]).abs().powf(p[1])));
+            vec![s.x.iter().map(|x| k.stiffness * softer(x)).collect()]
+        },
+        bounds: once,
+        parameters: |_, p, _| vec![("reference_mm", "mm", p[0]), ("exponent", "", p[1])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::AsymmetricStiffness,
+        columns: |s, _, k| vec![s.x.iter().map(|x| 0.5 * k.stiffness * x.abs()).collect()],
+        parameters: |a, _, _| vec![("difference", "", a[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::InertiaForce,
+        columns: |s, _, _| vec![times(&s.a, 1e-3)],
+        bounds: positive,
+        parameters: |a, _, _| vec![("mass_kg", "kg", a[0])],
+        ..BASIS
+    },
+    Candidate {
+        effect: Effect::MainsHum,
+        shapes: humming,
+        columns: |s, p, _| hum_columns(s, p),
+        bounds: four,
+        parameters: |a, p, _| {
+            let (amplitude, third) = hum_size(a);
+            vec![
+                ("amplitude_n", "N", amplitude),
+                ("frequency_hz", "Hz", p[0]),
+                ("third_harmonic", "", third),
+            ]
+        },
+        ..BASIS
+    },
+];

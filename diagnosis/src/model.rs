@@ -1,0 +1,142 @@
+//! What the laboratory declares: each parameter with its standard tolerance.
+
+use crate::Refusal;
+use serde::{Deserialize, Serialize};
+
+/// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Declared {
+    /// Value, in the unit of the parameter's name.
+    pub value: f64,
+    /// One standard tolerance, absolute.
+    pub tolerance: f64,
+}
+
+/// An effect that an earlier diagnosis added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KnownEffect {
+    /// Its name.
+    pub name: plant::Effect,
+    /// Its amplitudes, in the order of the library's columns.
+    pub amplitudes: Vec<f64>,
+    /// Its shape parameters, in the order of the library.
+    #[serde(default)]
+    pub shapes: Vec<f64>,
+    /// The largest displacement of the record that it was found in, mm: what powers are relative to.
+    pub reference_mm: f64,
+}
+
+/// Command to displacement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorModel {
+    /// Displacement per command; 1 where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<Declared>,
+    /// Transport delay, ms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay_ms: Option<Declared>,
+    /// Time constant of a first-order lag, ms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_ms: Option<Declared>,
+    /// Displacement at command 0, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_mm: Option<Declared>,
+    /// What earlier diagnoses added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<KnownEffect>,
+}
+
+/// Displacement to force.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenModel {
+    /// Stiffness, N/mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_per_mm: Option<Declared>,
+    /// Viscous damping, N s/mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping_n_s_per_mm: Option<Declared>,
+    /// Mass that hangs on the load cell, kg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass_kg: Option<Declared>,
+    /// Force at rest, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_n: Option<Declared>,
+    /// What earlier diagnoses added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<KnownEffect>,
+}
+
+/// The declared model; a channel that is left out is not looked at.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Command to displacement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<ActuatorModel>,
+    /// Displacement to force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub specimen: Option<SpecimenModel>,
+}
+
+impl Model {
+    /// Whether every number can be what it stands for.
+    ///
+    /// # Errors
+    /// A value that is not finite, a negative tolerance, a negative delay, lag or mass.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let actuator = self.actuator.iter().flat_map(|a| {
+            [
+                ("actuator.gain", a.gain, f64::MIN),
+                ("actuator.delay_ms", a.delay_ms, 0.0),
+                ("actuator.lag_ms", a.lag_ms, 0.0),
+                ("actuator.offset_mm", a.offset_mm, f64::MIN),
+            ]
+        });
+        let specimen = self.specimen.iter().flat_map(|s| {
+            [
+                (
+                    "specimen.stiffness_n_per_mm",
+                    s.stiffness_n_per_mm,
+                    f64::MIN,
+                ),
+                (
+                    "specimen.damping_n_s_per_mm",
+                    s.damping_n_s_per_mm,
+                    f64::MIN,
+                ),
+                ("specimen.mass_kg", s.mass_kg, 0.0),
+                ("specimen.offset_n", s.offset_n, f64::MIN),
+            ]
+        });
+        for (name, declared, least) in actuator.chain(specimen) {
+            let Some(Declared { value, tolerance }) = declared else {
+                continue;
+            };
+            if !(value.is_finite() && value >= least) {
+                let from = if least == 0.0 {
+                    "0 and more"
+                } else {
+                    "finite numbers"
+                };
+                return Err(Refusal::new(format!(
+                    "{name}.value = {value} is refused: accepted are {from}"
+                )));
+            }
+            if !(tolerance.is_finite() && tolerance >= 0.0) {
+                return Err(Refusal::new(format!(
+                    "{name}.tolerance = {tolerance} is refused: accepted are finite numbers, 0 and more"
+                )));
+            }
+        }
+        if self.actuator.is_none() && self.specimen.is_none() {
+            return Err(Refusal::new(
+                "the model declares no channel: accepted is a table [actuator], a table [specimen], or both",
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,193 @@
+//! The noise floor, from where nothing moves: a whitening filter and the size of the noise.
+
+use crate::linear::dot;
+use crate::recording::Recording;
+use crate::spectrum::line_hz;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Noise of one channel.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    /// Its rms, in the channel's unit.
+    pub rms: f64,
+    /// Autoregressive coefficients: `e_t = (r_t - sum a_i r_{t-i}) / innovation_rms` is white.
+    coefficients: Vec<f64>,
+    innovation_rms: f64,
+}
+
+/// Largest order of the autoregressive model.
+const ORDER: usize = 8;
+
+impl Noise {
+    /// From `stretches` of residual at rest. Their means and mains lines are no noise; `least_rms` is what the
+    /// converter's steps alone would make, so that a channel that stands perfectly still has a floor, too.
+    pub fn at_rest(stretches: &[Vec<f64>], interval_s: f64, least_rms: f64) -> Self {
+        let clean: Vec<Vec<f64>> = stretches
+            .iter()
+            .map(|s| without_lines(without_trend(s), interval_s))
+            .collect();
+        let samples = clean.iter().map(Vec::len).sum::<usize>();
+        let mut cov = [0.0; ORDER + 1];
+        for s in &clean {
+            for (lag, c) in cov.iter_mut().enumerate() {
+                *c += dot(&s[lag.min(s.len())..], &s[..s.len() - lag.min(s.len())]);
+            }
+        }
+        cov.iter_mut().for_each(|c| *c /= samples as f64);
+        let variance = cov[0].max(least_rms * least_rms).max(f64::MIN_POSITIVE);
+        // What the converter makes on top of a still channel is white.
+        cov[0] = variance;
+        let (coefficients, innovation) = autoregressive(&cov, samples);
+        Self {
+            rms: variance.sqrt(),
+            coefficients,
+            innovation_rms: innovation.max(variance * 1e-6).sqrt(),
+        }
+    }
+
+    /// Samples at the start of a stretch that the filter needs to begin with.
+    pub fn order(&self) -> usize {
+        self.coefficients.len()
+    }
+
+    /// White with variance 1, where `r` is this noise; the first [`Self::order`] samples are left out.
+    pub fn whiten_into(&self, r: &[f64], out: &mut Vec<f64>) {
+        let p = self.order();
+        let scale = 1.0 / self.innovation_rms;
+        for t in p..r.len() {
+            let mut e = r[t];
+            for (i, a) in self.coefficients.iter().enumerate() {
+                e -= a * r[t - 1 - i];
+            }
+            out.push(e * scale);
+        }
+    }
+}
+
+/// Mean and slope taken off: what drifts at rest is no noise either.
+fn without_trend(x: &[f64]) -> Vec<f64> {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    let centre = 0.5 * (n - 1.0);
+    let (mut up, mut square) = (0.0, 0.0);
+    for (i, x) in x.iter().enumerate() {
+        let t = i as f64 - centre;
+        up += t * x;
+        square += t * t;
+    }
+    let slope = up / square.max(1.0);
+    x.iter()
+        .enumerate()
+        .map(|(i, x)| x - mean - slope * (i as f64 - centre))
+        .collect()
+}
+
+/// A displacement without the mains' line that it shows at rest: that is the sensor's, not the specimen's.
+pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
+    let h = recording.interval_s();
+    let at_rest = crate::rest::spans(recording);
+    let Some(&(first, end)) = at_rest.iter().max_by_key(|(a, b)| b - a) else {
+        return x.to_vec();
+    };
+    match line_hz(&without_trend(&x[first..end]), h, 44.0, 66.0) {
+        Some((_, prominence)) if prominence >= PROMINENT => without_lines(x.to_vec(), h),
+        _ => x.to_vec(),
+    }
+}
+
+/// Power over the median at which a line is one.
+const PROMINENT: f64 = 60.0;
+
+/// Takes the mains' line and its third harmonic off, where there is one.
+fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
+    let Some((hz, prominence)) = line_hz(&x, interval_s, 44.0, 66.0) else {
+        return x;
+    };
+    if prominence < PROMINENT {
+        return x;
+    }
+    // The bin is too coarse over a second or two: the best frequency near it.
+    let power = |hz: f64| {
+        let (c, s) = quadratures(&x, interval_s, hz);
+        c * c + s * s
+    };
+    let width = 1.0 / (x.len() as f64 * interval_s);
+    let best = (-20..=20)
+        .map(|i| hz + width * f64::from(i) / 20.0)
+        .max_by(|a, b| power(*a).total_cmp(&power(*b)))
+        .unwrap_or(hz);
+    for harmonic in [best, 3.0 * best] {
+        if harmonic * interval_s < 0.45 {
+            let (c, s) = quadratures(&x, interval_s, harmonic);
+            for (i, x) in x.iter_mut().enumerate() {
+                let phase = TAU * harmonic * i as f64 * interval_s;
+                *x -= c * phase.cos() + s * phase.sin();
+            }
+        }
+    }
+    x
+}
+
+fn quadratures(x: &[f64], interval_s: f64, hz: f64) -> (f64, f64) {
+    let (mut c, mut s) = (0.0, 0.0);
+    for (i, x) in x.iter().enumerate() {
+        let phase = TAU * hz * i as f64 * interval_s;
+        c += x * phase.cos();
+        s += x * phase.sin();
+    }
+    let scale = 2.0 / x.len() as f64;
+    (c * scale, s * scale)
+}
+
+/// Yule-Walker equations; the order by Akaike's criterion.
+fn autoregressive(cov: &[f64; ORDER + 1], samples: usize) -> (Vec<f64>, f64) {
+    let mut best = (Vec::new(), cov[0], samples as f64 * cov[0].ln());
+    for order in 1..=ORDER {
+        // A thousandth of white noise keeps a narrow band from making the equations singular.
+        let matrix = DMatrix::from_fn(order, order, |i, j| {
+            cov[i.abs_diff(j)] + if i == j { 1e-3 * cov[0] } else { 0.0 }
+        });
+        let right = DVector::from_fn(order, |i, _| cov[i + 1]);
+        let Some(factor) = matrix.cholesky() else {
+            break;
+        };
+        let a = factor.solve(&right);
+        let innovation = (cov[0] - a.dot(&right)).max(1e-6 * cov[0]);
+        let criterion = samples as f64 * innovation.ln() + 2.0 * order as f64;
+        if criterion < best.2 - 2.0 {
+            best = (a.iter().copied().collect(), innovation, criterion);
+        }
+    }
+    (best.0, best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn coloured_noise_becomes_white_with_variance_one() {
+        let mut rng =
+            <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(1);
+        let mut r = vec![0.0; 40_000];
+        for t in 2..r.len() {
+            let e: f64 = StandardNormal.sample(&mut rng);
+            r[t] = 1.2 * r[t - 1] - 0.5 * r[t - 2] + 0.01 * e;
+        }
+        let hum = |t: usize| 0.2 * (TAU * 50.2 * t as f64 * 1e-3).sin();
+        let rest: Vec<f64> = r[..4000]
+            .iter()
+            .enumerate()
+            .map(|(t, r)| 5.0 + r + hum(t))
+            .collect();
+        let noise = Noise::at_rest(&[rest], 1e-3, 0.0);
+        let mut e = Vec::new();
+        noise.whiten_into(&r[4000..], &mut e);
+        let variance = dot(&e, &e) / e.len() as f64;
+        let lag1 = dot(&e[1..], &e[..e.len() - 1]) / dot(&e, &e);
+        assert!((variance - 1.0).abs() < 0.12, "{variance}");
+        assert!(lag1.abs() < 0.05, "{lag1}");
+    }
+}

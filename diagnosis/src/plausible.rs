@@ -1,0 +1,161 @@
+//! Whether records can be what their headers say, before anything is fitted.
+
+use crate::Refusal;
+use crate::model::Model;
+use crate::recording::{Recording, correlation, range};
+
+/// Factor beyond which a proportion is a slip of units.
+const SLIP: f64 = 250.0;
+
+/// Checks records against each other and against the model.
+///
+/// # Errors
+/// Training and test data that overlap, a rest that moves, channels that look swapped, a unit that cannot be meant.
+pub fn check(
+    model: &Model,
+    train: &[Recording],
+    test: &[Recording],
+    rest: &[Recording],
+) -> Result<(), Refusal> {
+    for (what, set) in [("training", train), ("test", test)] {
+        if set.is_empty() {
+            return Err(Refusal::new(format!(
+                "there is no {what} record: accepted is one and more"
+            )));
+        }
+    }
+    for r in train.iter().chain(test).chain(rest) {
+        r.check()?;
+    }
+    for (a, b) in train.iter().flat_map(|a| test.iter().map(move |b| (a, b))) {
+        if overlap(a, b) {
+            return Err(Refusal::new(format!(
+                "{}: training and test data overlap in time: accepted are spans that do not, or two records",
+                a.name
+            )));
+        }
+        if a.displacement_mm == b.displacement_mm && a.force_n == b.force_n {
+            return Err(Refusal::new(format!(
+                "{} and {} hold the same samples: accepted is test data that was not trained with",
+                a.name, b.name
+            )));
+        }
+    }
+    let largest = |of: fn(&Recording) -> Option<&Vec<f64>>| {
+        train
+            .iter()
+            .filter_map(of)
+            .map(|x| range(x))
+            .fold(0.0, f64::max)
+    };
+    for r in rest {
+        for (what, of) in [
+            (
+                "command",
+                (|r| r.command_mm.as_ref()) as fn(&Recording) -> Option<&Vec<f64>>,
+            ),
+            ("displacement", |r| r.displacement_mm.as_ref()),
+        ] {
+            if let Some(x) = of(r) {
+                let (here, whole) = (range(x), largest(of));
+                if here > 0.1 * whole {
+                    return Err(Refusal::new(format!(
+                        "{}: {what} moves by {here:.4} mm from {} s to {} s: accepted as rest is less than a tenth of \
+                         the {whole:.4} mm of the training data",
+                        r.name,
+                        r.time_s[0],
+                        r.time_s[r.time_s.len() - 1]
+                    )));
+                }
+            }
+        }
+    }
+    train
+        .iter()
+        .chain(test)
+        .try_for_each(|r| proportions(model, r))
+}
+
+fn overlap(a: &Recording, b: &Recording) -> bool {
+    let end = |r: &Recording| r.time_s[r.time_s.len() - 1];
+    a.name == b.name && a.time_s[0] <= end(b) && b.time_s[0] <= end(a)
+}
+
+/// Slopes between the channels, against those of the model.
+fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
+    let late = |a: &[f64], b: &[f64]| {
+        // A delay of up to a tenth of a second does not make it another quantity.
+        let most = (0.1 / r.interval_s()) as usize;
+        (0..=most.min(a.len() / 4))
+            .step_by((most / 25).max(1))
+            .map(|lag| correlation(&a[..a.len() - lag], &b[lag..]))
+            .fold(0.0_f64, |m, c| if c.abs() > m.abs() { c } else { m })
+    };
+    let slip = |what: &str, ratio: f64| {
+        Err(Refusal::new(format!(
+            "{}: {what} is {ratio:.3e} times what the model says: accepted is data in the units of its header",
+            r.name
+        )))
+    };
+    if let (Some(_), Some(u), Some(x)) = (&model.actuator, &r.command_mm, &r.displacement_mm) {
+        let (moves, answers) = (range(u), range(x));
+        if let Some(f) = &r.force_n
+            && moves > 0.0
+            && late(u, f).abs() > 0.95
+            && late(u, x).abs() < 0.5
+        {
+            return Err(Refusal::new(format!(
+                "{}: force follows the command and displacement does not: the columns look swapped; accepted is each \
+                 under its own header",
+                r.name
+            )));
+        }
+        let gain = model
+            .actuator
+            .as_ref()
+            .and_then(|a| a.gain)
+            .map_or(1.0, |g| g.value);
+        let ratio = answers / (moves * gain.abs()).max(f64::MIN_POSITIVE);
+        if moves > 0.0
+            && answers > 0.0
+            && late(u, x).abs() > 0.8
+            && !(1.0 / SLIP..SLIP).contains(&ratio)
+        {
+            return slip("displacement per command", ratio);
+        }
+    }
+    if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n)
+        && let Some(k) = s
+            .stiffness_n_per_mm
+            .map(|k| k.value.abs())
+            .filter(|k| *k > 0.0)
+    {
+        let ratio = range(f) / (k * range(x)).max(f64::MIN_POSITIVE);
+        if range(x) > 0.0
+            && range(f) > 0.0
+            && correlation(x, f).abs() > 0.8
+            && !(1.0 / SLIP..SLIP).contains(&ratio)
+        {
+            return slip("force per displacement", ratio);
+        }
+    }
+    Ok(())
+}
+
+/// Longest run of samples at one end of the range, where the signal stays while it should move.
+pub fn clipped(x: &[f64]) -> bool {
+    let (low, high) = x
+        .iter()
+        .fold((f64::MAX, f64::MIN), |(l, h), &v| (l.min(v), h.max(v)));
+    let (mut run, mut runs) = (0, 0);
+    for v in x {
+        if *v == low || *v == high {
+            run += 1;
+            runs += usize::from(run == 10);
+        } else {
+            run = 0;
+        }
+    }
+    // A rest at one end is one run.
+    runs >= 3
+}

@@ -1,0 +1,333 @@
+//! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
+
+use crate::library::Candidate;
+use crate::linear::Bound;
+use crate::model::{ActuatorModel, Declared, KnownEffect, SpecimenModel};
+use crate::recording::Recording;
+use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
+use crate::spectrum;
+use plant::Channel;
+
+/// A declared parameter that the fit may move.
+#[derive(Clone, Copy, Debug)]
+pub struct Free {
+    /// Which of the channel's four.
+    pub index: usize,
+    /// One tolerance.
+    pub tolerance: f64,
+}
+
+/// The declared parameters of a channel: gain, delay ms, lag ms, offset mm, or stiffness, damping, mass, offset.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Which channel.
+    pub channel: Channel,
+    /// Declared values; what is not declared is not there.
+    pub values: [f64; 4],
+    /// Those with a tolerance.
+    pub free: Vec<Free>,
+    /// Effects that the model already has.
+    pub known: Vec<KnownEffect>,
+}
+
+/// Declared parameters move by so many tolerances.
+const REACH: f64 = 3.0;
+
+impl Base {
+    pub fn actuator(model: &ActuatorModel) -> Self {
+        let declared = [model.gain, model.delay_ms, model.lag_ms, model.offset_mm];
+        Self::new(
+            Channel::Actuator,
+            declared,
+            [1.0, 0.0, 0.0, 0.0],
+            &model.effects,
+        )
+    }
+
+    pub fn specimen(model: &SpecimenModel) -> Self {
+        let declared = [
+            model.stiffness_n_per_mm,
+            model.damping_n_s_per_mm,
+            model.mass_kg,
+            model.offset_n,
+        ];
+        Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
+    }
+
+    fn new(
+        channel: Channel,
+        declared: [Option<Declared>; 4],
+        absent: [f64; 4],
+        known: &[KnownEffect],
+    ) -> Self {
+        let value = |i: usize| declared[i].map_or(absent[i], |d| d.value);
+        let tolerance = |index: usize| declared[index].map_or(0.0, |d| d.tolerance);
+        Self {
+            channel,
+            values: std::array::from_fn(value),
+            free: (0..4)
+                .filter(|&i| tolerance(i) > 0.0)
+                .map(|index| Free {
+                    index,
+                    tolerance: tolerance(index),
+                })
+                .collect(),
+            known: known.to_vec(),
+        }
+    }
+
+    /// How far each free parameter may go from `theta`.
+    pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
+        let bound = |f: &Free| {
+            let reach = REACH * f.tolerance;
+            // Delays, lags and masses are not negative.
+            let floor = match (self.channel, f.index) {
+                (Channel::Actuator, 1 | 2) | (Channel::Specimen, 2) => 0.0,
+                _ => f64::NEG_INFINITY,
+            };
+            let least = (self.values[f.index] - reach).max(floor);
+            Bound {
+                low: least - theta[f.index],
+                high: self.values[f.index] + reach - theta[f.index],
+            }
+        };
+        self.free.iter().map(bound).collect()
+    }
+}
+
+/// A record as a channel sees it.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    /// What effects are computed from; `base` is that of the present parameters.
+    pub signals: Signals,
+    /// What was measured.
+    pub target: Vec<f64>,
+}
+
+/// Records of one channel.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The records.
+    pub stretches: Vec<Stretch>,
+    /// The parameters that `signals.base` was computed with.
+    pub theta: [f64; 4],
+    /// What shapes are measured by.
+    pub scales: Scales,
+}
+
+/// An effect as it was fitted.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// Which.
+    pub candidate: Candidate,
+    /// Its shape parameters.
+    pub shapes: Vec<f64>,
+    /// Its amplitudes.
+    pub amplitudes: Vec<f64>,
+}
+
+impl Problem {
+    /// The channel's view of `recordings`; `None` where a signal is missing. `cutoff_hz` is where displacement ends
+    /// and noise begins (specimen only).
+    pub fn new(base: &Base, recordings: &[Recording], cutoff_hz: f64) -> Option<Self> {
+        let mut stretches = Vec::new();
+        for r in recordings {
+            let h = r.interval_s();
+            let displacement = r.displacement_mm.as_ref()?;
+            let none = || vec![0.0; displacement.len()];
+            let (motion, command, target) = match base.channel {
+                Channel::Actuator => (None, r.command_mm.as_ref()?.clone(), displacement.clone()),
+                Channel::Specimen => {
+                    let clean = crate::noise::without_hum(displacement, r);
+                    let motion = spectrum::smooth(&clean, h, cutoff_hz);
+                    (Some(motion), Vec::new(), r.force_n.as_ref()?.clone())
+                }
+            };
+            let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
+            stretches.push(Stretch {
+                signals: Signals {
+                    interval_s: h,
+                    time_s: r.time_s.clone(),
+                    x,
+                    v,
+                    a,
+                    base: none(),
+                    force: r.force_n.clone().unwrap_or_else(none),
+                    command,
+                },
+                target,
+            });
+        }
+        let first = stretches.first()?;
+        let scales = Scales {
+            x: 0.0,
+            v: 0.0,
+            base: 0.0,
+            stiffness: 1.0,
+            seconds: first.signals.interval_s * first.target.len() as f64,
+            interval_s: first.signals.interval_s,
+            actuator: Transfer {
+                gain: 1.0,
+                delay_s: 0.0,
+                lag_s: 0.0,
+                offset_mm: 0.0,
+            },
+            declared: Transfer {
+                gain: 1.0,
+                delay_s: 0.0,
+                lag_s: 0.0,
+                offset_mm: 0.0,
+            },
+            line_hz: None,
+        };
+        let mut problem = Self {
+            stretches,
+            theta: base.values,
+            scales,
+        };
+        problem.set(base, base.values);
+        problem.measure(base);
+        Some(problem)
+    }
+
+    /// Sizes of the motion.
+    fn measure(&mut self, base: &Base) {
+        let largest = |of: fn(&Signals) -> &Vec<f64>| {
+            let all = self.stretches.iter().flat_map(|s| of(&s.signals));
+            all.fold(0.0_f64, |m, x| m.max(x.abs())).max(1e-9)
+        };
+        let (x, v, answer) = (largest(|s| &s.x), largest(|s| &s.v), largest(|s| &s.base));
+        (self.scales.x, self.scales.v, self.scales.base) = (x, v, answer);
+        if base.channel == Channel::Specimen && base.values[0] != 0.0 {
+            self.scales.stiffness = base.values[0];
+        } else if base.channel == Channel::Specimen {
+            // A specimen without a stiffness of its own: forces are compared with the largest.
+            let force = self
+                .stretches
+                .iter()
+                .flat_map(|s| &s.target)
+                .fold(0.0_f64, |m, f| m.max(f.abs()));
+            self.scales.stiffness = (force / x).max(1e-12);
+        }
+    }
+
+    /// Computes the model's answer anew for other parameters.
+    pub fn set(&mut self, base: &Base, theta: [f64; 4]) {
+        self.theta = theta;
+        let transfer = Transfer {
+            gain: theta[0],
+            delay_s: 1e-3 * theta[1],
+            lag_s: 1e-3 * theta[2],
+            offset_mm: theta[3],
+        };
+        if base.channel == Channel::Actuator {
+            self.scales.actuator = transfer;
+            self.scales.declared.delay_s = 1e-3 * base.values[1];
+            self.scales.declared.lag_s = 1e-3 * base.values[2];
+        }
+        for stretch in &mut self.stretches {
+            let s = &mut stretch.signals;
+            match base.channel {
+                Channel::Actuator => {
+                    s.base = transfer.answer(&s.command, s.interval_s);
+                    s.x.clone_from(&s.base);
+                    s.v = derivative(&s.x, s.interval_s);
+                    s.a = derivative(&s.v, s.interval_s);
+                }
+                Channel::Specimen => {
+                    let force = |i: usize| {
+                        theta[0] * s.x[i] + theta[1] * s.v[i] + theta[2] * 1e-3 * s.a[i] + theta[3]
+                    };
+                    s.base = (0..s.x.len()).map(force).collect();
+                }
+            }
+        }
+        self.add_known(base);
+    }
+
+    /// What the model already knows beyond its parameters.
+    fn add_known(&mut self, base: &Base) {
+        for known in &base.known {
+            let library = crate::library::candidates(base.channel);
+            let Some(candidate) = library.into_iter().find(|c| c.effect == known.name) else {
+                continue;
+            };
+            let scales = Scales {
+                x: known.reference_mm,
+                ..self.scales
+            };
+            for stretch in &mut self.stretches {
+                let columns = (candidate.columns)(&stretch.signals, &known.shapes, &scales);
+                for (column, amplitude) in columns.iter().zip(&known.amplitudes) {
+                    add_scaled(&mut stretch.signals.base, column, *amplitude);
+                }
+            }
+            if base.channel == Channel::Actuator {
+                for stretch in &mut self.stretches {
+                    let s = &mut stretch.signals;
+                    s.x.clone_from(&s.base);
+                }
+            }
+        }
+    }
+
+    /// How the answer changes with the free parameters: a column each, stretch by stretch.
+    pub fn base_columns(&self, base: &Base, stretch: &Stretch) -> Vec<Vec<f64>> {
+        let s = &stretch.signals;
+        let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
+        let column = |f: &Free| match (base.channel, f.index) {
+            (_, 3) => vec![1.0; s.base.len()],
+            (Channel::Specimen, 0) => s.x.clone(),
+            (Channel::Specimen, 1) => s.v.clone(),
+            (Channel::Specimen, _) => scaled(&s.a, 1e-3),
+            (Channel::Actuator, 0) => s
+                .base
+                .iter()
+                .map(|y| (y - self.theta[3]) / self.theta[0])
+                .collect(),
+            (Channel::Actuator, 1) => scaled(&s.v, -1e-3),
+            (Channel::Actuator, _) => {
+                scaled(&lagged(&s.v, 1e-3 * self.theta[2], s.interval_s), -1e-3)
+            }
+        };
+        base.free.iter().map(column).collect()
+    }
+
+    /// The answer with effects: the base and their columns.
+    pub fn answer(&self, stretch: &Stretch, effects: &[Fitted], scales: &Scales) -> Vec<f64> {
+        let mut y = stretch.signals.base.clone();
+        for effect in effects {
+            let columns = (effect.candidate.columns)(&stretch.signals, &effect.shapes, scales);
+            for (column, amplitude) in columns.iter().zip(&effect.amplitudes) {
+                add_scaled(&mut y, column, *amplitude);
+            }
+        }
+        y
+    }
+
+    /// Measured less modelled, stretch by stretch.
+    pub fn residuals(&self, effects: &[Fitted], scales: &Scales) -> Vec<Vec<f64>> {
+        let residual = |s: &Stretch| {
+            let y = self.answer(s, effects, scales);
+            s.target.iter().zip(y).map(|(t, y)| t - y).collect()
+        };
+        self.stretches.iter().map(residual).collect()
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.stretches.iter().map(|s| s.target.len()).sum()
+    }
+}
+
+/// `y += factor x`.
+pub fn add_scaled(y: &mut [f64], x: &[f64], factor: f64) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// Root of the mean square.
+pub fn rms(parts: &[Vec<f64>]) -> f64 {
+    let n: usize = parts.iter().map(Vec::len).sum();
+    let square: f64 = parts.iter().flatten().map(|x| x * x).sum();
+    (square / n.max(1) as f64).sqrt()
+}

@@ -1,0 +1,148 @@
+//! What effects are computed from: one stretch of a record in a channel's own terms.
+
+/// A stretch of a record. `x` is what goes into the effects: the displacement of the specimen without its noise, or
+/// the actuator's answer as the model has it. `base` is what the model makes of it, `force` the measured force.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Sampling interval, s.
+    pub interval_s: f64,
+    /// Time since the record began, s.
+    pub time_s: Vec<f64>,
+    /// Displacement, mm.
+    pub x: Vec<f64>,
+    /// Velocity, mm/s.
+    pub v: Vec<f64>,
+    /// Acceleration, mm/s^2.
+    pub a: Vec<f64>,
+    /// What the model answers without the effect, mm or N.
+    pub base: Vec<f64>,
+    /// Measured force, N; zeros where there is none.
+    pub force: Vec<f64>,
+    /// Command, mm; empty in the specimen.
+    pub command: Vec<f64>,
+}
+
+/// Command to displacement: `gain lag(delay(u)) + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    /// Displacement per command.
+    pub gain: f64,
+    /// Transport delay, s.
+    pub delay_s: f64,
+    /// First-order time constant, s.
+    pub lag_s: f64,
+    /// Displacement at command 0, mm.
+    pub offset_mm: f64,
+}
+
+impl Transfer {
+    /// The answer to a command, mm.
+    pub fn answer(&self, command: &[f64], interval_s: f64) -> Vec<f64> {
+        let late = delayed(command, self.delay_s, interval_s);
+        let mut y = lagged(&late, self.lag_s, interval_s);
+        y.iter_mut()
+            .for_each(|y| *y = self.gain * *y + self.offset_mm);
+        y
+    }
+}
+
+/// Sizes that shape parameters and bounds are measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// Largest displacement, mm.
+    pub x: f64,
+    /// Largest velocity, mm/s.
+    pub v: f64,
+    /// Largest answer of the model, mm or N.
+    pub base: f64,
+    /// Stiffness, N/mm; 1 in the actuator.
+    pub stiffness: f64,
+    /// Length of the record, s.
+    pub seconds: f64,
+    /// Sampling interval, s.
+    pub interval_s: f64,
+    /// The actuator's gain, transport delay, s, lag, s, and offset, mm, as the model has them.
+    pub actuator: Transfer,
+    /// The same as declared.
+    pub declared: Transfer,
+    /// Frequency of the strongest line near the mains' in the residual, Hz, where there is one.
+    pub line_hz: Option<f64>,
+}
+
+/// Central differences, mm/s.
+pub fn derivative(x: &[f64], interval_s: f64) -> Vec<f64> {
+    let n = x.len();
+    (0..n)
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
+            (x[b] - x[a]) / ((b - a).max(1) as f64 * interval_s)
+        })
+        .collect()
+}
+
+/// `u` as it was `delay_s` earlier, straight between samples; before the first it stood still.
+pub fn delayed(u: &[f64], delay_s: f64, interval_s: f64) -> Vec<f64> {
+    let steps = delay_s / interval_s;
+    let whole = steps.floor();
+    let (fraction, whole) = (steps - whole, whole as isize);
+    let at = |i: isize| u[i.clamp(0, u.len() as isize - 1) as usize];
+    (0..u.len() as isize)
+        .map(|i| at(i - whole) + fraction * (at(i - whole - 1) - at(i - whole)))
+        .collect()
+}
+
+/// First-order lag, exact for an input that is straight between samples; begins settled.
+pub fn lagged(u: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
+    if lag_s <= 1e-3 * interval_s {
+        return u.to_vec();
+    }
+    let decay = (-interval_s / lag_s).exp();
+    let ramp = lag_s / interval_s;
+    // y' = (u - y) / T over a ramp: y1 = u1 - T m + (y0 - u0 + T m) exp(-h / T) with the slope m.
+    let mut y = u[0];
+    let mut out = Vec::with_capacity(u.len());
+    out.push(y);
+    for pair in u.windows(2) {
+        let rise = ramp * (pair[1] - pair[0]);
+        y = pair[1] - rise + (y - pair[0] + rise) * decay;
+        out.push(y);
+    }
+    out
+}
+
+/// Second-order low-pass of a natural frequency and damping ratio, trapezoidal; begins settled.
+pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
+    // Prewarped, so that the resonance stays where it is.
+    let w = (std::f64::consts::PI * hz * interval_s).tan();
+    let (a0, a1, a2) = (
+        1.0 + 2.0 * damping * w + w * w,
+        2.0 * w * w - 2.0,
+        1.0 - 2.0 * damping * w + w * w,
+    );
+    let gain = w * w / a0;
+    let (mut u1, mut u2, mut y1, mut y2) = (u[0], u[0], u[0], u[0]);
+    u.iter()
+        .map(|&u0| {
+            let y = gain * (u0 + 2.0 * u1 + u2) - (a1 * y1 + a2 * y2) / a0;
+            (u2, u1, y2, y1) = (u1, u0, y1, y);
+            y
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_comes_out_late_by_delay_and_lag() {
+        let h = 1e-3;
+        let ramp: Vec<f64> = (0..2000).map(|i| i as f64 * h).collect();
+        let late = |y: &[f64]| ramp[1999] - y[1999];
+        assert!((late(&delayed(&ramp, 0.0134, h)) - 0.0134).abs() < 1e-12);
+        assert!((late(&lagged(&ramp, 0.022, h)) - 0.022).abs() < 1e-12);
+        // 2 zeta / omega.
+        let y = resonant(&ramp, 20.0, 0.7, h);
+        assert!((late(&y) - 1.4 / (std::f64::consts::TAU * 20.0)).abs() < 1e-4);
+    }
+}

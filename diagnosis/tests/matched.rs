@@ -1,0 +1,207 @@
+//! Effects of the simulated rig, whose equations are much like the library's: an upper bound of what can be found.
+#![allow(missing_docs)]
+
+mod rig;
+
+use diagnosis::{ChannelAnswer, Verdict, diagnose};
+use plant::{Channel, Effect, EffectSpec};
+use rig::{model, pair};
+
+/// One size of every effect, well above the noise of 0.1 % of the range.
+fn cases() -> Vec<(Channel, EffectSpec)> {
+    use Channel::{Actuator, Specimen};
+    use Effect::*;
+    let case = |channel, effect, parameters: &[(&str, f64)]| {
+        (
+            channel,
+            EffectSpec::new(effect, parameters).in_channel(channel),
+        )
+    };
+    vec![
+        case(Actuator, DelayError, &[("delay_ms", 6.0)]),
+        case(Actuator, LagError, &[("lag_ms", 9.0)]),
+        case(Actuator, SecondLag, &[("lag_ms", 8.0)]),
+        case(
+            Actuator,
+            OilColumn,
+            &[("frequency_hz", 18.0), ("damping_ratio", 0.3)],
+        ),
+        case(Actuator, GainError, &[("error", 0.06)]),
+        case(Actuator, Offset, &[("offset_mm", 0.5)]),
+        case(Actuator, RigCompliance, &[("stiffness_n_per_mm", 20e3)]),
+        case(
+            Actuator,
+            Drift,
+            &[("rate_mm_per_s", 0.05), ("time_constant_s", 10.0)],
+        ),
+        case(
+            Actuator,
+            TemperatureGain,
+            &[("change", 0.1), ("time_constant_s", 8.0)],
+        ),
+        case(
+            Actuator,
+            CoulombFriction,
+            &[("error_mm", 0.2), ("presliding_mm", 0.1)],
+        ),
+        case(Actuator, Backlash, &[("width_mm", 0.5)]),
+        case(Actuator, DeadBand, &[("width_mm", 0.5)]),
+        case(Actuator, Saturation, &[("limit_mm", 7.0)]),
+        case(Actuator, RateLimit, &[("rate_mm_per_s", 45.0)]),
+        case(
+            Actuator,
+            AsymmetricActuator,
+            &[("difference", 0.06), ("retract_lag_ms", 4.0)],
+        ),
+        case(
+            Actuator,
+            MainsHum,
+            &[("amplitude_mm", 0.05), ("frequency_hz", 50.1)],
+        ),
+        case(Specimen, ChannelSkew, &[("skew_ms", 2.0)]),
+        case(Specimen, GainError, &[("error", 0.06)]),
+        case(Specimen, Offset, &[("offset_n", 200.0)]),
+        case(
+            Specimen,
+            Drift,
+            &[("rate_n_per_s", 60.0), ("time_constant_s", 10.0)],
+        ),
+        case(
+            Specimen,
+            TemperatureGain,
+            &[("change", 0.1), ("time_constant_s", 8.0)],
+        ),
+        case(
+            Specimen,
+            CoulombFriction,
+            &[("force_n", 150.0), ("presliding_mm", 0.05)],
+        ),
+        case(
+            Specimen,
+            StribeckFriction,
+            &[
+                ("force_n", 150.0),
+                ("rest_ratio", 2.5),
+                ("stribeck_mm_per_s", 10.0),
+                ("presliding_mm", 0.05),
+            ],
+        ),
+        case(
+            Specimen,
+            BilinearHysteresis,
+            &[("yield_mm", 5.0), ("hardening_ratio", 0.3)],
+        ),
+        case(
+            Specimen,
+            BoucWenHysteresis,
+            &[
+                ("yield_mm", 4.0),
+                ("hardening_ratio", 0.3),
+                ("sharpness", 1.5),
+            ],
+        ),
+        case(Specimen, Backlash, &[("width_mm", 0.5)]),
+        case(Specimen, DeadBand, &[("width_mm", 0.5)]),
+        case(Specimen, SlipGap, &[("gap_mm", 1.0), ("slip_n", 3000.0)]),
+        case(Specimen, Saturation, &[("limit_n", 7000.0)]),
+        case(Specimen, ViscousDamping, &[("damping_n_s_per_mm", 4.0)]),
+        case(
+            Specimen,
+            QuadraticDamping,
+            &[("damping_n_s2_per_mm2", 0.08)],
+        ),
+        case(
+            Specimen,
+            MaxwellDamper,
+            &[("stiffness_n_per_mm", 200.0), ("relaxation_ms", 60.0)],
+        ),
+        case(
+            Specimen,
+            Hardening,
+            &[("reference_mm", 25.0), ("exponent", 2.0)],
+        ),
+        case(
+            Specimen,
+            Softening,
+            &[("reference_mm", 25.0), ("exponent", 1.5)],
+        ),
+        case(Specimen, AsymmetricStiffness, &[("difference", 0.1)]),
+        case(Specimen, InertiaForce, &[("mass_kg", 60.0)]),
+        case(
+            Specimen,
+            MainsHum,
+            &[("amplitude_n", 60.0), ("frequency_hz", 49.9)],
+        ),
+    ]
+}
+
+fn asked(
+    effects: &[EffectSpec],
+    channel: Channel,
+    seed: u64,
+) -> (f64, ChannelAnswer, ChannelAnswer) {
+    let [train, test] = pair(effects, seed);
+    let answer = diagnose(&model(), &[train], &[test], &[]).unwrap_or_else(|e| panic!("{e}"));
+    let [a, s] = <[ChannelAnswer; 2]>::try_from(answer.channels).unwrap();
+    if channel == Channel::Actuator {
+        (answer.seconds, a, s)
+    } else {
+        (answer.seconds, s, a)
+    }
+}
+
+fn line(answer: &ChannelAnswer) -> String {
+    let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();
+    let others: Vec<&str> = answer.alternatives.iter().map(|e| e.name()).collect();
+    let figures: Vec<String> = answer
+        .effects
+        .iter()
+        .flat_map(|e| &e.parameters)
+        .map(|p| {
+            format!(
+                "{} {:.3} [{:.3}, {:.3}]",
+                p.name, p.value, p.ci90[0], p.ci90[1]
+            )
+        })
+        .collect();
+    format!(
+        "{:?} {names:?} or {others:?}; {:.4} -> {:.4}, floor {:.4}; {}{}",
+        answer.verdict,
+        answer.error_before.test_rms,
+        answer.error_after.test_rms,
+        answer.noise_floor_rms,
+        figures.join(", "),
+        answer
+            .nearest
+            .as_ref()
+            .map(|n| format!(" nearest {} {:.2}", n.name, n.explained))
+            .unwrap_or_default(),
+    )
+}
+
+#[test]
+fn every_effect_is_named_or_is_in_the_set() {
+    let (mut exact, mut in_set, mut clean) = (0, 0, 0);
+    let all = cases();
+    for (i, (channel, effect)) in all.iter().enumerate() {
+        let (seconds, answer, other) = asked(std::slice::from_ref(effect), *channel, i as u64);
+        let named = answer.effects.len() == 1 && answer.effects[0].name == effect.name;
+        exact += usize::from(named);
+        in_set += usize::from(named || answer.alternatives.contains(&effect.name));
+        clean += usize::from(other.verdict == Verdict::None);
+        println!(
+            "{} {:22} {channel:9} {seconds:4.1} s {}",
+            if named { "+" } else { "-" },
+            effect.name,
+            line(&answer)
+        );
+        if other.verdict != Verdict::None {
+            println!("    the other channel: {}", line(&other));
+        }
+    }
+    println!(
+        "exact {exact}, in the set {in_set}, other channel clean {clean}, of {}",
+        all.len()
+    );
+    assert!(in_set * 100 >= all.len() * 90, "{in_set} of {}", all.len());
+}
