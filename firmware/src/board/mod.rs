@@ -3,5 +3,8 @@
 #[cfg(target_os = "none")]
 pub mod stack;
 
+#[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
+pub mod nucleo_f429zi;
+
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod qemu;

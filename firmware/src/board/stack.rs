@@ -12,8 +12,8 @@ const PAINT: u32 = 0xC0DE_57AC;
 const OWN: usize = 64;
 
 unsafe extern "C" {
-    /// End of the static data, by cortex-m-rt's linker script: the stack may grow down to here.
-    static mut __sheap: u32;
+    /// By `memory.x`: the stack may grow down to here.
+    static mut _stack_end: u32;
 }
 
 /// The stack as it was when it was painted.
@@ -28,7 +28,7 @@ impl HighWater {
         let top = msp::read() as usize;
         let mut word = bottom();
         while word < top - OWN {
-            // SAFETY: between the end of the static data and the stack pointer nothing lives, there is no heap, and
+            // SAFETY: between the end of the stack and the stack pointer nothing lives, and
             // the words that this function itself uses are left out.
             unsafe { write_volatile(word as *mut u32, PAINT) };
             word += 4;
@@ -49,5 +49,5 @@ impl HighWater {
 }
 
 fn bottom() -> usize {
-    (&raw mut __sheap).addr()
+    (&raw mut _stack_end).addr()
 }

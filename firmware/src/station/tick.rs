@@ -188,6 +188,11 @@ impl Station {
         }
     }
 
+    /// Where the test stands.
+    pub fn state(&self) -> State {
+        self.setup.outer.state()
+    }
+
     /// One control step.
     #[inline]
     pub fn tick<H: Hardware>(&mut self, hardware: &mut H) {

@@ -1,0 +1,79 @@
+//! The lamps. What they mean is in `docs/wiring.md`.
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use embassy_stm32::Peri;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::peripherals::{PB0, PB7, PB14};
+use embassy_time::{Duration, Ticker};
+use firmware::board::nucleo_f429zi::drill;
+use outerloop_core::State;
+
+/// State and fault of the last step that was sent.
+static FLAGS: AtomicU32 = AtomicU32::new(0);
+
+/// Of a control step's record.
+pub fn show(flags: u32) {
+    FLAGS.store(flags, Relaxed);
+}
+
+/// The three lamps.
+pub struct Lamps {
+    green: Output<'static>,
+    blue: Output<'static>,
+    red: Output<'static>,
+}
+
+impl Lamps {
+    /// All dark.
+    pub fn new(
+        green: Peri<'static, PB0>,
+        blue: Peri<'static, PB7>,
+        red: Peri<'static, PB14>,
+    ) -> Self {
+        Self {
+            green: Output::new(green, Level::Low, Speed::Low),
+            blue: Output::new(blue, Level::Low, Speed::Low),
+            red: Output::new(red, Level::Low, Speed::Low),
+        }
+    }
+}
+
+/// A beat of all patterns.
+const BEAT: Duration = Duration::from_millis(100);
+
+/// Beats of a flash and the pause behind it.
+const FLASH: u32 = 4;
+
+#[embassy_executor::task]
+pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
+    let mut beat = Ticker::every(BEAT);
+    // Since the red pattern began.
+    let (mut red, mut last_fault) = (0_u32, 0);
+    for count in 0_u32.. {
+        drill::background();
+        let flags = FLAGS.load(Relaxed);
+        let fault = flags >> 8 & 0xff;
+        let state = State::ALL.into_iter().find(|&s| s as u32 == flags & 0xf);
+        let moving = matches!(
+            state,
+            Some(State::Armed | State::Running | State::Holding | State::Finished)
+        );
+        lamps.green.set_level(Level::from(match state {
+            Some(State::Running) => true,
+            Some(_) => count % 10 == 0,
+            None => false,
+        }));
+        lamps.blue.set_level(Level::from(moving));
+        if fault != last_fault {
+            (red, last_fault) = (0, fault);
+        }
+        lamps.red.set_level(Level::from(match (crystal_ok, fault) {
+            (false, _) => count % 2 == 0,
+            // As many flashes as the fault's number, then a pause as long as three.
+            (true, 1..) => red / FLASH < fault && red % FLASH < FLASH / 2,
+            (true, 0) => crashed,
+        }));
+        red = (red + 1) % (FLASH * (fault + 3));
+        beat.next().await;
+    }
+}

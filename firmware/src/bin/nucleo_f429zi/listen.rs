@@ -1,0 +1,113 @@
+//! The task that hears commands.
+
+use crate::report::Answers;
+use core::cell::RefCell;
+use embassy_futures::select::{Either, select};
+use embassy_stm32::usart::RingBufferedUartRx;
+use embassy_time::{Duration, Ticker, Timer, with_timeout};
+use firmware::board::nucleo_f429zi::store::Store;
+use firmware::board::stack::HighWater;
+use firmware::station::{Asked, Evidence, Outcome, Service, Settings, Sign};
+use heapless::spsc::Consumer;
+use link::Command;
+use link::frame::{Decoder, Kind, Seen};
+use link::message::Message;
+use link::reply::Answer;
+
+/// How often the task shows a sign of life, at least.
+const BEAT: Duration = Duration::from_millis(1);
+
+/// How long it sleeps while the control interrupt takes an order.
+const NAP: Duration = Duration::from_micros(200);
+
+/// What the task uses.
+pub struct Listener {
+    pub service: &'static RefCell<Service>,
+    pub outcomes: Consumer<'static, Outcome>,
+    pub answers: &'static Answers,
+    pub evidence: &'static Evidence,
+    pub store: Store,
+    pub stack: HighWater,
+}
+
+#[embassy_executor::task]
+pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
+    let mut decoder = Decoder::new();
+    let mut bytes = [0; 256];
+    loop {
+        listener.evidence.show(Sign::Listen);
+        let count = match with_timeout(BEAT, rx.read(&mut bytes)).await {
+            Ok(Ok(count)) => count,
+            // Noise or an overrun: reading starts again by itself, and the frame's check sum finds the hole.
+            Ok(Err(error)) => {
+                defmt::debug!("serial port: {}", error);
+                0
+            }
+            Err(_) => 0,
+        };
+        for &byte in bytes.iter().take(count) {
+            let Some(frame) = decoder.push(byte) else {
+                continue;
+            };
+            if frame.kind != Kind::Command {
+                continue;
+            }
+            let (request, command) = (frame.sequence, Command::decode(&frame));
+            listener.evidence.show(Sign::Heard);
+            let answer = match command {
+                Some(command) => listener.serve(request, command, decoder.seen()).await,
+                None => listener.service.borrow_mut().not_understood(request),
+            };
+            listener.answers.send(answer).await;
+        }
+    }
+}
+
+impl Listener {
+    async fn serve(&mut self, request: u16, command: Command, seen: Seen) -> Answer {
+        let stack_bytes = self.stack.bytes() as u32;
+        let mut asked = self
+            .service
+            .borrow_mut()
+            .hear(request, command, seen, stack_bytes);
+        loop {
+            asked = match asked {
+                Asked::Reply(answer) => return answer,
+                Asked::Save(settings) => {
+                    let written = self.save(&settings).await;
+                    return self.service.borrow_mut().saved(written);
+                }
+                Asked::Wait => {
+                    let outcome = self.outcome().await;
+                    self.service.borrow_mut().finish(outcome)
+                }
+            };
+        }
+    }
+
+    async fn outcome(&mut self) -> Outcome {
+        loop {
+            self.evidence.show(Sign::Listen);
+            if let Some(outcome) = self.outcomes.dequeue() {
+                return outcome;
+            }
+            Timer::after(NAP).await;
+        }
+    }
+
+    /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
+    async fn save(&mut self, settings: &Settings) -> bool {
+        let evidence = self.evidence;
+        let alive = async {
+            let mut beat = Ticker::every(BEAT);
+            loop {
+                evidence.show(Sign::Listen);
+                beat.next().await;
+            }
+        };
+        match select(self.store.save(settings), alive).await {
+            Either::First(written) => written,
+            Either::Second(never) => never,
+        }
+    }
+}

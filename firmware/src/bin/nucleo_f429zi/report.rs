@@ -1,0 +1,98 @@
+//! The task that sends: every control step, and the answers between them.
+
+use crate::lights;
+use core::cell::RefCell;
+use embassy_stm32::mode::Async;
+use embassy_stm32::usart::UartTx;
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::channel::Channel;
+use embassy_time::{Duration, Timer};
+use firmware::station::{Evidence, Report, Service, Sign};
+use heapless::Vec;
+use heapless::spsc::Consumer;
+use link::Telemetry;
+use link::frame::{Frame, Kind, MAX_WIRE, TooLong};
+use link::message::Message;
+use link::reply::Answer;
+use link::telemetry::STEPS;
+
+/// Answers on their way out.
+pub type Answers = Channel<NoopRawMutex, Answer, 2>;
+
+/// How often the task looks for something to send.
+const BEAT: Duration = Duration::from_millis(1);
+
+/// Beats after which a frame that is not full goes out.
+const PATIENCE_BEATS: u32 = 10;
+
+/// What the task uses.
+pub struct Reporter {
+    pub reports: Consumer<'static, Report>,
+    pub service: &'static RefCell<Service>,
+    pub answers: &'static Answers,
+    pub evidence: &'static Evidence,
+}
+
+#[embassy_executor::task]
+pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
+    let mut sequence = 0_u16;
+    let mut waited = 0;
+    loop {
+        reporter.evidence.show(Sign::Report);
+        let wire = if let Ok(answer) = reporter.answers.try_receive() {
+            answer.encode(sequence)
+        } else if reporter.reports.len() >= STEPS || waited >= PATIENCE_BEATS {
+            waited = 0;
+            let telemetry = reporter.gather();
+            if telemetry.steps.is_empty() {
+                continue;
+            }
+            telemetry_frame(&telemetry, sequence)
+        } else {
+            waited += 1;
+            Timer::after(BEAT).await;
+            continue;
+        };
+        // Nothing of this crate is longer than a frame; if it were, the number would not be used up.
+        if let Ok(wire) = wire {
+            sequence = sequence.wrapping_add(1);
+            if tx.write(&wire).await.is_err() {
+                defmt::debug!("serial port: a frame was not sent");
+            }
+        }
+    }
+}
+
+fn telemetry_frame(telemetry: &Telemetry, sequence: u16) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
+    let frame = Frame {
+        kind: Kind::Telemetry,
+        sequence,
+        body: &telemetry.encode(),
+    };
+    frame.encode()
+}
+
+impl Reporter {
+    /// Successive steps, as many as fit a frame.
+    fn gather(&mut self) -> Telemetry {
+        let mut telemetry = Telemetry::default();
+        let mut service = self.service.borrow_mut();
+        while let Some(report) = self.reports.peek() {
+            let next = telemetry
+                .first_tick
+                .wrapping_add(telemetry.steps.len() as u32);
+            if telemetry.steps.is_empty() {
+                telemetry.first_tick = report.tick;
+            } else if report.tick != next {
+                break;
+            }
+            if telemetry.steps.push(report.step).is_err() {
+                break;
+            }
+            service.see(report);
+            lights::show(report.step.flags);
+            self.reports.dequeue();
+        }
+        telemetry
+    }
+}

@@ -1,0 +1,99 @@
+//! What is kept across a reset: why the program died, in memory that the start does not touch.
+
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
+use embassy_stm32::pac;
+use link::frame::checksum;
+use link::status::{Cause, LastWords, Start};
+use outerloop_core::State;
+
+/// Bytes of coded last words, at most.
+const ROOM: usize = 160;
+
+#[repr(C)]
+struct Kept {
+    length: u32,
+    sum: u32,
+    bytes: [u8; ROOM],
+}
+
+/// Untouched by the start: it holds what the program before the reset has left, or the noise of power-up.
+#[unsafe(link_section = ".uninit.kept")]
+static mut KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
+
+static STATE: AtomicU8 = AtomicU8::new(State::Idle as u8);
+
+/// The control interrupt's state after a step, for last words.
+#[inline]
+pub fn note_state(state: State) {
+    STATE.store(state as u8, Relaxed);
+}
+
+/// The last noted state.
+pub fn noted_state() -> State {
+    let code = STATE.load(Relaxed);
+    State::ALL
+        .into_iter()
+        .find(|&s| s as u8 == code)
+        .unwrap_or(State::Idle)
+}
+
+/// Keeps `words` until [`take`]. For the control interrupt and for the end of the program, which nothing interrupts.
+pub fn keep(words: &LastWords) {
+    let mut kept = Kept {
+        length: 0,
+        sum: 0,
+        bytes: [0; ROOM],
+    };
+    if let Ok(coded) = postcard::to_slice(words, &mut kept.bytes) {
+        kept.length = coded.len() as u32;
+        kept.sum = checksum(coded.iter().copied());
+        // SAFETY: a plain store to memory of this type, by the only one who is running.
+        unsafe { (&raw mut KEPT).cast::<Kept>().write_volatile(kept) };
+    }
+}
+
+/// What was kept; it is forgotten. To be called once, before the control interrupt runs.
+pub fn take() -> Option<LastWords> {
+    let place = (&raw mut KEPT).cast::<Kept>();
+    // SAFETY: plain numbers, every pattern of bits is one; nobody else runs yet.
+    let kept = unsafe { place.read_volatile() };
+    // SAFETY: as above.
+    unsafe { (&raw mut (*place).length).write_volatile(0) };
+    let coded = kept.bytes.get(..kept.length as usize)?;
+    if coded.is_empty() || checksum(coded.iter().copied()) != kept.sum {
+        return None;
+    }
+    postcard::from_bytes(coded).ok()
+}
+
+/// Why the chip started; the flags are cleared for the next time.
+pub fn start() -> Start {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    if flags.wdgrstf() || flags.wwdgrstf() {
+        Start::Watchdog
+    } else if flags.sftrstf() {
+        Start::Software
+    } else if flags.porrstf() {
+        Start::Power
+    } else if flags.borrstf() {
+        Start::BrownOut
+    } else {
+        Start::Pin
+    }
+}
+
+/// The last words that belong to such a start. A watchdog that nobody has announced is news too.
+pub fn last_words(start: Start) -> Option<LastWords> {
+    match (start, take()) {
+        (Start::Power | Start::BrownOut, _) => None,
+        (Start::Watchdog, None) => Some(LastWords {
+            cause: Cause::Silent,
+            tick: 0,
+            state: State::Idle,
+            text: link::reply::cut("the control interrupt stopped"),
+        }),
+        (_, words) => words,
+    }
+}

@@ -1,0 +1,81 @@
+//! The NUCLEO-F429ZI (MB1137): every pin and every register that the image uses.
+//!
+//! # Wiring
+//! | signal | pin | connector | peripheral | level |
+//! |---|---|---|---|---|
+//! | displacement | PA3 | CN9-1, A0 | ADC1 channel 3, ranks 1 and 4 | 0 to 3.3 V |
+//! | restoring force | PC0 | CN9-3, A1 | ADC1 channel 10, ranks 2 and 3 | 0 to 3.3 V |
+//! | command | PA4 | CN7-17, D24 | DAC channel 1, buffered | 0.2 to 3.1 V into 5 kOhm and more |
+//! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
+//! | emergency stop | PE11 | CN10-6, D5 | input with pull-up | low: closed contact to ground; high: pressed, or a broken wire |
+//! | step | PE13 | CN10-10, D3 | output | high from the interrupt's begin until the command is in the converter: for a scope |
+//! | LD1 green | PB0 | on the board | output | see `docs/wiring.md` |
+//! | LD2 blue | PB7 | on the board | output | PERMIT |
+//! | LD3 red | PB14 | on the board | output | fault |
+//! | to the PC | PD8 | ST-LINK | USART3 TX, DMA1 stream 3 | 1 Mbit/s, 8N1 |
+//! | from the PC | PD9 | ST-LINK | USART3 RX, DMA1 stream 1 | |
+//! | clock | PH0 | ST-LINK | HSE bypass, 8 MHz | |
+//! | nothing | PA12 | CN13 | held low: reading flash bank 2 needs it on chips before revision 3 | leave USB OTG unplugged |
+//!
+//! # Timers
+//! | timer | does |
+//! |---|---|
+//! | TIM2 | the control period: its update starts the four injected conversions of ADC1 |
+//! | TIM4 | one pulse behind each update of TIM2: its compare hands the command to the DAC's output |
+//! | TIM3 | embassy's time, 1 us, 16 bits |
+//!
+//! # One control period
+//! ```text
+//!  0 us      TIM2 update: conversions d f f d, 3.24 us each; both channels' mean instant is 6.5 us + half a sampling time
+//!  12.95 us  end of conversion: the control interrupt, whose command goes into the DAC's holding register
+//!  40 us     TIM4 compare: the DAC takes the command over
+//! ```
+//!
+//! # Priorities
+//! The control interrupt has priority 0, the highest. Everything else has less and is all that a critical section masks
+//! ([`critical`]). So nothing that runs on this board delays the control interrupt, and it calls nothing that needs a
+//! critical section: no embassy, no defmt.
+
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::{bind_interrupts, dma, flash, interrupt, peripherals, usart};
+
+pub mod clocks;
+mod critical;
+pub mod drill;
+pub mod fatal;
+pub mod kept;
+pub mod metal;
+pub mod sampling;
+pub mod store;
+
+bind_interrupts!(
+    /// Embassy's interrupts. The control interrupt is none of them.
+    pub struct Irqs {
+        USART3 => usart::InterruptHandler<peripherals::USART3>;
+        DMA1_STREAM1 => dma::InterruptHandler<peripherals::DMA1_CH1>;
+        DMA1_STREAM3 => dma::InterruptHandler<peripherals::DMA1_CH3>;
+        FLASH => flash::InterruptHandler;
+    }
+);
+
+/// Of everything but the control interrupt.
+pub const BACKGROUND: Priority = Priority::P8;
+
+/// Puts embassy's interrupts, whose default is the highest priority, below the control interrupt's.
+pub fn lower_priorities() {
+    interrupt::TIM3.set_priority(BACKGROUND);
+    interrupt::USART3.set_priority(BACKGROUND);
+    interrupt::DMA1_STREAM1.set_priority(BACKGROUND);
+    interrupt::DMA1_STREAM3.set_priority(BACKGROUND);
+    interrupt::FLASH.set_priority(BACKGROUND);
+}
+
+/// Starts the control interrupt, with the highest priority.
+///
+/// # Safety
+/// What its handler uses has been put in place.
+pub unsafe fn start_control_interrupt() {
+    interrupt::ADC.set_priority(Priority::P0);
+    // SAFETY: by the caller.
+    unsafe { interrupt::ADC.enable() };
+}
