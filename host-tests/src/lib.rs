@@ -2,6 +2,7 @@
 //!
 //! The driver here is written apart from the PC tool's, so that a figure that both print has been computed twice.
 
+pub mod call_graph;
 pub mod data;
 pub mod qemu;
 

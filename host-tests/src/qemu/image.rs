@@ -16,6 +16,18 @@ const NO_COMPILER: i32 = 3;
 /// # Panics
 /// Where that is not allowed, or the script cannot be started.
 pub fn build(name: &str, features: &str) -> Option<Result<PathBuf, String>> {
+    cross("build", &["--bin", name], features)
+}
+
+/// Builds the test on the board itself, as [`build`].
+///
+/// # Panics
+/// As [`build`].
+pub fn on_target() -> Option<Result<PathBuf, String>> {
+    cross("test", &["--test", "on_target", "--no-run"], "on-target")
+}
+
+fn cross(verb: &str, what: &[&str], features: &str) -> Option<Result<PathBuf, String>> {
     let missing = |what: &str| {
         assert!(
             std::env::var_os(REQUIRED).is_none(),
@@ -27,19 +39,14 @@ pub fn build(name: &str, features: &str) -> Option<Result<PathBuf, String>> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/cross");
     let output = Command::new(script)
         .args([
-            "build",
+            verb,
             "-p",
             "firmware",
             "--release",
             "--message-format=json-render-diagnostics",
         ])
-        .args([
-            "--bin",
-            name,
-            "--no-default-features",
-            "--features",
-            features,
-        ])
+        .args(what)
+        .args(["--no-default-features", "--features", features])
         .output()
         .expect("scripts/cross starts");
     if output.status.code() == Some(NO_COMPILER) {

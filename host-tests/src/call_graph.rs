@@ -1,0 +1,190 @@
+//! Who can be called from a function of a Thumb-2 image, by its branches.
+//!
+//! # Limitations
+//! A call through a register cannot be followed; it is reported, so that a proof can demand that there is none.
+
+use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+/// The code of an image.
+pub struct CallGraph {
+    begin: u32,
+    code: Vec<u8>,
+    /// First address of a function to its end and name.
+    functions: BTreeMap<u32, (u32, String)>,
+    /// First address of a stretch to whether it is code; between the instructions lie tables and constants.
+    stretches: BTreeMap<u32, bool>,
+}
+
+/// What a function can come to.
+#[derive(Debug, Default)]
+pub struct Reach {
+    /// Names of the functions.
+    pub functions: BTreeSet<String>,
+    /// Addresses of calls and jumps through registers.
+    pub unknown: Vec<u32>,
+}
+
+/// What an instruction does to the flow.
+enum Flow {
+    To(u32),
+    Register,
+    On,
+}
+
+impl CallGraph {
+    /// Of an ELF image.
+    ///
+    /// # Errors
+    /// It is none, or has no code.
+    pub fn new(image: &[u8]) -> Result<Self, String> {
+        let file = object::File::parse(image).map_err(|e| e.to_string())?;
+        let text = file.section_by_name(".text").ok_or("there is no .text")?;
+        let code = text.data().map_err(|e| e.to_string())?.to_vec();
+        let begin = text.address() as u32;
+        let inside = begin..begin + code.len() as u32;
+        let (mut functions, mut stretches) = (BTreeMap::new(), BTreeMap::new());
+        for symbol in file.symbols() {
+            let name = symbol.name().unwrap_or_default();
+            // Bit 0 of a function's address says that it is Thumb code.
+            let at = symbol.address() as u32 & !1;
+            if !inside.contains(&at) {
+                continue;
+            }
+            if name.starts_with("$t") || name.starts_with("$d") {
+                stretches.insert(at, name.starts_with("$t"));
+            } else if symbol.kind() == SymbolKind::Text && symbol.size() > 0 {
+                functions.insert(at, (at + symbol.size() as u32, name.to_owned()));
+            }
+        }
+        Ok(Self {
+            begin,
+            code,
+            functions,
+            stretches,
+        })
+    }
+
+    /// Everything that `name` can come to, itself included, without what lies behind functions with `stop` in their
+    /// names.
+    ///
+    /// # Errors
+    /// There is no such function, or something branches to where none is.
+    pub fn reach(&self, name: &str, stop: &str) -> Result<Reach, String> {
+        let first = self.functions.iter().find(|(_, (_, n))| n == name);
+        let mut open = vec![*first.ok_or(format!("there is no {name}"))?.0];
+        let (mut seen, mut reach) = (BTreeSet::new(), Reach::default());
+        while let Some(at) = open.pop() {
+            let (&begin, (end, name)) = self
+                .functions
+                .range(..=at)
+                .next_back()
+                .filter(|(_, (end, _))| at < *end)
+                .ok_or(format!("{at:#010x} is in no function"))?;
+            if seen.insert(begin) {
+                reach.functions.insert(name.clone());
+                if name.contains(stop) {
+                    continue;
+                }
+                self.branches(begin..*end, |from, flow| match flow {
+                    Flow::To(to) if (begin..*end).contains(&to) => {}
+                    Flow::To(to) => open.push(to),
+                    Flow::Register => reach.unknown.push(from),
+                    Flow::On => {}
+                });
+            }
+        }
+        Ok(reach)
+    }
+
+    fn branches(&self, function: Range<u32>, mut each: impl FnMut(u32, Flow)) {
+        let mut at = function.start;
+        while at < function.end {
+            let is_code = self.stretches.range(..=at).next_back();
+            if !is_code.is_some_and(|(_, &code)| code) {
+                at += 2;
+                continue;
+            }
+            let (length, flow) = decode(at, self.half(at), self.half(at + 2));
+            each(at, flow);
+            at += length;
+        }
+    }
+
+    fn half(&self, at: u32) -> u16 {
+        let i = (at - self.begin) as usize;
+        self.code
+            .get(i..i + 2)
+            .map_or(0, |b| u16::from_le_bytes([b[0], b[1]]))
+    }
+}
+
+/// The instruction at `at`: its length, and where it may go. Encodings by the ARMv7-M manual, A7.7.
+fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
+    let to = |offset: i32| Flow::To(at.wrapping_add(4).wrapping_add_signed(offset));
+    // The low `bits` of `value`, with its sign.
+    let signed = |value: u32, bits: u32| ((value << (32 - bits)) as i32) >> (32 - bits);
+    if first >> 11 < 0b11101 {
+        let flow = match first {
+            // B<c>, but for the undefined and the supervisor call.
+            0xd000..=0xddff => to(signed(u32::from(first & 0xff) << 1, 9)),
+            0xe000..=0xe7ff => to(signed(u32::from(first & 0x7ff) << 1, 12)),
+            // CBZ and CBNZ go forward only.
+            _ if first & 0xf500 == 0xb100 => {
+                let i = u32::from(first);
+                to(((i >> 3 & 0x1f) << 1 | (i >> 9 & 1) << 6) as i32)
+            }
+            // BX and BLX, but for the return by LR.
+            _ if first & 0xff00 == 0x4700 && first & 0x78 != 0x70 => Flow::Register,
+            _ => Flow::On,
+        };
+        return (2, flow);
+    }
+    let (a, b) = (u32::from(first), u32::from(second));
+    if first & 0xf800 != 0xf000 || b & 0x8000 == 0 {
+        return (4, Flow::On);
+    }
+    let (sign, j1, j2) = (a >> 10 & 1, b >> 13 & 1, b >> 11 & 1);
+    let flow = if b & 0x5000 != 0 && b & 0x5000 != 0x4000 {
+        // B.W and BL.
+        let (i1, i2) = (1 ^ j1 ^ sign, 1 ^ j2 ^ sign);
+        let offset = sign << 24 | i1 << 23 | i2 << 22 | (a & 0x3ff) << 12 | (b & 0x7ff) << 1;
+        to(signed(offset, 25))
+    } else if b & 0x5000 == 0 && a >> 6 & 0xf < 0xe {
+        // B<c>.W.
+        let offset = sign << 20 | j2 << 19 | j1 << 18 | (a & 0x3f) << 12 | (b & 0x7ff) << 1;
+        to(signed(offset, 21))
+    } else {
+        // Hints, barriers, special registers.
+        Flow::On
+    };
+    (4, flow)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Instructions as an assembler gives them for address 0x1000.
+    #[test]
+    fn branches_go_where_an_assembler_says() {
+        let to = |first, second| match decode(0x1000, first, second) {
+            (length, Flow::To(to)) => (length, Some(to)),
+            (length, Flow::Register) => (length, Some(0)),
+            (length, Flow::On) => (length, None),
+        };
+        assert_eq!(to(0xe7fe, 0), (2, Some(0x1000)), "b .");
+        assert_eq!(to(0xd1fc, 0), (2, Some(0xffc)), "bne");
+        assert_eq!(to(0xb108, 0), (2, Some(0x1006)), "cbz r0, .+6");
+        assert_eq!(to(0xf000, 0xf87e), (4, Some(0x1100)), "bl .+0x100");
+        assert_eq!(to(0xf7ff, 0xfffe), (4, Some(0x1000)), "bl .");
+        assert_eq!(to(0xf7ff, 0xbffe), (4, Some(0x1000)), "b.w .");
+        assert_eq!(to(0xf43f, 0xaffe), (4, Some(0x1000)), "beq.w .");
+        assert_eq!(to(0x4798, 0), (2, Some(0)), "blx r3");
+        assert_eq!(to(0x4770, 0), (2, None), "bx lr");
+        assert_eq!(to(0xf3bf, 0x8f4f), (4, None), "dsb");
+        assert_eq!(to(0xf3ef, 0x8008), (4, None), "mrs r0, msp");
+        assert_eq!(to(0xdf00, 0), (2, None), "svc");
+    }
+}

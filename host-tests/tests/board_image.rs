@@ -1,0 +1,87 @@
+//! The image that is flashed, looked at without running it: its size, and what its control interrupt can come to.
+#![allow(missing_docs)]
+
+use host_tests::call_graph::CallGraph;
+use host_tests::qemu::image::{image, on_target};
+use object::{Object, ObjectSection, SectionKind};
+
+/// 18 % of the first bank of the flash. Three sizes of loop, each with its design in software double precision, are more than
+/// half of it.
+const MOST_FLASH: u64 = 180 * 1024;
+
+#[test]
+fn sizes() {
+    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
+        return;
+    };
+    let bytes = std::fs::read(image).unwrap();
+    let file = object::File::parse(&*bytes).unwrap();
+    let (mut flash, mut ram) = (0, 0);
+    for section in file.sections() {
+        match section.kind() {
+            SectionKind::Text | SectionKind::ReadOnlyData => flash += section.size(),
+            // Initialised variables lie in both.
+            SectionKind::Data => (flash, ram) = (flash + section.size(), ram + section.size()),
+            SectionKind::UninitializedData => ram += section.size(),
+            _ => {}
+        }
+    }
+    let kib = |bytes: u64| bytes as f64 / 1024.0;
+    println!(
+        "flash {:.1} KiB, RAM {:.1} KiB and 40 KiB of stack",
+        kib(flash),
+        kib(ram)
+    );
+    assert!(flash <= MOST_FLASH, "{flash}");
+}
+
+/// Nothing that the tasks do can then hold the control interrupt up, and it is computed in single precision.
+#[test]
+fn the_control_interrupt_calls_no_log_no_critical_section_and_no_double_precision() {
+    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
+        return;
+    };
+    let graph = CallGraph::new(&std::fs::read(image).unwrap()).unwrap();
+    let reach = graph.reach("ADC", "rust_begin_unwind").unwrap();
+    let with = |part: &str| -> Vec<&String> {
+        reach
+            .functions
+            .iter()
+            .filter(|f| f.contains(part))
+            .collect()
+    };
+    assert_eq!(reach.unknown, [0; 0], "calls through registers");
+    for absent in [
+        "defmt",
+        "critical_section",
+        "embassy",
+        "__aeabi_d",
+        "__aeabi_f2d",
+    ] {
+        assert_eq!(with(absent), [""; 0]);
+    }
+    assert!(!with("AnyLoop").is_empty(), "the loop is in it");
+    // The queues' length is a variable to heapless, which divides by it; it is not zero.
+    let panics = with("panicking");
+    assert!(
+        panics
+            .iter()
+            .all(|p| p.contains("panic_fmt") || p.contains("panic_const_rem_by_zero")),
+        "{panics:?}"
+    );
+    println!("{} functions", reach.functions.len());
+
+    // The search finds them where they are.
+    let tasks = graph.reach("main", "rust_begin_unwind").unwrap().functions;
+    for present in ["defmt", "critical_section", "__aeabi_d"] {
+        assert!(tasks.iter().any(|f| f.contains(present)), "{present}");
+    }
+}
+
+#[test]
+fn the_test_on_the_board_builds() {
+    let Some(built) = on_target() else {
+        return;
+    };
+    built.unwrap();
+}
