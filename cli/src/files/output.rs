@@ -30,3 +30,18 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure>
     }
     Ok(())
 }
+
+/// Writes one file, whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written; what was there before is left as it was.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let name = path.file_name().and_then(|n| n.to_str()).ok_or_else(|| {
+        Failure::input(format!(
+            "{}: is no name of a file: accepted is a path that ends with one",
+            path.display()
+        ))
+    })?;
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    write_all(folder.unwrap_or(Path::new(".")), &[(name, text.to_owned())])
+}

@@ -3,6 +3,7 @@
 pub mod check;
 pub mod compare;
 pub mod demo;
+pub mod diagnose;
 pub mod effects;
 pub mod run;
 
