@@ -20,7 +20,7 @@ pub struct Experiment {
     pub test: TestFile,
     /// Name of the ground motion.
     pub record: String,
-    /// Length, rest and all, s of model time.
+    /// Length, s of model time.
     pub seconds: f64,
     /// Factor on the ground motion.
     pub scale: f64,
@@ -61,11 +61,7 @@ impl Experiment {
                 )));
             }
         };
-        // Rest is whole intervals of the record, so that its points stay what they are.
-        let still = (test.excitation.rest_s / shaking.interval_s).round() as usize;
-        let seconds = seconds + still as f64 * shaking.interval_s;
-        let mut acc_m_per_s2 = vec![0.0; still];
-        acc_m_per_s2.extend_from_slice(&shaking.acc_m_per_s2);
+        let mut acc_m_per_s2 = shaking.acc_m_per_s2.clone();
         let points = (seconds / shaking.interval_s).ceil() as usize + 1;
         acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
         let mut experiment = Self {
@@ -145,15 +141,30 @@ impl Experiment {
         keep: bool,
         tell: impl Witness,
     ) -> Result<Run, Failure> {
-        let mut config = self.test.config.clone();
-        config.compensation.kind = method;
-        let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
-        let mut witnesses = (Score::against(ideal), trace, tell);
         let bench = PlantBench {
             spec: &self.test.plant,
             seed,
         };
-        let ending = self.on(&bench, &config, &mut witnesses)?;
+        self.run_on(&bench, method, ideal, keep, tell)
+    }
+
+    /// Runs the test with `method` on `bench` and judges it against `ideal`. `keep`: every step is kept.
+    ///
+    /// # Errors
+    /// A parameter that is refused, with its name and value; a bench that cannot be set up.
+    pub fn run_on(
+        &self,
+        bench: &impl Bench,
+        method: Method,
+        ideal: &Response,
+        keep: bool,
+        tell: impl Witness,
+    ) -> Result<Run, Failure> {
+        let mut config = self.test.config.clone();
+        config.compensation.kind = method;
+        let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
+        let mut witnesses = (Score::against(ideal), trace, tell);
+        let ending = self.on(bench, &config, &mut witnesses)?;
         let (score, trace, _) = witnesses;
         Ok(Run {
             summary: Summary::of(self, method, &score, &ending),
@@ -182,7 +193,15 @@ impl Experiment {
         let steps = self.control_steps();
         with_floors!(config.degrees_of_freedom(), N => {
             let design = Design::<N>::new(config).map_err(|e| Failure::input(e.to_string()))?;
-            bench.run(&Assignment { config, design, ground, steps }, witness)
+            let assignment = Assignment {
+                config,
+                design,
+                ground,
+                points_m_per_s2: &self.acc_m_per_s2,
+                interval_s: self.interval_s,
+                steps,
+            };
+            bench.run(&assignment, witness)
         })
     }
 

@@ -6,15 +6,16 @@
 //! | [`files`] | what people write and read: tests, ground motions, recorded data |
 //! | [`experiment`] | a test on a ground motion, and the ideal that it is compared with |
 //! | [`bench`](mod@bench) | where a test runs: one trait, whatever stands behind it |
+//! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
-//! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
 
 pub mod bench;
+pub mod board;
 pub mod experiment;
 pub mod failure;
 pub mod files;
@@ -25,4 +26,3 @@ pub mod summary;
 pub mod terminal;
 pub mod trace;
 pub mod verb;
-pub mod wording;

@@ -18,8 +18,8 @@ enum Verb {
     Run(verb::run::Run),
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
-    Diagnose(verb::diagnose::Diagnose),
     Effects(verb::effects::Effects),
+    Board(verb::board::Board),
 }
 
 fn main() -> ExitCode {
@@ -28,8 +28,8 @@ fn main() -> ExitCode {
         Verb::Run(v) => v.go(),
         Verb::Compare(v) => v.go(),
         Verb::Check(v) => v.go(),
-        Verb::Diagnose(v) => v.go(),
         Verb::Effects(v) => v.go(),
+        Verb::Board(v) => v.go(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

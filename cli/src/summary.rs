@@ -1,9 +1,9 @@
 //! What a test is judged by, in figures and in words.
 
-use crate::bench::Ending;
+use crate::bench::{Ending, OnBoard};
 use crate::experiment::Experiment;
 use crate::score::Score;
-use outerloop_core::{Method, State, Trip};
+use outerloop_core::{Fault, Method, State, Trip};
 use serde::Serialize;
 
 /// From this eps_rms on, a result is not the structure's, however stable the test was.
@@ -92,9 +92,20 @@ pub struct Summary {
     pub record_scale: f64,
     /// Seconds on the wall clock.
     pub wall_s: f64,
+    /// What a board had to tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub board: Option<OnBoard>,
     /// The fault with its value and limit.
     #[serde(skip)]
     pub trip_detail: Option<Trip>,
+}
+
+/// A fault that has no value: it is there or it is not.
+const fn is_fact(fault: Fault) -> bool {
+    matches!(
+        fault,
+        Fault::AdcRail | Fault::DeadlineMissed | Fault::LinkLost | Fault::EmergencyStop
+    )
 }
 
 impl Summary {
@@ -130,6 +141,7 @@ impl Summary {
             model_doubt_share: share(score.doubtful, score.control_steps),
             record_scale: e.scale,
             wall_s: ending.wall_s,
+            board: ending.board.clone(),
             trip_detail: ending.trip,
         }
     }
@@ -154,6 +166,11 @@ impl Summary {
         let percent = |share: f64| format!("{:.2} %", share * 100.0);
         let (rms, max) = (percent(self.eps_rms), percent(self.eps_max));
         match (self.verdict, self.trip_detail) {
+            (Verdict::Tripped, Some(t)) if is_fact(t.fault) => format!(
+                "Tripped on {} after {:.2} s of the laboratory.",
+                t.fault.name(),
+                self.steps as f64 / self.rate_hz,
+            ),
             (Verdict::Tripped, Some(t)) => format!(
                 "Tripped on {} after {:.2} s of the laboratory: {} {unit} against a limit of {} {unit}.",
                 t.fault.name(),

@@ -106,6 +106,8 @@ pub struct Floor {
 pub struct Trace {
     /// Control rate, Hz.
     pub rate_hz: f64,
+    /// Control steps of the loop.
+    pub tick: Vec<u32>,
     /// Integration steps solved so far.
     pub step: Vec<u32>,
     /// Flags as core's record has them.
@@ -146,15 +148,16 @@ impl Trace {
         self.step.is_empty()
     }
 
-    /// Time of control step `i` since the start, s of the laboratory.
+    /// Time of record `i` since the first, s of the laboratory. Steps that were lost on their way from a board leave a gap.
     pub fn time_s(&self, i: usize) -> f64 {
-        i as f64 / self.rate_hz
+        f64::from(self.tick[i].wrapping_sub(self.tick[0])) / self.rate_hz
     }
 }
 
 impl Witness for Trace {
     #[inline]
     fn see<const N: usize>(&mut self, r: &Record<N>) {
+        self.tick.push(r.tick);
         self.step.push(r.step);
         self.flags.push(r.flags);
         self.ground_m_per_s2.push(r.ground_m_per_s2);

@@ -6,7 +6,9 @@ pub use self::plant::PlantBench;
 
 use crate::failure::Failure;
 use crate::trace::Witness;
+use link::status::Timing;
 use outerloop_core::{Config, Design, GroundMotion, State, Trip};
+use serde::Serialize;
 
 /// A test, ready to run.
 #[derive(Clone, Debug)]
@@ -17,12 +19,16 @@ pub struct Assignment<'a, const N: usize> {
     pub design: Design<N>,
     /// What shakes the structure.
     pub ground: GroundMotion<'a>,
+    /// The points of the ground motion, m/s^2, for a bench that has to be sent them.
+    pub points_m_per_s2: &'a [f32],
+    /// Their interval in model time, s.
+    pub interval_s: f64,
     /// Control steps from the start to the end.
     pub steps: usize,
 }
 
 /// How a test ended.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Ending {
     /// Where the loop stood.
     pub state: State,
@@ -30,6 +36,69 @@ pub struct Ending {
     pub trip: Option<Trip>,
     /// Seconds on the wall clock.
     pub wall_s: f64,
+    /// What only a board has to tell.
+    pub board: Option<OnBoard>,
+}
+
+/// What a board has to tell beside the test.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnBoard {
+    /// Its name.
+    pub board: String,
+    /// Commit of its firmware.
+    pub commit: String,
+    /// Control steps that were received since the test was in force on the board.
+    pub steps_received: u64,
+    /// Steps missing between those.
+    pub steps_lost: u64,
+    /// Steps that the board could not send since it has power.
+    pub steps_dropped: Option<u32>,
+    /// Received steps whose record the PC could not work out again with the same bits.
+    pub steps_different: u64,
+    /// Times of the control step on the board.
+    pub timing: Option<Timing>,
+    /// Cycles of its processor in a second.
+    pub clock_hz: u32,
+    /// Why the link was lost.
+    pub link: Option<String>,
+}
+
+impl OnBoard {
+    /// In a plain sentence.
+    pub fn sentence(&self) -> String {
+        let steps = match (self.steps_lost, self.steps_different) {
+            (0, 0) => format!(
+                "All {} control steps were received, and the PC worked each out again with the same bits.",
+                self.steps_received
+            ),
+            (lost, different) => format!(
+                "{} control steps were received and {lost} lost on the way; the records of {different} hold only what \
+                 the board itself reported.",
+                self.steps_received
+            ),
+        };
+        let us = |cycles: u32| f64::from(cycles) / f64::from(self.clock_hz) * 1e6;
+        let timing = self.timing.map_or_else(String::new, |t| {
+            format!(
+                " A step took {:.1} us at worst and {:.1} us on average of {:.0} us; the period was {} to {} cycles of \
+                 {}; {} overruns.",
+                us(t.worst_step_cycles),
+                us(t.mean_step_cycles),
+                us(t.period_cycles),
+                t.shortest_period_cycles,
+                t.longest_period_cycles,
+                t.period_cycles,
+                t.overruns
+            )
+        });
+        let link = self.link.as_ref().map_or_else(String::new, |why| {
+            format!(" What was received is kept; {why}.")
+        });
+        format!(
+            "Ran on {} ({}). {steps}{timing}{link}",
+            self.board, self.commit
+        )
+    }
 }
 
 /// Something that a test can run on.

@@ -68,6 +68,7 @@ impl Bench for PlantBench<'_> {
             state: outer.state(),
             trip: outer.trip(),
             wall_s: began.elapsed().as_secs_f64(),
+            board: None,
         })
     }
 }

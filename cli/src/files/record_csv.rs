@@ -76,7 +76,7 @@ mod tests {
         };
         for i in 0..500 {
             let mut r = Record::<3>::EMPTY;
-            (r.step, r.flags) = (i, u32::MAX - i);
+            (r.tick, r.step, r.flags) = (i + 7, i, u32::MAX - i);
             r.command_m = [next(), next(), next()];
             r.force_n = [next(), next(), next()];
             r.gain = [next(), next(), next()];

@@ -1,9 +1,9 @@
 //! One file a verb.
 
+pub mod board;
 pub mod check;
 pub mod compare;
 pub mod demo;
-pub mod diagnose;
 pub mod effects;
 pub mod run;
 

@@ -1,0 +1,213 @@
+//! Commands and their answers, and the telemetry between them.
+
+use super::port::Port;
+use crate::failure::Failure;
+use link::continuity::{Continuity, Ticks};
+use link::frame::{Decoder, Kind, Seen};
+use link::message::Message;
+use link::reply::{Answer, Reply};
+use link::telemetry::StepReport;
+use link::{Command, Telemetry, VERSION};
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// The board is asked how it is after so many control steps at most: it gives the PC up after 1000.
+const STEPS_A_SIGN: u32 = 200;
+
+/// And after so long at most, should no steps arrive.
+const TIME_A_SIGN: Duration = Duration::from_millis(100);
+
+/// How often a command is sent, under its one number, before the board counts as silent.
+const ATTEMPTS: u32 = 4;
+
+/// How long the PC waits.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// For the answer to a command, before it is sent again.
+    pub answer: Duration,
+    /// For any byte at all, before the link counts as lost.
+    pub silence: Duration,
+}
+
+impl Patience {
+    /// For a board.
+    pub const BOARD: Self = Self {
+        answer: Duration::from_secs(1),
+        silence: Duration::from_secs(1),
+    };
+
+    /// For an emulator, whose seconds are longer than the wall's.
+    pub const EMULATED: Self = Self {
+        answer: Duration::from_secs(30),
+        silence: Duration::from_secs(30),
+    };
+}
+
+/// A connection to a board.
+pub struct Connection<P> {
+    port: P,
+    patience: Patience,
+    decoder: Decoder,
+    frames: Continuity,
+    ticks: Ticks,
+    sequence: u16,
+    answers: VecDeque<Answer>,
+    steps: VecDeque<(u32, StepReport)>,
+    heard: Instant,
+    sign: Instant,
+    steps_since_sign: u32,
+}
+
+impl<P: Port> Connection<P> {
+    /// Over `port`. Nothing is sent yet.
+    pub fn new(port: P, patience: Patience) -> Self {
+        let now = Instant::now();
+        Self {
+            port,
+            patience,
+            decoder: Decoder::new(),
+            frames: Continuity::new(),
+            ticks: Ticks::new(),
+            // The number of an earlier session's last command must not come again: the board would only repeat itself.
+            sequence: rand_start(),
+            answers: VecDeque::new(),
+            steps: VecDeque::new(),
+            heard: now,
+            sign: now,
+            steps_since_sign: 0,
+        }
+    }
+
+    /// Sends `command` and waits for its answer. Telemetry that comes meanwhile is kept.
+    ///
+    /// # Errors
+    /// The link is gone, or the board is silent or of another version.
+    pub fn ask(&mut self, command: &Command) -> Result<Reply, Failure> {
+        let request = self.next_request();
+        let wire = command.encode(request).map_err(|_| {
+            Failure::input("the command does not fit a frame of the link: accepted are tests of up to 8 floors")
+        })?;
+        for _ in 0..ATTEMPTS {
+            // The zero ends whatever stood on the line before.
+            self.send(&[0])?;
+            self.send(&wire)?;
+            let began = Instant::now();
+            while began.elapsed() < self.patience.answer {
+                self.receive()?;
+                while let Some(answer) = self.answers.pop_front() {
+                    if answer.request == request {
+                        return self.understood(answer.reply);
+                    }
+                }
+                if let Some(version) = self.decoder.other_version() {
+                    return Err(other_version(version));
+                }
+            }
+        }
+        Err(Failure::test(
+            "the board does not answer: is this its port, has it power, and is the firmware flashed?",
+        ))
+    }
+
+    /// A step of the telemetry, if one is there; shows the board that the PC is there.
+    ///
+    /// # Errors
+    /// The link is gone.
+    pub fn step(&mut self) -> Result<Option<(u32, StepReport)>, Failure> {
+        if self.steps.is_empty() {
+            self.receive()?;
+        }
+        if self.steps_since_sign >= STEPS_A_SIGN || self.sign.elapsed() >= TIME_A_SIGN {
+            self.sign = Instant::now();
+            self.steps_since_sign = 0;
+            let request = self.next_request();
+            if let Ok(wire) = Command::Status.encode(request) {
+                self.send(&wire)?;
+            }
+        }
+        Ok(self.steps.pop_front())
+    }
+
+    /// Throws away the telemetry that has come.
+    pub fn forget_steps(&mut self) {
+        self.steps.clear();
+    }
+
+    /// Steps of the telemetry that were received, and that are missing between them.
+    pub fn counted(&self) -> (u64, u64) {
+        (self.ticks.received(), self.ticks.lost())
+    }
+
+    /// Frames missing between those that came, and what the decoder has seen.
+    pub fn frames(&self) -> (u64, Seen) {
+        (self.frames.lost(), self.decoder.seen())
+    }
+
+    fn next_request(&mut self) -> u16 {
+        self.sequence = self.sequence.wrapping_add(1);
+        self.sequence
+    }
+
+    fn understood(&self, reply: Reply) -> Result<Reply, Failure> {
+        match reply {
+            Reply::Unknown => Err(other_version(VERSION)),
+            reply => Ok(reply),
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        self.port.write(bytes).map_err(|e| lost(&e))
+    }
+
+    fn receive(&mut self) -> Result<(), Failure> {
+        let mut bytes = [0; 4096];
+        let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
+        if count > 0 {
+            self.heard = Instant::now();
+        } else if self.heard.elapsed() > self.patience.silence * ATTEMPTS {
+            return Err(Failure::test(format!(
+                "the link to the board is lost: nothing came for {:.0} s",
+                self.heard.elapsed().as_secs_f64()
+            )));
+        }
+        for &byte in bytes.get(..count).unwrap_or(&[]) {
+            let Some(frame) = self.decoder.push(byte) else {
+                continue;
+            };
+            self.frames.take(frame.sequence);
+            match frame.kind {
+                Kind::Telemetry => {
+                    let Some(telemetry) = Telemetry::decode(frame.body) else {
+                        continue;
+                    };
+                    for (k, step) in (0_u32..).zip(&telemetry.steps) {
+                        let tick = telemetry.first_tick.wrapping_add(k);
+                        self.ticks.take(tick);
+                        self.steps.push_back((tick, *step));
+                        self.steps_since_sign += 1;
+                    }
+                }
+                Kind::Reply => self.answers.extend(Answer::decode(&frame)),
+                Kind::Command => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number that another session hardly began with.
+fn rand_start() -> u16 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0, |t| t.subsec_micros() as u16 ^ t.as_secs() as u16)
+}
+
+fn lost(e: &std::io::Error) -> Failure {
+    Failure::test(format!("the link to the board is lost: {e}"))
+}
+
+fn other_version(version: u8) -> Failure {
+    Failure::input(format!(
+        "the board speaks another version of the link ({version}, this program {VERSION}): accepted is firmware of the \
+         same release, to be flashed with `cargo run -p firmware --release`"
+    ))
+}

@@ -1,0 +1,197 @@
+//! The board's loop again, on the PC.
+//!
+//! The outer loop has the same bits here as there. Fed with the converter codes that the board sampled and the events at
+//! the steps at which it took them, it works out every word of every record; the digest that travels with each step
+//! proves it. After a step that is missing this cannot go on, and a record holds what the telemetry says, no more.
+
+use link::channel::ErrorFeedback;
+use link::telemetry::{StepReport, digest};
+use link::{AdcCode, Calibration};
+use outerloop_core::record::flag;
+use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State};
+use std::collections::VecDeque;
+
+/// What the mirror has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// Steps whose every word was worked out again and proven.
+    pub proven: u64,
+    /// Steps whose record is not the PC's.
+    pub different: u64,
+    /// Steps missing before others.
+    pub missing: u64,
+}
+
+/// The loop on the PC.
+pub struct Mirror<'a, const N: usize> {
+    outer: OuterLoop<N>,
+    ground: GroundMotion<'a>,
+    calibration: Calibration,
+    feedback: ErrorFeedback,
+    out_of_range: bool,
+    /// The next step; before the first one, the step at which the test was put in force.
+    next: u32,
+    in_step: bool,
+    /// By how much the board's count of steps is ahead of the loop's.
+    ahead: u32,
+    /// Integration steps, and control steps since the last of them.
+    steps: u32,
+    since_solved: u32,
+    substeps: u32,
+    events: VecDeque<(u32, Event)>,
+    /// The step that waits for its successor, which says whether it tripped.
+    waiting: Option<(u32, StepReport)>,
+    seen: Seen,
+}
+
+impl<'a, const N: usize> Mirror<'a, N> {
+    /// The loop that is in force on the board from step `since` on, `substeps` control steps to an integration step.
+    pub fn new(
+        design: Design<N>,
+        substeps: u32,
+        ground: GroundMotion<'a>,
+        calibration: Calibration,
+        since: u32,
+    ) -> Self {
+        Self {
+            outer: OuterLoop::new(design),
+            ground,
+            calibration,
+            feedback: ErrorFeedback::new(),
+            out_of_range: false,
+            next: since,
+            in_step: true,
+            ahead: since,
+            steps: 0,
+            since_solved: 0,
+            substeps: substeps.max(1),
+            events: VecDeque::new(),
+            waiting: None,
+            seen: Seen::default(),
+        }
+    }
+
+    /// The board took `event`; step `tick` is the first with it.
+    pub fn event(&mut self, tick: u32, event: Event) {
+        self.events.push_back((tick, event));
+    }
+
+    /// What has been seen.
+    pub fn seen(&self) -> Seen {
+        self.seen
+    }
+
+    /// Takes a step of the telemetry; gives the record of the one before it.
+    pub fn take(&mut self, tick: u32, report: StepReport) -> Option<Record<N>> {
+        let before = self.waiting.replace((tick, report))?;
+        Some(self.record(before, Some(&report)))
+    }
+
+    /// The record of the last step, after which none came.
+    pub fn last(&mut self) -> Option<Record<N>> {
+        let last = self.waiting.take()?;
+        Some(self.record(last, None))
+    }
+
+    fn record(
+        &mut self,
+        (tick, report): (u32, StepReport),
+        after: Option<&StepReport>,
+    ) -> Record<N> {
+        let missing = tick.wrapping_sub(self.next);
+        // Steps from before the test was in force are not missing.
+        if missing != 0 && missing < u32::MAX / 2 {
+            self.seen.missing += u64::from(missing);
+            self.in_step = false;
+            if self.steps > 0 {
+                let since = self.since_solved.saturating_add(missing);
+                self.steps = self.steps.wrapping_add(since / self.substeps);
+                self.since_solved = since % self.substeps;
+            }
+        }
+        let solved = report.flags & flag::SOLVED != 0;
+        self.since_solved = if solved {
+            0
+        } else {
+            self.since_solved.saturating_add(1)
+        };
+        self.next = tick.wrapping_add(1);
+        while let Some((_, event)) = self
+            .events
+            .pop_front_if(|(at, _)| tick.wrapping_sub(*at) < u32::MAX / 2)
+        {
+            // The board took it; if the loop here does not, the digests will say so.
+            let _ = self.outer.handle(event);
+        }
+        if self.in_step {
+            let record = self.step(&report, after);
+            if digest(&record) == report.digest {
+                self.seen.proven += 1;
+                self.steps = record.step;
+                self.ahead = tick.wrapping_sub(record.tick);
+                return record;
+            }
+            self.in_step = false;
+        }
+        self.seen.different += 1;
+        self.steps = self.steps.wrapping_add(u32::from(solved));
+        self.as_reported(tick, &report)
+    }
+
+    /// One control step as the board's converters and its station present it to the loop.
+    fn step(&mut self, report: &StepReport, after: Option<&StepReport>) -> Record<N> {
+        let mut sample = Sample::new([0.0; N], [0.0; N]);
+        sample.displacement_m[0] = self.calibration.displacement.quantity(report.displacement);
+        sample.force_n[0] = self.calibration.force.quantity(report.force);
+        sample.fault = self.fault(report, after);
+        // A stale sample is one that did not come or one that stands still; the record's digest tells which.
+        let before = (report.flags & flag::STALE != 0).then(|| self.outer.clone());
+        let mut step = self.outer.step(&sample, &self.ground);
+        if let Some(before) = before
+            && digest(step.record) != report.digest
+        {
+            self.outer = before;
+            sample.fresh = false;
+            step = self.outer.step(&sample, &self.ground);
+        }
+        if !step.permit {
+            self.feedback = ErrorFeedback::new();
+        }
+        let code = self
+            .feedback
+            .code(&self.calibration.command, step.command_m[0]);
+        self.out_of_range = code.is_none();
+        *step.record
+    }
+
+    /// What the board reported to its loop with this sample.
+    fn fault(&self, report: &StepReport, after: Option<&StepReport>) -> Option<Fault> {
+        let rail = |code: AdcCode| code.at_rail();
+        let latched = after.and_then(StepReport::fault);
+        match latched {
+            // The board's own knowledge; nothing in its codes shows it.
+            Some(Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed)
+                if report.state() != Some(State::Tripped) =>
+            {
+                latched
+            }
+            _ if rail(report.displacement) || rail(report.force) => Some(Fault::AdcRail),
+            _ if self.out_of_range => Some(Fault::Displacement),
+            _ => None,
+        }
+    }
+
+    /// What the telemetry itself says of a step.
+    fn as_reported(&self, tick: u32, report: &StepReport) -> Record<N> {
+        let mut record = Record::<N>::EMPTY;
+        record.tick = tick.wrapping_sub(self.ahead);
+        record.step = self.steps;
+        record.flags = report.flags;
+        record.command_m[0] = report.command_m;
+        record.displacement_m[0] = self.calibration.displacement.quantity(report.displacement);
+        record.force_n[0] = self.calibration.force.quantity(report.force);
+        record.added_damping_n_s_per_m[0] = report.added_damping_n_s_per_m;
+        record.energy_sum.modified_j = report.energy_j;
+        record
+    }
+}

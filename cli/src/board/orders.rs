@@ -1,0 +1,156 @@
+//! What a person asks of a board, and how a refusal is said.
+
+use super::connection::Connection;
+use super::port::Port;
+use super::wording::state_name;
+use crate::failure::Failure;
+use link::command::Channel;
+use link::reply::{Identity, Obstacle, Reply};
+use link::{Calibration, Command, Status};
+use outerloop_core::{Event, State};
+
+/// Who the board is; a board of another release is refused.
+///
+/// # Errors
+/// As [`Connection::ask`]; firmware of another release.
+pub fn identify<P: Port>(board: &mut Connection<P>) -> Result<Identity, Failure> {
+    let identity = match board.ask(&Command::Identify)? {
+        Reply::Identity(identity) => identity,
+        other => return Err(refused("identify", other)),
+    };
+    let own = env!("CARGO_PKG_VERSION");
+    if identity.version != own {
+        return Err(Failure::input(format!(
+            "the board's firmware is version {}, this program {own}: accepted is firmware of the same release",
+            identity.version
+        )));
+    }
+    Ok(identity)
+}
+
+/// How the board is.
+///
+/// # Errors
+/// As [`Connection::ask`].
+pub fn status<P: Port>(board: &mut Connection<P>) -> Result<Status, Failure> {
+    match board.ask(&Command::Status)? {
+        Reply::Status(status) => Ok(status),
+        other => Err(refused("status", other)),
+    }
+}
+
+/// Clears the end of a test or a fault, so that the board is idle.
+///
+/// # Errors
+/// As [`Connection::ask`]; a test that runs.
+pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
+    match status(board)?.state {
+        State::Idle => Ok(()),
+        State::Finished | State::Tripped => event(board, Event::Clear).map(drop),
+        state => Err(Failure::test(format!(
+            "clear: the board is {}: accepted are finished and tripped",
+            state_name(state)
+        ))),
+    }
+}
+
+/// Exchanges the calibration.
+///
+/// # Errors
+/// As [`Connection::ask`]; a calibration that is refused; a board that is not idle.
+pub fn calibrate<P: Port>(
+    board: &mut Connection<P>,
+    calibration: Calibration,
+) -> Result<(), Failure> {
+    done(board, "calibrate", &Command::Calibrate(calibration)).map(drop)
+}
+
+/// Makes the present reading of `channel` the given value (m or N); returns the mean code and its spread.
+///
+/// # Errors
+/// As [`Connection::ask`]; a board that is not idle.
+pub fn zero<P: Port>(
+    board: &mut Connection<P>,
+    channel: Channel,
+    value: f32,
+) -> Result<(f32, u16), Failure> {
+    match board.ask(&Command::Zero { channel, value })? {
+        Reply::Zeroed { code, spread } => Ok((code, spread)),
+        other => Err(refused("zero", other)),
+    }
+}
+
+/// Keeps test and calibration across power-off.
+///
+/// # Errors
+/// As [`Connection::ask`]; a board that is not idle or has accepted no test; a memory that does not take them.
+pub fn save<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
+    done(board, "save", &Command::Save).map(drop)
+}
+
+/// Sends an event; returns the first control step with it.
+///
+/// # Errors
+/// As [`Connection::ask`]; an event that is refused.
+pub(super) fn event<P: Port>(board: &mut Connection<P>, event: Event) -> Result<u32, Failure> {
+    let what = match event {
+        Event::Arm => "arm",
+        Event::Start => "start",
+        Event::Hold => "hold",
+        Event::Stop => "stop",
+        Event::Finish => "finish",
+        Event::Fault => "fault",
+        Event::Clear => "clear",
+    };
+    done(board, what, &Command::Event(event))
+}
+
+/// Has a command carried out; returns the first control step with it.
+///
+/// # Errors
+/// As [`Connection::ask`]; a command that is refused.
+pub(super) fn done<P: Port>(
+    board: &mut Connection<P>,
+    what: &str,
+    command: &Command,
+) -> Result<u32, Failure> {
+    match board.ask(command)? {
+        Reply::Done { tick, .. } => Ok(tick),
+        other => Err(refused(what, other)),
+    }
+}
+
+/// Why nothing was done, in one sentence.
+fn refused(what: &str, reply: Reply) -> Failure {
+    match reply {
+        Reply::Refused(parameter) => Failure::input(parameter.to_string()),
+        Reply::Rejected {
+            obstacle: Some(obstacle),
+            ..
+        } => Failure::test(match obstacle {
+            Obstacle::Fault(fault) => format!(
+                "{what}: the interlock {} stands against it: accepted is a rig at rest within its limits",
+                fault.name()
+            ),
+            Obstacle::NotConfigured => {
+                format!(
+                    "{what}: the board has no test: accepted is a board that has been configured"
+                )
+            }
+            Obstacle::NothingToRun => format!(
+                "{what}: the board has neither a ground motion nor a signal: accepted is one of them"
+            ),
+            Obstacle::Crystal => format!(
+                "{what}: the board's crystal has the wrong frequency: accepted is 8 MHz from the ST-LINK"
+            ),
+        }),
+        Reply::Rejected { state, .. } => Failure::test(format!(
+            "{what}: means nothing while the board is {}: accepted is another order first, see `outerloop board status`",
+            state_name(state)
+        )),
+        Reply::WrongSum { received } => Failure::test(format!(
+            "{what}: the ground motion came to the board with the check sum {received:08x}: accepted is what was sent; try again"
+        )),
+        other => Failure::test(format!("{what}: the board answers with {other:?}")),
+    }
+}

@@ -1,0 +1,69 @@
+//! Bytes to and from a board.
+
+use crate::failure::Failure;
+use std::io;
+use std::time::Duration;
+
+/// How long a read waits for the first byte.
+const WAIT: Duration = Duration::from_millis(5);
+
+/// A stream of bytes with a board at its other end.
+pub trait Port {
+    /// What came, at least one byte; 0 if nothing came within a few milliseconds.
+    ///
+    /// # Errors
+    /// The other end is gone.
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize>;
+
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// The other end is gone.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+impl<P: Port + ?Sized> Port for Box<P> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        (**self).read(bytes)
+    }
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        (**self).write(bytes)
+    }
+}
+
+/// A serial port.
+pub struct Serial(Box<dyn serialport::SerialPort>);
+
+impl Serial {
+    /// Opens `device` at the link's speed.
+    ///
+    /// # Errors
+    /// It cannot be opened.
+    pub fn open(device: &str) -> Result<Self, Failure> {
+        serialport::new(device, link::BAUD)
+            .timeout(WAIT)
+            .open()
+            .map(Self)
+            .map_err(|e| {
+                Failure::input(format!(
+                    "--port {device}: cannot be opened ({e}): accepted is the serial port of a board, e.g. /dev/ttyACM0"
+                ))
+            })
+    }
+}
+
+impl Port for Serial {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match io::Read::read(&mut self.0, bytes) {
+            Err(e) if e.kind() == io::ErrorKind::TimedOut => Ok(0),
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => Ok(0),
+            // A port that is ready and has nothing was pulled out.
+            Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
+            other => other,
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        io::Write::write_all(&mut self.0, bytes)
+    }
+}

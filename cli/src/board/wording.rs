@@ -1,0 +1,98 @@
+//! What a board says, in words.
+
+use link::reply::Identity;
+use link::status::{Cause, LastWords, Start, Status};
+use outerloop_core::State;
+
+/// A state as people say it.
+pub const fn state_name(state: State) -> &'static str {
+    match state {
+        State::Idle => "idle",
+        State::Armed => "armed",
+        State::Running => "running",
+        State::Holding => "holding",
+        State::Finished => "finished",
+        State::Tripped => "tripped",
+    }
+}
+
+/// Why the board last started, where nobody had asked for it.
+pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<String> {
+    let Some(words) = words else {
+        return (started == Start::Watchdog)
+            .then(|| "the watchdog reset the board, and no word is left of why".into());
+    };
+    let cause = match words.cause {
+        Cause::Panic => "panicked",
+        Cause::HardFault => "took a hard fault",
+        Cause::StackOverflow => "ran out of stack",
+        Cause::Starved => "was reset because a task starved",
+        Cause::Silent => "was reset because its control interrupt had stopped",
+    };
+    Some(format!(
+        "the board {cause} at control step {} while {}: {}",
+        words.tick,
+        state_name(words.state),
+        words.text
+    ))
+}
+
+/// Everything that is worth watching, a line each.
+pub fn describe(identity: &Identity, status: &Status) -> String {
+    let calibration = identity.calibration;
+    let reading = |line: link::channel::Line, code: u16| {
+        (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
+    };
+    let [displacement, force] = status.codes;
+    let us = |cycles: u32| f64::from(cycles) / f64::from(identity.clock_hz) * 1e6;
+    let timing = status.timing;
+    let mut lines = vec![
+        format!(
+            "{}, PERMIT {}, {}, {} points of ground motion loaded",
+            state_name(status.state),
+            if status.permit { "high" } else { "low" },
+            if status.configured {
+                "a test is accepted"
+            } else {
+                "no test is accepted"
+            },
+            status.points
+        ),
+        format!(
+            "displacement {:.3} mm (code {displacement}), force {:.1} N (code {force})",
+            reading(calibration.displacement, displacement) * 1e3,
+            reading(calibration.force, force)
+        ),
+        format!(
+            "control step {:.1} us at worst, {:.1} us on average of {:.1} us; period {} to {} cycles of {}; {} overruns",
+            us(timing.worst_step_cycles),
+            us(timing.mean_step_cycles),
+            us(timing.period_cycles),
+            timing.shortest_period_cycles,
+            timing.longest_period_cycles,
+            timing.period_cycles,
+            timing.overruns
+        ),
+        format!(
+            "stack {} bytes at most; {} frames received, {} spoilt; {} steps could not be sent",
+            status.stack_bytes,
+            status.link.good,
+            status.link.bad(),
+            status.dropped_steps
+        ),
+    ];
+    if let Some(trip) = status.trip {
+        lines.push(format!(
+            "tripped on {} at control step {}: {} against a limit of {}; `outerloop board clear` clears it",
+            trip.fault.name(),
+            trip.tick,
+            trip.value,
+            trip.limit
+        ));
+    }
+    if !status.crystal_ok {
+        lines.push("the crystal has the wrong frequency: the board refuses to arm".into());
+    }
+    lines.extend(describe_words(status.started, status.last_words.as_ref()));
+    lines.join("\n")
+}

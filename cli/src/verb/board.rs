@@ -1,0 +1,282 @@
+//! `outerloop board`: what a person asks of a board at a serial port.
+
+use super::json;
+use crate::board::emulated::{Emulated, Laboratory};
+use crate::board::{self, Connection, Patience, Port, Serial};
+use crate::failure::Failure;
+use crate::files::output;
+use crate::files::test::TestFile;
+use clap::{Args, Subcommand, ValueEnum};
+use link::Calibration;
+use link::command::{Channel, Shape, Signal};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Orders to a board at a serial port
+#[derive(Args, Debug)]
+pub struct Board {
+    #[command(subcommand)]
+    order: Order,
+}
+
+#[derive(Subcommand, Debug)]
+enum Order {
+    Identify(Plain),
+    Status(Plain),
+    Calibrate(Calibrate),
+    Commission(Commission),
+    Clear(Plain),
+}
+
+impl Board {
+    /// Carries the order out.
+    ///
+    /// # Errors
+    /// A port that cannot be opened; a board that is silent, of another version, or refuses.
+    pub fn go(&self) -> Result<(), Failure> {
+        match &self.order {
+            Order::Identify(order) => order.identify(),
+            Order::Status(order) => order.status(),
+            Order::Calibrate(order) => order.go(),
+            Order::Commission(order) => order.go(),
+            Order::Clear(order) => order.clear(),
+        }
+    }
+}
+
+/// An order that needs nothing but the board
+#[derive(Args, Debug)]
+struct Plain {
+    /// The board's serial port, e.g. /dev/ttyACM0
+    #[arg(long, value_name = "DEV")]
+    port: String,
+    /// One JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+fn connect(device: &str) -> Result<Connection<Serial>, Failure> {
+    Ok(Connection::new(Serial::open(device)?, Patience::BOARD))
+}
+
+impl Plain {
+    fn identify(&self) -> Result<(), Failure> {
+        let identity = board::identify(&mut connect(&self.port)?)?;
+        if self.json {
+            println!("{}", json(&identity)?);
+            return Ok(());
+        }
+        println!(
+            "{}: firmware {} ({}), {} MHz; control at {} Hz, at most {} Hz; a command leaves {} us after its sample; \
+             at most {} floors and {} points of ground motion.",
+            identity.board,
+            identity.version,
+            identity.commit,
+            f64::from(identity.clock_hz) / 1e6,
+            identity.rate_hz,
+            identity.fastest_rate_hz,
+            identity.output_delay_us,
+            identity.max_dof,
+            identity.max_points
+        );
+        Ok(())
+    }
+
+    fn status(&self) -> Result<(), Failure> {
+        let connection = &mut connect(&self.port)?;
+        let identity = board::identify(connection)?;
+        let status = board::status(connection)?;
+        if self.json {
+            println!("{}", json(&status)?);
+            return Ok(());
+        }
+        println!("{}", board::describe(&identity, &status));
+        Ok(())
+    }
+
+    fn clear(&self) -> Result<(), Failure> {
+        board::clear(&mut connect(&self.port)?)?;
+        if self.json {
+            println!("{{}}");
+        } else {
+            println!("The board is idle.");
+        }
+        Ok(())
+    }
+}
+
+/// Shows the calibration, or exchanges it
+#[derive(Args, Debug)]
+struct Calibrate {
+    /// The board's serial port, e.g. /dev/ttyACM0
+    #[arg(long, value_name = "DEV")]
+    port: String,
+    /// The calibration to send, TOML as this command shows it
+    #[arg(long, value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Make the present reading this value, m or N, e.g. displacement=0 or force=0
+    #[arg(long, value_name = "CHANNEL=VALUE")]
+    zero: Vec<Zero>,
+    /// Keep test and calibration across power-off
+    #[arg(long)]
+    save: bool,
+}
+
+/// A channel and what it reads now.
+#[derive(Clone, Copy, Debug)]
+struct Zero {
+    channel: Channel,
+    value: f32,
+}
+
+impl FromStr for Zero {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let accepted = || {
+            format!(
+                "`{text}`: accepted are displacement=VALUE and force=VALUE with a value in m or N"
+            )
+        };
+        let (channel, value) = text.split_once('=').ok_or_else(accepted)?;
+        let channel = match channel {
+            "displacement" => Channel::Displacement,
+            "force" => Channel::Force,
+            _ => return Err(accepted()),
+        };
+        let value: f32 = value.parse().map_err(|_| accepted())?;
+        value
+            .is_finite()
+            .then_some(Self { channel, value })
+            .ok_or_else(accepted)
+    }
+}
+
+impl Calibrate {
+    fn go(&self) -> Result<(), Failure> {
+        let board = &mut connect(&self.port)?;
+        board::identify(board)?;
+        if let Some(path) = &self.file {
+            board::calibrate(board, read_calibration(path)?)?;
+        }
+        for zero in &self.zero {
+            let (code, spread) = board::zero(board, zero.channel, zero.value)?;
+            println!(
+                "# {:?}: code {code:.1} with a spread of {spread} is {} now",
+                zero.channel, zero.value
+            );
+        }
+        if self.save {
+            board::save(board)?;
+        }
+        let calibration = board::identify(board)?.calibration;
+        let text = toml::to_string(&calibration)
+            .map_err(|e| Failure::test(format!("the calibration cannot be shown: {e}")))?;
+        println!(
+            "# quantity = per_code * (code - zero_code), in m and N; the sensors' codes are sums of two conversions, 0 to 8190"
+        );
+        print!("{text}");
+        Ok(())
+    }
+}
+
+fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        Failure::input(format!(
+            "{}: cannot be read ({e}): accepted is a calibration as `outerloop board calibrate` shows it",
+            path.display()
+        ))
+    })?;
+    toml::from_str(&text).map_err(|e| {
+        Failure::input(format!(
+            "{}: {}: accepted is a calibration as `outerloop board calibrate` shows it",
+            path.display(),
+            e.message()
+        ))
+    })
+}
+
+/// Moves the actuator by a signal and records it
+#[derive(Args, Debug)]
+struct Commission {
+    /// The test file, whose limits are in force
+    test: PathBuf,
+    /// The board's serial port, e.g. /dev/ttyACM0
+    #[arg(
+        long,
+        value_name = "DEV",
+        required_unless_present = "emulated",
+        conflicts_with = "emulated"
+    )]
+    port: Option<String>,
+    /// On an emulated board, with the test's simulated rig behind its converters
+    #[arg(long)]
+    emulated: bool,
+    /// Seed of everything random in that rig
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Shape of the signal
+    #[arg(long, value_enum, default_value_t = Kind::Chirp)]
+    signal: Kind,
+    /// Largest displacement, mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0)]
+    amplitude_mm: f32,
+    /// Length, s, rise and fall of half a second included
+    #[arg(long, value_name = "S", default_value_t = 30.0)]
+    seconds: f32,
+    /// Frequency of the sine, or at the start of the chirp, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 0.1)]
+    from_hz: f32,
+    /// Frequency at the end of the chirp, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
+    to_hz: f32,
+    /// The recording, CSV; `outerloop identify` reads it
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Kind {
+    Constant,
+    Sine,
+    Chirp,
+}
+
+impl Commission {
+    fn go(&self) -> Result<(), Failure> {
+        let test = TestFile::load(&self.test, &[])?;
+        let signal = Signal {
+            shape: match self.signal {
+                Kind::Constant => Shape::Constant,
+                Kind::Sine => Shape::Sine {
+                    frequency_hz: self.from_hz,
+                },
+                Kind::Chirp => Shape::Chirp {
+                    from_hz: self.from_hz,
+                    to_hz: self.to_hz,
+                },
+            },
+            amplitude_m: self.amplitude_mm / 1e3,
+            seconds: self.seconds,
+        };
+        let mut connection = match &self.port {
+            Some(device) => {
+                let port: Box<dyn Port> = Box::new(Serial::open(device)?);
+                Connection::new(port, Patience::BOARD)
+            }
+            None => {
+                let port: Box<dyn Port> =
+                    Box::new(Emulated::start(&Laboratory::of(&test, self.seed))?);
+                Connection::new(port, Patience::EMULATED)
+            }
+        };
+        let (text, early) = board::commission(&mut connection, &test.config, signal)?;
+        let steps = text.lines().skip(1).count();
+        output::write(&self.out, text)?;
+        println!("{steps} steps are in {}.", self.out.display());
+        early.map_or(Ok(()), |why| {
+            Err(Failure::test(format!(
+                "the signal ended early: {why}; what was received is kept"
+            )))
+        })
+    }
+}

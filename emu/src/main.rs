@@ -1,0 +1,83 @@
+//! `emu IMAGE LABORATORY`: the image on an emulated board, the serial port on standard input and output.
+
+use clap::Parser;
+use emu::{Firmware, Laboratory, Wire};
+use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
+use plant::{Rig, RigSpec};
+use rigless::emulator::Start;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+use serde::Deserialize;
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// The flashed image on an emulated board
+#[derive(Parser, Debug)]
+#[command(version, about)]
+struct Arguments {
+    /// The image as it is flashed, an ELF file
+    image: PathBuf,
+    /// The rig behind the converters, a TOML file; `outerloop run --emulated` writes it
+    laboratory: PathBuf,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Room {
+    rig: RigSpec,
+    storey_n_per_m: Vec<f64>,
+    rate_hz: f64,
+    seed: u64,
+}
+
+fn main() -> ExitCode {
+    match go(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("emu: {sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn go(arguments: &Arguments) -> Result<(), String> {
+    let firmware = Firmware::read(&arguments.image)?;
+    let file = &arguments.laboratory;
+    let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let room: Room = toml::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))?;
+    let rig = Rig::new(&room.rig, &room.storey_n_per_m, room.rate_hz, room.seed)
+        .map_err(|e| e.to_string())?;
+    let wire = Wire::default();
+    connect(&wire);
+    let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?);
+    let board = Nucleo::new(RIGHT_CRYSTAL_HZ, wire.clone()).map_err(|e| e.to_string())?;
+    let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
+    let start = Start::new(&firmware.images);
+    let ended = rigless::emulator::run(session, &start, laboratory);
+    wire.close();
+    ended.map(drop).map_err(|e| e.to_string())
+}
+
+/// Standard input and output are the serial line.
+fn connect(wire: &Wire) {
+    let to = wire.clone();
+    std::thread::spawn(move || {
+        let mut bytes = [0; 4096];
+        while let Ok(count @ 1..) = std::io::stdin().lock().read(&mut bytes) {
+            to.send(&bytes[..count]);
+        }
+        to.close();
+    });
+    let from = wire.clone();
+    std::thread::spawn(move || {
+        let mut out = std::io::stdout();
+        while let Some(bytes) = from.receive(Duration::from_millis(100)) {
+            if out.write_all(&bytes).and_then(|()| out.flush()).is_err() {
+                from.close();
+                break;
+            }
+        }
+    });
+}

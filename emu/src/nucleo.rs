@@ -1,0 +1,79 @@
+//! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
+
+use crate::wire::{BoardEnd, Wire};
+use rigless::machine::armv7m::{Core, Fpu, INSTRUCTIONS_PER_SECOND, MpuRegions, Variant};
+use rigless::machine::{Board, Target};
+use rigless::mcu::{Mcu, Operate};
+use rigless::snapshot::Store;
+use rigless::soc::Error;
+use rigless::soc::stm32f427::Stm32f427;
+use std::num::{NonZeroU32, NonZeroU64};
+
+/// What the emulator gives the ADC as its reference, "mV": ten for a code, so that every code can be set exactly.
+pub const REFERENCE: u32 = 10 * 4096;
+
+/// USART3 in the chip's list.
+const USART3: usize = 2;
+
+/// The board's one MCU.
+const MCU: &str = "stm32f429";
+
+/// The clock that the ST-LINK feeds in, Hz.
+pub const RIGHT_CRYSTAL_HZ: u64 = 8_000_000;
+
+/// A NUCLEO-F429ZI.
+#[derive(Debug)]
+pub struct Nucleo {
+    /// The chip.
+    pub chip: Stm32f427,
+}
+
+impl Nucleo {
+    /// A board with its power on, a clock of `crystal_hz` on its input, and `wire` on its serial port.
+    ///
+    /// # Errors
+    /// The chip's description does not hold together.
+    pub fn new(crystal_hz: u64, wire: Wire) -> Result<Self, Error> {
+        let mut chip = Stm32f427::new()?;
+        chip.rcc.attach_crystals(crystal_hz, 0);
+        chip.set_supply(3300);
+        for converter in &mut chip.adc {
+            converter.set_reference(REFERENCE);
+        }
+        chip.usart[USART3].attach(BoardEnd(wire));
+        Ok(Self { chip })
+    }
+}
+
+// Snapshots are not taken.
+impl Store for Nucleo {}
+
+impl Board for Nucleo {
+    fn name(&self) -> &'static str {
+        "nucleo-f429zi"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec![MCU]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.chip)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let lines = u32::from(Operate::cpu(&self.chip).interrupt_lines);
+        let core = Core {
+            variant: Variant::M4,
+            clock_hz: const { NonZeroU64::new(168_000_000).unwrap() },
+            interrupt_lines: NonZeroU32::new(lines).unwrap_or(NonZeroU32::MIN),
+            priority_bits: 4,
+            refclk_divider: const { NonZeroU32::new(8).unwrap() },
+            instructions_per_second: INSTRUCTIONS_PER_SECOND,
+            boot: "flash",
+        };
+        let windows = rigless::cpu::armv7m::windows(Mcu::bus(&self.chip));
+        let spec = core.spec_with_parts(&windows, Fpu::FpV4Sp, MpuRegions::Eight);
+        vec![Target::new(MCU, &mut self.chip, spec)]
+    }
+}
