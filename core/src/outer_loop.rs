@@ -1,16 +1,24 @@
 //! One step of the outer loop. This file is the map of the crate.
 //!
 //! ```text
-//!  sample ─► estimate ─► energy ─► compensate ─► integrate ─► generate ─► interlock ─► command, record
+//!  sample ─► estimate ─► energy ─► compensate ─► integrate ─► generate ─► predict ─► interlock ─► command, record
 //! ```
+//!
+//! The target `u_c` of the integration and the command that is sent for it are two things: a predictor sends the
+//! actuator ahead of the target. Energies and errors are measured on the target; interlocks, the estimator's known input
+//! and every standstill are about what is sent.
 //!
 //! # Timing
 //! [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
 //! gives the command for the next. It does no input or output, never waits, and takes the same path in every call of
 //! a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
 
-use crate::compensate::{Compensator, Correction, Motion};
-use crate::config::Design;
+mod operate;
+
+use crate::compensate::damping::{Motion, VariableDamping};
+use crate::compensate::predict::{Ahead, Followed};
+use crate::compensate::{Compensator, Correction, Stage};
+use crate::config::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Monitor, Observation};
 use crate::estimate::{Estimate, Estimator};
 use crate::ground_motion::GroundMotion;
@@ -61,11 +69,12 @@ pub struct Step<'a, const N: usize> {
 
 /// The outer loop of a test with `N` degrees of freedom.
 ///
-/// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction.
+/// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction, and
+/// what only some compensations use behind them.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct OuterLoop<const N: usize> {
-    design: Design<N>,
+    design: StepConstants<N>,
     state: State,
     returning: bool,
     tick: u32,
@@ -73,8 +82,9 @@ pub struct OuterLoop<const N: usize> {
     flags: u32,
     ground_m_per_s2: f32,
     sent_m: [f32; N],
+    target_m: [f32; N],
     monitor: Monitor<N>,
-    compensator: Compensator<N>,
+    damping: VariableDamping<N>,
     correction: Correction<N>,
     newmark: Newmark<N>,
     signal: SignalGenerator<N>,
@@ -87,11 +97,20 @@ pub struct OuterLoop<const N: usize> {
     energy: EnergyErrors<N>,
     estimator: Estimator<N>,
     history: History<N>,
+    compensator: Compensator<N>,
+    /// Last change of what was sent, m per control step, where there is a predictor.
+    sent_step_m: [f32; N],
+    /// Share of the prediction that is sent: 1, but for a while after a hold.
+    blend: f32,
 }
 
 impl<const N: usize> OuterLoop<N> {
     /// An idle loop.
     pub fn new(design: Design<N>) -> Self {
+        let Design {
+            step: design,
+            compensator,
+        } = design;
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         Self {
             state: State::Idle,
@@ -101,13 +120,17 @@ impl<const N: usize> OuterLoop<N> {
             tick: 0,
             step: 0,
             sent_m: [0.0; N],
+            target_m: [0.0; N],
+            sent_step_m: [0.0; N],
+            blend: 1.0,
             standing_m: None,
             returning: false,
             goal_m: None,
             estimator: Estimator::at_rest(&design.estimation, [0.0; N]),
             energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
             monitor: Monitor::new(diagonal, design.energy_floor_j),
-            compensator: Compensator::at_rest(),
+            damping: VariableDamping::at_rest(),
+            compensator: Compensator::at_rest(compensator),
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
             signal: SignalGenerator::standing_at([0.0; N]),
@@ -120,7 +143,10 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// One control step: sample in, command and record out.
-    #[inline]
+    ///
+    /// A function of its own: inlined into a main loop it would share that loop's registers, which costs more than the
+    /// call.
+    #[inline(never)]
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = 0;
         let stale_steps = self.watch(sample);
@@ -135,10 +161,16 @@ impl<const N: usize> OuterLoop<N> {
             State::Holding | State::Finished => self.slow_down(),
             State::Tripped => self.sent_m,
         };
-        let finding = self.interlock(sample, &next_m, stale_steps);
+        let send_m = if self.design.predicts {
+            self.predict(estimate.displacement_m, next_m, stale_steps == 0)
+        } else {
+            next_m
+        };
+        let finding = self.interlock(sample, &send_m, stale_steps);
         self.record(sample, &estimate);
-        let command_m = self.supervise(finding, next_m);
+        let command_m = self.supervise(finding, next_m, send_m);
         if self.state == State::Running && self.step > ground.steps() {
+            self.stop_where_it_is();
             self.state = State::Finished;
         }
         self.tick = self.tick.wrapping_add(1);
@@ -193,13 +225,26 @@ impl<const N: usize> OuterLoop<N> {
             predictor_velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
         };
         let k = &self.design;
-        self.correction = self.compensator.update(&k.compensation, &energy, &motion);
+        let (mut force_n, mut acting) = (now.force_n, [0.0; N]);
+        self.correction = match k.stage {
+            Stage::Damping => {
+                let correction = self.damping.update(&k.damping, &energy, &motion);
+                acting = correction.damping;
+                correction
+            }
+            Stage::Measured => Correction::NONE,
+            Stage::Force => {
+                let correction;
+                (force_n, correction) = self.compensator.force(now);
+                correction
+            }
+        };
 
         let load_n = k.newmark.load_n(ground_m_per_s2);
-        let damping = &self.correction.damping;
-        let correction_n = self
-            .newmark
-            .advance(&k.newmark, &load_n, &now.force_n, damping);
+        let mut correction_n = self.newmark.advance(&k.newmark, &load_n, &force_n, &acting);
+        for j in 0..N {
+            correction_n[j] += force_n[j] - now.force_n[j];
+        }
         let hsem_j = self.energy.cumulative().hsem_j;
         self.monitor.update(&now, load_n, correction_n, hsem_j);
 
@@ -247,7 +292,7 @@ impl<const N: usize> OuterLoop<N> {
         let k = &self.design;
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
         for j in k.physical..N {
-            displacement_m[j] = self.sent_m[j];
+            displacement_m[j] = self.target_m[j];
             force_n[j] = 0.0;
         }
         let estimate = self.estimator.update(
@@ -295,6 +340,53 @@ impl<const N: usize> OuterLoop<N> {
         *self.signal.command_m()
     }
 
+    /// What is sent for the target `next_m`: the predictor's answer while the test runs, else the target itself. The
+    /// predictor sees every step, so that its memory is of what really happened.
+    #[inline(never)]
+    fn predict(&mut self, measured_m: [f32; N], next_m: [f32; N], fit: bool) -> [f32; N] {
+        let k = &self.design;
+        let live = self.state == State::Running && !self.returning && self.goal_m.is_none();
+        let (mut velocity_m, mut acceleration_m) = ([0.0; N], [0.0; N]);
+        if live {
+            velocity_m = *self.signal.velocity_m();
+            acceleration_m = self.signal.acceleration_m(&k.signal);
+        }
+        let followed = core::array::from_fn(|j| Followed {
+            target_m: self.target_m[j],
+            sent_m: self.sent_m[j],
+            measured_m: measured_m[j],
+            learn: live && fit,
+        });
+        let ahead = core::array::from_fn(|j| Ahead {
+            displacement_m: next_m[j],
+            velocity_m: velocity_m[j],
+            acceleration_m: acceleration_m[j],
+        });
+        let mut send_m = next_m;
+        self.compensator
+            .command(&followed, &ahead, k.physical, &mut send_m);
+        if !live {
+            return next_m;
+        }
+        if self.blend < 1.0 {
+            for j in 0..N {
+                send_m[j] = next_m[j] + self.blend * (send_m[j] - next_m[j]);
+            }
+            self.blend += k.blend_step;
+        }
+        for j in 0..N {
+            self.sent_step_m[j] = send_m[j] - self.sent_m[j];
+        }
+        send_m
+    }
+
+    /// The ramp to a standstill begins at what was sent and not at the target behind it.
+    fn stop_where_it_is(&mut self) {
+        if self.design.predicts && self.goal_m.is_none() {
+            self.signal.go_on_from(self.sent_m, self.sent_step_m);
+        }
+    }
+
     /// What stands against sending `next_m`.
     #[inline]
     fn interlock(
@@ -329,7 +421,12 @@ impl<const N: usize> OuterLoop<N> {
 
     /// Sends the command or latches the fault.
     #[inline]
-    fn supervise(&mut self, finding: Option<Finding>, next_m: [f32; N]) -> [f32; N] {
+    fn supervise(
+        &mut self,
+        finding: Option<Finding>,
+        target_m: [f32; N],
+        send_m: [f32; N],
+    ) -> [f32; N] {
         self.obstacle = finding;
         if let (Some(f), Ok(tripped)) = (finding, self.state.after(Event::Fault)) {
             self.state = tripped;
@@ -342,8 +439,9 @@ impl<const N: usize> OuterLoop<N> {
             });
             return self.sent_m;
         }
-        if next_m.iter().all(|x| x.is_finite()) {
-            self.sent_m = next_m;
+        if send_m.iter().all(|x| x.is_finite()) {
+            self.target_m = target_m;
+            self.sent_m = send_m;
         }
         self.sent_m
     }
@@ -367,7 +465,8 @@ impl<const N: usize> OuterLoop<N> {
             step: self.step,
             flags: self.state as u32 | fault << 8 | self.flags,
             ground_m_per_s2: self.ground_m_per_s2,
-            command_m: self.sent_m,
+            command_m: self.target_m,
+            sent_m: self.sent_m,
             displacement_m: sample.displacement_m,
             force_n: sample.force_n,
             estimated_displacement_m: estimate.displacement_m,
@@ -385,89 +484,5 @@ impl<const N: usize> OuterLoop<N> {
             energy_ratio: self.monitor.ratio(),
             innovation: estimate.innovation,
         };
-    }
-}
-
-mod operate {
-    //! What the operator does with a loop, between steps.
-
-    use super::{Design, Event, OuterLoop, Record, Rejected, State, Trip};
-
-    impl<const N: usize> OuterLoop<N> {
-        /// Where the test stands.
-        pub fn state(&self) -> State {
-            self.state
-        }
-
-        /// The first fault, until it is cleared.
-        pub fn trip(&self) -> Option<Trip> {
-            self.trip
-        }
-
-        /// The last steps, oldest first; after a trip, those that led to it.
-        pub fn history(&self) -> impl Iterator<Item = &Record<N>> {
-            self.history.kept()
-        }
-
-        /// Takes an event from the operator or the link.
-        ///
-        /// # Errors
-        /// The event means nothing in this state, an interlock stands against arming, or the approach to the start
-        /// position has not ended; nothing has changed then.
-        pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
-            let rejected = Rejected {
-                state: self.state,
-                event,
-                obstacle: self.obstacle.map(|f| f.fault),
-            };
-            let next = self.state.after(event)?;
-            match (self.state, next) {
-                (State::Idle, State::Armed) if self.obstacle.is_some() => return Err(rejected),
-                (State::Armed, State::Running) if self.sent_m != [0.0; N] => return Err(rejected),
-                (State::Idle, State::Armed) => self.reset(),
-                (State::Holding, State::Running) => self.returning = true,
-                (_, State::Idle) => {
-                    self.trip = None;
-                    self.standing_m = None;
-                    self.history.clear();
-                }
-                _ => {}
-            }
-            self.state = next;
-            Ok(next)
-        }
-
-        /// Gives the command of the next step while running, in place of the integration: a commissioning signal. All
-        /// interlocks are in force. `None`, and arming, go back to the test.
-        pub fn set_goal(&mut self, goal_m: Option<[f32; N]>) {
-            self.goal_m = goal_m;
-        }
-
-        /// Exchanges the whole design while idle.
-        ///
-        /// # Errors
-        /// The loop is not idle; it goes on as it was.
-        pub fn configure(&mut self, design: Design<N>) -> Result<(), Rejected> {
-            if self.state != State::Idle {
-                return Err(Rejected {
-                    state: self.state,
-                    event: Event::Arm,
-                    obstacle: None,
-                });
-            }
-            let tick = self.tick;
-            *self = Self::new(design);
-            self.tick = tick;
-            Ok(())
-        }
-
-        /// Everything back to the start, standing at the present command.
-        fn reset(&mut self) {
-            let (tick, sent_m) = (self.tick, self.sent_m);
-            *self = Self::new(self.design.clone());
-            self.tick = tick;
-            self.sent_m = sent_m;
-            self.estimator = super::Estimator::at_rest(&self.design.estimation, sent_m);
-        }
     }
 }

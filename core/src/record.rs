@@ -16,8 +16,10 @@ pub struct Record<const N: usize> {
     pub flags: u32,
     /// Ground acceleration, m/s^2.
     pub ground_m_per_s2: f32,
-    /// u_c: the command that was in force while the sample was taken, m.
+    /// u_c: the target that was in force while the sample was taken, m. Energies and errors are measured on it.
     pub command_m: [f32; N],
+    /// What was sent to the actuators for it, m: u_c itself where there is no predictor.
+    pub sent_m: [f32; N],
     /// u_m as measured, m.
     pub displacement_m: [f32; N],
     /// R_m as measured, N.
@@ -90,7 +92,7 @@ pub mod flag {
 
 impl<const N: usize> Record<N> {
     /// Number of 32-bit words.
-    pub const WORDS: usize = 4 + 9 * N + 10;
+    pub const WORDS: usize = 4 + 10 * N + 10;
 
     /// Everything zero, in state `Idle`.
     pub const EMPTY: Self = Self {
@@ -99,6 +101,7 @@ impl<const N: usize> Record<N> {
         flags: State::Idle as u32,
         ground_m_per_s2: 0.0,
         command_m: [0.0; N],
+        sent_m: [0.0; N],
         displacement_m: [0.0; N],
         force_n: [0.0; N],
         estimated_displacement_m: [0.0; N],
@@ -135,6 +138,7 @@ impl<const N: usize> Record<N> {
         each(self.ground_m_per_s2.to_bits());
         for axes in [
             &self.command_m,
+            &self.sent_m,
             &self.displacement_m,
             &self.force_n,
             &self.estimated_displacement_m,

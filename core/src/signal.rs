@@ -82,6 +82,35 @@ impl<const N: usize> SignalGenerator<N> {
         &self.velocity_m
     }
 
+    /// Acceleration of the command, m per control step squared.
+    #[inline]
+    pub fn acceleration_m(&self, k: &Constants) -> [f32; N] {
+        if self.tick >= self.length {
+            let per = k.per_substep * k.per_substep;
+            return self.target.acceleration_dt2_m.map(|a| a * per);
+        }
+        if self.tick <= k.solve_substeps {
+            return self.acceleration_m;
+        }
+        // The second derivative of the cubic of `interpolate`.
+        let span = f32::from(self.length.saturating_sub(k.solve_substeps));
+        let t = f32::from(self.tick.saturating_sub(k.solve_substeps)) / span;
+        core::array::from_fn(|j| {
+            let rise = self.target.displacement_m[j] - self.from_m[j];
+            let start = self.from_velocity_m[j] * span;
+            let end = self.target.velocity_dt_m[j] * k.per_substep * span;
+            let square = 3.0 * rise - 2.0 * start - end;
+            let cube = start + end - 2.0 * rise;
+            (2.0 * square + 6.0 * t * cube) / (span * span)
+        })
+    }
+
+    /// Goes on from `position_m` at `velocity_m` a control step, e.g. to slow down from what was really sent.
+    pub fn go_on_from(&mut self, position_m: [f32; N], velocity_m: [f32; N]) {
+        self.command_m = position_m;
+        self.velocity_m = velocity_m;
+    }
+
     /// The last target has been reached: the sample belongs to it and the next step can be solved.
     #[inline]
     pub fn at_target(&self) -> bool {

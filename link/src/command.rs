@@ -13,6 +13,10 @@ pub const CHUNK: usize = 128;
 
 /// A command. Postcard; the frame's sequence number is the request's number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is no heap on the board to box a configuration in"
+)]
 pub enum Command {
     /// Who are you: [`Reply::Identity`](crate::Reply::Identity).
     Identify,

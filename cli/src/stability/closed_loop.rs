@@ -236,8 +236,7 @@ fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> 
     let forces = &specimen * &frame.shape;
     for j in 0..physical {
         let share = match c.kind {
-            Method::None => 0.0,
-            Method::Eq14Unguarded => 1.0,
+            Method::Eq14Unguarded | Method::Tangent | Method::Ahmadizadeh => 1.0,
             Method::Eq14 | Method::Paper => {
                 let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;
                 let unit = declared[(j, j)] * 1e-3 * c.delay_ms / scale;
@@ -245,6 +244,7 @@ fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> 
                 let allowed = wanted.clamp(unit * c.clamp_below.unwrap_or(below), unit * c.clamp);
                 if wanted == 0.0 { 1.0 } else { allowed / wanted }
             }
+            _ => 0.0,
         };
         specimen.row_mut(j).scale_mut(share);
     }

@@ -1,60 +1,64 @@
-//! What takes the energy error of the actuator out again.
+//! What is done about the actuator, in two stages that can be combined.
 //!
-//! The paper's idea: a viscous damping that dissipates, in each step, what the actuator's error put in. Eq 14:
-//! `C_cor = -2 E / ((v_{i-1} + v^_i)(u_i - u_{i-1}))`. Since `v_{i-1} + v^_i = 2 (u_i - u_{i-1}) / dt` exactly for
-//! explicit Newmark with Eq 16, this is `-E dt / du^2`, and Eq 20 is the same times the gain of Eq 19 (the plus sign
-//! printed in its denominator is a misprint: with it, it does nothing).
+//! ```text
+//!  sample ─► restoring force ─► equation of motion ─► target ─► predictor ─► sent command
+//!            corrected, damped                        u_c
+//! ```
 //!
-//! # Limitations
-//! With more than one actuator the damping is diagonal, each axis from its own energy error. The total energy is
-//! right; the form is ill-conditioned where one floor stands still while others move, which is what the hold rule and
-//! the clamp are for.
+//! The first stage acts in the equation of motion: it adds a variable damping ([`damping`], the paper's), or corrects
+//! the force for the way that the specimen has not gone yet ([`tangent`], [`fit`]). The second shapes the command so
+//! that the specimen gets there in time ([`predict`]). [`Method`](crate::config::Method) names the combinations.
 
+pub mod damping;
+pub mod equivalent;
+pub mod fit;
+pub mod predict;
 pub mod sech_gain;
+pub mod tangent;
 
-use crate::config::{Method, Secant};
-use crate::energy::Windowed;
-use crate::order::{larger, smaller};
-use sech_gain::sech_gain;
+use crate::energy::Observation;
+use equivalent::EquivalentDamping;
+use fit::FittedForce;
+use predict::{Ahead, Followed, Predictor};
+use tangent::TangentForce;
 
-/// Constants of the variable damping, worked out once.
+/// What the first stage is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Variable damping, Eqs 14 and 20.
+    Damping,
+    /// The measured force is used as it is.
+    Measured,
+    /// A corrected force.
+    Force,
+}
+
+/// Constants of a corrected force.
+#[derive(Clone, Debug)]
+pub enum ForceConstants<const N: usize> {
+    /// There is none.
+    Off,
+    /// Tangent force.
+    Tangent(tangent::Constants<N>),
+    /// Force at the time at which the fitted displacement reaches the target.
+    Fit(fit::Constants),
+}
+
+/// Constants of the stages beside the paper's damping, worked out once.
 #[derive(Clone, Debug)]
 pub struct Constants<const N: usize> {
-    /// Which equation.
-    pub method: Method,
-    /// Which increment the energy is divided by.
-    pub secant: Secant,
-    /// Exponent of the sech gain.
-    pub gamma: f32,
-    /// Fundamental natural frequency times the integration step.
-    pub omega_dt: f32,
-    /// Time of the window, s of model time.
-    pub window_s: f32,
-    /// Largest C_cor, N s/m, by axis.
-    pub largest: [f32; N],
-    /// Smallest C_cor, N s/m, by axis: the clamp below, or what the effective-mass guard still allows.
-    pub smallest: [f32; N],
-    /// Share of the running peak of the increment below which the last value is held.
-    pub hold_share: f32,
-    /// What the running peak keeps from one integration step to the next.
-    pub peak_memory: f32,
+    /// In the equation of motion.
+    pub force: ForceConstants<N>,
+    /// To report a force as a damping.
+    pub equivalent: equivalent::Constants,
+    /// In front of the actuator.
+    pub predictor: predict::Constants<N>,
 }
 
-/// How the structure moves, as the compensation sees it.
-#[derive(Clone, Copy, Debug)]
-pub struct Motion<const N: usize> {
-    /// u_i, m.
-    pub displacement_m: [f32; N],
-    /// dt v_{i-1}, m.
-    pub velocity_dt_m: [f32; N],
-    /// dt v^_i, Eq 16, m.
-    pub predictor_velocity_dt_m: [f32; N],
-}
-
-/// The correction for one integration step.
+/// What the first stage did in one integration step, for the record.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction<const N: usize> {
-    /// Diagonal of C_cor, N s/m.
+    /// Diagonal of C_cor, N s/m; of a corrected force, the damping that it amounts to.
     pub damping: [f32; N],
     /// G_v of Eq 19; 1 where the method has no gain.
     pub gain: [f32; N],
@@ -74,146 +78,62 @@ impl<const N: usize> Correction<N> {
     };
 }
 
-/// The variable damping and its memory.
+/// A corrected force and its memory.
+#[derive(Clone, Debug)]
+enum ForceStage<const N: usize> {
+    Off,
+    Tangent(TangentForce<N>),
+    Fit(FittedForce<N>),
+}
+
+/// The stages beside the paper's damping, with their constants: a loop whose step has no use for them keeps them
+/// behind everything else.
 #[derive(Clone, Debug)]
 pub struct Compensator<const N: usize> {
-    last: [f32; N],
-    peak_m: [f32; N],
+    pub(crate) constants: Constants<N>,
+    force: ForceStage<N>,
+    shown: EquivalentDamping<N>,
+    predictor: Predictor<N>,
 }
 
 impl<const N: usize> Compensator<N> {
-    /// With no damping yet.
-    pub const fn at_rest() -> Self {
+    /// At rest at zero.
+    pub fn at_rest(constants: Constants<N>) -> Self {
         Self {
-            last: [0.0; N],
-            peak_m: [0.0; N],
+            force: match &constants.force {
+                ForceConstants::Off => ForceStage::Off,
+                ForceConstants::Tangent(k) => ForceStage::Tangent(TangentForce::at_rest(k)),
+                ForceConstants::Fit(_) => ForceStage::Fit(FittedForce::at_rest()),
+            },
+            shown: EquivalentDamping::at_rest(),
+            predictor: Predictor::at_rest(&constants.predictor),
+            constants,
         }
     }
 
-    /// C_cor for this step, from Eq 12 over the window and the motion.
-    #[inline]
-    pub fn update(
+    /// The restoring force at the target, N, and the damping that its correction amounts to.
+    #[inline(never)]
+    pub fn force(&mut self, now: Observation<N>) -> ([f32; N], Correction<N>) {
+        let (k, now) = (&self.constants, &now);
+        let force_n = match (&mut self.force, &k.force) {
+            (ForceStage::Tangent(stage), ForceConstants::Tangent(k)) => stage.at_target(k, now),
+            (ForceStage::Fit(stage), ForceConstants::Fit(k)) => stage.at_target(k, now),
+            _ => now.force_n,
+        };
+        let shown = self.shown.of(&k.equivalent, now, &force_n);
+        (force_n, shown)
+    }
+
+    /// Replaces the targets in `command_m` by what is to be sent for them.
+    pub fn command(
         &mut self,
-        k: &Constants<N>,
-        energy: &Windowed<N>,
-        motion: &Motion<N>,
-    ) -> Correction<N> {
-        let mut out = Correction::NONE;
-        if k.method == Method::None {
-            return out;
-        }
-        for j in 0..N {
-            let du = energy.increment_m[j];
-            let velocity = motion.velocity_dt_m[j];
-            let gain = match k.method {
-                Method::Paper => sech_gain(k.omega_dt, motion.displacement_m[j], velocity, k.gamma),
-                _ => 1.0,
-            };
-            let guarded = k.method != Method::Eq14Unguarded;
-            // The peak fades within a natural period: in the quiet end of a test a peak of its strong part would hold
-            // whatever C_cor happened to be last, for ever.
-            self.peak_m[j] = larger(k.peak_memory * self.peak_m[j], du.abs());
-            let reversal = velocity * motion.predictor_velocity_dt_m[j] < 0.0;
-            // The sign rule alone leaves 0/0 beside a reversal, which f32 cannot resolve.
-            let small = guarded && du.abs() <= k.hold_share * self.peak_m[j];
-            let across = match k.secant {
-                Secant::Command => du,
-                Secant::Measured => energy.moved_m[j],
-            };
-            let raw = -energy.energy_j[j] * gain * k.window_s / (du * across);
-            let apart = du * across < 0.0;
-            let damping = if reversal || small || apart || !raw.is_finite() {
-                out.held = true;
-                self.last[j]
-            } else if guarded {
-                let bounded = larger(smaller(raw, k.largest[j]), k.smallest[j]);
-                out.clamped |= bounded != raw;
-                bounded
-            } else {
-                raw
-            };
-            self.last[j] = damping;
-            out.damping[j] = damping;
-            out.gain[j] = gain;
-        }
-        out
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn constants(method: Method) -> Constants<1> {
-        Constants {
-            method,
-            secant: Secant::Command,
-            gamma: 0.05,
-            omega_dt: 0.006,
-            window_s: 5e-4,
-            largest: [1264.0],
-            smallest: [0.0],
-            hold_share: 0.05,
-            peak_memory: 0.999,
-        }
-    }
-
-    fn moving(du: f32, velocity: f32, predictor: f32) -> Motion<1> {
-        Motion {
-            displacement_m: [10.0 * du],
-            velocity_dt_m: [velocity],
-            predictor_velocity_dt_m: [predictor],
-        }
-    }
-
-    #[test]
-    fn a_pure_lag_asks_for_stiffness_times_delay() {
-        // du = 1 mm a step, error = -8 steps of it: E = -8e-3 * 158 per step, C = K tau.
-        let (du, k) = (1e-3_f32, 158e3_f32);
-        let energy = Windowed {
-            energy_j: [-8.0 * du * k * du],
-            increment_m: [du],
-            moved_m: [du],
-        };
-        let mut c = Compensator::at_rest();
-        let out = c.update(&constants(Method::Eq14), &energy, &moving(du, du, du));
-        assert!((out.damping[0] / (k * 0.004) - 1.0).abs() < 1e-5);
-        assert!(!out.held && !out.clamped);
-    }
-
-    #[test]
-    fn holds_at_a_reversal_and_at_a_small_increment_and_clamps() {
-        let k = constants(Method::Eq14);
-        let mut c = Compensator::at_rest();
-        let energy = |e: f32, du: f32| Windowed {
-            energy_j: [e],
-            increment_m: [du],
-            moved_m: [du],
-        };
-        let first = c
-            .update(&k, &energy(-1e-3, 1e-3), &moving(1e-3, 1e-3, 1e-3))
-            .damping[0];
-        let reversal = c.update(&k, &energy(-9.0, 1e-3), &moving(1e-3, 1e-3, -1e-3));
-        assert!(reversal.held && reversal.damping[0] == first);
-        let small = c.update(&k, &energy(-9.0, 1e-5), &moving(1e-5, 1e-5, 1e-5));
-        assert!(small.held && small.damping[0] == first);
-        let large = c.update(&k, &energy(-9.0, 1e-3), &moving(1e-3, 1e-3, 1e-3));
-        assert!(large.clamped && large.damping[0] == 1264.0);
-        let negative = c.update(&k, &energy(9.0, 1e-3), &moving(1e-3, 1e-3, 1e-3));
-        assert!(negative.clamped && negative.damping[0] == 0.0);
-    }
-
-    #[test]
-    fn none_corrects_nothing_and_rest_divides_nothing() {
-        let energy = Windowed {
-            energy_j: [0.0],
-            increment_m: [0.0],
-            moved_m: [0.0],
-        };
-        for method in Method::ALL {
-            let out =
-                Compensator::at_rest().update(&constants(method), &energy, &moving(0.0, 0.0, 0.0));
-            assert_eq!(out.damping, [0.0], "{}", method.name());
-        }
+        followed: &[Followed; N],
+        ahead: &[Ahead; N],
+        physical: usize,
+        command_m: &mut [f32; N],
+    ) {
+        let k = &self.constants.predictor;
+        self.predictor
+            .command(k, followed, ahead, physical, command_m);
     }
 }

@@ -157,57 +157,6 @@ impl Config {
         )
     }
 
-    fn check_compensation(&self) -> Result<(), Refusal> {
-        let c = &self.compensation;
-        accept(
-            "compensation.gamma",
-            c.gamma,
-            c.gamma > 0.0 && c.gamma <= 1.0,
-            "above 0 and at most 1",
-        )?;
-        accept(
-            "compensation.window_steps",
-            f64::from(c.window_steps),
-            (1..=crate::energy::MAX_WINDOW as u16).contains(&c.window_steps),
-            "1 to 64",
-        )?;
-        between(
-            "compensation.delay_ms",
-            c.delay_ms,
-            0.0,
-            1e4,
-            "above 0 and below 10000 ms",
-        )?;
-        between(
-            "compensation.clamp",
-            c.clamp,
-            0.0,
-            1e3,
-            "above 0 and below 1000",
-        )?;
-        if let Some(below) = c.clamp_below {
-            accept(
-                "compensation.clamp_below",
-                below,
-                below <= 0.0 && below > -1e3,
-                "above -1000 and at most 0",
-            )?;
-        }
-        between(
-            "compensation.least_mass",
-            c.least_mass,
-            0.0,
-            1.0,
-            "above 0 and below 1",
-        )?;
-        accept(
-            "compensation.hold_share",
-            c.hold_share,
-            (0.0..1.0).contains(&c.hold_share),
-            "0 to below 1",
-        )
-    }
-
     fn check_estimation(&self) -> Result<(), Refusal> {
         let e = &self.estimation;
         let nyquist = self.timing.rate_hz / 2.0;

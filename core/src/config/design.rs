@@ -1,6 +1,6 @@
 //! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
 
-use super::{Config, Filter, Method, PerFloor, Refusal, accept};
+use super::{Config, Filter, PerFloor, Prediction, Refusal, accept, methods};
 use crate::compensate;
 use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
 use crate::matrix::{self, Matrix};
@@ -12,9 +12,19 @@ use crate::supervise;
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
 pub struct Design<const N: usize> {
+    pub(crate) step: StepConstants<N>,
+    pub(crate) compensator: compensate::Constants<N>,
+}
+
+/// What every step uses, whatever the compensation.
+#[derive(Clone, Debug)]
+pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::Constants,
-    pub(crate) compensation: compensate::Constants<N>,
+    pub(crate) stage: compensate::Stage,
+    /// There is a predictor.
+    pub(crate) predicts: bool,
+    pub(crate) damping: compensate::damping::Constants<N>,
     pub(crate) estimation: estimate::Constants<N>,
     pub(crate) limits: supervise::Limits,
     /// Declared stiffness of the specimen, N/m.
@@ -29,6 +39,8 @@ pub struct Design<const N: usize> {
     pub(crate) approach_step_m: f32,
     /// Deceleration of the ramp to hold, m per control step squared.
     pub(crate) deceleration_step_m: f32,
+    /// By how much the share of the prediction grows in a control step after a hold.
+    pub(crate) blend_step: f32,
     pub(crate) physical: usize,
 }
 
@@ -65,19 +77,13 @@ impl<const N: usize> Design<N> {
         let (t, c) = (&config.timing, &config.compensation);
         let dt_s = config.model_step_s();
         let control_step_s = 1.0 / t.rate_hz;
-        let omega = structure.natural_frequencies_rad_per_s()?[0];
+        let omegas = structure.natural_frequencies_rad_per_s()?;
+        let omega = omegas[0];
         let specimen = matrix::sum(&structure.stiffness, -1.0, &structure.numerical_stiffness);
         let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
-        let delay_stiffness: [f64; N] =
-            core::array::from_fn(|j| specimen[j][j] * c.delay_ms * 1e-3 / t.time_scale);
-        let several = if structure.physical > 1 {
-            -c.clamp
-        } else {
-            0.0
-        };
-        let below = c.clamp_below.unwrap_or(several);
         let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
-        Ok(Self {
+        let compensator = methods::constants(config, structure, &specimen, &omegas)?;
+        let step = StepConstants {
             newmark: newmark::Coefficients::new(
                 structure,
                 dt_s,
@@ -89,20 +95,9 @@ impl<const N: usize> Design<N> {
                 slow_down: libm::exp(-1.0 / f64::from(t.slow_down_steps)) as f32,
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
-            compensation: compensate::Constants {
-                method: c.kind,
-                secant: c.secant,
-                gamma: c.gamma as f32,
-                omega_dt: (omega * dt_s) as f32,
-                window_s: (f64::from(c.window_steps) * dt_s) as f32,
-                largest: delay_stiffness.map(|k| (c.clamp * k) as f32),
-                smallest: core::array::from_fn(|j| {
-                    let guard = -2.0 * (1.0 - c.least_mass) * mass[j] / dt_s;
-                    (below * delay_stiffness[j]).max(guard) as f32
-                }),
-                hold_share: c.hold_share as f32,
-                peak_memory: libm::exp(-omega * dt_s / core::f64::consts::TAU) as f32,
-            },
+            stage: methods::stage(c.kind),
+            predicts: c.prediction() != Prediction::None,
+            damping: methods::variable_damping(config, structure, &specimen, omega),
             estimation: estimation(config, structure, control_step_s)?,
             limits: limits(config),
             specimen_stiffness: specimen.map(|row| row.map(|x| x as f32)),
@@ -113,14 +108,11 @@ impl<const N: usize> Design<N> {
             approach_step_m: (t.approach_m_per_s * control_step_s) as f32,
             deceleration_step_m: (t.hold_deceleration_m_per_s2 * control_step_s * control_step_s)
                 as f32,
+            // Half a second: a bump of 10 mm becomes 20 mm/s.
+            blend_step: (2.0 * control_step_s) as f32,
             physical: structure.physical.min(N),
-        })
-    }
-
-    /// The same design with another compensation.
-    pub fn with_method(mut self, method: Method) -> Self {
-        self.compensation.method = method;
-        self
+        };
+        Ok(Self { step, compensator })
     }
 }
 
@@ -160,7 +152,7 @@ fn estimation<const N: usize>(
 }
 
 /// Storey stiffnesses of a shear frame, from the matrix: minus the entry beside the diagonal, and for the lowest the rest.
-fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
+pub(super) fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
     core::array::from_fn(|j| match j.checked_sub(1) {
         Some(below) => -k[j][below],
         None => k[0].iter().sum(),

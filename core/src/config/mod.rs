@@ -3,10 +3,14 @@
 //! Everything here is f64 and runs before the test. Nothing of it is called in the step.
 
 mod check;
+mod compensation;
 mod design;
+mod methods;
 mod refusal;
 
+pub use compensation::{Adaptation, Compensation, Method, Prediction, Secant, Tangent};
 pub use design::Design;
+pub(crate) use design::StepConstants;
 pub use refusal::Refusal;
 pub(crate) use refusal::{accept, between};
 
@@ -93,95 +97,6 @@ impl Default for Timing {
             late_limit_steps: 200,
             approach_m_per_s: 0.002,
             hold_deceleration_m_per_s2: 5.0,
-        }
-    }
-}
-
-/// The name of a compensation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Method {
-    /// The measured force goes into the equation of motion as it is.
-    #[cfg_attr(feature = "serde", serde(rename = "none"))]
-    None,
-    /// Eq 14 as the paper published it: hold on a change of sign only.
-    #[cfg_attr(feature = "serde", serde(rename = "eq14-unguarded"))]
-    Eq14Unguarded,
-    /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
-    #[cfg_attr(feature = "serde", serde(rename = "eq14"))]
-    Eq14,
-    /// Eq 20 with the sech gain of Eq 19, and the guards.
-    #[default]
-    #[cfg_attr(feature = "serde", serde(rename = "paper"))]
-    Paper,
-}
-
-impl Method {
-    /// Every method, in the order of the documentation.
-    pub const ALL: [Self; 4] = [Self::None, Self::Eq14Unguarded, Self::Eq14, Self::Paper];
-
-    /// The name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Eq14Unguarded => "eq14-unguarded",
-            Self::Eq14 => "eq14",
-            Self::Paper => "paper",
-        }
-    }
-}
-
-/// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Secant {
-    /// The command's, as published: the result is a stiffness `(omega tau)^2` too high.
-    #[default]
-    Command,
-    /// The specimen's own, `u_m,i - u_m,i-1`: that error is gone. Held where the two increments disagree in sign.
-    Measured,
-}
-
-/// Variable damping, Eqs 14 and 20, and its guards.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct Compensation {
-    /// Which method.
-    pub kind: Method,
-    /// Which increment stands in the denominator.
-    pub secant: Secant,
-    /// Exponent of the sech gain, Eq 19; 0 < gamma <= 1.
-    pub gamma: f64,
-    /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
-    pub window_steps: u16,
-    /// The actuator's delay that the clamp is built on, ms of laboratory time.
-    pub delay_ms: f64,
-    /// C_cor is kept below this many times K tau.
-    pub clamp: f64,
-    /// C_cor is kept above this many times K tau; 0 or less. Left out: 0 with one actuator, `-clamp` with several. A
-    /// single floor's share of a frame's damping is negative where the floors beside it move the other way; only the
-    /// sum must not be.
-    pub clamp_below: Option<f64>,
-    /// Share of the mass that `M + dt/2 C_cor` may not fall below.
-    pub least_mass: f64,
-    /// The last C_cor is held while the increment is below this share of its running peak.
-    pub hold_share: f64,
-}
-
-impl Default for Compensation {
-    fn default() -> Self {
-        Self {
-            kind: Method::Paper,
-            secant: Secant::Command,
-            gamma: 0.05,
-            window_steps: 1,
-            delay_ms: 4.0,
-            clamp: 2.0,
-            clamp_below: None,
-            least_mass: 0.5,
-            hold_share: 0.05,
         }
     }
 }

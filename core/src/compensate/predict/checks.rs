@@ -1,0 +1,82 @@
+//! An actuator to check predictors on: a pure delay and a gain, outside of any loop.
+
+use super::gate::Learning;
+use super::{Ahead, Followed, Predict};
+
+/// Angular frequency of the motion, 1 per control step: 2 Hz at 2 kHz.
+pub(crate) const OMEGA: f32 = 0.006_283;
+
+/// Nothing has been followed.
+pub(crate) const AT_REST: Followed = Followed {
+    target_m: 0.0,
+    sent_m: 0.0,
+    measured_m: 0.0,
+    learn: false,
+};
+
+/// The actuator.
+#[derive(Clone, Copy)]
+pub(crate) struct Axis {
+    /// Control steps, at most 31.
+    pub delay: usize,
+    /// Displacement per command.
+    pub gain: f32,
+}
+
+/// As the defaults of a test at 2 kHz.
+pub(crate) fn learning() -> Learning {
+    Learning {
+        floor_m: 1e-3,
+        memory: 0.999,
+        rate: 0.005,
+        longest: 40.0,
+        limit: 0.1,
+        gain_tolerance: 0.2,
+        gain_limit: 1e-3,
+    }
+}
+
+/// Twenty seconds of a swelling sine of two frequencies; the largest tracking error of the last five, relative.
+pub(crate) fn tracking_error<P: Predict>(k: &P::Constants, actuator: Axis) -> f32 {
+    run::<P>(k, actuator).1
+}
+
+/// The same with the predictor as it is in the end.
+pub(crate) fn run<P: Predict>(k: &P::Constants, actuator: Axis) -> (P, f32) {
+    let mut axis = P::at_rest(k);
+    let mut line = [0.0_f32; 32];
+    let (mut followed, mut worst, mut peak) = (AT_REST, 0.0_f32, 0.0_f32);
+    for i in 0..40_000_usize {
+        // Two frequencies: with one, gain and delay could be traded for each other.
+        let grown = (i as f32 / 4000.0).min(1.0) * 0.02;
+        let motion = |omega: f32| {
+            let phase = f64::from(omega) * i as f64;
+            let (sin, cos) = (libm::sin(phase) as f32, libm::cos(phase) as f32);
+            [
+                grown * sin,
+                grown * omega * cos,
+                -grown * omega * omega * sin,
+            ]
+        };
+        let (slow, fast) = (motion(OMEGA), motion(2.3 * OMEGA).map(|x| 0.3 * x));
+        let ahead = Ahead {
+            displacement_m: slow[0] + fast[0],
+            velocity_m: slow[1] + fast[1],
+            acceleration_m: slow[2] + fast[2],
+        };
+        let sent_m = axis.command(k, &followed, &ahead);
+        line[i % 32] = sent_m;
+        let measured_m = actuator.gain * line[(i + 32 - actuator.delay) % 32];
+        followed = Followed {
+            target_m: ahead.displacement_m,
+            sent_m,
+            measured_m,
+            learn: true,
+        };
+        if i > 30_000 {
+            worst = worst.max((followed.target_m - measured_m).abs());
+            peak = peak.max(followed.target_m.abs());
+        }
+    }
+    (axis, worst / peak)
+}

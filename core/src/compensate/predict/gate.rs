@@ -1,0 +1,104 @@
+//! When an adaptive law may learn, and how fast.
+//!
+//! A law that divides by the motion learns from noise when there is none: every published failure of an adaptive
+//! predictor that we know of is at the start of a test or in its quiet end. So all of them ask this gate: the speed
+//! must be a fair share of its running peak, and that peak above a floor.
+
+use crate::order::{larger, smaller};
+
+/// When and how fast adaptive predictors learn. Times in control steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Learning {
+    /// Running peak of the displacement below which nothing is learnt, m.
+    pub floor_m: f32,
+    /// What the running peaks keep from one control step to the next.
+    pub memory: f32,
+    /// Learning rate, 1 per control step.
+    pub rate: f32,
+    /// Longest delay, control steps.
+    pub longest: f32,
+    /// Largest change of the delay in a control step, control steps.
+    pub limit: f32,
+    /// Largest gain error that may be learnt, 1; 0 learns none.
+    pub gain_tolerance: f32,
+    /// Largest change of the gain in a control step.
+    pub gain_limit: f32,
+}
+
+/// Share of the running peak of v^2 below which nothing is learnt.
+const SHARE: f32 = 0.1;
+
+impl Learning {
+    /// The delay after a step of learning.
+    #[inline]
+    pub fn delay(&self, delay: f32, step: f32) -> f32 {
+        learnt(delay, step, self.limit, 0.0, self.longest)
+    }
+
+    /// The gain error after a step of learning.
+    #[inline]
+    pub fn gain(&self, gain: f32, step: f32) -> f32 {
+        let most = self.gain_tolerance;
+        learnt(gain, step, self.gain_limit, -most, most)
+    }
+}
+
+/// Running peaks of the motion of one axis.
+#[derive(Clone, Debug, Default)]
+pub struct Gate {
+    /// Running peak of the displacement, m.
+    pub peak_m: f32,
+    /// Running peak of v^2, m^2 per control step squared.
+    pub peak_speed_squared: f32,
+}
+
+impl Gate {
+    /// Takes in the motion of the target; whether it is worth learning from.
+    #[inline]
+    pub fn open(&mut self, k: &Learning, displacement_m: f32, velocity_m: f32) -> bool {
+        let square = velocity_m * velocity_m;
+        self.peak_m = larger(k.memory * self.peak_m, displacement_m.abs());
+        self.peak_speed_squared = larger(k.memory * self.peak_speed_squared, square);
+        self.peak_m > k.floor_m && square > SHARE * self.peak_speed_squared
+    }
+}
+
+/// `value + step`, the step at most `limit` and the result between `low` and `high`; a step that is no number is none.
+#[inline]
+pub fn learnt(value: f32, step: f32, limit: f32, low: f32, high: f32) -> f32 {
+    if !step.is_finite() {
+        return value;
+    }
+    let moved = value + smaller(larger(step, -limit), limit);
+    smaller(larger(moved, low), high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn is_shut_at_rest_below_the_floor_and_at_a_turning_point() {
+        let k = crate::compensate::predict::checks::learning();
+        let mut gate = Gate::default();
+        assert!(!gate.open(&k, 0.0, 0.0));
+        assert!(!gate.open(&k, 0.5e-3, 1e-4), "below the floor");
+        assert!(gate.open(&k, 2e-3, 1e-4));
+        assert!(!gate.open(&k, 2e-3, 1e-5), "near a turning point");
+        for _ in 0..10_000 {
+            gate.open(&k, 0.0, 0.0);
+        }
+        assert!(
+            !gate.open(&k, 1e-4, 1e-4),
+            "a strong part that is over opens nothing"
+        );
+    }
+
+    #[test]
+    fn a_step_is_limited_bounded_and_never_no_number() {
+        assert_eq!(learnt(1.0, 5.0, 0.5, 0.0, 10.0), 1.5);
+        assert_eq!(learnt(1.0, -5.0, 2.0, 0.0, 10.0), 0.0);
+        assert_eq!(learnt(1.0, f32::NAN, 0.5, 0.0, 10.0), 1.0);
+        assert_eq!(learnt(1.0, f32::INFINITY, 0.5, 0.0, 10.0), 1.0);
+    }
+}

@@ -1,0 +1,95 @@
+//! First-order phase lead: Zhao, French, Shield and Posbergh, EESD 32 (2003) 1773.
+//!
+//! `(1 + T_1 s) / (1 + T_2 s)` on the command, with `T_1 - T_2` the delay, so that the phase is right for slow motion,
+//! and `T_2` a tenth of the delay, which limits what is made of noise to eleven times. Discretised by the trapezoidal
+//! rule.
+//!
+//! Parameters: `delay_ms`. State 8 bytes an axis. Cost: some 10 operations.
+//!
+//! # When not to use it
+//! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
+
+use super::{Ahead, Followed, Predict};
+
+/// T_2 over the delay.
+const SHARE: f64 = 0.1;
+
+/// Constants of the lead: `y = new x + last x_1 + memory y_1`.
+#[derive(Clone, Copy, Debug)]
+pub struct Constants {
+    new: f32,
+    last: f32,
+    memory: f32,
+}
+
+impl Constants {
+    /// For a delay of `steps` control steps.
+    pub fn new(steps: f64) -> Self {
+        let (lead, lag) = (2.0 * steps * (1.0 + SHARE), 2.0 * steps * SHARE);
+        Self {
+            new: ((1.0 + lead) / (1.0 + lag)) as f32,
+            last: ((1.0 - lead) / (1.0 + lag)) as f32,
+            memory: ((lag - 1.0) / (1.0 + lag)) as f32,
+        }
+    }
+}
+
+/// The lead on one axis.
+#[derive(Clone, Debug)]
+pub struct PhaseLead {
+    target_m: f32,
+    command_m: f32,
+}
+
+impl Predict for PhaseLead {
+    type Constants = Constants;
+
+    fn at_rest(_: &Constants) -> Self {
+        Self {
+            target_m: 0.0,
+            command_m: 0.0,
+        }
+    }
+
+    #[inline]
+    fn command(&mut self, k: &Constants, _: &Followed, ahead: &Ahead) -> f32 {
+        let target_m = ahead.displacement_m;
+        self.command_m = k.new * target_m + k.last * self.target_m + k.memory * self.command_m;
+        self.target_m = target_m;
+        self.command_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gain and phase at `omega` against the transfer function.
+    #[test]
+    fn has_the_gain_and_the_lead_of_its_transfer_function() {
+        let (steps, omega) = (8.0_f64, 0.02_f64);
+        let k = Constants::new(steps);
+        let mut axis = PhaseLead::at_rest(&k);
+        let followed = crate::compensate::predict::checks::AT_REST;
+        let (mut in_phase, mut across, cycles) = (0.0, 0.0, 20.0);
+        let length = (cycles * core::f64::consts::TAU / omega) as usize;
+        for i in 0..2 * length {
+            let phase = omega * i as f64;
+            let ahead = Ahead {
+                displacement_m: libm::sin(phase) as f32,
+                velocity_m: 0.0,
+                acceleration_m: 0.0,
+            };
+            let y = f64::from(axis.command(&k, &followed, &ahead));
+            if i >= length {
+                in_phase += 2.0 * y * libm::sin(phase) / length as f64;
+                across += 2.0 * y * libm::cos(phase) / length as f64;
+            }
+        }
+        let (t1, t2) = (1.1 * steps * omega, 0.1 * steps * omega);
+        let gain = libm::sqrt((1.0 + t1 * t1) / (1.0 + t2 * t2));
+        assert!((libm::hypot(in_phase, across) - gain).abs() < 1e-3);
+        let lead = libm::atan(t1) - libm::atan(t2);
+        assert!((libm::atan2(across, in_phase) - lead).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,309 @@
+//! `[compensation]`: the methods by name, and their parameters.
+
+/// The name of a compensation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Method {
+    /// The measured force goes into the equation of motion as it is.
+    #[cfg_attr(feature = "serde", serde(rename = "none"))]
+    None,
+    /// Eq 14 as the paper published it: hold on a change of sign only.
+    #[cfg_attr(feature = "serde", serde(rename = "eq14-unguarded"))]
+    Eq14Unguarded,
+    /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
+    #[cfg_attr(feature = "serde", serde(rename = "eq14"))]
+    Eq14,
+    /// Eq 20 with the sech gain of Eq 19, and the guards.
+    #[default]
+    #[cfg_attr(feature = "serde", serde(rename = "paper"))]
+    Paper,
+    /// Polynomial extrapolation of the command (Horiuchi).
+    #[cfg_attr(feature = "serde", serde(rename = "lagrange"))]
+    Lagrange,
+    /// The same with the delay estimated on line (Darby).
+    #[cfg_attr(feature = "serde", serde(rename = "darby"))]
+    Darby,
+    /// Prediction by the structure's own model (Carrion and Spencer).
+    #[cfg_attr(feature = "serde", serde(rename = "model-prediction"))]
+    ModelPrediction,
+    /// Force at the time the target was reached, behind `darby` (Ahmadizadeh).
+    #[cfg_attr(feature = "serde", serde(rename = "ahmadizadeh"))]
+    Ahmadizadeh,
+    /// First-order phase lead (Zhao).
+    #[cfg_attr(feature = "serde", serde(rename = "phase-lead"))]
+    PhaseLead,
+    /// Minimal control synthesis with modified demand (Bonnet).
+    #[cfg_attr(feature = "serde", serde(rename = "mcs"))]
+    Mcs,
+    /// Inverse model and feedback of the error (Carrion).
+    #[cfg_attr(feature = "serde", serde(rename = "feedforward-feedback"))]
+    FeedforwardFeedback,
+    /// Adaptive forward prediction (Wallace).
+    #[cfg_attr(feature = "serde", serde(rename = "afp"))]
+    Afp,
+    /// Inverse compensation (Chen and Ricles).
+    #[cfg_attr(feature = "serde", serde(rename = "inverse"))]
+    Inverse,
+    /// The same, adaptive.
+    #[cfg_attr(feature = "serde", serde(rename = "adaptive-inverse"))]
+    AdaptiveInverse,
+    /// Adaptive time series (Chae).
+    #[cfg_attr(feature = "serde", serde(rename = "ats"))]
+    Ats,
+    /// Tangent force behind adaptive forward prediction.
+    #[cfg_attr(feature = "serde", serde(rename = "tangent"))]
+    Tangent,
+}
+
+/// What stands between the target and the command that is sent; each is a method of the same name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Prediction {
+    /// The target is sent as it is.
+    None,
+    /// Polynomial extrapolation of the command (Horiuchi).
+    Lagrange,
+    /// The same with the delay estimated on line (Darby).
+    Darby,
+    /// Prediction by the structure's own model (Carrion and Spencer).
+    ModelPrediction,
+    /// First-order phase lead (Zhao).
+    PhaseLead,
+    /// Minimal control synthesis with modified demand (Bonnet).
+    Mcs,
+    /// Inverse model and feedback of the error (Carrion).
+    FeedforwardFeedback,
+    /// Adaptive forward prediction (Wallace).
+    Afp,
+    /// Inverse compensation (Chen and Ricles).
+    Inverse,
+    /// The same, adaptive.
+    AdaptiveInverse,
+    /// Adaptive time series (Chae).
+    Ats,
+}
+
+impl Prediction {
+    /// Every predictor, in the order of the documentation.
+    pub const ALL: [Self; 11] = [
+        Self::None,
+        Self::Lagrange,
+        Self::Darby,
+        Self::ModelPrediction,
+        Self::PhaseLead,
+        Self::Mcs,
+        Self::FeedforwardFeedback,
+        Self::Afp,
+        Self::Inverse,
+        Self::AdaptiveInverse,
+        Self::Ats,
+    ];
+
+    /// The name on the command line and in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => Method::None.name(),
+            Self::Lagrange => Method::Lagrange.name(),
+            Self::Darby => Method::Darby.name(),
+            Self::ModelPrediction => Method::ModelPrediction.name(),
+            Self::PhaseLead => Method::PhaseLead.name(),
+            Self::Mcs => Method::Mcs.name(),
+            Self::FeedforwardFeedback => Method::FeedforwardFeedback.name(),
+            Self::Afp => Method::Afp.name(),
+            Self::Inverse => Method::Inverse.name(),
+            Self::AdaptiveInverse => Method::AdaptiveInverse.name(),
+            Self::Ats => Method::Ats.name(),
+        }
+    }
+}
+
+impl Method {
+    /// Every method, in the order of the documentation.
+    pub const ALL: [Self; 16] = [
+        Self::None,
+        Self::Eq14Unguarded,
+        Self::Eq14,
+        Self::Paper,
+        Self::Lagrange,
+        Self::Darby,
+        Self::ModelPrediction,
+        Self::Ahmadizadeh,
+        Self::PhaseLead,
+        Self::Mcs,
+        Self::FeedforwardFeedback,
+        Self::Afp,
+        Self::Inverse,
+        Self::AdaptiveInverse,
+        Self::Ats,
+        Self::Tangent,
+    ];
+
+    /// The name on the command line and in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Eq14Unguarded => "eq14-unguarded",
+            Self::Eq14 => "eq14",
+            Self::Paper => "paper",
+            Self::Lagrange => "lagrange",
+            Self::Darby => "darby",
+            Self::ModelPrediction => "model-prediction",
+            Self::Ahmadizadeh => "ahmadizadeh",
+            Self::PhaseLead => "phase-lead",
+            Self::Mcs => "mcs",
+            Self::FeedforwardFeedback => "feedforward-feedback",
+            Self::Afp => "afp",
+            Self::Inverse => "inverse",
+            Self::AdaptiveInverse => "adaptive-inverse",
+            Self::Ats => "ats",
+            Self::Tangent => "tangent",
+        }
+    }
+
+    /// The predictor that belongs to it.
+    pub const fn prediction(self) -> Prediction {
+        match self {
+            Self::None | Self::Eq14Unguarded | Self::Eq14 | Self::Paper => Prediction::None,
+            Self::Darby | Self::Ahmadizadeh => Prediction::Darby,
+            Self::Afp | Self::Tangent => Prediction::Afp,
+            Self::Lagrange => Prediction::Lagrange,
+            Self::ModelPrediction => Prediction::ModelPrediction,
+            Self::PhaseLead => Prediction::PhaseLead,
+            Self::Mcs => Prediction::Mcs,
+            Self::FeedforwardFeedback => Prediction::FeedforwardFeedback,
+            Self::Inverse => Prediction::Inverse,
+            Self::AdaptiveInverse => Prediction::AdaptiveInverse,
+            Self::Ats => Prediction::Ats,
+        }
+    }
+}
+
+/// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Secant {
+    /// The command's, as published: the result is a stiffness `(omega tau)^2` too high.
+    #[default]
+    Command,
+    /// The specimen's own, `u_m,i - u_m,i-1`: that error is gone. Held where the two increments disagree in sign.
+    Measured,
+}
+
+/// Compensation: which method, and the parameters of all.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Compensation {
+    /// Which method.
+    pub kind: Method,
+    /// Which increment stands in the denominator.
+    pub secant: Secant,
+    /// Exponent of the sech gain, Eq 19; 0 < gamma <= 1.
+    pub gamma: f64,
+    /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
+    pub window_steps: u16,
+    /// The actuator's delay, ms of laboratory time: the clamp is built on it, and predictors begin with it.
+    pub delay_ms: f64,
+    /// C_cor is kept below this many times K tau.
+    pub clamp: f64,
+    /// C_cor is kept above this many times K tau; 0 or less. Left out: 0 with one actuator, `-clamp` with several. A
+    /// single floor's share of a frame's damping is negative where the floors beside it move the other way; only the
+    /// sum must not be.
+    pub clamp_below: Option<f64>,
+    /// Share of the mass that `M + dt/2 C_cor` may not fall below.
+    pub least_mass: f64,
+    /// The last C_cor is held while the increment is below this share of its running peak.
+    pub hold_share: f64,
+    /// Another predictor than the method's own.
+    pub predictor: Option<Prediction>,
+    /// Order of the polynomial of `lagrange` and `darby`, 1 to 3.
+    pub order: u8,
+    /// Inverse of the actuator for `feedforward-feedback`: factors of velocity (s), acceleration (s^2) and jerk (s^3) of
+    /// laboratory time. Left out: `tau, tau^2/2, 0`.
+    pub inverse: Option<[f64; 3]>,
+    /// Share of the tracking error that `feedforward-feedback` sends back.
+    pub feedback: f64,
+    /// How adaptive predictors learn.
+    pub adaptation: Adaptation,
+    /// The tangent force.
+    pub tangent: Tangent,
+}
+
+/// How adaptive predictors learn. Times are of the laboratory.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Adaptation {
+    /// Time constant of the learning, s.
+    pub time_s: f64,
+    /// Running peak of the displacement below which nothing is learnt, m.
+    pub floor_m: f64,
+    /// Longest delay that may be learnt, ms.
+    pub longest_delay_ms: f64,
+    /// Largest change of the delay in a second, ms.
+    pub delay_rate_ms_per_s: f64,
+    /// Largest gain error that may be learnt, as a fraction; 0 learns none.
+    pub gain_tolerance: f64,
+    /// Cut-off of the low-pass of `ats`, Hz.
+    pub smoothing_hz: f64,
+}
+
+impl Default for Adaptation {
+    fn default() -> Self {
+        Self {
+            time_s: 0.2,
+            floor_m: 1e-3,
+            longest_delay_ms: 100.0,
+            delay_rate_ms_per_s: 100.0,
+            gain_tolerance: 0.1,
+            smoothing_hz: 30.0,
+        }
+    }
+}
+
+/// The tangent force.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Tangent {
+    /// Shortest way over which a secant is formed, m.
+    pub motion_m: f64,
+    /// The same as a share of the running peak of the drift.
+    pub share: f64,
+    /// Time constant of the low-pass before the secant, ms of laboratory time; 0 is none.
+    pub smoothing_ms: f64,
+}
+
+impl Default for Tangent {
+    fn default() -> Self {
+        Self {
+            motion_m: 1e-5,
+            share: 0.01,
+            smoothing_ms: 0.0,
+        }
+    }
+}
+
+impl Default for Compensation {
+    fn default() -> Self {
+        Self {
+            kind: Method::Paper,
+            secant: Secant::Command,
+            gamma: 0.05,
+            window_steps: 1,
+            delay_ms: 4.0,
+            clamp: 2.0,
+            clamp_below: None,
+            least_mass: 0.5,
+            hold_share: 0.05,
+            predictor: None,
+            order: 3,
+            inverse: None,
+            feedback: 0.2,
+            adaptation: Adaptation::default(),
+            tangent: Tangent::default(),
+        }
+    }
+}
