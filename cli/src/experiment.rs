@@ -20,7 +20,7 @@ pub struct Experiment {
     pub test: TestFile,
     /// Name of the ground motion.
     pub record: String,
-    /// Length, s of model time.
+    /// Length, rest and all, s of model time.
     pub seconds: f64,
     /// Factor on the ground motion.
     pub scale: f64,
@@ -61,7 +61,11 @@ impl Experiment {
                 )));
             }
         };
-        let mut acc_m_per_s2 = shaking.acc_m_per_s2.clone();
+        // Rest is whole intervals of the record, so that its points stay what they are.
+        let still = (test.excitation.rest_s / shaking.interval_s).round() as usize;
+        let seconds = seconds + still as f64 * shaking.interval_s;
+        let mut acc_m_per_s2 = vec![0.0; still];
+        acc_m_per_s2.extend_from_slice(&shaking.acc_m_per_s2);
         let points = (seconds / shaking.interval_s).ceil() as usize + 1;
         acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
         let mut experiment = Self {

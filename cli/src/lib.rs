@@ -10,6 +10,7 @@
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
+//! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -26,3 +27,4 @@ pub mod summary;
 pub mod terminal;
 pub mod trace;
 pub mod verb;
+pub mod wording;

@@ -18,6 +18,7 @@ enum Verb {
     Run(verb::run::Run),
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
+    Diagnose(verb::diagnose::Diagnose),
     Effects(verb::effects::Effects),
     Board(verb::board::Board),
 }
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Verb::Run(v) => v.go(),
         Verb::Compare(v) => v.go(),
         Verb::Check(v) => v.go(),
+        Verb::Diagnose(v) => v.go(),
         Verb::Effects(v) => v.go(),
         Verb::Board(v) => v.go(),
     };

@@ -127,7 +127,8 @@ impl Channelled<'_> {
                     ));
                 }
             }
-            if plausible::clipped(input) {
+            // A command that stays at its end was meant to; a sensor that does is at its rail.
+            if self.base.channel == Channel::Specimen && plausible::clipped(input) {
                 return Some(format!(
                     "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
                     r.name
@@ -197,11 +198,12 @@ impl Channelled<'_> {
             }
         }
         if stretches.is_empty() {
-            for r in self.train {
-                let (input, target) = (self.input_of(r)?, self.target_of(r)?);
-                if let Some(p) = rest::period(input) {
-                    let change = |i: usize| (target[i] - target[i - p]) / std::f64::consts::SQRT_2;
-                    stretches.push((p..target.len()).map(change).collect());
+            for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
+                let input = self.input_of(r)?;
+                if let Some(motion) = rest::periodic(input) {
+                    let before = |i: usize| residual[i - motion.period];
+                    let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
+                    stretches.push((motion.from..motion.end).map(change).collect());
                 }
             }
         }

@@ -54,26 +54,28 @@ impl Recording {
                 )));
             }
         }
-        let mean = self.interval_s();
-        for (i, pair) in self.time_s.windows(2).enumerate() {
-            let step = pair[1] - pair[0];
-            if step.is_nan() || step <= 0.0 {
-                return Err(Refusal::new(format!(
-                    "{name}: time goes from {} s to {} s at sample {}: accepted is time that increases",
-                    pair[0],
-                    pair[1],
-                    i + 1
-                )));
-            }
-            if (step / mean - 1.0).abs() > JITTER {
-                return Err(Refusal::new(format!(
-                    "{name}: an interval of {step:.6} s at sample {} beside {mean:.6} s on average: accepted are \
-                     equal intervals, to 5 %",
-                    i + 1
-                )));
-            }
+        match self.uneven_at() {
+            None => Ok(()),
+            Some(i) => Err(Refusal::new(format!(
+                "{name}: time goes from {} s to {} s at sample {i}, where {:.6} s would be even: accepted is time that \
+                 increases by equal intervals, to 5 %",
+                self.time_s[i - 1],
+                self.time_s[i],
+                self.interval_s()
+            ))),
         }
-        Ok(())
+    }
+
+    /// The first sample whose distance from the one before it is not that of the others; `None`: time is even, or as
+    /// even as the digits that it is written with can show.
+    pub fn uneven_at(&self) -> Option<usize> {
+        let mean = self.interval_s();
+        let uneven = |pair: &[f64]| {
+            let step = pair[1] - pair[0];
+            step.is_nan() || step <= 0.0 || (step / mean - 1.0).abs() > JITTER
+        };
+        let first = self.time_s.windows(2).position(uneven)? + 1;
+        (!rounded(&self.time_s)).then_some(first)
     }
 
     fn columns(&self) -> impl Iterator<Item = (&'static str, &Vec<f64>)> {
@@ -110,6 +112,42 @@ impl Recording {
             force_n: cut(&self.force_n),
         }
     }
+}
+
+/// Samples over which the number of digits is read off.
+const BLOCK: usize = 100;
+
+/// Whether times are those of a uniform grid, rounded to the digits that they are written with.
+fn rounded(time_s: &[f64]) -> bool {
+    let n = time_s.len() as f64;
+    let middle = 0.5 * (n - 1.0);
+    let mean = time_s.iter().sum::<f64>() / n;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for (i, t) in time_s.iter().enumerate() {
+        let x = i as f64 - middle;
+        covariance += x * (t - mean);
+        variance += x * x;
+    }
+    let slope = covariance / variance;
+    // Powers of ten only: that is what rounding leaves.
+    let unit = |times: &[f64]| {
+        let whole = |u: f64| {
+            let odd = |t: &f64| (t / u - (t / u).round()).abs() > 1e-6;
+            !times.iter().any(odd)
+        };
+        (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| whole(*u))
+    };
+    let units: Option<Vec<f64>> = time_s.chunks(BLOCK).map(unit).collect();
+    let Some(units) = units else {
+        return false;
+    };
+    time_s.iter().enumerate().all(|(i, t)| {
+        // The digits may change within a block, for example at 10 and at 100 s.
+        let block = i / BLOCK;
+        let near = &units[block.saturating_sub(1)..(block + 2).min(units.len())];
+        let coarse = near.iter().copied().fold(0.0, f64::max);
+        (t - mean - slope * (i as f64 - middle)).abs() <= (0.55 * coarse).max(JITTER * slope)
+    })
 }
 
 /// Largest less smallest value.
@@ -171,10 +209,25 @@ mod tests {
             &|r| r.time_s.iter_mut().skip(500).for_each(|t| *t += 0.01),
             "equal intervals",
         );
+        refused(&|r| r.time_s[500] = r.time_s[499], "sample 500");
         refused(
             &|r| r.displacement_mm.as_mut().unwrap().truncate(999),
             "equal lengths",
         );
+    }
+
+    #[test]
+    fn time_that_was_rounded_is_even_although_it_repeats_itself() {
+        let mut r = even(3000);
+        let exact = |i: usize| i as f64 * 0.007_753;
+        for (i, t) in r.time_s.iter_mut().enumerate() {
+            let digits = if i < 1550 { 1e3 } else { 1e2 };
+            *t = (exact(i) * digits).round() / digits;
+        }
+        assert!(r.time_s.windows(2).any(|t| t[0] == t[1]));
+        assert_eq!(r.uneven_at(), None);
+        r.time_s[2000] += 0.01;
+        assert!(r.uneven_at().is_some());
     }
 
     #[test]

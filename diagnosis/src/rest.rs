@@ -21,6 +21,7 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
     let least = (SHORTEST_S / h).ceil() as usize;
     let before = still(activity.iter(), n, h);
     let after = still(activity.iter().rev(), n, h).saturating_sub((SETTLING_S / h) as usize);
+    let whole = range(activity);
     let mut spans = Vec::new();
     if before >= least {
         spans.push((0, before));
@@ -28,7 +29,29 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
     if after >= least && before + after < n {
         spans.push((n - after, n));
     }
+    spans.retain(|&(a, b)| !swings(&activity[a..b], whole));
+    // What moves more at one end than at the other is not at rest there.
+    let quietest = spans
+        .iter()
+        .map(|&(a, b)| deviation(&activity[a..b]))
+        .fold(f64::MAX, f64::min);
+    let least = 1e-5 * whole;
+    spans.retain(|&(a, b)| deviation(&activity[a..b]) <= 3.0 * quietest.max(least));
     spans
+}
+
+fn deviation(x: &[f64]) -> f64 {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// Whether a small movement is smooth: a structure that still rings, not the noise of one that stands.
+fn swings(x: &[f64], whole: f64) -> bool {
+    let rms = deviation(x);
+    let n = x.len() as f64;
+    let step = (x.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum::<f64>() / n).sqrt();
+    rms > 2e-3 * whole && step < 0.1 * rms
 }
 
 /// How many samples from one end on stand still.
@@ -52,20 +75,70 @@ fn still<'a>(samples: impl Iterator<Item = &'a f64>, n: usize, interval_s: f64) 
     moved.saturating_sub((0.1 / interval_s) as usize)
 }
 
-/// Period of a signal that repeats itself at least three times, samples.
-pub fn period(x: &[f64]) -> Option<usize> {
+/// A motion that repeats itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Periodic {
+    /// Period, samples.
+    pub period: usize,
+    /// First sample from which on, and sample up to which, one period is like the one before.
+    pub from: usize,
+    /// Its end.
+    pub end: usize,
+}
+
+/// How far, of its own rms, a motion may differ from one period to the next.
+const LIKE: f64 = 0.05;
+
+/// The longest part of a signal that repeats itself at least three times.
+pub fn periodic(x: &[f64]) -> Option<Periodic> {
     let n = x.len();
     let mean = x.iter().sum::<f64>() / n as f64;
     let x: Vec<f64> = x.iter().map(|x| x - mean).collect();
-    let crossings: Vec<usize> = (1..n).filter(|&i| x[i - 1] < 0.0 && x[i] >= 0.0).collect();
+    let rms = (x.iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt();
+    // Upward, and only after it has been well below: noise crosses back and forth.
+    let below = -0.2 * range(&x);
+    let (mut ready, mut crossings) = (false, Vec::new());
+    for i in 1..n {
+        ready |= x[i] < below;
+        if ready && x[i - 1] < 0.0 && x[i] >= 0.0 {
+            crossings.push(i);
+            ready = false;
+        }
+    }
     if crossings.len() < 4 {
         return None;
     }
-    let span = crossings[crossings.len() - 1] - crossings[0];
-    let guess = span as f64 / (crossings.len() - 1) as f64;
-    (guess as usize..=guess.ceil() as usize)
-        .filter(|&p| p > 8 && 3 * p < n)
-        .find(|&p| crate::recording::correlation(&x[p..], &x[..n - p]) > 0.99)
+    let mut gaps: Vec<usize> = crossings.windows(2).map(|c| c[1] - c[0]).collect();
+    gaps.sort_unstable();
+    let middle = gaps[gaps.len() / 2];
+    let candidates = middle.saturating_sub(2).max(8)..=middle + 2;
+    candidates
+        .filter_map(|period| steady(&x, period, LIKE * rms))
+        .max_by_key(|found| found.end - found.from)
+}
+
+/// The longest run of whole periods that are like the one before.
+fn steady(x: &[f64], period: usize, room: f64) -> Option<Periodic> {
+    let differs = |from: usize| {
+        let square = |i: usize| (x[i] - x[i - period]).powi(2);
+        let sum: f64 = (from..from + period).map(square).sum();
+        (sum / period as f64).sqrt() > room
+    };
+    let (mut best, mut from) = (0..0, period);
+    let mut at = period;
+    while at + period <= x.len() {
+        if differs(at) {
+            from = at + period;
+        } else if at + period - from > best.len() {
+            best = from..at + period;
+        }
+        at += period;
+    }
+    (best.len() >= 2 * period).then_some(Periodic {
+        period,
+        from: best.start,
+        end: best.end,
+    })
 }
 
 #[cfg(test)]
@@ -98,6 +171,17 @@ mod tests {
             (8400..=8700).contains(&found[1].0) && found[1].1 == 10_000,
             "{found:?}"
         );
+        // A structure that rings on is not at rest, however little it moves.
+        let mut rings = r;
+        for (i, u) in rings.command_mm.iter_mut().flatten().enumerate() {
+            let late = (i as f64 * h - 8.0).max(0.0);
+            *u += if late > 0.0 {
+                0.01 * (12.0 * late).sin()
+            } else {
+                0.0
+            };
+        }
+        assert_eq!(spans(&rings), found[..1]);
     }
 
     #[test]
@@ -105,8 +189,14 @@ mod tests {
         let sine: Vec<f64> = (0..4000)
             .map(|i| (i as f64 * std::f64::consts::TAU / 250.0).sin())
             .collect();
-        assert!((249..=251).contains(&period(&sine).unwrap()));
+        let found = periodic(&sine).unwrap();
+        assert_eq!((found.period, found.from, found.end), (250, 250, 4000));
+        // A start that grows is not part of it.
+        let grows = |i: usize| (i as f64 / 1000.0).min(1.0);
+        let soft: Vec<f64> = sine.iter().enumerate().map(|(i, x)| x * grows(i)).collect();
+        let found = periodic(&soft).unwrap();
+        assert!(found.period == 250 && found.from >= 1000, "{found:?}");
         let sweep: Vec<f64> = (0..4000).map(|i| (1e-5 * (i * i) as f64).sin()).collect();
-        assert_eq!(period(&sweep), None);
+        assert_eq!(periodic(&sweep), None);
     }
 }

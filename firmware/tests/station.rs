@@ -227,7 +227,7 @@ fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
     for _ in 0..500 {
         b.step();
     }
-    let patience = firmware::station::TASK_PATIENCE_STEPS;
+    let patience = firmware::station::Patience::at(2000.0).task_steps;
     assert!((patience..patience + 3).contains(&(b.rig.fed - 500)));
     assert_eq!(b.rig.starving, Some(firmware::station::Sign::Report));
 }

@@ -1,6 +1,8 @@
 //! Files that people write and read: tests, ground motions, recorded data, results.
 
 pub mod ground_motion;
+pub mod measured;
+pub mod model;
 pub mod near_fault;
 pub mod output;
 pub mod record_csv;

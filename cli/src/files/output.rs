@@ -12,11 +12,6 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure>
     let cannot = |path: &Path, e: std::io::Error| {
         Failure::input(format!("{}: cannot be written: {e}", path.display()))
     };
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    };
     fs::create_dir_all(folder).map_err(|e| cannot(folder, e))?;
     let mut ready = Vec::new();
     for (name, text) in files {
@@ -36,16 +31,17 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Writes one file, there whole or not at all.
+/// Writes one file, whole or not at all.
 ///
 /// # Errors
-/// As [`write_all`]; a path that names no file.
-pub fn write(path: &Path, text: String) -> Result<(), Failure> {
+/// A file that cannot be written; what was there before is left as it was.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     let name = path.file_name().and_then(|n| n.to_str()).ok_or_else(|| {
         Failure::input(format!(
-            "{}: accepted is the name of a file",
+            "{}: is no name of a file: accepted is a path that ends with one",
             path.display()
         ))
     })?;
-    write_all(path.parent().unwrap_or(Path::new("")), &[(name, text)])
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    write_all(folder.unwrap_or(Path::new(".")), &[(name, text.to_owned())])
 }

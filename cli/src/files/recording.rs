@@ -80,6 +80,20 @@ impl Recording {
     /// With the line: a unit that the quantity cannot have, a quantity twice, time that is missing or does not
     /// increase, a row of another length than the header, a cell that is no finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
+        let recording = Self::parse_with_any_time(file, text)?;
+        let late = recording.time_s.windows(2).position(|t| t[1] <= t[0]);
+        match late {
+            Some(row) => Err(recording.refuse_time(row + 1)),
+            None => Ok(recording),
+        }
+    }
+
+    /// The same, but time is left to be judged by [`Recording::refuse_time`]'s caller: where it is written with few
+    /// digits it may repeat itself, and a part of a record may be sound where the whole is not.
+    ///
+    /// # Errors
+    /// As [`Recording::parse`], but for time that does not increase.
+    pub fn parse_with_any_time(file: &str, text: &str) -> Result<Self, Failure> {
         let table = NumberTable::parse(file, text)?;
         let mut columns: Vec<Column> = Vec::with_capacity(table.names.len());
         for (name, values) in table.names.iter().zip(&table.columns) {
@@ -99,17 +113,6 @@ impl Recording {
             .position(|c| c.quantity == "time" && c.axis == 1)
             .ok_or_else(|| table.refuse_header("has no time: accepted are time_s and time_ms"))?;
         let time_s = columns.remove(at).values;
-        for (row, pair) in time_s.windows(2).enumerate() {
-            if pair[1] <= pair[0] {
-                return Err(table.refuse_row(
-                    row + 1,
-                    format!(
-                        "time {} s follows on {} s: accepted is time that increases",
-                        pair[1], pair[0]
-                    ),
-                ));
-            }
-        }
         if time_s.len() < 2 {
             return Err(Failure::input(format!(
                 "{file}: has {} rows: accepted are at least 2",
@@ -122,6 +125,17 @@ impl Recording {
             columns,
             lines: table.lines,
         })
+    }
+
+    /// That time is wrong at a row.
+    pub fn refuse_time(&self, row: usize) -> Failure {
+        Failure::input(format!(
+            "{}, line {}: time {} s follows on {} s: accepted is time that increases, by equal intervals",
+            self.file,
+            self.lines[row],
+            self.time_s[row],
+            self.time_s[row - 1]
+        ))
     }
 
     /// A quantity of an axis (1 is the lowest).

@@ -34,6 +34,8 @@ pub struct Excitation {
     pub peak_response_mm: Option<f64>,
     /// Seconds of model time; left out: the whole record.
     pub duration_s: Option<f64>,
+    /// Seconds of model time at rest before the ground motion begins: a second of it tells a diagnosis the noise.
+    pub rest_s: f64,
 }
 
 impl Default for Excitation {
@@ -43,6 +45,7 @@ impl Default for Excitation {
             scale: 1.0,
             peak_response_mm: None,
             duration_s: None,
+            rest_s: 0.0,
         }
     }
 }
@@ -54,6 +57,12 @@ impl Excitation {
             return Err(format!(
                 "excitation.scale = {} is refused: accepted are factors other than 0, to 1000",
                 self.scale
+            ));
+        }
+        if !(0.0..=60.0).contains(&self.rest_s) {
+            return Err(format!(
+                "excitation.rest_s = {} is refused: accepted are 0 to 60 s",
+                self.rest_s
             ));
         }
         match self.peak_response_mm {
@@ -299,6 +308,7 @@ mod tests {
             ("excitation.scale=0", &["excitation.scale = 0"]),
             ("excitation.scale=nan", &["excitation.scale = NaN"]),
             ("excitation.peak_response_mm=-1", &["peak_response_mm = -1"]),
+            ("excitation.rest_s=-1", &["rest_s = -1", "0 to 60 s"]),
         ] {
             let e = with(&[assignment]).unwrap_err();
             for word in said {

@@ -1,5 +1,6 @@
 //! The report: one HTML file that needs nothing beside it.
 
+mod diagnosis;
 mod figures;
 mod plot;
 
@@ -89,6 +90,17 @@ pub fn of_demo(
     };
     let title = "A fast pseudodynamic test, and what an actuator's delay does to it";
     Ok(page(title, &lead(paper), &body().map_err(cannot)?))
+}
+
+/// The report of a diagnosis.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_diagnosis(title: &str, d: &::diagnosis::Diagnosis) -> Result<String, Failure> {
+    let parts: Result<Vec<String>, _> = d.channels.iter().map(diagnosis::channel).collect();
+    let lead = "What was measured is compared with what the declared model says, its parameters refitted inside their \
+                tolerances; what is left beyond the noise is traced to an effect that the model lacks.";
+    Ok(page(title, lead, &parts.map_err(cannot)?.concat()))
 }
 
 fn cannot(e: Box<dyn Error>) -> Failure {

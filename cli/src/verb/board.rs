@@ -271,7 +271,7 @@ impl Commission {
         };
         let (text, early) = board::commission(&mut connection, &test.config, signal)?;
         let steps = text.lines().skip(1).count();
-        output::write(&self.out, text)?;
+        output::write(&self.out, &text)?;
         println!("{steps} steps are in {}.", self.out.display());
         early.map_or(Ok(()), |why| {
             Err(Failure::test(format!(

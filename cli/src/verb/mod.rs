@@ -4,6 +4,7 @@ pub mod board;
 pub mod check;
 pub mod compare;
 pub mod demo;
+pub mod diagnose;
 pub mod effects;
 pub mod run;
 

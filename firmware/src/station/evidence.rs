@@ -1,8 +1,8 @@
 //! Signs of life: what the watchdog is fed on.
 //!
 //! The control interrupt feeds the hardware watchdog, and only while every task has shown a sign of life within
-//! [`TASK_PATIENCE_STEPS`]. So the watchdog bites when the interrupt stops, when a task starves, and when the program
-//! hangs with interrupts off.
+//! [`TASK_PATIENCE_S`]. So the watchdog bites when the interrupt stops, when a task starves, and when the program hangs
+//! with interrupts off.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -17,12 +17,30 @@ pub enum Sign {
     Heard,
 }
 
-/// Control steps within which a task must have run: 100 ms at 2 kHz. The tasks run every millisecond.
-pub const TASK_PATIENCE_STEPS: u32 = 200;
+/// Time within which a task must have run, s. The tasks run every millisecond.
+pub const TASK_PATIENCE_S: f64 = 0.1;
 
-/// Control steps within which the PC must have been heard while the actuator may move: 500 ms at 2 kHz. The PC asks for
-/// the status every 100 ms.
-pub const PC_PATIENCE_STEPS: u32 = 1000;
+/// Time within which the PC must have been heard while the actuator may move, s. The PC asks for the status every 0.1 s.
+pub const PC_PATIENCE_S: f64 = 0.5;
+
+/// The patience with the signs, in control steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patience {
+    /// With a task.
+    pub task_steps: u32,
+    /// With the PC.
+    pub pc_steps: u32,
+}
+
+impl Patience {
+    /// At a control rate.
+    pub const fn at(rate_hz: f64) -> Self {
+        Self {
+            task_steps: (TASK_PATIENCE_S * rate_hz) as u32,
+            pc_steps: (PC_PATIENCE_S * rate_hz) as u32,
+        }
+    }
+}
 
 /// The clock of the signs and their last times.
 #[derive(Debug, Default)]
@@ -62,15 +80,15 @@ impl Evidence {
     }
 
     /// The task that has starved, if one has.
-    pub fn starved(&self) -> Option<Sign> {
+    pub fn starved(&self, patience: Patience) -> Option<Sign> {
         [Sign::Listen, Sign::Report]
             .into_iter()
-            .find(|&task| self.age(task) > TASK_PATIENCE_STEPS)
+            .find(|&task| self.age(task) > patience.task_steps)
     }
 
     /// The PC has not been heard for too long.
-    pub fn pc_is_lost(&self) -> bool {
-        self.age(Sign::Heard) > PC_PATIENCE_STEPS
+    pub fn pc_is_lost(&self, patience: Patience) -> bool {
+        self.age(Sign::Heard) > patience.pc_steps
     }
 }
 
@@ -78,17 +96,26 @@ impl Evidence {
 mod tests {
     use super::*;
 
+    const AT_2_KHZ: Patience = Patience::at(2000.0);
+
+    #[test]
+    fn patience_is_a_time() {
+        assert_eq!((AT_2_KHZ.task_steps, AT_2_KHZ.pc_steps), (200, 1000));
+        let slow = Patience::at(100.0);
+        assert_eq!((slow.task_steps, slow.pc_steps), (10, 50));
+    }
+
     #[test]
     fn a_task_that_shows_no_sign_of_life_starves_and_the_other_does_not_hide_it() {
         let evidence = Evidence::new();
-        for tick in 0..=TASK_PATIENCE_STEPS + 1 {
-            assert_eq!(evidence.starved(), None);
+        for tick in 0..=AT_2_KHZ.task_steps + 1 {
+            assert_eq!(evidence.starved(AT_2_KHZ), None);
             evidence.advance(tick);
             evidence.show(Sign::Listen);
         }
-        assert_eq!(evidence.starved(), Some(Sign::Report));
+        assert_eq!(evidence.starved(AT_2_KHZ), Some(Sign::Report));
         evidence.show(Sign::Report);
-        assert_eq!(evidence.starved(), None);
+        assert_eq!(evidence.starved(AT_2_KHZ), None);
     }
 
     #[test]
@@ -96,9 +123,9 @@ mod tests {
         let evidence = Evidence::new();
         evidence.advance(u32::MAX - 10);
         evidence.show(Sign::Heard);
-        evidence.advance(u32::MAX.wrapping_add(PC_PATIENCE_STEPS - 10));
-        assert!(!evidence.pc_is_lost());
-        evidence.advance(u32::MAX.wrapping_add(PC_PATIENCE_STEPS - 9));
-        assert!(evidence.pc_is_lost());
+        evidence.advance(u32::MAX.wrapping_add(AT_2_KHZ.pc_steps - 10));
+        assert!(!evidence.pc_is_lost(AT_2_KHZ));
+        evidence.advance(u32::MAX.wrapping_add(AT_2_KHZ.pc_steps - 9));
+        assert!(evidence.pc_is_lost(AT_2_KHZ));
     }
 }

@@ -23,7 +23,7 @@ mod upload;
 mod window;
 
 pub use any_loop::AnyLoop;
-pub use evidence::{Evidence, PC_PATIENCE_STEPS, Sign, TASK_PATIENCE_STEPS};
+pub use evidence::{Evidence, PC_PATIENCE_S, Patience, Sign, TASK_PATIENCE_S};
 pub use motion::{Loaded, Points, Writable};
 pub use order::{Order, Outcome, Refused, Returned, Vitals};
 pub use service::{Asked, Board, Parts, Service};

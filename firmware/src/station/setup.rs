@@ -1,6 +1,7 @@
 //! A test, worked out and ready to be exchanged for another.
 
 use super::any_loop::AnyLoop;
+use super::evidence::Patience;
 use outerloop_core::config::StructureConfig;
 use outerloop_core::{Config, Refusal};
 
@@ -9,7 +10,9 @@ use outerloop_core::{Config, Refusal};
 pub struct Clock {
     /// Clock of the sampling timer, Hz.
     pub timer_hz: u32,
-    /// The fastest control rate, Hz.
+    /// The slowest control rate, Hz; each step feeds the watchdog.
+    pub slowest_rate_hz: u32,
+    /// The fastest control rate, Hz; each step is reported over the link.
     pub fastest_rate_hz: u32,
     /// Ticks of the stopwatch that a step may take.
     pub deadline_ticks: u32,
@@ -27,6 +30,8 @@ pub struct Setup {
     pub rate_hz: f32,
     /// Integration step in model time, s.
     pub model_step_s: f64,
+    /// The patience with the tasks and the PC at this rate.
+    pub patience: Patience,
     /// Somebody has asked for this test; the one that a board starts with cannot be armed.
     pub configured: bool,
 }
@@ -41,11 +46,12 @@ impl Setup {
         // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
         let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
         let divides = f64::from(period_ticks) * rate_hz == f64::from(clock.timer_hz);
-        if !(divides && rate_hz <= f64::from(clock.fastest_rate_hz)) {
+        let range = f64::from(clock.slowest_rate_hz)..=f64::from(clock.fastest_rate_hz);
+        if !(divides && range.contains(&rate_hz)) {
             return Err(Refusal {
                 name: "loop.rate_hz",
                 value: rate_hz,
-                accepted: "rates that divide the sampling timer's clock and whose telemetry the link carries",
+                accepted: "whole divisors of the sampling timer's 84 MHz, from 100 Hz to what the link's telemetry carries (see identify)",
             });
         }
         let floors = config.structure.mass_kg.len();
@@ -65,6 +71,7 @@ impl Setup {
             period_ticks,
             rate_hz: rate_hz as f32,
             model_step_s: config.model_step_s(),
+            patience: Patience::at(rate_hz),
             configured: true,
         })
     }
@@ -101,6 +108,7 @@ mod tests {
 
     const CLOCK: Clock = Clock {
         timer_hz: 84_000_000,
+        slowest_rate_hz: 100,
         fastest_rate_hz: 3400,
         deadline_ticks: 5000,
         stopwatch_hz: 168_000_000,
@@ -126,11 +134,13 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_that_does_not_divide_the_clock_or_floods_the_link_is_refused() {
+    fn a_rate_that_does_not_divide_the_clock_starves_the_watchdog_or_floods_the_link_is_refused() {
         assert_eq!(with(|_| ()).ok().map(|s| s.period_ticks), Some(42_000));
         assert!(with(|c| c.timing.rate_hz = 1000.0).is_ok());
         assert!(with(|c| c.timing.rate_hz = 2100.0).is_ok());
-        for rate in [1999.0, 2000.5, 4000.0, f64::NAN, -2000.0, 0.0] {
+        let slow = with(|c| c.timing.rate_hz = 100.0).ok().unwrap();
+        assert_eq!((slow.period_ticks, slow.patience.task_steps), (840_000, 10));
+        for rate in [1999.0, 2000.5, 4000.0, 96.0, f64::NAN, -2000.0, 0.0] {
             let refusal = with(|c| c.timing.rate_hz = rate).err().unwrap();
             assert_eq!(refusal.name, "loop.rate_hz", "{rate}");
         }

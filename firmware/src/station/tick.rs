@@ -197,7 +197,7 @@ impl Station {
     #[inline]
     pub fn tick<H: Hardware>(&mut self, hardware: &mut H) {
         self.period.begin(hardware.watch().now());
-        let starved = self.evidence.starved();
+        let starved = self.evidence.starved(self.setup.patience);
         let fault = self.own_fault(hardware, starved);
         let goal_m = self.goal_m();
         let nothing = GroundMotion::none();
@@ -234,7 +234,7 @@ impl Station {
     fn own_fault(&self, hardware: &impl Hardware, starved: Option<Sign>) -> Option<Fault> {
         if hardware.emergency_stop() {
             Some(Fault::EmergencyStop)
-        } else if starved.is_some() || self.evidence.pc_is_lost() {
+        } else if starved.is_some() || self.evidence.pc_is_lost(self.setup.patience) {
             Some(Fault::LinkLost)
         } else {
             None

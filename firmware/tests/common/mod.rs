@@ -18,6 +18,7 @@ pub const STIFFNESS_N_PER_M: f64 = 158e3;
 
 pub const CLOCK: Clock = Clock {
     timer_hz: 84_000_000,
+    slowest_rate_hz: 100,
     fastest_rate_hz: 3400,
     deadline_ticks: u32::MAX,
     stopwatch_hz: 168_000_000,

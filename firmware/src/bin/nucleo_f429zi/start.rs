@@ -28,6 +28,8 @@ use static_cell::{ConstStaticCell, StaticCell};
 /// 13 us of that time.
 const CLOCK: Clock = Clock {
     timer_hz: clocks::TIMER_HZ,
+    // A period of 10 ms; the watchdog's shortest time is 17 ms.
+    slowest_rate_hz: 100,
     fastest_rate_hz: link::fastest_rate_hz(link::BAUD),
     deadline_ticks: (OUTPUT_DELAY_US - 15) * (clocks::CORE_HZ / 1_000_000),
     stopwatch_hz: clocks::CORE_HZ,

@@ -2,7 +2,8 @@
 //!
 //! The chip's flash has two banks: the program runs in the first while the second is written, so the control interrupt is
 //! not held up. The sector is a row of slots; each saving takes the next, and the last good one counts, so power that
-//! fails during a saving costs no more than that saving. Only when all slots are used is the sector erased.
+//! fails during a saving costs no more than that saving. Only when all 128 slots are used is the sector erased, some 2 s in
+//! which losing power loses the settings; the board then starts unconfigured and says so.
 
 use crate::station::{SETTINGS_BYTES, Settings};
 use embassy_stm32::flash::{Async, FLASH_BASE, Flash};

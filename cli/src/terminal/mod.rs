@@ -1,5 +1,9 @@
 //! Tables and progress on the terminal.
 
+mod diagnosis;
+
+pub use diagnosis::diagnosis;
+
 use crate::summary::Summary;
 use crate::trace::Witness;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
@@ -126,6 +130,15 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Does work of unknown length; beyond a second a spinner says what is being done, where somebody looks at a terminal.
+pub fn while_waiting<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
+    spinner.enable_steady_tick(PATIENCE);
+    let done = work();
+    spinner.finish_and_clear();
+    done
 }
 
 /// Counts the steps of a test.

@@ -1,0 +1,149 @@
+//! Measured data as a diagnosis takes it: `FILE[@T0..T1]`, in mm, N and s.
+
+use super::read;
+use super::recording::Recording;
+use crate::failure::Failure;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// A file, and the part of it that is meant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The file.
+    pub file: PathBuf,
+    /// First and last time, s; both belong to it. `None`: the whole record.
+    pub span_s: Option<[f64; 2]>,
+}
+
+impl std::str::FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((file, span)) = text.rsplit_once('@').filter(|(_, s)| s.contains("..")) else {
+            return Ok(Self {
+                file: text.into(),
+                span_s: None,
+            });
+        };
+        let refuse = |why: &str| {
+            format!("`{text}`: {why}: accepted is FILE@T0..T1 with T0 below T1, in seconds")
+        };
+        let (from, to) = span.split_once("..").unwrap_or((span, ""));
+        let second = |what: &str| {
+            let s: f64 = what
+                .trim()
+                .parse()
+                .map_err(|_| refuse(&format!("`{what}` is no number")))?;
+            let finite = s.is_finite().then_some(s);
+            finite.ok_or_else(|| refuse(&format!("`{what}` is not finite")))
+        };
+        let (from, to) = (second(from)?, second(to)?);
+        if from >= to {
+            return Err(refuse(&format!("{from} s is not below {to} s")));
+        }
+        Ok(Self {
+            file: file.into(),
+            span_s: Some([from, to]),
+        })
+    }
+}
+
+/// Files that were read, each once however many parts of it are used.
+#[derive(Debug, Default)]
+pub struct Library {
+    read: HashMap<PathBuf, Recording>,
+}
+
+impl Library {
+    /// The parts, in order.
+    ///
+    /// # Errors
+    /// A file that cannot be used; a span that is not inside its record.
+    pub fn parts(&mut self, parts: &[Part]) -> Result<Vec<diagnosis::Recording>, Failure> {
+        parts.iter().map(|p| self.part(p)).collect()
+    }
+
+    /// Whether every force that was read is in newtons.
+    pub fn force_has_unit(&self) -> bool {
+        let mut forces = self.read.values().filter(|r| r.force().is_some());
+        forces.all(Recording::force_has_unit)
+    }
+
+    fn part(&mut self, part: &Part) -> Result<diagnosis::Recording, Failure> {
+        let recording = self.whole(&part.file)?;
+        let whole = in_mm(recording);
+        let used = match part.span_s {
+            None => whole,
+            Some(span_s) => inside(&whole, span_s)?,
+        };
+        if used.time_s.len() > 1
+            && let Some(sample) = used.uneven_at()
+        {
+            let skipped = recording.time_s.iter().position(|t| *t == used.time_s[0]);
+            return Err(recording.refuse_time(skipped.unwrap_or(0) + sample));
+        }
+        Ok(used)
+    }
+
+    /// The recording behind `path`; one file under two names is one recording.
+    fn whole(&mut self, path: &Path) -> Result<&Recording, Failure> {
+        let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if !self.read.contains_key(&same) {
+            let name = path.display().to_string();
+            let recording = Recording::parse_with_any_time(&name, &read(path)?)?;
+            self.read.insert(same.clone(), recording);
+        }
+        Ok(&self.read[&same])
+    }
+}
+
+fn inside(
+    whole: &diagnosis::Recording,
+    [from_s, to_s]: [f64; 2],
+) -> Result<diagnosis::Recording, Failure> {
+    let (first, last) = (whole.time_s[0], whole.time_s[whole.time_s.len() - 1]);
+    // Times are written with few digits: half an interval is no mistake.
+    let room = 0.5 * whole.interval_s();
+    if from_s < first - room || to_s > last + room {
+        return Err(Failure::input(format!(
+            "{}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s",
+            whole.name
+        )));
+    }
+    Ok(whole.span(from_s, to_s))
+}
+
+/// The first axis of a recording in mm, N and s.
+pub fn in_mm(recording: &Recording) -> diagnosis::Recording {
+    let mm = |x: &[f64]| x.iter().map(|x| x * 1e3).collect();
+    diagnosis::Recording {
+        name: recording.file.clone(),
+        time_s: recording.time_s.clone(),
+        command_mm: recording.command_m().map(mm),
+        displacement_mm: recording.displacement_m().map(mm),
+        force_n: recording.force().map(<[f64]>::to_vec),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_a_file_and_a_span() {
+        let part = |text: &str| text.parse::<Part>();
+        assert_eq!(part("a@b.csv").unwrap().file, PathBuf::from("a@b.csv"));
+        let p = part("rig@lab.csv@-1.5..20").unwrap();
+        assert_eq!(p.file, PathBuf::from("rig@lab.csv"));
+        assert_eq!(p.span_s, Some([-1.5, 20.0]));
+        for (text, said) in [
+            ("a.csv@5..2", "5 s is not below 2 s"),
+            ("a.csv@five..9", "`five` is no number"),
+            ("a.csv@1..", "`` is no number"),
+            ("a.csv@1..inf", "`inf` is not finite"),
+        ] {
+            let e = part(text).unwrap_err();
+            assert!(e.contains(said), "{e}");
+        }
+    }
+}

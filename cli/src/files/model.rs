@@ -1,0 +1,74 @@
+//! The declared model: what the laboratory believes of its rig, and what a diagnosis made of it.
+
+use super::read;
+use crate::failure::Failure;
+use diagnosis::Model;
+use std::path::Path;
+
+/// Reads and checks a model.
+///
+/// # Errors
+/// A file that cannot be read; a key or value that cannot be used, with its place.
+pub fn load(path: &Path) -> Result<Model, Failure> {
+    parse(&path.display().to_string(), &read(path)?)
+}
+
+fn parse(file: &str, text: &str) -> Result<Model, Failure> {
+    let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
+    let one_line = |said: &str| said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let model: Model = toml::from_str(text).map_err(|e| {
+        let at = e.span().map_or(1, |s| line(s.start));
+        Failure::input(format!("{file}, line {at}: {}", one_line(e.message())))
+    })?;
+    model
+        .check()
+        .map_err(|e| Failure::input(format!("{file}: {e}")))?;
+    Ok(model)
+}
+
+/// A model as text that [`load`] reads back.
+///
+/// # Errors
+/// None that a checked model can have.
+pub fn to_toml(model: &Model) -> Result<String, Failure> {
+    toml::to_string(model)
+        .map_err(|e| Failure::test(format!("the model cannot be written as TOML: {e}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[actuator]\ngain = { value = 1, tolerance = 0.01 }\n[specimen]\n\
+                        stiffness_n_per_mm = { value = 158.0, tolerance = 3 }\n";
+
+    #[test]
+    fn reads_back_what_it_writes() {
+        let model = parse("m.toml", TEXT).unwrap();
+        assert_eq!(model.actuator.as_ref().unwrap().gain.unwrap().value, 1.0);
+        assert_eq!(parse("x", &to_toml(&model).unwrap()).unwrap(), model);
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        for (from, to, said) in [
+            ("gain", "gian", "line 2: unknown field `gian`"),
+            (
+                "tolerance = 3",
+                "tolerance = -3",
+                "specimen.stiffness_n_per_mm.tolerance = -3",
+            ),
+            ("158.0", "\"stiff\"", "line 4:"),
+            ("158.0", "nan", "specimen.stiffness_n_per_mm.value = NaN"),
+            (TEXT, "", "declares no channel"),
+        ] {
+            let e = parse("m.toml", &TEXT.replace(from, to))
+                .unwrap_err()
+                .to_string();
+            assert!(
+                e.starts_with("m.toml") && e.contains(said) && !e.contains('\n'),
+                "{e}"
+            );
+        }
+    }
+}

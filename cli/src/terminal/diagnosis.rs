@@ -1,0 +1,90 @@
+//! A diagnosis on the terminal.
+
+use super::{percent, table};
+use crate::wording::{digits, headline, parameter, quantity, verdict};
+use comfy_table::CellAlignment;
+use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
+use std::fmt::Write as _;
+
+/// Effects that are listed as tried.
+const LISTED: usize = 6;
+
+/// Verdicts, errors, effects and what to do next.
+pub fn diagnosis(d: &Diagnosis) -> String {
+    let mut text = String::new();
+    for a in &d.channels {
+        let _ = writeln!(text, "{}", headline(a));
+        for e in &a.effects {
+            for p in &e.parameters {
+                let _ = writeln!(text, "    {:22} {}", e.name.name(), parameter(p));
+            }
+        }
+        // The first note says in figures what the headline has said, unless there is no verdict.
+        let told = usize::from(a.verdict != Verdict::NotAssessed);
+        for note in a.notes.iter().skip(told) {
+            let _ = writeln!(text, "    {note}");
+        }
+        text.push('\n');
+    }
+    let _ = writeln!(text, "{}", errors(&d.channels));
+    for a in d.channels.iter().filter(|a| !a.tried.is_empty()) {
+        let _ = writeln!(text, "\n{}", tried(a));
+    }
+    let _ = write!(text, "{:.2} s", d.seconds);
+    text
+}
+
+fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {
+    let mut t = table(&[
+        "channel",
+        "verdict",
+        "training before",
+        "after",
+        "held out before",
+        "after",
+        "held out rms before",
+        "after",
+        "noise rms",
+        "gain, 90 %",
+    ]);
+    if let Some(column) = t.column_mut(1) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    for a in channels {
+        let (before, after) = (&a.error_before, &a.error_after);
+        let rms = |x: f64| quantity(x, &a.unit);
+        t.add_row([
+            a.channel.name().to_owned(),
+            verdict(a.verdict).to_owned(),
+            percent(before.train_nrmse),
+            percent(after.train_nrmse),
+            percent(before.test_nrmse),
+            percent(after.test_nrmse),
+            rms(before.test_rms),
+            rms(after.test_rms),
+            rms(a.noise_floor_rms),
+            format!(
+                "{} to {}",
+                digits(a.improvement_ci90[0]),
+                digits(a.improvement_ci90[1])
+            ),
+        ]);
+    }
+    t
+}
+
+fn tried(a: &ChannelAnswer) -> comfy_table::Table {
+    let mut t = table(&[
+        &format!("tried in the {}", a.channel.name()),
+        "left, rms",
+        "evidence (fall of BIC)",
+    ]);
+    for e in a.tried.iter().take(LISTED) {
+        t.add_row([
+            e.name.name().to_owned(),
+            quantity(e.rms_left, &a.unit),
+            format!("{:.0}", e.bic_gain),
+        ]);
+    }
+    t
+}

@@ -1,0 +1,94 @@
+//! `outerloop diagnose`: what the declared model lacks to explain what was measured.
+
+use super::json;
+use crate::failure::Failure;
+use crate::files::measured::{Library, Part};
+use crate::files::{model, output};
+use crate::report;
+use crate::terminal;
+use diagnosis::Diagnosis;
+use std::path::PathBuf;
+
+/// Find what the declared model lacks
+#[derive(clap::Args, Debug)]
+pub struct Diagnose {
+    /// The declared model
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Data to search in; may be given several times
+    #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
+    train: Vec<Part>,
+    /// Data to judge on, which takes no part in the search; may be given several times
+    #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
+    test: Vec<Part>,
+    /// Data in which nothing moves, which tells the noise; left out: looked for before and after the motion
+    #[arg(long, value_name = "FILE@T0..T1")]
+    rest: Vec<Part>,
+    /// Write the improved model there
+    #[arg(long, value_name = "FILE")]
+    save_model: Option<PathBuf>,
+    /// Write report.html, diagnosis.json and model.toml there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// One JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+impl Diagnose {
+    /// Diagnoses.
+    ///
+    /// # Errors
+    /// Data or a model that cannot be judged.
+    pub fn go(&self) -> Result<(), Failure> {
+        let declared = model::load(&self.model)?;
+        let mut library = Library::default();
+        let train = library.parts(&self.train)?;
+        let test = library.parts(&self.test)?;
+        let rest = library.parts(&self.rest)?;
+        let mut diagnosis = terminal::while_waiting("diagnosing", || {
+            diagnosis::diagnose(&declared, &train, &test, &rest)
+        })
+        .map_err(|e| Failure::input(e.to_string()))?;
+        if !library.force_has_unit() {
+            without_unit(&mut diagnosis);
+        }
+        let improved = model::to_toml(&diagnosis.improved)?;
+        if let Some(path) = &self.save_model {
+            output::write(path, &improved)?;
+        }
+        if let Some(folder) = &self.out {
+            let title = format!("What {} says about {}", train[0].name, self.model.display());
+            output::write_all(
+                folder,
+                &[
+                    ("report.html", report::of_diagnosis(&title, &diagnosis)?),
+                    ("diagnosis.json", json(&diagnosis)?),
+                    ("model.toml", improved),
+                ],
+            )?;
+        }
+        if self.json {
+            println!("{}", json(&diagnosis)?);
+            return Ok(());
+        }
+        println!("{}", terminal::diagnosis(&diagnosis));
+        if let Some(path) = &self.save_model {
+            println!("The improved model is in {}", path.display());
+        }
+        if let Some(folder) = &self.out {
+            println!("Look at {}", folder.join("report.html").display());
+        }
+        Ok(())
+    }
+}
+
+/// The force has no unit in the file: nothing that is said of it may have one.
+fn without_unit(diagnosis: &mut Diagnosis) {
+    for channel in diagnosis.channels.iter_mut().filter(|c| c.unit == "N") {
+        channel.unit = "1".into();
+        for p in channel.effects.iter_mut().flat_map(|e| &mut e.parameters) {
+            p.unit = p.unit.replace('N', "1");
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! `outerloop diagnose` as people and scripts call it, on records of tests that it ran itself.
+#![allow(missing_docs)]
+
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const TEST: &str = r#"
+[structure]
+mass_kg = 1000
+stiffness_n_per_m = 158e3
+damping_ratio = 0.02
+[loop]
+rate_hz = 1000
+[compensation]
+window_steps = 10
+[excitation]
+duration_s = 20
+rest_s = 1.5
+[plant.actuator]
+kind = "delay"
+delay_ms = 4
+[plant.sensors]
+displacement_noise_mm = 0.02
+force_noise_n = 5
+"#;
+
+const MODEL: &str = "
+[actuator]
+gain = { value = 1, tolerance = 0.01 }
+delay_ms = { value = 4, tolerance = 0.5 }
+offset_mm = { value = 0, tolerance = 0.05 }
+[specimen]
+stiffness_n_per_mm = { value = 158, tolerance = 2 }
+mass_kg = { value = 0, tolerance = 0.1 }
+offset_n = { value = 0, tolerance = 20 }
+";
+
+const INERTIA: &str = "[[plant.effects]]\nname = \"inertia_force\"\nmass_kg = 60\n";
+
+fn outerloop(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A folder with a model, and a record of a test on a rig with `effect`.
+struct Laboratory {
+    folder: tempfile::TempDir,
+}
+
+impl Laboratory {
+    fn with(effect: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let here = Self { folder };
+        here.write("test.toml", &format!("{TEST}{effect}"));
+        here.write("model.toml", MODEL);
+        let (test, out) = (here.path("test.toml"), here.path("out"));
+        let run = outerloop(&["run", &test, "--out", &out]);
+        assert!(
+            run.status.success(),
+            "{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+        here
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.folder.path().join(name), text).unwrap();
+    }
+
+    fn record(&self) -> String {
+        self.path("out/record.csv")
+    }
+
+    /// `model` on the first and the last part of `record`.
+    fn halves(&self, model: &str, record: &str, more: &[&str]) -> Output {
+        let (train, test) = (format!("{record}@0..11"), format!("{record}@11.001..21.4"));
+        let mut arguments = vec![
+            "diagnose", "--model", model, "--train", &train, "--test", &test,
+        ];
+        arguments.extend(more);
+        outerloop(&arguments)
+    }
+
+    fn diagnose(&self, model: &str, record: &str) -> Value {
+        let output = self.halves(model, record, &["--json"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
+    }
+
+    /// Refused with exit status 2 and one sentence that says all of `words`.
+    #[track_caller]
+    fn refused(&self, model: &str, train: &str, test: &str, more: &[&str], words: &[&str]) {
+        let saved = self.path("saved.toml");
+        let mut arguments = vec![
+            "diagnose", "--model", model, "--train", train, "--test", test,
+        ];
+        arguments.extend(["--json", "--save-model", &saved]);
+        arguments.extend(more);
+        let output = outerloop(&arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(output.stdout.is_empty());
+        assert!(!Path::new(&saved).exists());
+        for word in words {
+            assert!(said.contains(word), "`{word}` is not in: {said}");
+        }
+    }
+
+    /// Time, command, displacement and force of the record, changed row by row, as a new file.
+    fn changed(&self, name: &str, change: impl Fn(usize, &mut [String; 4])) -> String {
+        let text = std::fs::read_to_string(self.record()).unwrap();
+        let mut new = String::from("time_s,command_m,displacement_m,force_n\n");
+        for (i, line) in text.lines().skip(1).enumerate() {
+            let mut row: [String; 4] = Default::default();
+            for (to, from) in row.iter_mut().zip(line.split(',')) {
+                from.clone_into(to);
+            }
+            change(i, &mut row);
+            let _ = writeln!(new, "{}", row.join(","));
+        }
+        self.write(name, &new);
+        self.path(name)
+    }
+}
+
+fn channel<'a>(d: &'a Value, name: &str) -> &'a Value {
+    let channels = d["channels"].as_array().unwrap();
+    channels.iter().find(|c| c["channel"] == name).unwrap()
+}
+
+#[test]
+fn an_undeclared_mass_is_found_saved_and_then_nothing_is_missing() {
+    let lab = Laboratory::with(INERTIA);
+    let d = lab.diagnose(&lab.path("model.toml"), &lab.record());
+    assert_eq!(channel(&d, "actuator")["verdict"], "none");
+    let s = channel(&d, "specimen");
+    for key in [
+        "verdict",
+        "effects",
+        "alternatives",
+        "nearest",
+        "noise_floor_rms",
+        "unit",
+        "error_before",
+        "error_after",
+        "improvement_ci90",
+        "notes",
+    ] {
+        assert!(s.get(key).is_some(), "{key}");
+    }
+    assert_eq!((&s["verdict"], &s["unit"]), (&"effect".into(), &"N".into()));
+    let effect = &s["effects"][0];
+    assert_eq!(
+        (&effect["name"], &effect["family"]),
+        (&"inertia_force".into(), &"inertia".into())
+    );
+    let mass = &effect["parameters"][0];
+    assert!(
+        (mass["value"].as_f64().unwrap() - 60.0).abs() < 2.0,
+        "{mass}"
+    );
+    let rms = |which: &str| s[which]["test_rms"].as_f64().unwrap();
+    assert!(rms("error_after") < 0.7 * rms("error_before"));
+
+    let (out, model) = (lab.path("report"), lab.path("improved.toml"));
+    let saved = ["--out", out.as_str(), "--save-model", model.as_str()];
+    let told = lab.halves(&lab.path("model.toml"), &lab.record(), &saved);
+    let told = String::from_utf8_lossy(&told.stdout);
+    assert!(
+        told.contains("The specimen model lacks inertia_force"),
+        "{told}"
+    );
+    let page = std::fs::read_to_string(PathBuf::from(&out).join("report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("inertia_force") && !page.contains("src="));
+    let again = lab.diagnose(&model, &lab.record());
+    assert_eq!(channel(&again, "specimen")["verdict"], "none");
+}
+
+#[test]
+fn nothing_is_missing_where_nothing_was_added() {
+    let lab = Laboratory::with("");
+    let d = lab.diagnose(&lab.path("model.toml"), &lab.record());
+    for name in ["actuator", "specimen"] {
+        let c = channel(&d, name);
+        assert_eq!(c["verdict"], "none", "{c}");
+        assert_eq!(c["error_before"], c["error_after"]);
+        assert!(c["effects"].as_array().unwrap().is_empty());
+    }
+}
+
+#[test]
+fn bad_data_is_refused_with_its_place() {
+    let lab = Laboratory::with("");
+    let (model, record) = (lab.path("model.toml"), lab.record());
+    let span = |part: &str| format!("{record}@{part}");
+    let sound = span("11.001..21.4");
+    let say = |train: &str, test: &str, words: &[&str]| {
+        lab.refused(&model, train, test, &[], words);
+    };
+    say(&span("0..12"), &sound, &["overlap"]);
+    say(
+        &span("0..40"),
+        &sound,
+        &["0..40 s is not inside the record", "21.499"],
+    );
+    say(&span("0..0.1"), &sound, &["101 samples are too few"]);
+    say(&span("5..2"), &sound, &["5 s is not below 2 s"]);
+    say("nowhere.csv", &sound, &["nowhere.csv", "cannot be read"]);
+    let moving = span("3..4");
+    lab.refused(
+        &model,
+        &span("0..11"),
+        &sound,
+        &["--rest", &moving],
+        &["3 s to 4 s", "rest"],
+    );
+
+    let whole = |name: &str, change: &dyn Fn(usize, &mut [String; 4])| {
+        let file = lab.changed(name, change);
+        (format!("{file}@0..11"), format!("{file}@11.001..21.4"))
+    };
+    let change = |name: &str, words: &[&str], change: &dyn Fn(usize, &mut [String; 4])| {
+        let (train, test) = whole(name, change);
+        say(&train, &test, words);
+    };
+    change("nan.csv", &["line 702", "force_n is `nan`"], &|i, row| {
+        if i == 700 {
+            row[3] = "nan".into();
+        }
+    });
+    change("text.csv", &["line 702", "`high`"], &|i, row| {
+        if i == 700 {
+            row[2] = "high".into();
+        }
+    });
+    change(
+        "back.csv",
+        &["line 702", "0.6 s follows on 0.699"],
+        &|i, row| {
+            if i == 700 {
+                row[0] = "0.6".into();
+            }
+        },
+    );
+    change("jitter.csv", &["equal intervals"], &|i, row| {
+        let t: f64 = row[0].parse().unwrap();
+        row[0] = (t + if i % 2 == 0 { 2e-4 } else { 0.0 }).to_string();
+    });
+    change("gap.csv", &["line 5002", "equal intervals"], &|i, row| {
+        let t: f64 = row[0].parse().unwrap();
+        row[0] = (t + if i >= 5000 { 0.02 } else { 0.0 }).to_string();
+    });
+    change("swapped.csv", &["swapped"], &|_, row| row.swap(2, 3));
+    change(
+        "unit.csv",
+        &["displacement", "units of its header"],
+        &|_, row| {
+            let x: f64 = row[2].parse().unwrap();
+            row[2] = (1e3 * x).to_string();
+        },
+    );
+    let copy = lab.changed("copy.csv", |_, _| ());
+    say(&record, &copy, &["same samples"]);
+    let text = std::fs::read_to_string(&copy).unwrap();
+    for (header, words) in [
+        (
+            "time_s,command_m,displacement_m,force_mm",
+            "`force_mm` is refused",
+        ),
+        ("time_s,command_m,command_mm,force_n", "stands twice"),
+        ("command_m,displacement_m,force_n,t_s", "has no time"),
+    ] {
+        let (_, rows) = text.split_once('\n').unwrap();
+        lab.write("header.csv", &format!("{header}\n{rows}"));
+        let file = lab.path("header.csv");
+        say(&file, &record, &["line 1", words]);
+    }
+}
+
+#[test]
+fn a_bad_model_is_refused_with_its_line() {
+    let lab = Laboratory::with("");
+    let record = lab.record();
+    let (train, test) = (format!("{record}@0..11"), format!("{record}@11.001..21.4"));
+    for (from, to, words) in [
+        ("gain", "gian", &["line 3", "gian"][..]),
+        (
+            "tolerance = 2 ",
+            "tolerance = -2 ",
+            &["stiffness_n_per_mm.tolerance = -2"],
+        ),
+        ("tolerance = 2 ", "tolerance = inf ", &["tolerance = inf"]),
+        ("value = 4", "value = -4", &["actuator.delay_ms.value = -4"]),
+        ("value = 158", "value = \"stiff\"", &["line 7"]),
+        (MODEL, "", &["declares no channel"]),
+    ] {
+        lab.write("bad.toml", &MODEL.replace(from, to));
+        let mut all = vec!["bad.toml"];
+        all.extend(words);
+        lab.refused(&lab.path("bad.toml"), &train, &test, &[], &all);
+    }
+}
+
+#[test]
+fn what_cannot_be_judged_is_not_assessed_and_says_why() {
+    let lab = Laboratory::with(INERTIA);
+    let model = lab.path("model.toml");
+    let why = |file: &str, name: &str, words: &str| {
+        let d = lab.diagnose(&model, file);
+        let c = channel(&d, name);
+        assert_eq!(c["verdict"], "not_assessed", "{c}");
+        let notes = c["notes"].to_string();
+        assert!(notes.contains(words), "`{words}` is not in {notes}");
+    };
+    let still = lab.changed("still.csv", |_, row| row[3] = "12.5".into());
+    why(&still, "specimen", "stands still at 12.5");
+    let rail = lab.changed("rail.csv", |_, row| {
+        let x: f64 = row[2].parse().unwrap();
+        row[2] = x.clamp(-0.03, 0.03).to_string();
+    });
+    why(&rail, "specimen", "is clipped");
+    let text = std::fs::read_to_string(&still).unwrap();
+    lab.write("nocommand.csv", &text.replacen("command_m", "oil_c", 1));
+    why(&lab.path("nocommand.csv"), "actuator", "missing");
+
+    let record = lab.record();
+    let (train, test) = (format!("{record}@3..11"), format!("{record}@11.001..21.4"));
+    let output = outerloop(&[
+        "diagnose", "--model", &model, "--train", &train, "--test", &test, "--json",
+    ]);
+    let d: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let c = channel(&d, "specimen");
+    assert_eq!(c["verdict"], "not_assessed", "{c}");
+    assert!(c["notes"].to_string().contains("rest"), "{c}");
+}
