@@ -22,6 +22,7 @@ use std::io;
 
 const CLOCK: Clock = Clock {
     timer_hz: 84_000_000,
+    slowest_rate_hz: 100,
     fastest_rate_hz: 3400,
     deadline_ticks: u32::MAX,
     stopwatch_hz: 168_000_000,
