@@ -5,6 +5,7 @@
 pub mod call_graph;
 pub mod data;
 pub mod loopback;
+pub mod exam;
 pub mod qemu;
 
 use outerloop_core::config::{Filter, StructureConfig};

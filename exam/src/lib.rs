@@ -1,0 +1,41 @@
+//! Records of a test rig that does something its declared model does not say, and the key to them.
+//!
+//! This crate stands apart on purpose: it shares no equation with what it examines, neither with the simulated rigs of
+//! the repository nor with the diagnosis. Everything is computed here on a grid of 8 kHz, from the trajectory that is
+//! commanded to the codes of the converter.
+//!
+//! ```text
+//! excitation ─► command ─► gain, delay, lag ─► effects ─► displacement ─► k, c, m ─► effects ─► force
+//!                                                              │                                  │
+//!                                                  noise, effects of the reading, bits   (the same)
+//!                                                              ▼                                  ▼
+//!                       Paper: declared model + training record + test record        Key: what was hidden
+//! ```
+//!
+//! [`set`] makes one [`Case`] from a class and a seed. Units: mm, N, s, kg.
+//!
+//! An effect follows either [`Equations::Matched`], the textbook form of the effect list, or [`Equations::Unseen`]:
+//! another model of the same physics (LuGre for Coulomb, Iwan for a bilinear element, two Maxwell branches for one, ...).
+
+mod case;
+mod class;
+mod declared;
+mod dice;
+pub mod effect;
+mod excitation;
+mod fine;
+mod key;
+mod lab;
+mod measure;
+mod noise;
+mod outside;
+mod question;
+mod rig;
+mod size;
+
+pub use case::{Case, Paper, Record, set};
+pub use class::{Class, Options};
+pub use declared::{Declared, DeclaredActuator, DeclaredSpecimen, Parameter};
+pub use effect::{Channel, Equations};
+pub use excitation::Excitation;
+pub use key::{ChannelKey, Hidden, Key};

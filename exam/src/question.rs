@@ -1,0 +1,158 @@
+//! What is to be hidden in a case.
+
+use crate::class::Class;
+use crate::dice::Dice;
+use crate::effect::{self, Channel, Equations, LIST, Physics, Scale, family};
+use crate::lab::Undeclared;
+use crate::outside;
+
+/// One thing to hide.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Question {
+    /// An effect of the list.
+    Effect(&'static str, Channel, Equations),
+    /// A force that is early on its displacement.
+    EarlyForce,
+    /// One of the kinds outside the list.
+    Outside(usize),
+}
+
+impl Question {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Effect(name, ..) => name,
+            Self::EarlyForce => "channel_skew",
+            Self::Outside(_) => "",
+        }
+    }
+
+    pub(crate) fn channel(self) -> Channel {
+        match self {
+            Self::Effect(_, channel, _) => channel,
+            Self::EarlyForce => Channel::Specimen,
+            Self::Outside(kind) => outside::KINDS[kind].1,
+        }
+    }
+
+    pub(crate) fn equations(self) -> Equations {
+        match self {
+            Self::Effect(_, _, equations) => equations,
+            Self::EarlyForce => Equations::Matched,
+            Self::Outside(_) => Equations::Unseen,
+        }
+    }
+
+    /// None where the list has no such effect in the channel.
+    pub(crate) fn draw(self, scale: &Scale, dice: &mut Dice) -> Option<Physics> {
+        match self {
+            Self::Effect(name, channel, equations) => {
+                effect::draw(name, channel, equations, scale, dice)
+            }
+            Self::EarlyForce => Some(effect::early_force()),
+            Self::Outside(kind) => Some(outside::draw(kind, scale, dice)),
+        }
+    }
+}
+
+/// What the model of such a case must leave out.
+pub(crate) fn undeclared(questions: &[Question]) -> Undeclared {
+    let asks = |name, channel| {
+        questions
+            .iter()
+            .any(|q| q.name() == name && q.channel() == channel)
+    };
+    let early = questions.iter().any(|q| matches!(q, Question::EarlyForce));
+    Undeclared {
+        offset_mm: asks("offset", Channel::Actuator),
+        offset_n: asks("offset", Channel::Specimen),
+        damping: early || asks("viscous_damping", Channel::Specimen),
+        mass: asks("inertia_force", Channel::Specimen),
+    }
+}
+
+/// What a case of this class and seed hides; effects take turns.
+pub(crate) fn questions(class: Class, seed: u64, dice: &mut Dice) -> Vec<Question> {
+    let turn = |n: usize| (seed % n as u64) as usize;
+    let one = |equations| {
+        let (name, _, channel) = LIST[turn(LIST.len())];
+        vec![Question::Effect(name, channel, equations)]
+    };
+    match class {
+        Class::Matched => one(Equations::Matched),
+        Class::Unseen => one(Equations::Unseen),
+        Class::Clean => Vec::new(),
+        Class::Outside => vec![Question::Outside(turn(outside::KINDS.len()))],
+        Class::Two => two(seed, dice),
+        Class::Confounded => vec![confounded(seed, dice)],
+    }
+}
+
+/// Effects of different families; every third pair in two channels, every other one by unseen equations.
+fn two(seed: u64, dice: &mut Dice) -> Vec<Question> {
+    let equations = if seed.is_multiple_of(2) {
+        Equations::Matched
+    } else {
+        Equations::Unseen
+    };
+    let apart = seed.is_multiple_of(3);
+    loop {
+        let (a, b) = (dice.pick(LIST), dice.pick(LIST));
+        // A coarse converter hides the rest; an offset and a drift are one story told twice.
+        let coarse = [a.0, b.0].contains(&"quantisation");
+        let slow = ["calibration", "slow"];
+        let blurred = slow.contains(&a.1) && slow.contains(&b.1);
+        if a.1 != b.1 && (a.2 != b.2) == apart && !coarse && !blurred {
+            return [a, b]
+                .map(|(name, _, channel)| Question::Effect(name, channel, equations))
+                .to_vec();
+        }
+    }
+}
+
+fn confounded(seed: u64, dice: &mut Dice) -> Question {
+    use Channel::{Actuator, Specimen};
+    let matched = |name, channel| Question::Effect(name, channel, Equations::Matched);
+    match seed % 4 {
+        // At low frequency a late actuator is late, whatever makes it so.
+        0 => matched(
+            dice.pick(&["delay_error", "lag_error", "second_lag"]),
+            Actuator,
+        ),
+        // F(t + d) = F + k d v on one spring.
+        1 if dice.chance(0.5) => Question::EarlyForce,
+        1 => matched("viscous_damping", Specimen),
+        // A share of the force is lost.
+        2 => matched(dice.pick(&["gain_error", "rig_compliance"]), Specimen),
+        // Loops of one amplitude and one rate.
+        _ => matched(
+            dice.pick(&["coulomb_friction", "stribeck_friction", "backlash"]),
+            Specimen,
+        ),
+    }
+}
+
+/// Whether the record must be kept so slow that the members of the set cannot be told apart.
+pub(crate) fn slow_only(class: Class, questions: &[Question]) -> bool {
+    class == Class::Confounded
+        && questions
+            .iter()
+            .any(|q| q.channel() == Channel::Actuator && family(q.name()) == Some("timing"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_gets_its_turn_and_pairs_are_of_two_families() {
+        let mut dice = Dice::new(5);
+        let mut seen = std::collections::BTreeSet::new();
+        for seed in 0..LIST.len() as u64 {
+            let q = questions(Class::Unseen, seed, &mut dice)[0];
+            seen.insert((q.name(), q.channel()));
+            let pair = questions(Class::Two, seed, &mut dice);
+            assert_ne!(family(pair[0].name()), family(pair[1].name()));
+        }
+        assert_eq!(seen.len(), LIST.len());
+    }
+}

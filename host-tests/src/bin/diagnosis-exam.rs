@@ -1,0 +1,166 @@
+//! The exam of the diagnosis as one table.
+//!
+//! ```text
+//! cargo run --release -p host-tests --bin diagnosis-exam -- [--seeds A..B] [--records N] [--quick] [--json FILE]
+//! cargo run --release -p host-tests --bin diagnosis-exam -- --export DIR     # the questions as files, without key
+//! cargo run --release -p host-tests --bin diagnosis-exam -- --answers FILE   # grades somebody else's answers
+//! ```
+
+use clap::Parser;
+use exam::Class;
+use host_tests::exam::plan::{Item, SEALED, TUNING};
+use host_tests::exam::sit::{Sat, sit};
+use host_tests::exam::{Answer, Plan, Report, export};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(about = "Sets the exam of the diagnosis and prints how it did")]
+struct Arguments {
+    /// Seeds, the end excluded; every class starts at the beginning. Without it: the tuning range.
+    #[arg(long, value_parser = range, conflicts_with = "sealed")]
+    seeds: Option<Range<u64>>,
+    /// The seeds that were never looked at, for figures that are reported
+    #[arg(long)]
+    sealed: bool,
+    /// At most so many records of a class
+    #[arg(long)]
+    records: Option<u64>,
+    /// A glance: every effect once by each set of equations
+    #[arg(long)]
+    quick: bool,
+    /// Writes all figures and marks into this file as well
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Only writes the questions into this folder
+    #[arg(long)]
+    export: Option<PathBuf>,
+    /// Grades the answers in this file: one JSON object a line, `{"record": "unseen-12", "answer": {...}}`
+    #[arg(long)]
+    answers: Option<PathBuf>,
+}
+
+fn range(text: &str) -> Result<Range<u64>, String> {
+    let refused =
+        || format!("`{text}` is not a range of seeds; A..B with A below B is, as in 0..40");
+    let (a, b) = text.split_once("..").ok_or_else(refused)?;
+    let number = |s: &str| s.trim().parse::<u64>().map_err(|_| refused());
+    let range = number(a)?..number(b)?;
+    if range.is_empty() {
+        return Err(refused());
+    }
+    Ok(range)
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("{sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), String> {
+    let seeds = match (&arguments.seeds, arguments.sealed) {
+        (Some(seeds), _) => seeds.clone(),
+        (None, true) => SEALED,
+        (None, false) => TUNING,
+    };
+    let mut plan = if arguments.quick {
+        Plan::quick(seeds)
+    } else {
+        Plan::full(seeds)
+    };
+    if let Some(records) = arguments.records {
+        plan = plan.at_most(records);
+    }
+    if let Some(folder) = &arguments.export {
+        let written =
+            export::export(folder, &plan.items).map_err(|e| format!("{folder:?}: {e}"))?;
+        println!("{written} questions in {}", folder.display());
+        return Ok(());
+    }
+    let all = match &arguments.answers {
+        Some(file) => {
+            let answers = read(file)?;
+            plan.items = answers
+                .keys()
+                .map(|id| Item::from_id(id))
+                .collect::<Result<_, _>>()?;
+            work(&plan, |item, _| {
+                let id = format!("{}-{}", item.class.name(), item.seed);
+                answers[&id].clone()
+            })
+        }
+        None => return Err("--answers FILE or --export DIR is needed".into()),
+    };
+    show(&plan, &all, arguments.json.as_deref())
+}
+
+type Answers = BTreeMap<String, Result<Answer, String>>;
+
+fn read(file: &Path) -> Result<Answers, String> {
+    let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let mut answers = Answers::new();
+    for (i, line) in text
+        .lines()
+        .enumerate()
+        .filter(|(_, l)| !l.trim().is_empty())
+    {
+        let at = |e: String| format!("{}, line {}: {e}", file.display(), i + 1);
+        let value: serde_json::Value = serde_json::from_str(line).map_err(|e| at(e.to_string()))?;
+        let id = value["record"]
+            .as_str()
+            .ok_or_else(|| at("no `record`".into()))?;
+        let answer = serde_json::from_value(value["answer"].clone()).map_err(|e| e.to_string());
+        answers.insert(id.into(), answer);
+    }
+    Ok(answers)
+}
+
+fn work(
+    plan: &Plan,
+    examinee: impl Fn(&Item, &exam::Paper) -> Result<Answer, String> + Sync,
+) -> Vec<Sat> {
+    let bar = ProgressBar::new(plan.items.len() as u64);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} records, {eta} to go") {
+        bar.set_style(style);
+    }
+    let all = sit(&plan.items, examinee, || bar.inc(1));
+    bar.finish_and_clear();
+    all
+}
+
+fn show(plan: &Plan, all: &[Sat], json: Option<&Path>) -> Result<(), String> {
+    let report = Report::new(all);
+    println!(
+        "{} records, seeds {}..{} ({})",
+        all.len(),
+        plan.seeds.start,
+        plan.seeds.end,
+        plan.kind()
+    );
+    println!("\n{}", report.target_table());
+    println!("\n{}", report.mark_table());
+    for class in [
+        Class::Matched,
+        Class::Unseen,
+        Class::Outside,
+        Class::Confounded,
+    ] {
+        println!("\n{}:\n{}", class.name(), report.confusion_table(class));
+    }
+    if !report.detection.is_empty() {
+        println!("\ndetection limit:\n{}", report.detection_table());
+    }
+    if let Some(file) = json {
+        std::fs::write(file, format!("{:#}", report.to_json()))
+            .map_err(|e| format!("{}: {e}", file.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! An answer: what `outerloop diagnose --json` prints.
+
+use serde::{Deserialize, Serialize};
+
+/// Both channels' verdicts.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+pub struct Answer {
+    /// Time that it took, s; as the examinee says, the exam takes its own.
+    #[serde(default)]
+    pub seconds: f64,
+    /// One entry a channel.
+    pub channels: Vec<ChannelAnswer>,
+}
+
+/// The verdict on one channel.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct ChannelAnswer {
+    /// `actuator` or `specimen`.
+    pub channel: String,
+    /// `none`, `effect`, `ambiguous`, `unknown` or `not_assessed`.
+    pub verdict: String,
+    /// What was added.
+    pub effects: Vec<Effect>,
+    /// Names that explain the data equally well.
+    pub alternatives: Vec<String>,
+    /// `mm`, `N` or `1`: of the errors.
+    pub unit: String,
+    /// Before anything was added.
+    pub error_before: Option<Error>,
+    /// After.
+    pub error_after: Option<Error>,
+}
+
+/// One effect of an answer.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Effect {
+    /// Its name.
+    pub name: String,
+    /// Its parameters.
+    pub parameters: Vec<Value>,
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Value {
+    /// Its name.
+    pub name: String,
+    /// Its estimate.
+    pub value: f64,
+    /// 90 % interval.
+    pub ci90: Option<[f64; 2]>,
+}
+
+/// Error on the records.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub struct Error {
+    /// Rms of measured less model on the held-out record, in the channel's unit.
+    pub test_rms: f64,
+}
+
+impl Answer {
+    /// The entry of a channel; one that is missing was not assessed.
+    pub fn channel(&self, name: &str) -> ChannelAnswer {
+        let found = self.channels.iter().find(|c| c.channel == name);
+        found.cloned().unwrap_or_else(|| ChannelAnswer {
+            channel: name.into(),
+            verdict: "not_assessed".into(),
+            ..Default::default()
+        })
+    }
+}
+
+impl ChannelAnswer {
+    /// Names that the answer holds possible: those of its effects and their alternatives.
+    pub fn named(&self) -> Vec<&str> {
+        let effects = self.effects.iter().map(|e| e.name.as_str());
+        effects
+            .chain(self.alternatives.iter().map(String::as_str))
+            .collect()
+    }
+}

@@ -1,0 +1,315 @@
+//! The table of the targets, and the tables behind it.
+
+use super::detection::{Point, detection};
+use super::grade::Mark;
+use super::sit::Sat;
+use super::tally::{Tally, median, quantile};
+use comfy_table::{Table, presets::UTF8_HORIZONTAL_ONLY};
+use exam::Class;
+use serde_json::{Value, json};
+
+/// A target of the exam and how it was met.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// What is counted.
+    pub what: &'static str,
+    /// What is aimed at.
+    pub wanted: Wanted,
+    /// The figure; none where there was nothing to count.
+    pub figure: Option<f64>,
+    /// Over how many records, channels or intervals.
+    pub count: usize,
+}
+
+/// What is aimed at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// A share of at least this.
+    ShareAtLeast(f64),
+    /// A share of at most this.
+    ShareAtMost(f64),
+    /// A share between the two.
+    ShareBetween(f64, f64),
+    /// A number of at most this.
+    AtMost(f64),
+}
+
+impl Target {
+    /// Whether it was met; none where there was nothing to count.
+    pub fn met(&self) -> Option<bool> {
+        let figure = self.figure?;
+        Some(match self.wanted {
+            Wanted::ShareAtLeast(least) => figure >= least,
+            Wanted::ShareAtMost(most) | Wanted::AtMost(most) => figure <= most,
+            Wanted::ShareBetween(least, most) => (least..=most).contains(&figure),
+        })
+    }
+
+    fn wanted_text(&self) -> String {
+        let percent = |x: f64| format!("{}", (1e4 * x).round() / 100.0);
+        match self.wanted {
+            Wanted::ShareAtLeast(x) => format!("at least {} %", percent(x)),
+            Wanted::ShareAtMost(x) => format!("at most {} %", percent(x)),
+            Wanted::ShareBetween(a, b) => format!("{} to {} %", percent(a), percent(b)),
+            Wanted::AtMost(x) => format!("at most {x}"),
+        }
+    }
+
+    fn figure_text(&self) -> String {
+        match (self.figure, self.wanted) {
+            (None, _) => "nothing to count".into(),
+            (Some(x), Wanted::AtMost(_)) => format!("{x:.3}"),
+            (Some(x), _) => format!("{:.1} %", 100.0 * x),
+        }
+    }
+}
+
+/// All figures of an exam.
+#[derive(Clone, Debug)]
+pub struct Report<'a> {
+    all: &'a [Sat],
+    /// The targets, in the order of the task.
+    pub targets: Vec<Target>,
+    /// The detection limit.
+    pub detection: Vec<Point>,
+}
+
+impl<'a> Report<'a> {
+    /// Adds up the records.
+    pub fn new(all: &'a [Sat]) -> Self {
+        Self {
+            all,
+            targets: targets(all),
+            detection: detection(all),
+        }
+    }
+
+    /// The targets as a table.
+    pub fn target_table(&self) -> String {
+        let mut table = table(&["target", "wanted", "figure", "of", ""]);
+        for t in &self.targets {
+            let met = match t.met() {
+                Some(true) => "met",
+                Some(false) => "MISSED",
+                None => "-",
+            };
+            table.add_row([
+                t.what.to_string(),
+                t.wanted_text(),
+                t.figure_text(),
+                t.count.to_string(),
+                met.to_string(),
+            ]);
+        }
+        table.to_string()
+    }
+
+    /// How the marks are spread over the classes.
+    pub fn mark_table(&self) -> String {
+        let mut heads = vec!["class".to_string(), "records".into()];
+        heads.extend(Mark::ALL.iter().map(|m| format!("{m:?}").to_lowercase()));
+        let mut table = table(&heads);
+        for class in Class::ALL {
+            let tally = Tally::of(self.all, class);
+            let mut row = vec![class.name().to_string(), tally.len().to_string()];
+            row.extend(Mark::ALL.iter().map(|mark| {
+                tally
+                    .share(|m| m == *mark)
+                    .map_or("-".into(), |s| format!("{:.1} %", 100.0 * s))
+            }));
+            table.add_row(row);
+        }
+        table.to_string()
+    }
+
+    /// What was answered to each hidden effect of a class where the answer was not exact.
+    pub fn confusion_table(&self, class: Class) -> String {
+        let mut table = table(&["hidden", "records", "exact", "right", "wrong", "instead"]);
+        for (what, row) in Tally::of(self.all, class).by_effect() {
+            let count = |is: &dyn Fn(Mark) -> bool| -> usize {
+                row.marks
+                    .iter()
+                    .filter(|(m, _)| is(**m))
+                    .map(|(_, n)| n)
+                    .sum()
+            };
+            let mut instead: Vec<(&String, &usize)> = row.instead.iter().collect();
+            instead.sort_by_key(|(_, n)| std::cmp::Reverse(**n));
+            let instead: Vec<String> = instead
+                .iter()
+                .take(3)
+                .map(|(what, n)| format!("{n} x {what}"))
+                .collect();
+            table.add_row([
+                what,
+                row.records.to_string(),
+                count(&|m| m == Mark::Exact).to_string(),
+                count(&Mark::is_right).to_string(),
+                count(&|m| m == Mark::Wrong).to_string(),
+                instead.join(", "),
+            ]);
+        }
+        table.to_string()
+    }
+
+    /// The detection limit as a table.
+    pub fn detection_table(&self) -> String {
+        let mut table = table(&[
+            "effect / noise floor",
+            "records",
+            "noticed",
+            "right",
+            "wrong",
+        ]);
+        let percent = |x: f64| format!("{:.0} %", 100.0 * x);
+        for p in &self.detection {
+            table.add_row([
+                p.size.to_string(),
+                p.records.to_string(),
+                percent(p.noticed),
+                percent(p.right),
+                percent(p.wrong),
+            ]);
+        }
+        table.to_string()
+    }
+
+    /// Everything as one object.
+    pub fn to_json(&self) -> Value {
+        let targets: Vec<Value> = self
+            .targets
+            .iter()
+            .map(|t| {
+                json!({ "target": t.what, "wanted": t.wanted_text(), "figure": t.figure, "count": t.count, "met": t.met() })
+            })
+            .collect();
+        let records: Vec<Value> = self
+            .all
+            .iter()
+            .map(|s| {
+                json!({
+                    "class": s.item.class.name(),
+                    "seed": s.item.seed,
+                    "detection_size": s.item.detection,
+                    "mark": format!("{:?}", s.grade.mark).to_lowercase(),
+                    "seconds": s.seconds,
+                })
+            })
+            .collect();
+        let detection: Vec<Value> = self
+            .detection
+            .iter()
+            .map(|p| {
+                json!({ "size": p.size, "records": p.records, "noticed": p.noticed, "right": p.right, "wrong": p.wrong })
+            })
+            .collect();
+        json!({ "targets": targets, "detection": detection, "records": records })
+    }
+}
+
+fn table<T: ToString>(heads: &[T]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_preset(UTF8_HORIZONTAL_ONLY)
+        .set_header(heads.iter().map(ToString::to_string).collect::<Vec<_>>());
+    table
+}
+
+fn targets(all: &[Sat]) -> Vec<Target> {
+    use Wanted::{AtMost, ShareAtLeast, ShareAtMost, ShareBetween};
+    let of = |class| Tally::of(all, class);
+    let (matched, unseen, clean) = (of(Class::Matched), of(Class::Unseen), of(Class::Clean));
+    let (outside, two, confounded) = (of(Class::Outside), of(Class::Two), of(Class::Confounded));
+    let everything = Tally::over(all, |_| true);
+    let exact = |m| m == Mark::Exact;
+    let wrong = |m| m == Mark::Wrong;
+    let share = |what, wanted, tally: &Tally, is: &dyn Fn(Mark) -> bool| Target {
+        what,
+        wanted,
+        figure: tally.share(is),
+        count: tally.len(),
+    };
+    let ratio = |what, most, tally: &Tally| {
+        let ratios = tally.after_over_floor();
+        let count = ratios.len();
+        Target {
+            what,
+            wanted: AtMost(most),
+            figure: median(ratios),
+            count,
+        }
+    };
+    let (intervals, inside) = matched.covered();
+    let (changed, worse) = everything.changed_and_worse();
+    let seconds = everything.seconds();
+    vec![
+        share(
+            "matched equations: exact",
+            ShareAtLeast(0.97),
+            &matched,
+            &exact,
+        ),
+        share(
+            "unseen equations: exact, family or right set",
+            ShareAtLeast(0.85),
+            &unseen,
+            &Mark::is_right,
+        ),
+        share(
+            "unseen equations: confidently wrong",
+            ShareAtMost(0.02),
+            &unseen,
+            &wrong,
+        ),
+        share(
+            "outside the library: abstains",
+            ShareAtLeast(0.95),
+            &outside,
+            &exact,
+        ),
+        share(
+            "clean records: false positives",
+            ShareAtMost(0.005),
+            &clean,
+            &|m| matches!(m, Mark::Wrong | Mark::Alarm),
+        ),
+        share(
+            "two effects: both",
+            ShareAtLeast(0.8),
+            &two,
+            &Mark::is_right,
+        ),
+        share(
+            "confounded: exact, family or right set",
+            ShareAtLeast(0.85),
+            &confounded,
+            &Mark::is_right,
+        ),
+        share(
+            "confounded: confidently wrong",
+            ShareAtMost(0.02),
+            &confounded,
+            &wrong,
+        ),
+        ratio("error after / noise floor, matched, median", 1.05, &matched),
+        ratio("error after / noise floor, unseen, median", 1.5, &unseen),
+        Target {
+            what: "90 % intervals that hold the truth",
+            wanted: ShareBetween(0.85, 0.95),
+            figure: (intervals > 0).then(|| inside as f64 / intervals as f64),
+            count: intervals,
+        },
+        Target {
+            what: "channels made worse on held-out data",
+            wanted: AtMost(0.0),
+            figure: (changed > 0).then_some(worse as f64),
+            count: changed,
+        },
+        Target {
+            what: "seconds a record, 95 % are below",
+            wanted: AtMost(1.0),
+            figure: quantile(&seconds, 0.95),
+            count: seconds.len(),
+        },
+    ]
+}

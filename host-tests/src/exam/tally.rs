@@ -1,0 +1,192 @@
+//! What the answers of an exam add up to.
+
+use super::grade::Mark;
+use super::sit::Sat;
+use exam::{Channel, Class};
+use std::collections::BTreeMap;
+
+/// Shares and distributions over some records.
+#[derive(Clone, Debug)]
+pub struct Tally<'a> {
+    records: Vec<&'a Sat>,
+}
+
+impl<'a> Tally<'a> {
+    /// Over the records of a class at nominal size.
+    pub fn of(all: &'a [Sat], class: Class) -> Self {
+        Self::over(all, |s| s.item.class == class && s.item.detection.is_none())
+    }
+
+    /// Over all that `take` takes.
+    pub fn over(all: &'a [Sat], take: impl Fn(&Sat) -> bool) -> Self {
+        Self {
+            records: all.iter().filter(|s| take(s)).collect(),
+        }
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// Share of the marks that `is` accepts; none of no records.
+    pub fn share(&self, is: impl Fn(Mark) -> bool) -> Option<f64> {
+        let n = self.records.iter().filter(|s| is(s.grade.mark)).count();
+        (!self.is_empty()).then(|| n as f64 / self.len() as f64)
+    }
+
+    /// Error after over noise floor on the held-out record, of every channel that hides an effect.
+    pub fn after_over_floor(&self) -> Vec<f64> {
+        self.channels()
+            .filter(|(s, c)| !s.key.channels[*c as usize].hidden.is_empty())
+            .filter_map(|(s, c)| {
+                let answer = s.answer.as_ref().ok()?.channel(c.name());
+                let ratio = answer.error_after?.test_rms / s.key.channels[c as usize].floor_rms;
+                ratio.is_finite().then_some(ratio)
+            })
+            .collect()
+    }
+
+    /// Channels whose model was changed, and of them those that fit the held-out record worse than before, by more
+    /// than a thousandth.
+    pub fn changed_and_worse(&self) -> (usize, usize) {
+        let mut count = (0, 0);
+        for (s, c) in self.channels() {
+            let Ok(answer) = &s.answer else { continue };
+            let answer = answer.channel(c.name());
+            if let (Some(before), Some(after), false) = (
+                answer.error_before,
+                answer.error_after,
+                answer.effects.is_empty(),
+            ) {
+                count.0 += 1;
+                count.1 += usize::from(after.test_rms > 1.001 * before.test_rms);
+            }
+        }
+        count
+    }
+
+    /// True parameters with an interval, and of them those inside it; of exact answers to matched equations.
+    pub fn covered(&self) -> (usize, usize) {
+        let mut count = (0, 0);
+        for (name, inside) in self.intervals() {
+            let _ = name;
+            count.0 += 1;
+            count.1 += usize::from(inside);
+        }
+        count
+    }
+
+    /// Every interval that can be judged: `effect.parameter`, and whether the truth is in it.
+    pub fn intervals(&self) -> Vec<(String, bool)> {
+        let mut all = Vec::new();
+        for (s, c) in self.channels() {
+            let Ok(answer) = &s.answer else { continue };
+            let answer = answer.channel(c.name());
+            for hidden in &s.key.channels[c as usize].hidden {
+                let effect = answer.effects.iter().find(|e| e.name == hidden.name);
+                for (name, truth) in &hidden.parameters {
+                    let value = effect.and_then(|e| e.parameters.iter().find(|p| p.name == *name));
+                    if let Some([low, high]) = value.and_then(|p| p.ci90) {
+                        all.push((
+                            format!("{}.{name}", hidden.name),
+                            (low..=high).contains(truth),
+                        ));
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// Wall times, s, in increasing order.
+    pub fn seconds(&self) -> Vec<f64> {
+        let mut all: Vec<f64> = self.records.iter().map(|s| s.seconds).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    /// For each hidden effect (`channel name`): number, marks, and what was answered instead, most frequent first.
+    pub fn by_effect(&self) -> BTreeMap<String, Row> {
+        let mut rows: BTreeMap<String, Row> = BTreeMap::new();
+        for s in &self.records {
+            let what: Vec<String> = s
+                .key
+                .channels
+                .iter()
+                .flat_map(|k| {
+                    let names = k.hidden.iter().map(|h| h.name).chain(k.outside);
+                    names.map(|n| format!("{} {n}", k.channel.name()))
+                })
+                .collect();
+            let row = rows.entry(what.join(" + ")).or_default();
+            row.records += 1;
+            *row.marks.entry(s.grade.mark).or_default() += 1;
+            if s.grade.mark != Mark::Exact {
+                *row.instead.entry(said(s)).or_default() += 1;
+            }
+        }
+        rows
+    }
+
+    fn channels(&self) -> impl Iterator<Item = (&'a Sat, Channel)> {
+        self.records
+            .iter()
+            .flat_map(|s| Channel::ALL.map(move |c| (*s, c)))
+    }
+}
+
+/// A row of the confusion.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    /// How many records.
+    pub records: usize,
+    /// Their marks.
+    pub marks: BTreeMap<Mark, usize>,
+    /// Answers that were not exact.
+    pub instead: BTreeMap<String, usize>,
+}
+
+/// The answer in short: `specimen: drift?offset; actuator: unknown`; channels with `none` are left out.
+pub fn said(s: &Sat) -> String {
+    let answer = match &s.answer {
+        Ok(answer) => answer,
+        Err(sentence) => return format!("refused: {sentence}"),
+    };
+    let parts: Vec<String> = Channel::ALL
+        .iter()
+        .filter_map(|c| {
+            let a = answer.channel(c.name());
+            let effects: Vec<&str> = a.effects.iter().map(|e| e.name.as_str()).collect();
+            let text = match a.verdict.as_str() {
+                "none" => return None,
+                "effect" => effects.join("+"),
+                "ambiguous" => a.named().join("?"),
+                other => other.to_string(),
+            };
+            Some(format!("{}: {text}", c.name()))
+        })
+        .collect();
+    if parts.is_empty() {
+        "none".into()
+    } else {
+        parts.join("; ")
+    }
+}
+
+/// The value below which a share of sorted values lies; none of no values.
+pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    sorted.get((share * last as f64).round() as usize).copied()
+}
+
+/// The median; none of no values.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    quantile(&values, 0.5)
+}
