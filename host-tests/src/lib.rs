@@ -4,8 +4,8 @@
 
 pub mod call_graph;
 pub mod data;
-pub mod loopback;
 pub mod exam;
+pub mod loopback;
 pub mod qemu;
 
 use outerloop_core::config::{Filter, StructureConfig};

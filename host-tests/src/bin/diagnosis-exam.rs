@@ -1,7 +1,7 @@
 //! The exam of the diagnosis as one table.
 //!
 //! ```text
-//! cargo run --release -p host-tests --bin diagnosis-exam -- [--seeds A..B] [--records N] [--quick] [--json FILE]
+//! cargo run --release -p host-tests --bin diagnosis-exam -- [--sealed | --seeds A..B] [--records N] [--quick] [--list] [--json FILE]
 //! cargo run --release -p host-tests --bin diagnosis-exam -- --export DIR     # the questions as files, without key
 //! cargo run --release -p host-tests --bin diagnosis-exam -- --answers FILE   # grades somebody else's answers
 //! ```
@@ -10,7 +10,8 @@ use clap::Parser;
 use exam::Class;
 use host_tests::exam::plan::{Item, SEALED, TUNING};
 use host_tests::exam::sit::{Sat, sit};
-use host_tests::exam::{Answer, Plan, Report, export};
+use host_tests::exam::tally::said;
+use host_tests::exam::{Answer, Mark, Plan, Report, examinee, export};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -32,6 +33,12 @@ struct Arguments {
     /// A glance: every effect once by each set of equations
     #[arg(long)]
     quick: bool,
+    /// Only records of this class
+    #[arg(long, value_parser = class)]
+    class: Option<Class>,
+    /// Lists every record whose answer was not exact
+    #[arg(long)]
+    list: bool,
     /// Writes all figures and marks into this file as well
     #[arg(long)]
     json: Option<PathBuf>,
@@ -53,6 +60,14 @@ fn range(text: &str) -> Result<Range<u64>, String> {
         return Err(refused());
     }
     Ok(range)
+}
+
+fn class(text: &str) -> Result<Class, String> {
+    let known = Class::ALL.map(Class::name).join(", ");
+    Class::ALL
+        .into_iter()
+        .find(|c| c.name() == text)
+        .ok_or_else(|| format!("`{text}` is no class; accepted are {known}"))
 }
 
 fn main() -> ExitCode {
@@ -79,6 +94,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(records) = arguments.records {
         plan = plan.at_most(records);
     }
+    if let Some(class) = arguments.class {
+        plan.items.retain(|i| i.class == class);
+    }
     if let Some(folder) = &arguments.export {
         let written =
             export::export(folder, &plan.items).map_err(|e| format!("{folder:?}: {e}"))?;
@@ -97,8 +115,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 answers[&id].clone()
             })
         }
-        None => return Err("--answers FILE or --export DIR is needed".into()),
+        None => work(&plan, |_, paper| examinee::diagnosis(paper)),
     };
+    if arguments.list {
+        all.iter().filter_map(line).for_each(|l| println!("{l}"));
+    }
     show(&plan, &all, arguments.json.as_deref())
 }
 
@@ -134,6 +155,41 @@ fn work(
     let all = sit(&plan.items, examinee, || bar.inc(1));
     bar.finish_and_clear();
     all
+}
+
+/// A record whose answer was not exact.
+fn line(s: &Sat) -> Option<String> {
+    if s.grade.mark == Mark::Exact {
+        return None;
+    }
+    let hidden: Vec<String> = s
+        .key
+        .channels
+        .iter()
+        .flat_map(|k| {
+            let listed = k.hidden.iter().map(|h| {
+                format!(
+                    "{} {} ({}) {:.0} sigma",
+                    k.channel.name(),
+                    h.name,
+                    h.equation,
+                    h.size
+                )
+            });
+            listed
+                .chain(k.outside.map(|o| format!("{} {o}", k.channel.name())))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    Some(format!(
+        "{}-{} {:?} [{}] {:?} -> {}",
+        s.item.class.name(),
+        s.item.seed,
+        s.grade.mark,
+        hidden.join(" + "),
+        s.key.excitation,
+        said(s)
+    ))
 }
 
 fn show(plan: &Plan, all: &[Sat], json: Option<&Path>) -> Result<(), String> {

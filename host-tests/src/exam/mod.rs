@@ -5,6 +5,7 @@
 
 pub mod answer;
 pub mod detection;
+pub mod examinee;
 pub mod export;
 pub mod grade;
 pub mod plan;

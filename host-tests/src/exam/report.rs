@@ -45,6 +45,26 @@ impl Target {
         })
     }
 
+    /// By how much it was missed, in the figure's own unit; none where it was met or there was nothing to count.
+    pub fn missed_by(&self) -> Option<f64> {
+        let figure = self.figure?;
+        let by = match self.wanted {
+            Wanted::ShareAtLeast(least) => least - figure,
+            Wanted::ShareAtMost(most) | Wanted::AtMost(most) => figure - most,
+            Wanted::ShareBetween(least, most) => (least - figure).max(figure - most),
+        };
+        (by > 0.0).then_some(by)
+    }
+
+    fn missed_text(&self) -> String {
+        match (self.missed_by(), self.wanted) {
+            (None, _) if self.figure.is_some() => "met".into(),
+            (None, _) => "-".into(),
+            (Some(by), Wanted::AtMost(_)) => format!("missed by {by:.3}"),
+            (Some(by), _) => format!("missed by {:.1} points", 100.0 * by),
+        }
+    }
+
     fn wanted_text(&self) -> String {
         let percent = |x: f64| format!("{}", (1e4 * x).round() / 100.0);
         match self.wanted {
@@ -88,17 +108,12 @@ impl<'a> Report<'a> {
     pub fn target_table(&self) -> String {
         let mut table = table(&["target", "wanted", "figure", "of", ""]);
         for t in &self.targets {
-            let met = match t.met() {
-                Some(true) => "met",
-                Some(false) => "MISSED",
-                None => "-",
-            };
             table.add_row([
                 t.what.to_string(),
                 t.wanted_text(),
                 t.figure_text(),
                 t.count.to_string(),
-                met.to_string(),
+                t.missed_text(),
             ]);
         }
         table.to_string()
@@ -180,7 +195,7 @@ impl<'a> Report<'a> {
             .targets
             .iter()
             .map(|t| {
-                json!({ "target": t.what, "wanted": t.wanted_text(), "figure": t.figure, "count": t.count, "met": t.met() })
+                json!({ "target": t.what, "wanted": t.wanted_text(), "figure": t.figure, "count": t.count, "met": t.met(), "missed_by": t.missed_by() })
             })
             .collect();
         let records: Vec<Value> = self
