@@ -277,9 +277,13 @@ impl<const N: usize> OuterLoop<N> {
             State::Idle => 0,
             _ => self.design.physical,
         };
-        let steps = self
-            .stale
-            .update(sample.fresh, &sample.displacement_m, &self.sent_m, watched);
+        // The target's motion counts: a predictor's command jumps with the noise, and two equal words are a chance then.
+        let steps = self.stale.update(
+            sample.fresh,
+            &sample.displacement_m,
+            &self.target_m,
+            watched,
+        );
         if steps > 0 {
             self.flags |= flag::STALE;
         }

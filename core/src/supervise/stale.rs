@@ -1,13 +1,13 @@
-//! Finds samples that are too old to trust: not fresh, or frozen while the command moves.
+//! Finds samples that are too old to trust: not fresh, or frozen while the target moves.
 
 /// Counts how long samples have been stale.
 ///
-/// A frozen converter delivers the same two words for ever, on time. That is only suspicious while the command has
+/// A frozen converter delivers the same two words for ever, on time. That is only suspicious while the target has
 /// moved since the words last changed, by more than the sensor could fail to show.
 #[derive(Clone, Debug)]
 pub struct StaleWatch<const N: usize> {
     displacement_m: [f32; N],
-    command_m: [f32; N],
+    target_m: [f32; N],
     steps: u16,
 }
 
@@ -19,7 +19,7 @@ impl<const N: usize> StaleWatch<N> {
     pub const fn new() -> Self {
         Self {
             displacement_m: [f32::NAN; N],
-            command_m: [0.0; N],
+            target_m: [0.0; N],
             steps: 0,
         }
     }
@@ -30,16 +30,16 @@ impl<const N: usize> StaleWatch<N> {
         &mut self,
         fresh: bool,
         displacement_m: &[f32; N],
-        sent_m: &[f32; N],
+        target_m: &[f32; N],
         physical: usize,
     ) -> u16 {
         let mut frozen = false;
         for j in 0..N.min(physical) {
             if displacement_m[j].to_bits() == self.displacement_m[j].to_bits() {
-                frozen |= (sent_m[j] - self.command_m[j]).abs() > HIDDEN_MOTION_M;
+                frozen |= (target_m[j] - self.target_m[j]).abs() > HIDDEN_MOTION_M;
             } else {
                 self.displacement_m[j] = displacement_m[j];
-                self.command_m[j] = sent_m[j];
+                self.target_m[j] = target_m[j];
             }
         }
         self.steps = if fresh && !frozen {
