@@ -11,6 +11,7 @@
 //! | [`summary`] | the figures and the verdict |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`wording`] | what a diagnosis says, in sentences |
+//! | [`rths`] | the benchmark problem of real-time hybrid simulation |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -21,6 +22,7 @@ pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod report;
+pub mod rths;
 pub mod score;
 pub mod stability;
 pub mod summary;

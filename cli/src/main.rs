@@ -19,6 +19,7 @@ enum Verb {
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
     Diagnose(verb::diagnose::Diagnose),
+    Benchmark(verb::benchmark::Benchmark),
     Effects(verb::effects::Effects),
     Board(verb::board::Board),
 }
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Verb::Compare(v) => v.go(),
         Verb::Check(v) => v.go(),
         Verb::Diagnose(v) => v.go(),
+        Verb::Benchmark(v) => v.go(),
         Verb::Effects(v) => v.go(),
         Verb::Board(v) => v.go(),
     };

@@ -13,7 +13,7 @@ use plotters::style::RGBColor;
 use std::ops::Range;
 
 /// Dark grey: what shakes, and the ideal where it lies on top.
-const GROUND: RGBColor = RGBColor(110, 116, 122);
+pub(super) const GROUND: RGBColor = RGBColor(110, 116, 122);
 /// Half of a closer look, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
 
@@ -338,11 +338,11 @@ impl<'a> Figures<'a> {
     }
 }
 
-fn time_plot(shape: Shape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
+pub(super) fn time_plot(shape: Shape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
     let svg = plot::plot(shape, "time of the model [s]", y_label, curves)?;
     Ok(figure(&svg, caption))
 }
 
-fn figure(svg: &str, caption: &str) -> String {
+pub(super) fn figure(svg: &str, caption: &str) -> String {
     format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>\n")
 }

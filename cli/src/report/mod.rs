@@ -3,6 +3,9 @@
 mod diagnosis;
 mod figures;
 mod plot;
+mod rths;
+
+pub use rths::of_rths;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;

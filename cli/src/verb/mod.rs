@@ -1,5 +1,6 @@
 //! One file a verb.
 
+pub mod benchmark;
 pub mod board;
 pub mod check;
 pub mod compare;

@@ -2,7 +2,7 @@
 
 use super::case::{Case, Structure};
 use super::criteria::Criteria;
-use super::transfer::{Channels, Parameters, TransferSystem};
+use super::transfer::{Channels, Parameters, Specimen, TransferSystem};
 use super::{FLOORS, GROUND_SCALE, RATE_HZ};
 
 /// What the loop gets to see at a sample.
@@ -57,7 +57,16 @@ impl Shaking {
 
     /// The displacements of the whole structure of `case` at each sample: the reference.
     pub fn reference(&self, case: &Case) -> Vec<[f64; FLOORS]> {
-        let Some(mut structure) = Structure::new(case, &case.reference()) else {
+        self.reference_with(case, &Specimen::NOMINAL)
+    }
+
+    /// The same with another specimen in the structure: what a perfect controller would measure with that specimen.
+    pub fn reference_with(&self, case: &Case, specimen: &Specimen) -> Vec<[f64; FLOORS]> {
+        let mut matrices = case.numerical();
+        matrices.mass[(0, 0)] += specimen.mass_kg;
+        matrices.damping[(0, 0)] += specimen.damping_n_s_per_m;
+        matrices.stiffness[(0, 0)] += specimen.stiffness_n_per_m;
+        let Some(mut structure) = Structure::new(case, &matrices) else {
             return Vec::new();
         };
         self.pairs()
@@ -83,6 +92,8 @@ pub struct Trace {
     pub target_m: Vec<f64>,
     /// Displacement as it was read, m.
     pub measured_m: Vec<f64>,
+    /// Displacement as it was, without noise, m.
+    pub moved_m: Vec<f64>,
     /// Floors of the numerical part, m.
     pub floors_m: Vec<[f64; FLOORS]>,
     /// What the specimen really did.
@@ -151,6 +162,7 @@ pub fn run(
         });
         trace.target_m.push(answer.floors_m[0]);
         trace.measured_m.push(displacement_m);
+        trace.moved_m.push(plant.motion()[0]);
         trace.floors_m.push(answer.floors_m);
         trace.demand.see(&plant);
         plant.step(channels.send(answer.command_m));

@@ -1,0 +1,111 @@
+//! The benchmark problem of real-time hybrid simulation: who is on trial, and what comes of it.
+
+pub mod bench;
+pub mod core_loop;
+pub mod record;
+pub mod table;
+pub mod verdict;
+
+pub use bench::Row;
+pub use record::Record;
+
+use crate::failure::Failure;
+use outerloop_core::Method;
+use outerloop_core::config::{Adaptation, Compensation, Prediction, Tangent};
+use plant::rths::case::Case;
+use plant::rths::transfer::Parameters;
+
+/// A numerical part with a controller.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Controller {
+    /// The published one: PI with phase lead.
+    Baseline,
+    /// The tangent force behind the inverse of the plant's model.
+    Best,
+    /// One of core's methods on its own.
+    Method(Method),
+}
+
+/// The name of [`Controller::Best`].
+pub const BEST: &str = "tangent+inverse-model";
+/// The name of [`Controller::Baseline`].
+pub const BASELINE: &str = "pi-phase-lead";
+
+impl Controller {
+    /// The baseline, the best, and every method of core.
+    pub fn all() -> Vec<Self> {
+        [Self::Baseline, Self::Best]
+            .into_iter()
+            .chain(Method::ALL.map(Self::Method))
+            .collect()
+    }
+
+    /// Its name in tables and on the command line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Baseline => BASELINE,
+            Self::Best => BEST,
+            Self::Method(method) => method.name(),
+        }
+    }
+
+    /// By its name.
+    ///
+    /// # Errors
+    /// A name that nobody has.
+    pub fn named(name: &str) -> Result<Self, Failure> {
+        let all = Self::all();
+        let names: Vec<_> = all.iter().map(Self::name).collect();
+        all.iter()
+            .find(|c| c.name() == name)
+            .cloned()
+            .ok_or_else(|| {
+                Failure::input(format!(
+                    "the controller `{name}` is unknown: accepted are {}",
+                    names.join(", ")
+                ))
+            })
+    }
+}
+
+/// Delay of the nominal plant at the first natural frequency, ms: what methods that are told a delay are told.
+fn delay_ms(case: &Case) -> f64 {
+    let stiffness = case.reference().stiffness / case.mass_kg;
+    let omega = nalgebra::SymmetricEigen::new(stiffness)
+        .eigenvalues
+        .min()
+        .sqrt();
+    -Parameters::NOMINAL.response(omega).arg() / omega * 1e3
+}
+
+/// What core is told for `method` alone. Adaptive ones may learn in motions of a fifth of a millimetre.
+pub fn compensation(case: &Case, method: Method) -> Compensation {
+    let [_, a1, a2, a3, ..] = Parameters::NOMINAL.inverse();
+    // The static part is in the calibration of the command.
+    let gain = Parameters::NOMINAL.response(0.0).re;
+    Compensation {
+        kind: method,
+        delay_ms: delay_ms(case),
+        inverse: Some([a1, a2, a3].map(|a| a * gain)),
+        adaptation: Adaptation {
+            floor_m: 2e-4,
+            longest_delay_ms: 60.0,
+            ..Adaptation::default()
+        },
+        tangent: Tangent {
+            // The noise of both sensors is a per cent of the motion: a secant needs a good part of it.
+            share: 0.3,
+            smoothing_ms: 2.0,
+            ..Tangent::default()
+        },
+        ..Compensation::default()
+    }
+}
+
+/// The best: force by the tangent, command by the inverse of the model up to the jerk, with some feedback.
+pub fn best(case: &Case) -> Compensation {
+    Compensation {
+        predictor: Some(Prediction::FeedforwardFeedback),
+        ..compensation(case, Method::Tangent)
+    }
+}
