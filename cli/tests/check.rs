@@ -23,7 +23,7 @@ fn json(output: &Output) -> Value {
 #[test]
 fn a_test_that_cannot_be_stable_is_refused_with_the_published_limit() {
     let output = check(&["--compensation", "none", "--json"]);
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8_lossy(&output.stderr);
     for word in [
         "cannot be stable",
@@ -88,4 +88,76 @@ fn bad_input_is_refused_in_one_sentence() {
             "{text}"
         );
     }
+}
+
+fn notes(answer: &Value) -> String {
+    answer["notes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|n| n.as_str().unwrap())
+        .collect()
+}
+
+#[test]
+fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
+    // Told 1 ms of 8: unstable at the start, stable when it has learnt.
+    let learning = |more: &[&str]| {
+        let told = ["--compensation", "afp", "--json", "--plants", "20", "--set"];
+        let late = [
+            "compensation.delay_ms=1",
+            "--set",
+            "plant.actuator.delay_ms=8",
+        ];
+        check(&[&told[..], &late, more].concat())
+    };
+    let output = learning(&[]);
+    assert!(output.status.success());
+    let answer = json(&output);
+    assert_eq!(answer["stable"], true);
+    assert_eq!(answer["at_start"]["stable"], false);
+    assert!(notes(&answer).contains("the predictor learns"));
+    assert!(!notes(&answer).contains("beyond the bounds"));
+    let budget = answer["delay_budget"].as_array().unwrap();
+    let predictor = budget.iter().find(|p| p["part"] == "predictor").unwrap();
+    assert!((predictor["ms"].as_f64().unwrap() + 8.0).abs() < 0.01);
+
+    // It may not learn more than 2 ms: 6 are left, and the limit without a predictor is 3.18.
+    let bounded = learning(&["--set", "compensation.adaptation.longest_delay_ms=2"]);
+    assert_eq!(bounded.status.code(), Some(2));
+    let answer = json(&bounded);
+    assert_eq!(answer["stable"], false);
+    assert!(notes(&answer).contains("beyond the bounds"));
+}
+
+#[test]
+fn the_limit_of_a_fixed_predictor_is_its_delay_and_what_the_structure_takes() {
+    let answer = json(&check(&[
+        "--compensation",
+        "lagrange",
+        "--json",
+        "--plants",
+        "20",
+    ]));
+    assert_eq!(
+        (&answer["stable"], &answer["at_start"]),
+        (&Value::Bool(true), &Value::Null)
+    );
+    // Told 4 ms: 4 and 2 zeta / omega = 3.18 ms.
+    let limit = answer["delay"]["limit"].as_f64().unwrap();
+    assert!((limit - 7.183).abs() < 0.03, "{limit}");
+}
+
+#[test]
+fn a_method_behind_another_predictor_has_both_names() {
+    let output = check(&[
+        "--compensation",
+        "tangent",
+        "--set",
+        "compensation.predictor=\"inverse\"",
+        "--json",
+        "--plants",
+        "20",
+    ]);
+    assert_eq!(json(&output)["compensation"], "tangent+inverse");
 }

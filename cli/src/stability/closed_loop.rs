@@ -1,7 +1,7 @@
 //! The closed loop over one integration step, as a matrix.
 //!
 //! ```text
-//!  target ─► signal generator ─► rig ─► sensors ─► filter ─► correction ─► explicit Newmark ─► next target
+//!  target ─► signal generator ─► predictor ─► rig ─► sensors ─► filter ─► correction ─► explicit Newmark ─► next target
 //! ```
 //!
 //! Variable damping is not linear. What stands for it here is what it comes to over a cycle: `C_cor` takes out the part of
@@ -10,11 +10,13 @@
 
 use super::blocks::{Block, Signal, nothing};
 use super::filter::Filter;
+use super::predictor::{self, Ahead, Law, Predictor};
 use super::rig::{LinearRig, Variation};
+use super::spectrum;
 use super::way::Way;
 use crate::bench::with_floors;
 use crate::failure::Failure;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use outerloop_core::structure::Structure;
 use outerloop_core::{Config, Method};
 use plant::RigSpec;
@@ -76,15 +78,51 @@ pub struct Question<'a> {
     pub config: &'a Config,
     /// The rig.
     pub rig: &'a RigSpec,
+    /// What an adaptive predictor knows.
+    pub law: Law,
 }
 
 impl Question<'_> {
-    /// The transition matrix over one integration step of the loop on the rig with `vary`.
+    /// The transition matrix over one integration step of the loop on the rig with `vary`; what learns has learnt at
+    /// `at` rad/s of model time.
     ///
     /// # Errors
     /// A structure or a rig that cannot be written down.
-    pub fn transition(&self, frame: &Frame, vary: &Variation) -> Result<DMatrix<f64>, Failure> {
-        Loop::new(self, frame, vary)?.transition()
+    pub fn transition(
+        &self,
+        frame: &Frame,
+        vary: &Variation,
+        at: f64,
+    ) -> Result<DMatrix<f64>, Failure> {
+        Loop::new(self, frame, vary, at)?.transition()
+    }
+
+    /// Its eigenvalues. What learns does so at the frequency of the first mode in the loop, which depends on what was
+    /// learnt: it is sought by going there.
+    ///
+    /// # Errors
+    /// A structure or a rig that cannot be written down.
+    pub fn eigenvalues(
+        &self,
+        frame: &Frame,
+        vary: &Variation,
+    ) -> Result<Vec<Complex<f64>>, Failure> {
+        let learns =
+            self.law == Law::Learnt && predictor::adaptive(self.config.compensation.prediction());
+        let mut at = frame.omega[0];
+        let mut rounds = if learns { ROUNDS } else { 1 };
+        loop {
+            let z = spectrum::eigenvalues(&self.transition(frame, vary, at)?);
+            rounds -= 1;
+            let first = spectrum::modes(&z, &[at], self.config.model_step_s());
+            let found = first
+                .first()
+                .map_or(at, |m| m.frequency_hz * std::f64::consts::TAU);
+            if rounds == 0 || (found / at - 1.0).abs() < 1e-3 {
+                return Ok(z);
+            }
+            at = found;
+        }
     }
 
     /// Delay of the measured behind the commanded displacement at the first natural frequency, s of the laboratory, and
@@ -95,15 +133,48 @@ impl Question<'_> {
     pub fn lateness(&self, frame: &Frame, vary: &Variation) -> Result<(f64, f64), Failure> {
         let t = &self.config.timing;
         let omega = frame.omega[0] / t.time_scale;
-        let g = LinearRig::new(self.rig, self.config, vary)?.response(omega / t.rate_hz);
+        let g = LinearRig::new(self.rig, self.config, vary)?.response(0, omega / t.rate_hz);
         Ok((-g.arg() / omega, g.norm()))
     }
+
+    /// Delay of the measured displacement behind the target at the first natural frequency, s of the laboratory: what
+    /// the predictor leaves of [`Self::lateness`].
+    ///
+    /// # Errors
+    /// A rig that cannot be written down.
+    pub fn left(&self, frame: &Frame, vary: &Variation) -> Result<f64, Failure> {
+        let t = &self.config.timing;
+        let omega = frame.omega[0] / t.time_scale;
+        let rig = LinearRig::new(self.rig, self.config, vary)?;
+        let g = rig.response(0, omega / t.rate_hz);
+        let p = self.predictor(frame, &rig);
+        Ok(-(g * p.response(omega / t.rate_hz, g)).arg() / omega)
+    }
+
+    /// Whether a predictor would have to learn more than the bounds of its law allow.
+    ///
+    /// # Errors
+    /// A rig that cannot be written down.
+    pub fn at_bounds(&self, frame: &Frame) -> Result<bool, Failure> {
+        let rig = LinearRig::new(self.rig, self.config, &Variation::NONE)?;
+        Ok(self.predictor(frame, &rig).at_bounds)
+    }
+
+    fn predictor(&self, frame: &Frame, rig: &LinearRig) -> Predictor {
+        Predictor::new(self.config, frame, rig, self.law, frame.omega[0])
+    }
 }
+
+/// Rounds of the search for the frequency at which a predictor learns.
+const ROUNDS: usize = 6;
 
 struct Loop<'a> {
     config: &'a Config,
     rig: LinearRig,
     filter: Filter,
+    predictor: Predictor,
+    /// What was sent last.
+    sent: Vec<Signal>,
     /// `dt^2 (M + dt/2 C)^-1`.
     flexibility: DMatrix<f64>,
     damping_per_increment: DMatrix<f64>,
@@ -117,7 +188,12 @@ struct Loop<'a> {
 }
 
 impl<'a> Loop<'a> {
-    fn new(question: &Question<'a>, frame: &Frame, vary: &Variation) -> Result<Self, Failure> {
+    fn new(
+        question: &Question<'a>,
+        frame: &Frame,
+        vary: &Variation,
+        at: f64,
+    ) -> Result<Self, Failure> {
         let config = question.config;
         let dt = config.model_step_s();
         let n = config.degrees_of_freedom();
@@ -133,11 +209,13 @@ impl<'a> Loop<'a> {
                 Failure::input("structure.physical_mass_kg: accepted are less than the masses")
             })?
             * (dt * dt);
-        let (late_s, _) = question.lateness(frame, vary)?;
+        let late_s = question.left(frame, vary)?;
         let rig = LinearRig::new(question.rig, config, vary)?;
         Ok(Self {
             config,
             filter: Filter::new(config, &rig.storeys()),
+            predictor: Predictor::new(config, frame, &rig, question.law, at),
+            sent: vec![nothing(); config.physical_storeys()],
             rig,
             flexibility,
             damping_per_increment: damping / dt,
@@ -171,13 +249,20 @@ impl<'a> Loop<'a> {
         let physical = self.config.physical_storeys();
         let mut way = Way::from_target(&self.u, &self.q, &self.s, &self.config.timing);
         for tick in 0..substeps {
-            let (displacement, force) = self.rig.step(&way.command[..physical]);
-            let sent = &way.command[..physical];
-            let (displacement, force) = self.filter.step(sent, displacement, force);
+            let (displacement, force) = self.rig.step(&self.sent);
+            let (displacement, force) = self.filter.step(&self.sent, displacement, force);
             if tick == 0 {
                 self.solve(&displacement, &force);
             }
+            let target = way.command[..physical].to_vec();
             way.advance(tick + 1, &self.u, &self.q, &self.s);
+            let ahead = Ahead {
+                displacement: &way.command,
+                velocity: &way.velocity,
+                acceleration: &way.acceleration,
+            };
+            self.sent = self.predictor.step(&target, &displacement, &ahead);
+            self.sent.truncate(physical);
         }
     }
 
@@ -215,8 +300,10 @@ impl<'a> Loop<'a> {
 impl Block for Loop<'_> {
     fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
         all.extend(self.u.iter_mut().chain(&mut self.q).chain(&mut self.s));
+        all.extend(&mut self.sent);
         self.rig.states(all);
         self.filter.states(all);
+        self.predictor.states(all);
     }
 }
 
@@ -236,6 +323,7 @@ fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> 
     let forces = &specimen * &frame.shape;
     for j in 0..physical {
         let share = match c.kind {
+            // A force at the target: the whole way that is left, with the stiffness that the specimen has.
             Method::Eq14Unguarded | Method::Tangent | Method::Ahmadizadeh => 1.0,
             Method::Eq14 | Method::Paper => {
                 let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;

@@ -4,7 +4,7 @@ use super::closed_loop::{Frame, Question};
 use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;
-use outerloop_core::config::Filter;
+use outerloop_core::config::{Filter, Prediction};
 use serde::Serialize;
 
 /// A quantity, its limit and what is between.
@@ -208,7 +208,14 @@ const CONVERSION_MS: f64 = 0.02;
 const COMPUTING_MS: f64 = 0.011;
 
 /// Where the delay at the first natural frequency comes from.
-pub fn budget(question: &Question<'_>, limits: &Limits) -> Vec<Part> {
+///
+/// # Errors
+/// A test that cannot be written down.
+pub fn budget(
+    question: &Question<'_>,
+    frame: &Frame,
+    limits: &Limits,
+) -> Result<Vec<Part>, Failure> {
     let config = question.config;
     let period_ms = 1e3 / config.timing.rate_hz;
     let mut parts = vec![
@@ -255,5 +262,12 @@ pub fn budget(question: &Question<'_>, limits: &Limits) -> Vec<Part> {
             from: "estimation: low-pass",
         });
     }
-    parts
+    if config.compensation.prediction() != Prediction::None {
+        parts.push(Part {
+            part: "predictor",
+            ms: question.left(frame, &Variation::NONE)? * 1e3 - limits.delay.present,
+            from: "compensation: what it takes out at the first natural frequency",
+        });
+    }
+    Ok(parts)
 }

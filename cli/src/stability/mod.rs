@@ -6,6 +6,7 @@
 //! | [`blocks`] | delays and lags as linear systems whose signals are rows |
 //! | [`rig`] | the simulated rig in small motion |
 //! | [`filter`] | the loop's own filter |
+//! | [`predictor`] | core's predictors |
 //! | [`way`] | the command between targets |
 //! | [`closed_loop`] | all of it over one integration step, as a matrix |
 //! | [`spectrum`] | its eigenvalues |
@@ -14,7 +15,8 @@
 //!
 //! # Limitations
 //! Small motion about rest: a specimen that yields has its initial stiffness, which is the stiffest and the one that
-//! lateness makes unstable first. Variable damping is what it comes to over a cycle (see [`closed_loop`]). Noise,
+//! lateness makes unstable first. Variable damping is what it comes to over a cycle (see [`closed_loop`]); a predictor
+//! that learns is what it comes to at the first natural frequency (see [`predictor`]). Noise,
 //! quantisation and saturation move no eigenvalue; the effects of `plant.effects` are not looked at, and it is said.
 
 pub mod blocks;
@@ -22,6 +24,7 @@ pub mod closed_loop;
 pub mod filter;
 pub mod limits;
 pub mod perturbed;
+pub mod predictor;
 pub mod rig;
 pub mod spectrum;
 pub mod way;
@@ -31,7 +34,10 @@ use crate::files::test::TestFile;
 use closed_loop::{Frame, Question};
 use limits::{Limits, Part};
 use outerloop_core::Method;
+use outerloop_core::config::Compensation;
 use perturbed::{Perturbed, Spread};
+use predictor::Law;
+use rayon::prelude::*;
 use rig::Variation;
 use serde::Serialize;
 use spectrum::Mode;
@@ -40,10 +46,10 @@ use spectrum::Mode;
 const ROUNDING: f64 = 1e-9;
 
 /// The same test under one compensation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Its name.
-    pub compensation: &'static str,
+    /// Its name, with the predictor's where it is another than the method's own.
+    pub compensation: String,
     /// Whether it is stable.
     pub stable: bool,
     /// Largest magnitude of an eigenvalue over an integration step.
@@ -60,6 +66,8 @@ pub struct Answer {
     /// The compensation that was asked about, and its eigenvalues.
     #[serde(flatten)]
     pub row: Row,
+    /// The same before an adaptive predictor has learnt anything; null: it does not learn.
+    pub at_start: Option<Row>,
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// Laboratory time per model time.
@@ -85,17 +93,25 @@ pub struct Answer {
     pub notes: Vec<String>,
 }
 
+/// The name of a compensation, with the predictor's where it is another than the method's own.
+pub fn name(c: &Compensation) -> String {
+    match c.predictor {
+        Some(p) if p != c.kind.prediction() => format!("{}+{}", c.kind.name(), p.name()),
+        _ => c.kind.name().to_owned(),
+    }
+}
+
 /// Eigenvalues of `question` on its rig with `vary`.
 ///
 /// # Errors
 /// A test that cannot be written down.
 pub fn row(question: &Question<'_>, frame: &Frame, vary: &Variation) -> Result<Row, Failure> {
     let step_s = question.config.model_step_s();
-    let z = spectrum::eigenvalues(&question.transition(frame, vary)?);
+    let z = question.eigenvalues(frame, vary)?;
     let radius = z.iter().map(|z| z.norm()).fold(0.0, f64::max);
     let first = spectrum::modes(&z, &frame.omega[..1], step_s);
     Ok(Row {
-        compensation: question.config.compensation.kind.name(),
+        compensation: name(&question.config.compensation),
         stable: radius <= 1.0 + ROUNDING,
         spectral_radius: radius,
         growth_per_s: radius.ln() / step_s,
@@ -112,43 +128,55 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
     let question = Question {
         config,
         rig: &test.plant,
+        law: Law::Learnt,
     };
     let frame = Frame::of(config)?;
     // A rig that cannot be built is refused by its own words.
     let storeys = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
     plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0)
         .map_err(|e| Failure::input(e.to_string()))?;
-    let transition = question.transition(&frame, &Variation::NONE)?;
-    let z = spectrum::eigenvalues(&transition);
+    let z = question.eigenvalues(&frame, &Variation::NONE)?;
     let row = row(&question, &frame, &Variation::NONE)?;
     let limits = limits::of(&question, &frame)?;
+    let at_start = predictor::adaptive(config.compensation.prediction())
+        .then(|| {
+            let told = Question {
+                law: Law::Told,
+                ..question
+            };
+            self::row(&told, &frame, &Variation::NONE)
+        })
+        .transpose()?;
     let alternatives = Method::ALL
-        .into_iter()
-        .filter(|m| *m != config.compensation.kind)
+        .into_par_iter()
         .map(|kind| {
             let mut config = config.clone();
             config.compensation.kind = kind;
+            config.compensation.predictor = None;
             let question = Question {
                 config: &config,
                 ..question
             };
             self::row(&question, &frame, &Variation::NONE)
         })
+        .filter(|other| !matches!(other, Ok(o) if o.compensation == row.compensation))
         .collect::<Result<Vec<_>, _>>()?;
     let mut answer = Answer {
         row,
+        at_start,
         rate_hz: config.timing.rate_hz,
         time_scale: config.timing.time_scale,
         step_s: config.model_step_s(),
-        states: transition.nrows(),
+        states: z.len(),
         modes: spectrum::modes(&z, &frame.omega, config.model_step_s()),
-        delay_budget: limits::budget(&question, &limits),
+        delay_budget: limits::budget(&question, &frame, &limits)?,
         limits,
         perturbed: perturbed::of(&question, &frame, spread, tell)?,
         alternatives,
         reason: None,
-        notes: notes(test),
+        notes: Vec::new(),
     };
+    answer.notes = notes(test, &answer, question.at_bounds(&frame)?);
     answer.reason = (!answer.row.stable).then(|| reason(&answer));
     Ok(answer)
 }
@@ -169,7 +197,7 @@ fn reason(a: &Answer) -> String {
         .alternatives
         .iter()
         .filter(|r| r.stable)
-        .map(|r| r.compensation)
+        .map(|r| r.compensation.as_str())
         .collect();
     if !stable.is_empty() {
         would.push(format!("the compensations {}", stable.join(", ")));
@@ -189,17 +217,39 @@ fn reason(a: &Answer) -> String {
     )
 }
 
-fn notes(test: &TestFile) -> Vec<String> {
+fn notes(test: &TestFile, answer: &Answer, at_bounds: bool) -> Vec<String> {
+    let c = &test.config.compensation;
     let mut notes = Vec::new();
     if !test.plant.effects.is_empty() {
-        notes.push("plant.effects are not looked at: run the test to see what they do".into());
+        notes.push("plant.effects are not looked at: run the test to see what they do".to_owned());
     }
     if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
         notes.push("the specimen is taken at its initial stiffness".into());
     }
-    if !matches!(test.config.compensation.kind, Method::None) {
-        notes.push(
+    match c.kind {
+        Method::Eq14Unguarded | Method::Eq14 | Method::Paper => notes.push(
             "variable damping is taken as what it comes to over a cycle; it is not linear: look at a run as well"
+                .into(),
+        ),
+        Method::Tangent | Method::Ahmadizadeh => notes.push(
+            "the corrected force is taken as the force at the target, with the stiffness that the specimen has; the \
+             declared one may be wrong: look at a run as well"
+                .into(),
+        ),
+        _ => {}
+    }
+    if let Some(start) = &answer.at_start {
+        notes.push(format!(
+            "the predictor learns: its eigenvalues are those of what it comes to on the rig at the first natural \
+             frequency; with what it was told the response {} by {:.3} % a second until it has learnt",
+            if start.stable { "decays" } else { "grows" },
+            start.growth_per_s.exp_m1().abs() * 100.0
+        ));
+    }
+    if at_bounds {
+        notes.push(
+            "what the predictor would have to learn is beyond the bounds of compensation.adaptation: it stays there, and \
+             what a law at its bounds does is not looked at"
                 .into(),
         );
     }

@@ -160,10 +160,10 @@ impl LinearRig {
         read
     }
 
-    /// Displacement per command of the first axis at the angular frequency `omega` (rad per control period).
-    pub fn response(&self, omega: f64) -> Complex<f64> {
+    /// Displacement per command of an axis at the angular frequency `omega` (rad per control period).
+    pub fn response(&self, axis: usize, omega: f64) -> Complex<f64> {
         let z = Complex::from_polar(1.0, omega);
-        self.axes.first().map_or(Complex::new(1.0, 0.0), |axis| {
+        self.axes.get(axis).map_or(Complex::new(1.0, 0.0), |axis| {
             let lag = axis
                 .lag
                 .as_ref()

@@ -9,8 +9,10 @@ use outerloop_core::config::Timing;
 pub struct Way {
     /// Command of each axis.
     pub command: Vec<Signal>,
-    velocity: Vec<Signal>,
-    acceleration: Vec<Signal>,
+    /// Its velocity, a control step.
+    pub velocity: Vec<Signal>,
+    /// Its acceleration, a control step squared.
+    pub acceleration: Vec<Signal>,
     from: (Vec<Signal>, Vec<Signal>),
     substeps: u16,
     solve_substeps: u16,
@@ -19,22 +21,32 @@ pub struct Way {
 impl Way {
     /// At a target `u` that was reached with `q` and `s` of the step before.
     pub fn from_target(u: &[Signal], q: &[Signal], s: &[Signal], timing: &Timing) -> Self {
-        let per = 1.0 / f64::from(timing.substeps);
+        Self::at_target(u, q, s, timing.substeps, timing.solve_substeps)
+    }
+
+    fn at_target(
+        u: &[Signal],
+        q: &[Signal],
+        s: &[Signal],
+        substeps: u16,
+        solve_substeps: u16,
+    ) -> Self {
+        let per = 1.0 / f64::from(substeps);
         let velocity: Vec<Signal> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
         Self {
             command: u.to_vec(),
             acceleration: s.iter().map(|s| s * (per * per)).collect(),
             from: (u.to_vec(), velocity.clone()),
             velocity,
-            substeps: timing.substeps,
-            solve_substeps: timing.solve_substeps,
+            substeps,
+            solve_substeps,
         }
     }
 
     /// The command of control step `tick` towards the next target `u`, `q + s`.
     pub fn advance(&mut self, tick: u16, u: &[Signal], q: &[Signal], s: &[Signal]) {
         if tick >= self.substeps {
-            self.command = u.to_vec();
+            *self = Self::at_target(u, q, s, self.substeps, self.solve_substeps);
             return;
         }
         let extrapolated = tick <= self.solve_substeps;
@@ -58,6 +70,7 @@ impl Way {
                 let cube = &start + &end - &rise * 2.0;
                 self.command[j] = from + &start * t + &square * (t * t) + &cube * (t * t * t);
                 self.velocity[j] = (&start + &square * (2.0 * t) + &cube * (3.0 * t * t)) / span;
+                self.acceleration[j] = (&square * 2.0 + &cube * (6.0 * t)) / (span * span);
             }
         }
     }

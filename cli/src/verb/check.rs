@@ -63,7 +63,7 @@ impl Check {
             print(&answer);
         }
         match answer.reason {
-            Some(reason) => Err(Failure::test(format!("{}: {reason}", self.test.display()))),
+            Some(reason) => Err(Failure::input(format!("{}: {reason}", self.test.display()))),
             None => Ok(()),
         }
     }
@@ -123,6 +123,9 @@ fn print(a: &Answer) {
         ]);
     };
     row(&a.row, "  <- this test");
+    if let Some(start) = &a.at_start {
+        row(start, ", before it has learnt");
+    }
     for r in &a.alternatives {
         row(r, "");
     }
