@@ -51,6 +51,7 @@ impl<const N: usize> ControlLoop<N> {
     ///
     /// # Errors
     /// As [`OuterLoop::handle`]; nothing has changed then.
+    #[inline(never)] // Inlined for every number of floors, the stack would hold what each of them needs.
     pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
         self.outer.handle(event)
     }

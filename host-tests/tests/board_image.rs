@@ -28,7 +28,7 @@ fn sizes() {
     }
     let kib = |bytes: u64| bytes as f64 / 1024.0;
     println!(
-        "flash {:.1} KiB, RAM {:.1} KiB and 40 KiB of stack",
+        "flash {:.1} KiB, RAM {:.1} KiB and 62 KiB of stack",
         kib(flash),
         kib(ram)
     );

@@ -38,18 +38,27 @@ impl AnyLoop {
     /// # Errors
     /// The first parameter that is not accepted.
     pub fn new(config: &Config, deadline_ticks: u32) -> Result<Self, Refusal> {
-        Ok(match config.structure.mass_kg.len() {
-            1 => Self::One(ControlLoop::new(Design::new(config)?, deadline_ticks)),
-            2 => Self::Two(ControlLoop::new(Design::new(config)?, deadline_ticks)),
-            3 => Self::Three(ControlLoop::new(Design::new(config)?, deadline_ticks)),
-            floors => {
-                return Err(Refusal {
-                    name: "structure.mass_kg",
-                    value: floors as f64,
-                    accepted: "1 to 3 floors on this board",
-                });
-            }
-        })
+        match config.structure.mass_kg.len() {
+            1 => Self::of(config, deadline_ticks, Self::One),
+            2 => Self::of(config, deadline_ticks, Self::Two),
+            3 => Self::of(config, deadline_ticks, Self::Three),
+            floors => Err(Refusal {
+                name: "structure.mass_kg",
+                value: floors as f64,
+                accepted: "1 to 3 floors on this board",
+            }),
+        }
+    }
+
+    /// One size at a time: inlined, the stack would hold all three loops at once.
+    #[inline(never)]
+    fn of<const N: usize>(
+        config: &Config,
+        deadline_ticks: u32,
+        wrap: fn(ControlLoop<N>) -> Self,
+    ) -> Result<Self, Refusal> {
+        let design = Design::new(config)?;
+        Ok(wrap(ControlLoop::new(design, deadline_ticks)))
     }
 
     /// One control step. `goal_m` is a commissioning signal's, for the axis with the actuator.

@@ -42,6 +42,10 @@ impl Setup {
     /// # Errors
     /// The first parameter that is not accepted.
     pub fn new(config: &Config, clock: &Clock) -> Result<Self, Refusal> {
+        Self::with(config, clock, true)
+    }
+
+    fn with(config: &Config, clock: &Clock, configured: bool) -> Result<Self, Refusal> {
         let rate_hz = config.timing.rate_hz;
         // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
         let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
@@ -72,7 +76,7 @@ impl Setup {
             rate_hz: rate_hz as f32,
             model_step_s: config.model_step_s(),
             patience: Patience::at(rate_hz),
-            configured: true,
+            configured,
         })
     }
 
@@ -95,10 +99,7 @@ impl Setup {
             estimation: Default::default(),
             limits: Default::default(),
         };
-        Ok(Self {
-            configured: false,
-            ..Self::new(&config, clock)?
-        })
+        Self::with(&config, clock, false)
     }
 }
 

@@ -21,7 +21,7 @@ use firmware::station::{
 use heapless::spsc::Queue;
 use link::channel::{Calibration, ErrorFeedback};
 use link::{AdcCode, DacCode};
-use outerloop_core::Config;
+use outerloop_core::{Config, Refusal};
 use static_cell::{ConstStaticCell, StaticCell};
 
 /// What the board's clocks allow. A step has to be ready when the DAC takes its command over; the four conversions take
@@ -43,8 +43,6 @@ fn main() -> ! {
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
     static REPORTS: StaticCell<Queue<Report, 128>> = StaticCell::new();
-    static FIRST: StaticCell<Setup> = StaticCell::new();
-    static SPARE: StaticCell<Setup> = StaticCell::new();
     static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
     static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
     static ANSWERS: StaticCell<report::Answers> = StaticCell::new();
@@ -97,7 +95,7 @@ fn main() -> ! {
     let crashed = board.last_words.is_some();
     let parts = Parts {
         orders: orders_in,
-        spare: SPARE.init(unconfigured()),
+        spare: spare(),
         writable: POINTS.take().claim(),
         config,
         calibration,
@@ -110,14 +108,7 @@ fn main() -> ! {
         reports: reports_in,
     };
     let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
-    let station = Station::new(
-        FIRST.init(setup),
-        calibration,
-        first,
-        &EVIDENCE,
-        ends,
-        per_tick,
-    );
+    let station = Station::new(setup, calibration, first, &EVIDENCE, ends, per_tick);
 
     let serial = uart(p.USART3, p.PD9, p.PD8, p.DMA1_CH3, p.DMA1_CH1);
     let (tx, rx) = serial.split();
@@ -164,22 +155,43 @@ fn main() -> ! {
 }
 
 /// The test to begin with: the saved one, else one that cannot be armed.
-fn settings() -> (Setup, Option<Config>, Calibration) {
+#[inline(never)]
+fn settings() -> (&'static mut Setup, Option<Config>, Calibration) {
+    static FIRST: StaticCell<Setup> = StaticCell::new();
     let Some(saved) = store::load() else {
-        return (unconfigured(), None, Calibration::UNCALIBRATED);
+        return (unconfigured(&FIRST), None, Calibration::UNCALIBRATED);
     };
-    match Setup::new(&saved.config, &CLOCK) {
+    match place(&FIRST, Some(&saved.config)) {
         Ok(setup) => (setup, Some(saved.config), saved.calibration),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
-            (unconfigured(), None, saved.calibration)
+            (unconfigured(&FIRST), None, saved.calibration)
         }
     }
 }
 
-fn unconfigured() -> Setup {
+/// The place for the next test.
+fn spare() -> &'static mut Setup {
+    static SPARE: StaticCell<Setup> = StaticCell::new();
+    unconfigured(&SPARE)
+}
+
+fn unconfigured(cell: &'static StaticCell<Setup>) -> &'static mut Setup {
     // The clock's constants allow 2 kHz; a test on the host says so too.
-    defmt::unwrap!(Setup::unconfigured(&CLOCK).ok())
+    defmt::unwrap!(place(cell, None).ok())
+}
+
+/// Works a test out where it stays. A test is a quarter of the stack: what it passes through must not add up.
+#[inline(never)]
+fn place(
+    cell: &'static StaticCell<Setup>,
+    config: Option<&Config>,
+) -> Result<&'static mut Setup, Refusal> {
+    let setup = config.map_or_else(
+        || Setup::unconfigured(&CLOCK),
+        |config| Setup::new(config, &CLOCK),
+    );
+    setup.map(|setup| cell.init(setup))
 }
 
 /// Codes of a converter that does not answer: the first step will find its samples stale.
