@@ -86,6 +86,16 @@ enum ForceStage<const N: usize> {
     Fit(FittedForce<N>),
 }
 
+impl<const N: usize> ForceStage<N> {
+    fn at_rest(constants: &ForceConstants<N>) -> Self {
+        match constants {
+            ForceConstants::Off => Self::Off,
+            ForceConstants::Tangent(k) => Self::Tangent(TangentForce::at_rest(k)),
+            ForceConstants::Fit(_) => Self::Fit(FittedForce::at_rest()),
+        }
+    }
+}
+
 /// The stages beside the paper's damping, with their constants: a loop whose step has no use for them keeps them
 /// behind everything else.
 #[derive(Clone, Debug)]
@@ -100,15 +110,18 @@ impl<const N: usize> Compensator<N> {
     /// At rest at zero.
     pub fn at_rest(constants: Constants<N>) -> Self {
         Self {
-            force: match &constants.force {
-                ForceConstants::Off => ForceStage::Off,
-                ForceConstants::Tangent(k) => ForceStage::Tangent(TangentForce::at_rest(k)),
-                ForceConstants::Fit(_) => ForceStage::Fit(FittedForce::at_rest()),
-            },
+            force: ForceStage::at_rest(&constants.force),
             shown: EquivalentDamping::at_rest(),
             predictor: Predictor::at_rest(&constants.predictor),
             constants,
         }
+    }
+
+    /// Back to rest at zero, in place.
+    pub fn rest(&mut self) {
+        self.force = ForceStage::at_rest(&self.constants.force);
+        self.shown = EquivalentDamping::at_rest();
+        self.predictor = Predictor::at_rest(&self.constants.predictor);
     }
 
     /// The restoring force at the target, N, and the damping that its correction amounts to.

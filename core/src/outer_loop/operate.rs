@@ -1,6 +1,9 @@
 //! What the operator does with a loop, between steps.
 
-use super::{Design, Event, OuterLoop, Record, Rejected, State, Trip};
+use super::{
+    Correction, Design, EnergyErrors, Estimator, Event, LockWatch, Monitor, Newmark, OuterLoop,
+    Record, Rejected, SignalGenerator, StaleWatch, State, Trip, VariableDamping,
+};
 
 impl<const N: usize> OuterLoop<N> {
     /// Where the test stands.
@@ -73,14 +76,56 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// Everything back to the start, standing at the present command.
+    ///
+    /// Part by part: a loop that is built anew stands on the stack before it is moved here, and a board resets its loop in
+    /// the control interrupt.
     fn reset(&mut self) {
-        let (tick, sent_m) = (self.tick, self.sent_m);
-        *self = Self::new(Design {
-            step: self.design.clone(),
-            compensator: self.compensator.constants.clone(),
-        });
-        self.tick = tick;
-        (self.sent_m, self.target_m) = (sent_m, sent_m);
-        self.estimator = super::Estimator::at_rest(&self.design.estimation, sent_m);
+        let Self {
+            // What stays.
+            design,
+            tick: _,
+            sent_m,
+            // What goes back.
+            state,
+            returning,
+            step,
+            flags,
+            ground_m_per_s2,
+            target_m,
+            monitor,
+            damping,
+            correction,
+            newmark,
+            signal,
+            stale,
+            lock,
+            trip,
+            obstacle,
+            standing_m,
+            goal_m,
+            energy,
+            estimator,
+            history,
+            compensator,
+            sent_step_m,
+            blend,
+        } = self;
+        *state = State::Idle;
+        (*returning, *step, *flags) = (false, 0, 0);
+        (*trip, *obstacle, *standing_m, *goal_m) = (None, None, None, None);
+        (*ground_m_per_s2, *blend) = (0.0, 1.0);
+        (*target_m, *sent_step_m) = (*sent_m, [0.0; N]);
+        let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
+        *monitor = Monitor::new(diagonal, design.energy_floor_j);
+        *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));
+        *estimator = Estimator::at_rest(&design.estimation, *sent_m);
+        *damping = VariableDamping::at_rest();
+        *correction = Correction::NONE;
+        *newmark = Newmark::at_rest();
+        *signal = SignalGenerator::standing_at([0.0; N]);
+        *stale = StaleWatch::new();
+        *lock = LockWatch::default();
+        history.clear();
+        compensator.rest();
     }
 }
