@@ -1,4 +1,5 @@
-//! Who can be called from a function of a Thumb-2 image, by its branches.
+//! Who can be called from a function of a Thumb-2 image, by its branches, and how much stack that takes, by what each
+//! function takes off the stack pointer.
 //!
 //! # Limitations
 //! A call through a register cannot be followed; it is reported, so that a proof can demand that there is none.
@@ -98,6 +99,95 @@ impl CallGraph {
         Ok(reach)
     }
 
+    /// Names of all functions with `part` in them.
+    pub fn names<'a>(&'a self, part: &'a str) -> impl Iterator<Item = &'a str> {
+        let names = self.functions.values().map(|(_, name)| name.as_str());
+        names.filter(move |name| name.contains(part))
+    }
+
+    /// Bytes of stack at the deepest of the calls that `name` can come to, without those to functions with one of `stop`
+    /// in their names, and the functions on the way there with what each takes.
+    ///
+    /// # Errors
+    /// There is no such function, something branches to where none is, or a function calls itself on a way.
+    pub fn stack(&self, name: &str, stop: &[&str]) -> Result<(u32, Vec<(String, u32)>), String> {
+        let first = self.functions.iter().find(|(_, (_, n))| n == name);
+        let first = *first.ok_or(format!("there is no {name}"))?.0;
+        let mut known = BTreeMap::new();
+        self.deepest(first, stop, &mut known, &mut Vec::new())?;
+        let (mut way, mut at) = (Vec::new(), Some(first));
+        while let Some(begin) = at {
+            let (_, next) = known[&begin];
+            way.push((self.functions[&begin].1.clone(), self.frame(begin)));
+            at = next;
+        }
+        Ok((known[&first].0, way))
+    }
+
+    /// Depth below `begin`, and the callee on the deepest way.
+    fn deepest(
+        &self,
+        begin: u32,
+        stop: &[&str],
+        known: &mut BTreeMap<u32, (u32, Option<u32>)>,
+        above: &mut Vec<u32>,
+    ) -> Result<u32, String> {
+        if let Some((depth, _)) = known.get(&begin) {
+            return Ok(*depth);
+        }
+        let (end, name) = &self.functions[&begin];
+        if above.contains(&begin) {
+            return Err(format!("{name} can come to itself"));
+        }
+        above.push(begin);
+        let mut callees = BTreeSet::new();
+        self.branches(begin..*end, |_, flow| match flow {
+            Flow::To(to) if !(begin..*end).contains(&to) => {
+                callees.insert(to);
+            }
+            _ => {}
+        });
+        let (mut below, mut next) = (0, None);
+        for to in callees {
+            let (&callee, (end, name)) = self
+                .functions
+                .range(..=to)
+                .next_back()
+                .ok_or(format!("{to:#010x} is in no function"))?;
+            if to >= *end {
+                return Err(format!("{to:#010x} is in no function"));
+            }
+            if callee == begin || stop.iter().any(|s| name.contains(s)) {
+                continue;
+            }
+            let depth = self.deepest(callee, stop, known, above)?;
+            if depth > below {
+                (below, next) = (depth, Some(callee));
+            }
+        }
+        above.pop();
+        let depth = self.frame(begin) + below;
+        known.insert(begin, (depth, next));
+        Ok(depth)
+    }
+
+    /// Bytes that the function takes off the stack pointer.
+    fn frame(&self, begin: u32) -> u32 {
+        let end = self.functions[&begin].0;
+        let (mut at, mut bytes) = (begin, 0);
+        while at < end {
+            let is_code = self.stretches.range(..=at).next_back();
+            let (first, second) = (self.half(at), self.half(at + 2));
+            if is_code.is_some_and(|(_, &code)| code) {
+                bytes += taken(first, second);
+                at += if first >> 11 < 0b11101 { 2 } else { 4 };
+            } else {
+                at += 2;
+            }
+        }
+        bytes
+    }
+
     fn branches(&self, function: Range<u32>, mut each: impl FnMut(u32, Flow)) {
         let mut at = function.start;
         while at < function.end {
@@ -162,9 +252,55 @@ fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
     (4, flow)
 }
 
+/// Bytes that an instruction takes off the stack pointer.
+fn taken(first: u16, second: u16) -> u32 {
+    let (a, b) = (u32::from(first), u32::from(second));
+    let immediate = (a >> 10 & 1) << 11 | (b >> 12 & 7) << 8 | b & 0xff;
+    match first {
+        // PUSH, SUB SP.
+        0xb400..=0xb5ff => (a & 0x1ff).count_ones() * 4,
+        0xb080..=0xb0ff => (a & 0x7f) * 4,
+        // PUSH.W, PUSH of one register, VPUSH.
+        0xe92d => b.count_ones() * 4,
+        0xf84d if b & 0xfff == 0xd04 => 4,
+        0xed2d | 0xed6d if b & 0xe00 == 0xa00 => (b & 0xff) * 4,
+        // SUB.W SP, SP with a modified constant, and SUBW with a plain one.
+        0xf1ad | 0xf5ad if b >> 8 & 0x8f == 0x0d => expand(immediate),
+        0xf2ad | 0xf6ad if b >> 8 & 0x8f == 0x0d => immediate,
+        _ => 0,
+    }
+}
+
+/// A modified constant of 12 bits, by the manual's `ThumbExpandImm`.
+fn expand(immediate: u32) -> u32 {
+    let byte = immediate & 0xff;
+    match immediate >> 8 {
+        0 => byte,
+        1 => byte << 16 | byte,
+        2 => byte << 24 | byte << 8,
+        3 => byte << 24 | byte << 16 | byte << 8 | byte,
+        _ => (0x80 | immediate & 0x7f).rotate_right(immediate >> 7),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Instructions as an assembler gives them.
+    #[test]
+    fn what_is_taken_off_the_stack_is_what_an_assembler_says() {
+        assert_eq!(taken(0xb5f0, 0), 20, "push {{r4-r7, lr}}");
+        assert_eq!(taken(0xe92d, 0x0f00), 16, "push.w {{r8-r11}}");
+        assert_eq!(taken(0xb086, 0), 24, "sub sp, #24");
+        assert_eq!(taken(0xf84d, 0xbd04), 4, "str r11, [sp, #-4]!");
+        assert_eq!(taken(0xed2d, 0x8b10), 64, "vpush {{d8-d15}}");
+        assert_eq!(taken(0xf5ad, 0x5d80), 4096, "sub.w sp, sp, #4096");
+        assert_eq!(taken(0xf5ad, 0x7d00), 512, "sub.w sp, sp, #512");
+        assert_eq!(taken(0xf6ad, 0x0d58), 2136, "subw sp, sp, #2136");
+        assert_eq!(taken(0xb006, 0), 0, "add sp, #24");
+        assert_eq!(taken(0xf50d, 0x5d80), 0, "add.w sp, sp, #4096");
+    }
 
     /// Instructions as an assembler gives them for address 0x1000.
     #[test]
