@@ -325,7 +325,12 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
         }
         (Prediction::Inverse | Prediction::AdaptiveInverse, _) => rise(told),
         (Prediction::Ats, wanted) => {
-            let start = [1.0, omega * told, 0.5 * (omega * told).powi(2)];
+            let [first, second, _] = c.inverse();
+            let start = [
+                1.0,
+                omega * first * rate_hz,
+                second * (omega * rate_hz).powi(2),
+            ];
             let [displacement, velocity, acceleration] = wanted.map_or(start, |wanted| {
                 let left = wanted.re - (start[0] - start[2]);
                 let far = omega * most;
@@ -363,7 +368,7 @@ fn rise(delay: f64) -> Kind {
 
 fn inverse_and_feedback(c: &Compensation, rate_hz: f64) -> Sum {
     let tau_s = c.delay_ms * 1e-3;
-    let [first, second, third] = c.inverse.unwrap_or([tau_s, 0.5 * tau_s * tau_s, 0.0]);
+    let [first, second, third] = c.inverse();
     Sum {
         displacement: 1.0,
         velocity: first * rate_hz,

@@ -221,7 +221,7 @@ pub struct Compensation {
     /// Order of the polynomial of `lagrange` and `darby`, 1 to 3.
     pub order: u8,
     /// Inverse of the actuator for `feedforward-feedback`: factors of velocity (s), acceleration (s^2) and jerk (s^3) of
-    /// laboratory time. Left out: `tau, tau^2/2, 0`.
+    /// laboratory time. Left out: `tau, tau^2/2, 0`. With its first two `ats` begins.
     pub inverse: Option<[f64; 3]>,
     /// Share of the tracking error that `feedforward-feedback` sends back.
     pub feedback: f64,

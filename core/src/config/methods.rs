@@ -162,6 +162,12 @@ impl Compensation {
     pub fn prediction(&self) -> Prediction {
         self.predictor.unwrap_or(self.kind.prediction())
     }
+
+    /// The inverse of the actuator, in powers of a second: the one that is given, or that of `delay_ms`.
+    pub fn inverse(&self) -> [f64; 3] {
+        let tau_s = self.delay_ms * 1e-3;
+        self.inverse.unwrap_or([tau_s, 0.5 * tau_s * tau_s, 0.0])
+    }
 }
 
 /// Which first stage a method has.
@@ -292,8 +298,7 @@ fn predictor<const N: usize>(
             proportional: (mcs::PROPORTIONAL_S / c.adaptation.time_s) as f32,
         }),
         Prediction::FeedforwardFeedback => {
-            let tau_s = c.delay_ms * 1e-3;
-            let [a1, a2, a3] = c.inverse.unwrap_or([tau_s, 0.5 * tau_s * tau_s, 0.0]);
+            let [a1, a2, a3] = c.inverse();
             let r = t.rate_hz;
             predict::Constants::FeedforwardFeedback(feedforward_feedback::Constants {
                 inverse: [a1 * r, a2 * r * r, a3 * r * r * r].map(|x| x as f32),
@@ -306,7 +311,7 @@ fn predictor<const N: usize>(
         Prediction::AdaptiveInverse => {
             predict::Constants::AdaptiveInverse(inverse::AdaptiveConstants { delay, learning })
         }
-        Prediction::Ats => predict::Constants::Ats(time_series(config, omegas[0], delay, learning)),
+        Prediction::Ats => predict::Constants::Ats(time_series(config, omegas[0], learning)),
     })
 }
 
@@ -325,12 +330,14 @@ fn learning(config: &Config, omega: f64) -> Learning {
     }
 }
 
-fn time_series(config: &Config, omega: f64, delay: f32, learning: Learning) -> ats::Constants {
+fn time_series(config: &Config, omega: f64, learning: Learning) -> ats::Constants {
     let (t, a) = (&config.timing, &config.compensation.adaptation);
     let pass = core::f64::consts::TAU * a.smoothing_hz / t.rate_hz;
+    let unit_s = t.time_scale / omega;
+    let [first, second, _] = config.compensation.inverse();
     ats::Constants {
-        delay,
-        unit: (t.rate_hz * t.time_scale / omega) as f32,
+        start: [first / unit_s, second / (unit_s * unit_s)].map(|x| x as f32),
+        unit: (t.rate_hz * unit_s) as f32,
         stiffness: (pass * pass) as f32,
         damping: (core::f64::consts::SQRT_2 * pass) as f32,
         memory: libm::exp(-1.0 / (5.0 * a.time_s * t.rate_hz)) as f32,

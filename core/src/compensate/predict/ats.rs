@@ -6,13 +6,14 @@
 //! difference; nothing is learnt below a threshold of motion; coefficients are bounded and rate limited.
 //!
 //! The moving window of 1024 samples is an exponential one here (six and three sums in place of 4 kB), and the least
-//! squares are drawn towards the coefficients of `delay_ms` by a ridge: for a response of a single frequency a is -omega^2 u,
-//! and `a_0` and `a_2` cannot be told apart.
+//! squares are drawn towards the coefficients of the start by a ridge: for a response of a single frequency a is
+//! -omega^2 u, and `a_0` and `a_2` cannot be told apart.
 //!
-//! Parameters: `delay_ms` to start with, `adaptation` (its `time_s` times five is the window), `smoothing_hz`. State
-//! 112 bytes an axis. Cost: some 120 operations.
+//! Parameters: `inverse` to start with, or `delay_ms`; `adaptation` (its `time_s` times five is the window),
+//! `smoothing_hz`. State 112 bytes an axis. Cost: some 120 operations.
 //!
 //! # When not to use it
+//! Where a higher mode is near its limit already with the coefficients of the start: it does not wait for the learning.
 //! Where noise moves more than the test does: the regression has errors in its variables, and they bias it low.
 
 use super::gate::{Gate, Learning, learnt};
@@ -25,8 +26,8 @@ const RIDGE: f32 = 1e-4;
 /// are of one size.
 #[derive(Clone, Copy, Debug)]
 pub struct Constants {
-    /// Delay to start with, control steps.
-    pub delay: f32,
+    /// Second and third coefficient to start with, in units.
+    pub start: [f32; 2],
     /// 1 / omega of the fundamental period, control steps.
     pub unit: f32,
     /// Square of the low-pass's angular frequency, 1 / control step^2.
@@ -37,15 +38,6 @@ pub struct Constants {
     pub memory: f32,
     /// When to learn.
     pub learning: Learning,
-}
-
-impl Constants {
-    /// The coefficients of a pure delay.
-    #[inline]
-    fn start(&self) -> [f32; 3] {
-        let delay = self.delay / self.unit;
-        [1.0, delay, 0.5 * delay * delay]
-    }
 }
 
 /// A second-order low-pass whose states are the filtered signal and its derivative.
@@ -84,7 +76,7 @@ impl Predict for Ats {
 
     fn at_rest(k: &Constants) -> Self {
         Self {
-            coefficients: k.start(),
+            coefficients: [1.0, k.start[0], k.start[1]],
             sent: Smooth::default(),
             measured: Smooth::default(),
             squares: [0.0; 6],
@@ -101,7 +93,7 @@ impl Predict for Ats {
             .open(&k.learning, followed.target_m, ahead.velocity_m);
         if self.gate.peak_m > k.learning.floor_m && followed.learn {
             let z = [m, m1 * k.unit, m2 * k.unit * k.unit];
-            let start = k.start();
+            let start = [1.0, k.start[0], k.start[1]];
             let [a, b, c] = start;
             // What the prior leaves unexplained.
             let y = sent - (a * z[0] + b * z[1] + c * z[2]);
@@ -177,9 +169,11 @@ mod tests {
 
     #[test]
     fn learns_a_delay_and_a_gain_that_it_was_told_wrong() {
+        let unit = 1.0 / checks::OMEGA;
+        // Those of half of the delay.
         let k = Constants {
-            delay: 4.0,
-            unit: 1.0 / checks::OMEGA,
+            start: [4.0 / unit, 8.0 / (unit * unit)],
+            unit,
             stiffness: 0.01,
             damping: 0.14,
             memory: 0.999,
