@@ -20,21 +20,23 @@ use plant::rths::transfer::Parameters;
 pub enum Controller {
     /// The published one: PI with phase lead.
     Baseline,
-    /// The tangent force behind the inverse of the plant's model.
+    /// The tangent force behind the fixed inverse of the plant's model.
+    TangentInverse,
+    /// The tangent force behind the adaptive time series, which begins with the inverse of the plant's model.
     Best,
     /// One of core's methods on its own.
     Method(Method),
 }
 
 /// The name of [`Controller::Best`].
-pub const BEST: &str = "tangent+inverse-model";
+pub const BEST: &str = "tangent+ats";
 /// The name of [`Controller::Baseline`].
 pub const BASELINE: &str = "pi-phase-lead";
 
 impl Controller {
-    /// The baseline, the best, and every method of core.
+    /// The baseline, the tangent force behind two predictors, and every method of core.
     pub fn all() -> Vec<Self> {
-        [Self::Baseline, Self::Best]
+        [Self::Baseline, Self::Best, Self::TangentInverse]
             .into_iter()
             .chain(Method::ALL.map(Self::Method))
             .collect()
@@ -45,6 +47,7 @@ impl Controller {
         match self {
             Self::Baseline => BASELINE,
             Self::Best => BEST,
+            Self::TangentInverse => "tangent+inverse-model",
             Self::Method(method) => method.name(),
         }
     }
@@ -78,7 +81,8 @@ fn delay_ms(case: &Case) -> f64 {
     -Parameters::NOMINAL.response(omega).arg() / omega * 1e3
 }
 
-/// What core is told for `method` alone. Adaptive ones may learn in motions of a fifth of a millimetre.
+/// What core is told for `method` alone: the same for all. Adaptive ones may learn in motions of a fifth of a
+/// millimetre, and the time series from what moves below 8 Hz, twice the first natural frequency: above is noise.
 pub fn compensation(case: &Case, method: Method) -> Compensation {
     let [_, a1, a2, a3, ..] = Parameters::NOMINAL.inverse();
     // The static part is in the calibration of the command.
@@ -90,6 +94,7 @@ pub fn compensation(case: &Case, method: Method) -> Compensation {
         adaptation: Adaptation {
             floor_m: 2e-4,
             longest_delay_ms: 60.0,
+            smoothing_hz: 8.0,
             ..Adaptation::default()
         },
         tangent: Tangent {
@@ -102,10 +107,10 @@ pub fn compensation(case: &Case, method: Method) -> Compensation {
     }
 }
 
-/// The best: force by the tangent, command by the inverse of the model up to the jerk, with some feedback.
-pub fn best(case: &Case) -> Compensation {
+/// The tangent force behind `predictor`.
+pub fn tangent_behind(case: &Case, predictor: Prediction) -> Compensation {
     Compensation {
-        predictor: Some(Prediction::FeedforwardFeedback),
+        predictor: Some(predictor),
         ..compensation(case, Method::Tangent)
     }
 }

@@ -1,10 +1,10 @@
 //! A ground motion of the problem, and trials under it.
 
 use super::core_loop::CoreLoop;
-use super::{Controller, best, compensation};
+use super::{Controller, compensation, tangent_behind};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
-use outerloop_core::config::Compensation;
+use outerloop_core::config::{Compensation, Prediction};
 use outerloop_core::{GroundMotion, State};
 use plant::rths::baseline::Baseline;
 use plant::rths::case::{CASES, Case};
@@ -64,7 +64,8 @@ impl Record {
                     .ok_or_else(|| Failure::test("rths: the numerical mass is not positive"))?;
                 return Ok(trial::run(&mut baseline, plant, &self.shaking, draw));
             }
-            Controller::Best => best(case),
+            Controller::Best => tangent_behind(case, Prediction::Ats),
+            Controller::TangentInverse => tangent_behind(case, Prediction::FeedforwardFeedback),
             Controller::Method(method) => compensation(case, *method),
         };
         self.trial_of_core(&told, case, plant, draw)
