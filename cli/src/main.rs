@@ -20,6 +20,7 @@ enum Verb {
     Check(verb::check::Check),
     Diagnose(verb::diagnose::Diagnose),
     Benchmark(verb::benchmark::Benchmark),
+    Identify(verb::identify::Identify),
     Effects(verb::effects::Effects),
     Board(verb::board::Board),
 }
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Verb::Check(v) => v.go(),
         Verb::Diagnose(v) => v.go(),
         Verb::Benchmark(v) => v.go(),
+        Verb::Identify(v) => v.go(),
         Verb::Effects(v) => v.go(),
         Verb::Board(v) => v.go(),
     };

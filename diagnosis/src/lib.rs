@@ -10,6 +10,7 @@ mod answer;
 mod diagnose;
 mod explain;
 mod fit;
+mod identify;
 mod interval;
 mod lattice;
 mod library;
@@ -28,6 +29,7 @@ pub use answer::{
     ChannelAnswer, Diagnosis, Errors, FoundEffect, FoundParameter, Nearest, Traces, Tried, Verdict,
 };
 pub use diagnose::diagnose;
+pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, Declared, KnownEffect, Model, SpecimenModel};
 pub use recording::Recording;
 pub use refusal::Refusal;

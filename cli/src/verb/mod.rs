@@ -7,6 +7,7 @@ pub mod compare;
 pub mod demo;
 pub mod diagnose;
 pub mod effects;
+pub mod identify;
 pub mod run;
 
 use crate::experiment::Experiment;

@@ -1,0 +1,125 @@
+//! `outerloop identify` on a real actuator's record, and what it writes into a test file.
+#![allow(missing_docs)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn outerloop(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// The measured data, if they are on this machine.
+fn measured(name: &str) -> Option<String> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let data = std::env::var_os("OUTERLOOP_DATA").map_or(beside, PathBuf::from);
+    let file = data.join("measured").join(name);
+    if !file.is_file() {
+        println!("not run: {} is missing", file.display());
+        return None;
+    }
+    Some(file.display().to_string())
+}
+
+fn identified(file: &str) -> Value {
+    let out = outerloop(&["identify", file, "--json"]);
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert!(out.status.success(), "{said}");
+    serde_json::from_slice(&out.stdout).unwrap()
+}
+
+#[test]
+fn the_measured_chirp_gives_the_published_lag_and_delay() {
+    let Some(file) = measured("utfsm_chirp_0A.csv") else {
+        return;
+    };
+    let found = identified(&file);
+    let number = |key: &str| found[key].as_f64().unwrap();
+    println!("{found}");
+    assert!((number("lag_ms") - 22.2).abs() < 1.0, "{found}");
+    assert!((number("delay_ms") - 4.6).abs() < 0.7, "{found}");
+    for key in ["gain", "delay_ms", "lag_ms", "offset_mm"] {
+        let interval = &found[format!("{key}_ci90")];
+        let [low, high] = [0, 1].map(|i| interval[i].as_f64().unwrap());
+        assert!(low < number(key) && number(key) < high, "{key}: {found}");
+    }
+    assert!(number("nrmse") < 0.2, "{found}");
+}
+
+#[test]
+fn a_rig_is_found_again_and_written_into_its_test_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let test = path("test.toml");
+    let text = "# what is tested\n[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+                [excitation]\nduration_s = 15\n[plant.actuator] # the rig\nkind = \"lag_delay\"\ndelay_ms = 3 # late\n\
+                lag_ms = 5\ngain = 0.98\n[plant.specimen]\nkind = \"linear\"\n";
+    std::fs::write(&test, text).unwrap();
+    let run = outerloop(&["run", &test, "--out", &path("out")]);
+    assert!(
+        run.status.success(),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+
+    std::fs::write(
+        &test,
+        text.replace("lag_delay", "servo_hydraulic")
+            .replace("lag_ms = 5\n", ""),
+    )
+    .unwrap();
+    let out = outerloop(&["identify", &path("out/record.csv"), "--write", &test]);
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    let written = std::fs::read_to_string(&test).unwrap();
+    assert!(written.starts_with("# what is tested\n"), "{written}");
+    assert!(written.contains("# late"), "{written}");
+    let table: toml::Table = written.parse().unwrap();
+    let number = |path: [&str; 3]| table[path[0]][path[1]][path[2]].as_float().unwrap();
+    assert_eq!(
+        table["plant"]["actuator"]["kind"].as_str(),
+        Some("lag_delay")
+    );
+    // The converter holds each command for a step of half a millisecond: that is delay as well.
+    let delay = number(["plant", "actuator", "delay_ms"]);
+    let lag = number(["plant", "actuator", "lag_ms"]);
+    assert!(
+        (delay - 3.0).abs() < 0.6 && (lag - 5.0).abs() < 0.3,
+        "{written}"
+    );
+    assert!(
+        (number(["plant", "actuator", "gain"]) - 0.98).abs() < 0.002,
+        "{written}"
+    );
+    let both = table["compensation"]["delay_ms"].as_float().unwrap();
+    assert!((both - delay - lag).abs() < 2e-3, "{written}");
+    assert!(outerloop(&["check", &test]).status.code() != Some(2));
+}
+
+#[test]
+fn mistakes_are_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("r.csv");
+    let rows: String = (0..300)
+        .map(|i| format!("{},{}\n", f64::from(i) * 1e-3, i % 7))
+        .collect();
+    for (text, said) in [
+        (format!("time_s,displacement_mm\n{rows}"), "has no command"),
+        (format!("time_s,command_mm\n{rows}"), "has no displacement"),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let out = outerloop(&["identify", &file.display().to_string()]);
+        let error = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(2), "{error}");
+        assert!(
+            error.contains(said) && error.trim_end().lines().count() == 1,
+            "{error}"
+        );
+    }
+}
