@@ -171,7 +171,14 @@ impl CallGraph {
         Ok(depth)
     }
 
-    /// Bytes that the function takes off the stack pointer.
+    /// Bytes that the functions with `part` in their names take off the stack pointer themselves, together.
+    pub fn frames(&self, part: &str) -> u32 {
+        let all = self.functions.iter();
+        all.filter(|(_, (_, name))| name.contains(part))
+            .map(|(begin, _)| self.frame(*begin))
+            .sum()
+    }
+
     fn frame(&self, begin: u32) -> u32 {
         let end = self.functions[&begin].0;
         let (mut at, mut bytes) = (begin, 0);

@@ -1,0 +1,245 @@
+//! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
+#![allow(missing_docs)]
+
+mod desk;
+
+use desk::{Course, Desk, PERIOD_NS};
+use emu::{Fault, Planned, Seen};
+use link::command::Command;
+use link::reply::{Obstacle, Reply};
+use link::status::{Cause, LastWords, Start, Status};
+use outerloop_core::{Event, Fault as LoopFault, State};
+
+const MS: u64 = 1_000_000;
+
+/// The background looks for a drill ten times a second.
+const NOTICED_NS: u64 = 100 * MS;
+
+/// The watchdog's 25 ms at its clock's slowest.
+const WATCHDOG_NS: u64 = 50 * MS;
+
+/// A fault in the middle of a test, 0.3 s after PERMIT came.
+fn in_mid_test(fault: Fault) -> Desk {
+    let mut desk = Desk::new(Some(Planned {
+        after_steps: 600,
+        fault,
+    }));
+    desk.start();
+    desk
+}
+
+/// A drill that ends in a reset by the watchdog.
+fn crash(drill: u32) -> (Course, Status) {
+    let mut desk = in_mid_test(Fault::Drill(drill));
+    desk.until_reset();
+    desk.assert_nothing_lost();
+    let status = desk.status();
+    let course = desk.course();
+    assert_eq!(
+        (status.started, status.state),
+        (Start::Watchdog, State::Idle)
+    );
+    assert!(!status.permit);
+    // The specimen stands where the last command put it, and the converter begins there again.
+    let first = course.first_after_reset.expect("the board started again");
+    assert!(
+        first.abs_diff(course.held) <= 3,
+        "{} after {}",
+        first,
+        course.held
+    );
+    // It takes a new test.
+    desk.start();
+    desk.until(State::Running);
+    (course, status)
+}
+
+fn words(status: &Status) -> &LastWords {
+    status.last_words.as_ref().expect("last words")
+}
+
+/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets.
+fn dies_at_once(drill: u32) -> Status {
+    let (course, status) = crash(drill);
+    let after = course.permit_low_ns - course.fault_ns;
+    assert!(after <= NOTICED_NS + PERIOD_NS, "{after} ns");
+    assert_eq!(course.written_before_reset, [0; 0]);
+    let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
+    assert!(reset <= WATCHDOG_NS, "{reset} ns");
+    println!(
+        "drill {drill}: PERMIT low {} ms after, reset {} ms later: {}",
+        after / MS,
+        reset / MS,
+        words(&status).text
+    );
+    status
+}
+
+#[test]
+fn a_panic() {
+    let status = dies_at_once(1);
+    assert_eq!(
+        (words(&status).cause, words(&status).state),
+        (Cause::Panic, State::Running)
+    );
+    assert!(
+        words(&status).text.starts_with("drill.rs:"),
+        "{}",
+        words(&status).text
+    );
+    assert!(
+        words(&status).text.ends_with("a drill"),
+        "{}",
+        words(&status).text
+    );
+}
+
+#[test]
+fn a_hard_fault() {
+    let status = dies_at_once(2);
+    assert_eq!(
+        (words(&status).cause, words(&status).state),
+        (Cause::HardFault, State::Running)
+    );
+    assert!(
+        words(&status).text.starts_with("pc 0x080"),
+        "{}",
+        words(&status).text
+    );
+}
+
+#[test]
+fn an_exhausted_stack() {
+    let status = dies_at_once(3);
+    assert_eq!(
+        (words(&status).cause, words(&status).state),
+        (Cause::StackOverflow, State::Running)
+    );
+}
+
+#[test]
+fn a_starved_task_trips_the_test_before_the_watchdog_bites() {
+    let (course, status) = crash(4);
+    let after = course.permit_low_ns - course.fault_ns;
+    // Noticed, then the patience with a task.
+    assert!(after <= 2 * NOTICED_NS + 2 * PERIOD_NS, "{after} ns");
+    assert!(
+        course
+            .written_before_reset
+            .iter()
+            .all(|&c| c == course.held),
+        "{course:?}"
+    );
+    let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
+    assert!(reset <= WATCHDOG_NS, "{reset} ns");
+    assert_eq!(words(&status).cause, Cause::Starved);
+}
+
+#[test]
+fn a_program_that_hangs_with_interrupts_off_is_reset() {
+    let (course, status) = crash(5);
+    let after = course.permit_low_ns - course.fault_ns;
+    assert!(after <= NOTICED_NS + WATCHDOG_NS, "{after} ns");
+    assert_eq!(words(&status).cause, Cause::Silent);
+}
+
+#[test]
+fn a_step_that_takes_too_long_trips_in_the_next() {
+    let mut desk = in_mid_test(Fault::Drill(6));
+    desk.until(State::Tripped);
+    let status = desk.status();
+    assert_eq!(
+        status.trip.map(|t| t.fault),
+        Some(LoopFault::DeadlineMissed)
+    );
+    assert_eq!(status.timing.overruns, 1);
+    assert_eq!(status.started, Start::Power);
+    let course = desk.course();
+    let after = course.permit_low_ns - course.fault_ns;
+    assert!(after <= 2 * PERIOD_NS + PERIOD_NS / 2, "{after} ns");
+    assert!(
+        course
+            .written_before_reset
+            .iter()
+            .all(|&c| c == course.held)
+    );
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn the_emergency_stop_acts_in_one_period_and_stands_against_arming() {
+    let mut desk = in_mid_test(Fault::EmergencyStop);
+    desk.until(State::Tripped);
+    let course = desk.course();
+    let after = course.permit_low_ns - course.fault_ns;
+    assert!(after <= PERIOD_NS, "{after} ns");
+    for _ in 0..200 {
+        desk.step();
+    }
+    let course = desk.course();
+    assert!(
+        course
+            .written_before_reset
+            .iter()
+            .all(|&c| c == course.held)
+    );
+    assert_eq!(
+        desk.status().trip.map(|t| t.fault),
+        Some(LoopFault::EmergencyStop)
+    );
+    desk.order(Command::Event(Event::Clear));
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let pressed = Some(Obstacle::Fault(LoopFault::EmergencyStop));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == pressed),
+        "{reply:?}"
+    );
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn the_reset_button_in_mid_test() {
+    let mut desk = in_mid_test(Fault::Reset);
+    desk.until_reset();
+    let status = desk.status();
+    assert_eq!(
+        (status.started, status.state, status.permit),
+        (Start::Pin, State::Idle, false)
+    );
+    let course = desk.course();
+    // The pins float at once; the laboratory sees it at its next turn.
+    let after = course.permit_low_ns - course.fault_ns;
+    assert!(after <= PERIOD_NS, "{after} ns");
+    let first = course.first_after_reset.expect("the board started again");
+    assert!(
+        first.abs_diff(course.held) <= 3,
+        "{} after {}",
+        first,
+        course.held
+    );
+    desk.start();
+    desk.until(State::Running);
+}
+
+#[test]
+fn a_wrong_or_missing_crystal_is_seen_and_nothing_can_be_armed() {
+    for crystal_hz in [25_000_000, 7_000_000, 0] {
+        let mut desk = Desk::with_crystal(crystal_hz, None);
+        desk.load();
+        let status = desk.status();
+        assert!(!status.crystal_ok, "{crystal_hz} Hz");
+        let reply = desk.ask(Command::Event(Event::Arm));
+        let obstacle = Some(Obstacle::Crystal);
+        assert!(
+            matches!(&reply, Reply::Rejected { obstacle: o, .. } if *o == obstacle),
+            "{reply:?}"
+        );
+        assert!(
+            !desk
+                .log()
+                .seen
+                .iter()
+                .any(|(_, s)| *s == Seen::Permit(true))
+        );
+    }
+}

@@ -1,0 +1,327 @@
+//! The emulated board on the desk, the PC's side of the link beside it, both in this process.
+#![allow(missing_docs)]
+
+use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
+use emu::{Firmware, Laboratory, Log, Planned, Seen, Wire};
+use link::command::Command;
+use link::frame::checksum;
+use link::reply::Reply;
+use link::status::Status;
+use link::telemetry::StepReport;
+use outerloop_cli::board::{Connection, Patience, Port, status};
+use outerloop_core::config::{Config, StructureConfig};
+use outerloop_core::{Event, State};
+use plant::{Rig, RigSpec};
+use rigless::emulator::Start;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+use std::collections::VecDeque;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// Control period, ns.
+pub const PERIOD_NS: u64 = 500_000;
+
+/// No test of these runs so long, s of the board's time.
+const LONGEST_S: u64 = 20;
+
+/// The image as it is flashed, built when the first test asks for it.
+fn image() -> &'static Path {
+    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
+    IMAGE.get_or_init(|| {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let target = std::env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| root.join("target"), |named| root.join(named));
+        let built = std::process::Command::new(root.join("scripts/cross"))
+            .args([
+                "build",
+                "-p",
+                "firmware",
+                "--bin",
+                "nucleo_f429zi",
+                "--release",
+            ])
+            .env("CARGO_TARGET_DIR", &target)
+            .status()
+            .expect("scripts/cross starts");
+        assert!(
+            built.success(),
+            "the image builds; scripts/setup installs what that needs"
+        );
+        target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi")
+    })
+}
+
+/// The PC's end of the serial line.
+pub struct Line {
+    wire: Wire,
+    came: VecDeque<u8>,
+}
+
+impl Port for Line {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        if self.came.is_empty() {
+            let came = self.wire.receive(Duration::from_millis(5));
+            self.came
+                .extend(came.ok_or_else(|| io::Error::other("the emulator has ended"))?);
+        }
+        let count = self.came.len().min(bytes.len());
+        for (place, byte) in bytes.iter_mut().zip(self.came.drain(..count)) {
+            *place = byte;
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.wire.send(bytes);
+        Ok(())
+    }
+}
+
+/// A board, its laboratory, and a PC.
+pub struct Desk {
+    pub pc: Connection<Line>,
+    /// Every step of the telemetry since the start of the test.
+    pub steps: Vec<(u32, StepReport)>,
+    wire: Wire,
+    log: Arc<Mutex<Log>>,
+    board: Option<JoinHandle<Result<(), String>>>,
+}
+
+/// What the laboratory saw of a fault.
+#[derive(Debug)]
+pub struct Course {
+    /// When it came, ns.
+    pub fault_ns: u64,
+    /// When PERMIT went low after it, ns.
+    pub permit_low_ns: u64,
+    /// When the chip was reset after it, ns.
+    pub reset_ns: Option<u64>,
+    /// The code in force when PERMIT went low.
+    pub held: u16,
+    /// All codes written between then and the reset, if there was one.
+    pub written_before_reset: Vec<u16>,
+    /// The first code after the reset.
+    pub first_after_reset: Option<u16>,
+}
+
+impl Desk {
+    /// Switches a board on, with a fault to come.
+    pub fn new(plan: Option<Planned>) -> Self {
+        Self::with_crystal(RIGHT_CRYSTAL_HZ, plan)
+    }
+
+    pub fn with_crystal(crystal_hz: u64, plan: Option<Planned>) -> Self {
+        let firmware = Firmware::read(image()).expect("an image");
+        let spec: RigSpec = toml::from_str(
+            "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n",
+        )
+        .expect("a rig");
+        let rig = Rig::new(&spec, &[STIFFNESS_N_PER_M], 2000.0, 1).expect("a rig");
+        let wire = Wire::default();
+        let drill = firmware.symbol("DRILL").expect("the symbol DRILL");
+        let laboratory = Laboratory::new(wire.clone(), rig, drill)
+            .with_plan(plan)
+            .until_ns(LONGEST_S * 1_000_000_000);
+        let log = laboratory.log();
+        let theirs = wire.clone();
+        let board = std::thread::spawn(move || {
+            let run = || {
+                let board = Nucleo::new(crystal_hz, theirs.clone()).map_err(|e| e.to_string())?;
+                let session =
+                    Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
+                let start = Start::new(&firmware.images);
+                rigless::emulator::run(session, &start, laboratory)
+                    .map(drop)
+                    .map_err(|e| e.to_string())
+            };
+            let ended = run();
+            theirs.close();
+            ended
+        });
+        let line = Line {
+            wire: wire.clone(),
+            came: VecDeque::new(),
+        };
+        Self {
+            pc: Connection::new(line, Patience::EMULATED),
+            steps: Vec::new(),
+            wire,
+            log,
+            board: Some(board),
+        }
+    }
+
+    pub fn status(&mut self) -> Status {
+        status(&mut self.pc).expect("a status")
+    }
+
+    pub fn ask(&mut self, command: Command) -> Reply {
+        self.pc.ask(&command).expect("an answer")
+    }
+
+    /// The command, which has to be taken.
+    pub fn order(&mut self, command: Command) {
+        let reply = self.ask(command);
+        assert!(matches!(reply, Reply::Done { .. }), "{reply:?}");
+    }
+
+    /// A step of the telemetry.
+    pub fn step(&mut self) -> StepReport {
+        loop {
+            if let Some((tick, step)) = self.pc.step().expect("the link") {
+                self.steps.push((tick, step));
+                return step;
+            }
+        }
+    }
+
+    /// Configures and loads a test and lets the board idle for a while.
+    pub fn load(&mut self) {
+        self.order(Command::Configure(config()));
+        let points = pulse();
+        self.order(Command::Motion {
+            points: points.len() as u32,
+            interval_s: 0.01,
+            checksum: checksum(points.iter().flat_map(|p| p.to_le_bytes())),
+        });
+        for (first, chunk) in (0..)
+            .step_by(link::command::CHUNK)
+            .zip(points.chunks(link::command::CHUNK))
+        {
+            self.order(Command::Points {
+                first,
+                points: chunk.iter().copied().collect(),
+            });
+        }
+        self.pc.forget_steps();
+        for _ in 0..300 {
+            self.step();
+        }
+    }
+
+    /// Loads and starts a test.
+    pub fn start(&mut self) {
+        self.load();
+        self.order(Command::Event(Event::Arm));
+        while self.step().state() != Some(State::Armed) {}
+        while self.step().command_m != 0.0 {}
+        self.order(Command::Event(Event::Start));
+    }
+
+    /// Steps until the board has been reset: its steps count from zero again.
+    pub fn until_reset(&mut self) {
+        let mut before = self.steps.last().map_or(0, |s| s.0);
+        loop {
+            self.step();
+            let tick = self.steps.last().map_or(0, |s| s.0);
+            if tick < before {
+                return;
+            }
+            before = tick;
+        }
+    }
+
+    /// Steps until the state is `state`.
+    pub fn until(&mut self, state: State) {
+        while self.step().state() != Some(state) {}
+    }
+
+    /// Every step that was reported in the state is there, none missing between the first and the last.
+    pub fn assert_nothing_lost(&self) {
+        let ticks: Vec<u32> = self.steps.iter().map(|s| s.0).collect();
+        let gaps = ticks
+            .windows(2)
+            .filter(|w| w[1] > w[0] && w[1] != w[0] + 1)
+            .count();
+        assert_eq!(gaps, 0, "steps are missing");
+    }
+
+    /// What the laboratory saw.
+    pub fn log(&self) -> Log {
+        self.log
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// The course of the planned fault.
+    pub fn course(&self) -> Course {
+        let seen = self.log().seen;
+        let at = seen
+            .iter()
+            .position(|(_, s)| *s == Seen::Fault)
+            .expect("the fault came");
+        let fault_ns = seen[at].0;
+        let low = at
+            + seen[at..]
+                .iter()
+                .position(|(_, s)| *s == Seen::Permit(false))
+                .expect("PERMIT goes low");
+        let code = |s: &(u64, Seen)| match s.1 {
+            Seen::Dac(code) => Some(code),
+            _ => None,
+        };
+        let reset = seen[at..]
+            .iter()
+            .position(|(_, s)| *s == Seen::Reset)
+            .map(|i| at + i);
+        let end = reset.unwrap_or(seen.len()).max(low);
+        Course {
+            fault_ns,
+            permit_low_ns: seen[low].0,
+            reset_ns: reset.map(|i| seen[i].0),
+            held: seen[..low].iter().rev().find_map(code).expect("a command"),
+            written_before_reset: seen[low..end].iter().filter_map(code).collect(),
+            first_after_reset: reset.and_then(|i| seen[i..].iter().find_map(code)),
+        }
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        self.wire.close();
+        if let Some(Ok(Err(sentence))) = self.board.take().map(JoinHandle::join) {
+            eprintln!("the emulator ended: {sentence}");
+        }
+    }
+}
+
+pub const STIFFNESS_N_PER_M: f64 = 158e3;
+
+/// Table 1 of the paper with limits.
+pub fn config() -> Config {
+    let one = |x: f64| [x].into_iter().collect();
+    let mut config = Config {
+        structure: StructureConfig {
+            mass_kg: one(1000.0),
+            stiffness_n_per_m: one(STIFFNESS_N_PER_M),
+            damping_ratio: one(0.02),
+            physical_storeys: None,
+            physical_mass_kg: [].into_iter().collect(),
+        },
+        timing: Default::default(),
+        compensation: Default::default(),
+        estimation: Default::default(),
+        limits: Default::default(),
+    };
+    config.limits.displacement_m = Some(0.045);
+    config.limits.stale_steps = Some(20);
+    config
+}
+
+/// A half sine of 1.5 m/s^2 and rest, a point every 10 ms.
+fn pulse() -> Vec<f32> {
+    (0..200)
+        .map(|i| {
+            if i < 50 {
+                (i as f32 * 0.1256).sin() * 1.5
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
