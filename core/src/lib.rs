@@ -39,6 +39,7 @@ pub mod newmark;
 mod order;
 pub mod outer_loop;
 pub mod record;
+pub mod rig;
 pub mod signal;
 pub mod structure;
 pub mod sum;

@@ -25,6 +25,7 @@ use crate::ground_motion::GroundMotion;
 use crate::newmark::Newmark;
 use crate::order::larger;
 use crate::record::{Record, flag};
+use crate::rig::Rig;
 use crate::signal::{SignalGenerator, Target};
 use crate::supervise::{
     Checked, Event, Fault, Finding, History, LockWatch, Rejected, StaleWatch, State, Trip,
@@ -98,6 +99,7 @@ pub struct OuterLoop<const N: usize> {
     estimator: Estimator<N>,
     history: History<N>,
     compensator: Compensator<N>,
+    rig: Rig<N>,
     /// Last change of what was sent, m per control step, where there is a predictor.
     sent_step_m: [f32; N],
     /// Share of the prediction that is sent: 1, but for a while after a hold.
@@ -110,6 +112,7 @@ impl<const N: usize> OuterLoop<N> {
         let Design {
             step: design,
             compensator,
+            rig,
         } = design;
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         Self {
@@ -131,6 +134,7 @@ impl<const N: usize> OuterLoop<N> {
             monitor: Monitor::new(diagonal, design.energy_floor_j),
             damping: VariableDamping::at_rest(),
             compensator: Compensator::at_rest(compensator),
+            rig: Rig::new(rig),
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
             signal: SignalGenerator::standing_at([0.0; N]),
@@ -295,6 +299,9 @@ impl<const N: usize> OuterLoop<N> {
     fn estimate(&mut self, sample: &Sample<N>) -> Estimate<N> {
         let k = &self.design;
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
+        if k.corrects {
+            self.rig.correct(&mut displacement_m, &mut force_n);
+        }
         for j in k.physical..N {
             displacement_m[j] = self.target_m[j];
             force_n[j] = 0.0;
@@ -371,6 +378,9 @@ impl<const N: usize> OuterLoop<N> {
             .command(&followed, &ahead, k.physical, &mut send_m);
         if !live {
             return next_m;
+        }
+        for j in 0..N {
+            send_m[j] *= k.per_command_gain[j];
         }
         if self.blend < 1.0 {
             for j in 0..N {

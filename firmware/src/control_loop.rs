@@ -129,6 +129,7 @@ mod tests {
             compensation: Default::default(),
             estimation: Default::default(),
             limits: Default::default(),
+            rig: Default::default(),
         };
         let clock: &Clock = Box::leak(Box::default());
         // Just before the counter turns over.

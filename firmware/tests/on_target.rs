@@ -178,6 +178,7 @@ mod tests {
             compensation: Default::default(),
             estimation: Default::default(),
             limits: Default::default(),
+            rig: Default::default(),
         }
     }
 }

@@ -55,7 +55,9 @@ mod tests {
     use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
     use crate::status::{Cause, LastWords, Start, Status, Timing};
     use core::fmt::Debug;
-    use outerloop_core::config::{Config, Limits, MAX_DOF, PerFloor, StructureConfig};
+    use outerloop_core::config::{
+        Config, Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig,
+    };
     use outerloop_core::supervise::Trip;
     use outerloop_core::{Event, Fault, State};
     use proptest::prelude::*;
@@ -77,6 +79,7 @@ mod tests {
     /// Every number that can be left out is written, and with the longest code.
     fn largest_config() -> Config {
         let floors: PerFloor = [f64::MAX; MAX_DOF].into_iter().collect();
+        let actuators: PerActuator = [f64::MAX; 4].into_iter().collect();
         let limit = Some(f64::MAX);
         let mut config = Config {
             structure: StructureConfig {
@@ -100,6 +103,15 @@ mod tests {
                 energy_floor_j: limit,
                 stale_steps: Some(u16::MAX),
                 locked_damping_ratio: limit,
+            },
+            rig: Rig {
+                command_gain: actuators.clone(),
+                displacement_offset_m: actuators.clone(),
+                force_gain: actuators.clone(),
+                force_offset_n: actuators.clone(),
+                force_late_ms: actuators.clone(),
+                bearing_friction_n: actuators.clone(),
+                bearing_presliding_m: actuators,
             },
         };
         config.timing.substeps = u16::MAX;

@@ -23,7 +23,8 @@ impl Config {
         self.check_timing()?;
         self.check_compensation()?;
         self.check_estimation()?;
-        self.check_limits()
+        self.check_limits()?;
+        self.rig.check(self.physical_storeys(), self.timing.rate_hz)
     }
 
     fn check_structure(&self) -> Result<(), Refusal> {

@@ -5,6 +5,7 @@ use crate::compensate;
 use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
 use crate::matrix::{self, Matrix};
 use crate::newmark;
+use crate::rig;
 use crate::signal;
 use crate::structure::Structure;
 use crate::supervise;
@@ -14,6 +15,7 @@ use crate::supervise;
 pub struct Design<const N: usize> {
     pub(crate) step: StepConstants<N>,
     pub(crate) compensator: compensate::Constants<N>,
+    pub(crate) rig: Option<rig::Constants<N>>,
 }
 
 /// What every step uses, whatever the compensation.
@@ -22,8 +24,12 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::Constants,
     pub(crate) stage: compensate::Stage,
-    /// There is a predictor.
+    /// What is sent is not the target: there is a predictor, or a gain.
     pub(crate) predicts: bool,
+    /// What a command is multiplied by before it is sent.
+    pub(crate) per_command_gain: [f32; N],
+    /// Samples are not what they say.
+    pub(crate) corrects: bool,
     pub(crate) damping: compensate::damping::Constants<N>,
     pub(crate) estimation: estimate::Constants<N>,
     pub(crate) limits: supervise::Limits,
@@ -83,6 +89,7 @@ impl<const N: usize> Design<N> {
         let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
         let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
         let compensator = methods::constants(config, structure, &specimen, &omegas)?;
+        let rig = config.rig.constants(t.rate_hz);
         let step = StepConstants {
             newmark: newmark::Coefficients::new(
                 structure,
@@ -96,7 +103,9 @@ impl<const N: usize> Design<N> {
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
             stage: methods::stage(c.kind),
-            predicts: c.prediction() != Prediction::None,
+            predicts: c.prediction() != Prediction::None || !config.rig.command_gain.is_empty(),
+            per_command_gain: config.rig.per_command_gain(),
+            corrects: rig.is_some(),
             damping: methods::variable_damping(config, structure, &specimen, omega),
             estimation: estimation(config, structure, control_step_s)?,
             limits: limits(config),
@@ -112,7 +121,11 @@ impl<const N: usize> Design<N> {
             blend_step: (2.0 * control_step_s) as f32,
             physical: structure.physical.min(N),
         };
-        Ok(Self { step, compensator })
+        Ok(Self {
+            step,
+            compensator,
+            rig,
+        })
     }
 }
 

@@ -7,12 +7,14 @@ mod compensation;
 mod design;
 mod methods;
 mod refusal;
+mod rig;
 
 pub use compensation::{Adaptation, Compensation, Method, Prediction, Secant, Tangent};
 pub use design::Design;
 pub(crate) use design::StepConstants;
 pub use refusal::Refusal;
 pub(crate) use refusal::{accept, between};
+pub use rig::{PerActuator, Rig};
 
 use heapless::Vec;
 
@@ -41,6 +43,9 @@ pub struct Config {
     /// Interlocks; a limit that is left out is off.
     #[cfg_attr(feature = "serde", serde(default))]
     pub limits: Limits,
+    /// What is known of the rig; left out: it is ideal.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub rig: Rig,
 }
 
 /// The structure, listed from the ground up.

@@ -3,10 +3,10 @@
 /// The longest transport delay, in control steps.
 pub const MAX_DELAY_STEPS: usize = 128;
 
-/// Commands on their way to the actuator: a delay line with a fractional tap.
+/// Values on their way, for example commands to the actuator: a delay line with a fractional tap.
 #[derive(Clone, Debug)]
-pub struct DelayLine {
-    sent_m: [f32; MAX_DELAY_STEPS],
+pub struct DelayLine<const LENGTH: usize = MAX_DELAY_STEPS> {
+    sent_m: [f32; LENGTH],
     newest: usize,
 }
 
@@ -18,7 +18,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// A delay in control steps, of at most [`MAX_DELAY_STEPS`] less 2; the design has checked it.
+    /// A delay in control steps, of at most the line's length less 2; the design has checked it.
     pub fn new(steps: f64) -> Self {
         let steps = steps.clamp(0.0, (MAX_DELAY_STEPS - 2) as f64);
         Self {
@@ -28,11 +28,11 @@ impl Delay {
     }
 }
 
-impl DelayLine {
+impl<const LENGTH: usize> DelayLine<LENGTH> {
     /// Full of `position_m`.
     pub const fn filled(position_m: f32) -> Self {
         Self {
-            sent_m: [position_m; MAX_DELAY_STEPS],
+            sent_m: [position_m; LENGTH],
             newest: 0,
         }
     }
@@ -40,11 +40,9 @@ impl DelayLine {
     /// Takes in a command and gives the one that arrives now.
     #[inline]
     pub fn pass(&mut self, delay: Delay, command_m: f32) -> f32 {
-        self.newest = (self.newest + 1) % MAX_DELAY_STEPS;
+        self.newest = (self.newest + 1) % LENGTH;
         self.sent_m[self.newest] = command_m;
-        let tap = |steps: usize| {
-            self.sent_m[(self.newest + MAX_DELAY_STEPS - steps % MAX_DELAY_STEPS) % MAX_DELAY_STEPS]
-        };
+        let tap = |steps: usize| self.sent_m[(self.newest + LENGTH - steps % LENGTH) % LENGTH];
         let (near, far) = (tap(delay.whole), tap(delay.whole + 1));
         near + delay.fraction * (far - near)
     }
@@ -119,7 +117,7 @@ mod tests {
     #[test]
     fn the_delay_line_is_exact_for_a_ramp() {
         let delay = Delay::new(7.25);
-        let mut line = DelayLine::filled(0.0);
+        let mut line = DelayLine::<16>::filled(0.0);
         for i in 0..500 {
             let out = line.pass(delay, i as f32);
             if i > 10 {

@@ -164,7 +164,7 @@ mod tests {
         };
         let k = KalmanGains::new(&e, 5e-4, 1).unwrap();
         let model = Lag::new(4e-3, e.lag_damping_ratio, 5e-4);
-        let (mut line, mut x) = (DelayLine::filled(0.0), [0.0_f64; 2]);
+        let (mut line, mut x) = (DelayLine::<16>::filled(0.0), [0.0_f64; 2]);
         let mut filter = Kalman::at_rest(0.0);
         let (mut seed, mut worst, mut squares) = (1_u32, 0.0_f64, 0.0);
         for i in 0..20_000 {

@@ -107,6 +107,7 @@ impl<const N: usize> OuterLoop<N> {
             estimator,
             history,
             compensator,
+            rig,
             sent_step_m,
             blend,
         } = self;
@@ -127,5 +128,6 @@ impl<const N: usize> OuterLoop<N> {
         *lock = LockWatch::default();
         history.clear();
         compensator.rest();
+        rig.rest();
     }
 }

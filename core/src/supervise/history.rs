@@ -29,7 +29,10 @@ impl<const N: usize> History<N> {
     /// The place for the record of this step; what is not kept is overwritten by the next.
     #[inline]
     pub fn place(&mut self, keep: bool) -> &mut Record<N> {
-        let slot = (self.newest + 1) % SLOTS;
+        let slot = match self.newest + 1 {
+            next if next < SLOTS => next,
+            _ => 0,
+        };
         self.latest = slot;
         if keep {
             self.newest = slot;

@@ -16,4 +16,4 @@ pub use machine::{Event, Rejected, State};
 pub(crate) use stale::StaleWatch;
 
 /// Number of steps that are kept from before a fault.
-pub const HISTORY: usize = 15;
+pub const HISTORY: usize = 14;

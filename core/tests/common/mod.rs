@@ -25,6 +25,7 @@ pub fn frame(mass_kg: &[f64], stiffness_n_per_m: &[f64], damping_ratio: &[f64]) 
         compensation: Default::default(),
         estimation: Default::default(),
         limits: Default::default(),
+        rig: Default::default(),
     }
 }
 

@@ -128,6 +128,7 @@ mod tests {
             compensation: Default::default(),
             estimation: Default::default(),
             limits: Default::default(),
+            rig: Default::default(),
         };
         config.limits.displacement_m = Some(0.02);
         config

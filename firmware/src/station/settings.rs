@@ -86,6 +86,7 @@ mod tests {
                 compensation: Default::default(),
                 estimation: Default::default(),
                 limits: Default::default(),
+                rig: Default::default(),
             },
             calibration: Calibration::UNCALIBRATED,
         }

@@ -98,6 +98,7 @@ impl Setup {
             compensation: Default::default(),
             estimation: Default::default(),
             limits: Default::default(),
+            rig: Default::default(),
         };
         Self::with(&config, clock, false)
     }
@@ -129,6 +130,7 @@ mod tests {
             compensation: Default::default(),
             estimation: Default::default(),
             limits: Default::default(),
+            rig: Default::default(),
         };
         change(&mut config);
         Setup::new(&config, &CLOCK)

@@ -1,0 +1,129 @@
+//! What is known of a rig that is not ideal, for example from a diagnosis of its records.
+
+use super::{Refusal, accept, between};
+use crate::rig::{self, MAX_SKEW_STEPS};
+use heapless::Vec;
+
+/// The largest number of actuators of whose channels something is known.
+const MAX_ACTUATORS: usize = 4;
+
+/// One value for each actuator, from the ground up.
+pub type PerActuator = Vec<f64, MAX_ACTUATORS>;
+
+/// How the rig departs from an ideal one, actuator by actuator from the ground up; a list that is left out: it does not.
+///
+/// Core takes all of it out of every sample before anything else sees it, and out of the command after everything else
+/// has. The record keeps the samples as they came.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Rig {
+    /// Displacement per command; the command is divided by it.
+    pub command_gain: PerActuator,
+    /// Measured displacement where the true one is 0, m.
+    pub displacement_offset_m: PerActuator,
+    /// Measured force per true force.
+    pub force_gain: PerActuator,
+    /// Measured force where the true one is 0, N.
+    pub force_offset_n: PerActuator,
+    /// By how much the force channel is behind the displacement channel, ms of laboratory time; negative: ahead. The
+    /// channel that is ahead is held back, so that both tell of the same instant.
+    pub force_late_ms: PerActuator,
+    /// Friction of the bearings that the load cell feels and the structure does not have, N.
+    pub bearing_friction_n: PerActuator,
+    /// Displacement in which this friction builds up, m.
+    pub bearing_presliding_m: PerActuator,
+}
+
+impl Rig {
+    /// Checks every parameter, for so many actuators.
+    pub(super) fn check(&self, actuators: usize, rate_hz: f64) -> Result<(), Refusal> {
+        let each = |name, list: &PerActuator, good: &dyn Fn(f64) -> bool, accepted| {
+            let count = list.is_empty() || list.len() == actuators;
+            accept(
+                name,
+                list.len() as f64,
+                count,
+                "as many values as storeys in the laboratory",
+            )?;
+            list.iter()
+                .try_for_each(|&x| accept(name, x, good(x), accepted))
+        };
+        let gain = |x: f64| (0.1..=10.0).contains(&x);
+        each("rig.command_gain", &self.command_gain, &gain, "0.1 to 10")?;
+        each("rig.force_gain", &self.force_gain, &gain, "0.1 to 10")?;
+        let offset = |most: f64| move |x: f64| x.abs() <= most;
+        each(
+            "rig.displacement_offset_m",
+            &self.displacement_offset_m,
+            &offset(1.0),
+            "-1 to 1 m",
+        )?;
+        each(
+            "rig.force_offset_n",
+            &self.force_offset_n,
+            &offset(1e9),
+            "-1e9 to 1e9 N",
+        )?;
+        let longest_ms = (MAX_SKEW_STEPS - 2) as f64 / rate_hz * 1e3;
+        each(
+            "rig.force_late_ms",
+            &self.force_late_ms,
+            &offset(longest_ms),
+            "at most 10 control steps, late or early",
+        )?;
+        let friction = |x: f64| (0.0..=1e9).contains(&x);
+        each(
+            "rig.bearing_friction_n",
+            &self.bearing_friction_n,
+            &friction,
+            "0 to 1e9 N",
+        )?;
+        for &x in &self.bearing_presliding_m {
+            between(
+                "rig.bearing_presliding_m",
+                x,
+                0.0,
+                1.0,
+                "above 0 and below 1 m",
+            )?;
+        }
+        accept(
+            "rig.bearing_presliding_m",
+            self.bearing_presliding_m.len() as f64,
+            self.bearing_presliding_m.len() == self.bearing_friction_n.len(),
+            "as many values as rig.bearing_friction_n",
+        )
+    }
+
+    /// What the command is multiplied by.
+    pub(super) fn per_command_gain<const N: usize>(&self) -> [f32; N] {
+        core::array::from_fn(|j| self.command_gain.get(j).map_or(1.0, |g| (1.0 / g) as f32))
+    }
+
+    /// The constants of the step; `None` where the samples are what they say.
+    pub(super) fn constants<const N: usize>(&self, rate_hz: f64) -> Option<rig::Constants<N>> {
+        let command_only = Self {
+            command_gain: self.command_gain.clone(),
+            ..Self::default()
+        };
+        if *self == command_only {
+            return None;
+        }
+        let at = |list: &PerActuator, j: usize, otherwise: f64| {
+            list.get(j).copied().unwrap_or(otherwise)
+        };
+        Some(core::array::from_fn(|j| {
+            rig::Axis::new(
+                at(&self.displacement_offset_m, j, 0.0),
+                at(&self.force_gain, j, 1.0),
+                at(&self.force_offset_n, j, 0.0),
+                at(&self.force_late_ms, j, 0.0) * 1e-3 * rate_hz,
+                [
+                    at(&self.bearing_friction_n, j, 0.0),
+                    at(&self.bearing_presliding_m, j, 1.0),
+                ],
+            )
+        }))
+    }
+}
