@@ -116,6 +116,7 @@ impl Experiment {
         config.estimation.kind = Filter::Off;
         config.limits = Default::default();
         config.structure.physical_mass_kg.clear();
+        config.rig = Default::default();
         let mut response = Response::new(config.degrees_of_freedom());
         let bench = PlantBench { spec: rig, seed: 0 };
         self.on(&bench, &config, &mut response)?;

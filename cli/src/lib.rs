@@ -10,6 +10,8 @@
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
+//! | [`story`] | a test, the diagnosis of its record, the next test |
+//! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
 //! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`rths`] | the benchmark problem of real-time hybrid simulation |
 //! | [`report`] | the self-contained HTML page |
@@ -21,10 +23,12 @@ pub mod board;
 pub mod experiment;
 pub mod failure;
 pub mod files;
+pub mod improvement;
 pub mod report;
 pub mod rths;
 pub mod score;
 pub mod stability;
+pub mod story;
 pub mod summary;
 pub mod terminal;
 pub mod trace;

@@ -83,6 +83,8 @@ impl Witness for Response {
 pub struct Floor {
     /// u_c, m.
     pub command_m: Vec<f32>,
+    /// What was sent to the actuator for it, m.
+    pub sent_m: Vec<f32>,
     /// u_m as measured, m.
     pub displacement_m: Vec<f32>,
     /// R_m as measured, N.
@@ -168,6 +170,7 @@ impl Witness for Trace {
         self.energy_ratio.push(r.energy_ratio);
         for (j, floor) in self.floors.iter_mut().enumerate().take(N) {
             floor.command_m.push(r.command_m[j]);
+            floor.sent_m.push(r.sent_m[j]);
             floor.displacement_m.push(r.displacement_m[j]);
             floor.force_n.push(r.force_n[j]);
             floor

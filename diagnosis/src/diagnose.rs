@@ -398,7 +398,8 @@ impl Channelled<'_> {
             let p = &found.parameters[0];
             let half = (0.5 * (p.ci90[1] - p.ci90[0]) / 1.645).abs();
             let into = match (self.base.channel, e.candidate.effect) {
-                (Channel::Actuator, Effect::GainError) | (Channel::Specimen, Effect::GainError) => {
+                // In the specimen's channel a gain is the load cell's, not a stiffness: it stays what it was found as.
+                (Channel::Actuator, Effect::GainError) => {
                     Some((0, values[0] * (1.0 + p.value), half * values[0].abs()))
                 }
                 (Channel::Actuator, Effect::DelayError) => Some((1, values[1] + p.value, half)),

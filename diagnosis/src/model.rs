@@ -1,6 +1,8 @@
 //! What the laboratory declares: each parameter with its standard tolerance.
 
 use crate::Refusal;
+use crate::library;
+use crate::signals::Scales;
 use serde::{Deserialize, Serialize};
 
 /// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
@@ -26,6 +28,22 @@ pub struct KnownEffect {
     pub shapes: Vec<f64>,
     /// The largest displacement of the record that it was found in, mm: what powers are relative to.
     pub reference_mm: f64,
+}
+
+impl KnownEffect {
+    /// A parameter of the effect by its name in the catalogue, in the catalogue's unit.
+    pub fn parameter(&self, channel: plant::Channel, name: &str) -> Option<f64> {
+        let candidates = library::candidates(channel);
+        let candidate = candidates.iter().find(|c| c.effect == self.name)?;
+        let scales = Scales {
+            x: self.reference_mm,
+            ..Scales::default()
+        };
+        (candidate.parameters)(&self.amplitudes, &self.shapes, &scales)
+            .into_iter()
+            .find(|(given, ..)| *given == name)
+            .map(|(.., value)| value)
+    }
 }
 
 /// Command to displacement.

@@ -23,7 +23,7 @@ pub struct Signals {
 }
 
 /// Command to displacement: `gain lag(delay(u)) + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transfer {
     /// Displacement per command.
     pub gain: f64,
@@ -47,7 +47,7 @@ impl Transfer {
 }
 
 /// Sizes that shape parameters and bounds are measured by.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Scales {
     /// Largest displacement, mm.
     pub x: f64,

@@ -3,6 +3,7 @@
 use super::read;
 use super::recording::Recording;
 use crate::failure::Failure;
+use crate::trace::Trace;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -122,6 +123,19 @@ pub fn in_mm(recording: &Recording) -> diagnosis::Recording {
         command_mm: recording.command_m().map(mm),
         displacement_mm: recording.displacement_m().map(mm),
         force_n: recording.force().map(<[f64]>::to_vec),
+    }
+}
+
+/// The lowest axis of a test that ran, in mm, N and s.
+pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
+    let floor = &trace.floors[0];
+    let mm = |x: &[f32]| x.iter().map(|x| f64::from(*x) * 1e3).collect();
+    diagnosis::Recording {
+        name: "the test's record".into(),
+        time_s: (0..trace.len()).map(|i| trace.time_s(i)).collect(),
+        command_mm: Some(mm(&floor.sent_m)),
+        displacement_mm: Some(mm(&floor.displacement_m)),
+        force_n: Some(floor.force_n.iter().map(|x| f64::from(*x)).collect()),
     }
 }
 

@@ -14,9 +14,10 @@ pub fn to_csv(trace: &Trace) -> String {
             (j + 1).to_string()
         };
         for (quantity, unit, values) in [
-            ("command", "m", &floor.command_m),
+            ("command", "m", &floor.sent_m),
             ("displacement", "m", &floor.displacement_m),
             ("force", "n", &floor.force_n),
+            ("target", "m", &floor.command_m),
             (
                 "estimated_displacement",
                 "m",
@@ -78,6 +79,7 @@ mod tests {
             let mut r = Record::<3>::EMPTY;
             (r.tick, r.step, r.flags) = (i + 7, i, u32::MAX - i);
             r.command_m = [next(), next(), next()];
+            r.sent_m = [next(), next(), next()];
             r.force_n = [next(), next(), next()];
             r.gain = [next(), next(), next()];
             r.energy_sum.hsem_j = next();
@@ -92,7 +94,8 @@ mod tests {
             }
         };
         for j in 0..3 {
-            same("command", j + 1, &trace.floors[j].command_m);
+            same("command", j + 1, &trace.floors[j].sent_m);
+            same("target", j + 1, &trace.floors[j].command_m);
             same("force", j + 1, &trace.floors[j].force_n);
             same("gain", j + 1, &trace.floors[j].gain);
         }

@@ -20,6 +20,7 @@ const PLAIN: &[UnitOf] = &[("1", 1.0)];
 const QUANTITIES: &[(&str, &[UnitOf])] = &[
     ("time", &[("s", 1.0), ("ms", 1e-3)]),
     ("command", LENGTH),
+    ("target", LENGTH),
     ("displacement", LENGTH),
     ("force", FORCE),
     ("estimated_displacement", LENGTH),

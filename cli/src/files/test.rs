@@ -180,21 +180,22 @@ fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
 
 /// One degree of freedom is written as numbers: core takes lists.
 fn lists_of_one(table: &mut Table) {
-    let Some(Value::Table(structure)) = table.get_mut("structure") else {
-        return;
-    };
-    for key in [
-        "mass_kg",
-        "stiffness_n_per_m",
-        "damping_ratio",
-        "physical_mass_kg",
-    ] {
-        if let Some(value) = structure.get_mut(key)
-            && !value.is_array()
-        {
-            *value = Value::Array(vec![value.clone()]);
-        }
-    }
+    let tables = ["structure", "rig"];
+    let numbers = tables
+        .into_iter()
+        .filter_map(|name| match table.remove(name) {
+            Some(Value::Table(mut part)) => {
+                for (key, value) in part.iter_mut() {
+                    if !value.is_array() && key != "physical_storeys" {
+                        *value = Value::Array(vec![value.clone()]);
+                    }
+                }
+                Some((name.to_owned(), Value::Table(part)))
+            }
+            other => Some((name.to_owned(), other?)),
+        })
+        .collect::<Vec<_>>();
+    table.extend(numbers);
 }
 
 /// Sets one value by its dotted path; a number in the path is a place in a list, from 0. Whether the names exist is

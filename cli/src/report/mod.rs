@@ -7,8 +7,9 @@ mod rths;
 
 pub use rths::of_rths;
 
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
+use crate::story::Story;
 use crate::summary::{Summary, Worth};
 use crate::terminal::{joule, percent};
 use crate::trace::{Response, Trace};
@@ -55,7 +56,8 @@ pub fn of_run(s: &Section<'_>) -> Result<String, Failure> {
     Ok(page(&title, &lead(s), &body().map_err(cannot)?))
 }
 
-/// The report of a demonstration: the same test without and with compensation.
+/// The report of a demonstration: the same test without and with compensation, and a test on a rig that was not as
+/// declared.
 ///
 /// # Errors
 /// The drawing library's.
@@ -63,6 +65,7 @@ pub fn of_demo(
     none: &Section<'_>,
     paper: &Section<'_>,
     rows: &[Summary],
+    undeclared: &Story,
 ) -> Result<String, Failure> {
     let body = || -> Drawn {
         let (bare, cured) = (Figures::of(none), Figures::of(paper));
@@ -87,6 +90,7 @@ pub fn of_demo(
             cured.loops()?,
             cured.energy()?,
             cured.damping()?,
+            story("When the rig has something in it that nobody declared", undeclared)?,
             test_file(paper.experiment),
         ]
         .concat())
@@ -104,6 +108,72 @@ pub fn of_diagnosis(title: &str, d: &::diagnosis::Diagnosis) -> Result<String, F
     let lead = "What was measured is compared with what the declared model says, its parameters refitted inside their \
                 tolerances; what is left beyond the noise is traced to an effect that the model lacks.";
     Ok(page(title, lead, &parts.map_err(cannot)?.concat()))
+}
+
+/// The report of tests whose records were diagnosed, and of the tests after them.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_stories(stories: &[(String, &Story)]) -> Result<String, Failure> {
+    let parts: Result<Vec<String>, _> = stories
+        .iter()
+        .map(|(name, s)| story(&format!("Test {}", escape(name)), s))
+        .collect();
+    let lead = "A test runs on a rig that has something in it that nobody declared. Its record is diagnosed, what was \
+                found goes into the next test, and that test is judged by the same ideal.";
+    Ok(page(
+        "From a record to a better test",
+        lead,
+        &parts.map_err(cannot)?.concat(),
+    ))
+}
+
+/// A test, its diagnosis, and the test after it.
+fn story(title: &str, s: &Story) -> Drawn {
+    let section = |experiment, run: &'_ Run| -> Drawn {
+        let Some(trace) = &run.trace else {
+            return Ok(String::new());
+        };
+        let section = Section {
+            experiment,
+            summary: &run.summary,
+            trace,
+            ideal: &s.ideal,
+        };
+        Figures::of(&section).response("Grey is the structure as it would move on an ideal rig.")
+    };
+    let mut html = format!(
+        "<h2>{title}</h2><p class=\"verdict {}\">eps_rms {} before, <b>{}</b> after{}.</p>",
+        class(&s.after.summary),
+        percent(s.before.summary.eps_rms),
+        percent(s.after.summary.eps_rms),
+        s.possible.as_ref().map_or_else(String::new, |r| format!(
+            "; without the effect in the rig it is {}",
+            percent(r.summary.eps_rms)
+        )),
+    );
+    html += "<h3>The test as it was declared</h3>";
+    html += &section(&s.experiment, &s.before)?;
+    for c in s
+        .diagnosis
+        .channels
+        .iter()
+        .filter(|c| !c.effects.is_empty())
+    {
+        html += &diagnosis::channel(c)?;
+    }
+    html += "<h3>What was done about it</h3><ul>";
+    for change in &s.changes {
+        let _ = write!(html, "<li>{}</li>", escape(change));
+    }
+    html += "</ul><h3>The test with what was found</h3>";
+    html += &section(&s.improved, &s.after)?;
+    let _ = write!(
+        html,
+        "<p>The record of this test, diagnosed with the improved model: missing is {}.</p>",
+        Story::named(&s.remains)
+    );
+    Ok(html)
 }
 
 fn cannot(e: Box<dyn Error>) -> Failure {

@@ -108,5 +108,6 @@ fn config(case: &Case, compensation: &Compensation) -> Config {
         compensation: compensation.clone(),
         estimation: Default::default(),
         limits: Default::default(),
+        rig: Default::default(),
     }
 }

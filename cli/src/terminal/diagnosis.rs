@@ -1,6 +1,7 @@
 //! A diagnosis on the terminal.
 
 use super::{percent, table};
+use crate::story::Story;
 use crate::wording::{digits, headline, parameter, quantity, verdict};
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
@@ -32,6 +33,36 @@ pub fn diagnosis(d: &Diagnosis) -> String {
     }
     let _ = write!(text, "{:.2} s", d.seconds);
     text
+}
+
+/// One row a story.
+pub fn stories(stories: &[(String, &Story)]) -> comfy_table::Table {
+    let mut t = table(&[
+        "test",
+        "undeclared",
+        "found",
+        "eps_rms before",
+        "after",
+        "without the effect",
+        "then missing",
+    ]);
+    for column in t.column_iter_mut().take(3) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    for (name, s) in stories {
+        t.add_row([
+            name.clone(),
+            s.undeclared(),
+            Story::named(&s.diagnosis),
+            percent(s.before.summary.eps_rms),
+            percent(s.after.summary.eps_rms),
+            s.possible
+                .as_ref()
+                .map_or_else(|| "?".into(), |r| percent(r.summary.eps_rms)),
+            Story::named(&s.remains),
+        ]);
+    }
+    t
 }
 
 fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {

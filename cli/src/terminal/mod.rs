@@ -2,7 +2,7 @@
 
 mod diagnosis;
 
-pub use diagnosis::diagnosis;
+pub use diagnosis::{diagnosis, stories};
 
 use crate::summary::Summary;
 use crate::trace::Witness;

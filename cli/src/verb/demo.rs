@@ -5,9 +5,13 @@ use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
+use crate::improvement;
 use crate::report::{self, Section};
+use crate::story::Story;
 use crate::summary::Summary;
 use crate::terminal::{self, Progress};
+use crate::verb::place::Place;
+use crate::wording::headline;
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +26,20 @@ pub struct Demo {
 /// The test of Table 1, as the examples have it.
 const TEST: &str = include_str!("../../../examples/table1.toml");
 const SEED: u64 = 1;
+
+/// The test whose rig has something undeclared in it, as the examples have it.
+const UNDECLARED: &str = include_str!("../../../examples/undeclared/inertia.toml");
+
+/// A test, the diagnosis of its record, and the test after it.
+fn undeclared() -> Result<Story, Failure> {
+    let file = "examples/undeclared/inertia.toml";
+    let test = TestFile::parse(UNDECLARED, file, Path::new(""), &[])?;
+    let model = improvement::declared(&test.config, &test.plant)
+        .ok_or_else(|| Failure::test(format!("{file}: declares no model")))?;
+    let experiment = Experiment::new(test, &near_fault(), None)?;
+    let progress = Progress::over("tests and diagnosis", Story::steps(&experiment) as u64);
+    Story::of(experiment, &model, &Place::default(), SEED, &progress)
+}
 
 impl Demo {
     /// Runs the demonstration.
@@ -64,8 +82,20 @@ impl Demo {
                 ideal: &ideal,
             })
         };
+        let story = undeclared()?;
+        println!(
+            "\nAnd when the rig has something in it that nobody declared ({}):",
+            story.undeclared()
+        );
+        for c in &story.diagnosis.channels {
+            println!("    {}", headline(c));
+        }
+        for change in &story.changes {
+            println!("    -> {change}");
+        }
+        println!("\n{}", terminal::stories(&[("undeclared".into(), &story)]));
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
-            let page = report::of_demo(&none, &paper, &rows)?;
+            let page = report::of_demo(&none, &paper, &rows, &story)?;
             output::write_all(&self.out, &[("report.html", page)])?;
             println!("\nLook at {}", self.out.join("report.html").display());
         }

@@ -8,6 +8,8 @@ pub mod demo;
 pub mod diagnose;
 pub mod effects;
 pub mod identify;
+pub mod improve;
+pub mod place;
 pub mod run;
 
 use crate::experiment::Experiment;
@@ -46,7 +48,17 @@ pub struct Common {
 
 impl Common {
     fn load(&self) -> Result<TestFile, Failure> {
-        TestFile::load(&self.test, &self.overrides)
+        self.load_other(&self.test)
+    }
+
+    /// Another test file, with the same overrides.
+    fn load_other(&self, file: &Path) -> Result<TestFile, Failure> {
+        TestFile::load(file, &self.overrides)
+    }
+
+    /// The test file and others.
+    fn files(&self, more: &[PathBuf]) -> Vec<PathBuf> {
+        std::iter::once(&self.test).chain(more).cloned().collect()
     }
 
     /// The test on a ground motion: the one named here, else the test's, else the built-in one.

@@ -1,16 +1,13 @@
 //! `outerloop run`: one closed-loop test.
 
+use super::place::Place;
 use super::{Common, json, method};
-use crate::board::emulated::{Emulated, Laboratory};
-use crate::board::{BoardBench, Connection, Patience, Port, Serial};
-use crate::experiment::{self, Experiment};
 use crate::failure::Failure;
-use crate::files::{output, record_csv};
+use crate::files::{model, output, record_csv};
+use crate::improvement;
 use crate::report::{self, Section};
 use crate::summary::Verdict;
 use crate::terminal::{self, Progress};
-use crate::trace::{Response, Witness};
-use outerloop_core::Method;
 use std::path::PathBuf;
 
 /// One closed-loop test
@@ -27,12 +24,11 @@ pub struct Run {
     /// Write report.html, record.csv and summary.json there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Run on the board at this serial port instead of the simulated rig
-    #[arg(long, value_name = "DEV", conflicts_with = "emulated")]
-    port: Option<String>,
-    /// Run on an emulated board: the image as it is flashed, with the simulated rig behind its converters
-    #[arg(long)]
-    emulated: bool,
+    /// What is known of the rig, for example from `diagnose --save-model`: taken into account in this test
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    place: Place,
 }
 
 impl Run {
@@ -41,7 +37,14 @@ impl Run {
     /// # Errors
     /// Bad input, or a test that tripped.
     pub fn go(&self) -> Result<(), Failure> {
-        let test = self.common.load()?;
+        let mut test = self.common.load()?;
+        if let Some(path) = &self.model {
+            for done in improvement::apply(&model::load(path)?, &mut test.config) {
+                if !self.common.json {
+                    println!("{}: {done}", path.display());
+                }
+            }
+        }
         let kind = match &self.compensation {
             Some(name) => method(name)?,
             None => test.config.compensation.kind,
@@ -51,7 +54,11 @@ impl Run {
             let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
             let keep = self.out.is_some();
-            let run = self.on_its_bench(&experiment, kind, &ideal, keep, progress.witness())?;
+            let tell = progress.witness();
+            let seed = self.common.seed;
+            let run = self
+                .place
+                .run(&experiment, kind, &ideal, seed, keep, tell)?;
             if let (Some(folder), Some(trace)) = (&self.out, &run.trace) {
                 let section = Section {
                     experiment: &experiment,
@@ -91,27 +98,5 @@ impl Run {
             Verdict::Tripped => Err(Failure::test(run.summary.sentence())),
             Verdict::Completed | Verdict::Diverged => Ok(()),
         }
-    }
-
-    /// Runs the test where it was asked for.
-    fn on_its_bench(
-        &self,
-        experiment: &Experiment,
-        method: Method,
-        ideal: &Response,
-        keep: bool,
-        tell: impl Witness,
-    ) -> Result<experiment::Run, Failure> {
-        let connection = if let Some(device) = &self.port {
-            let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-            Connection::new(port, Patience::BOARD)
-        } else if self.emulated {
-            let laboratory = Laboratory::of(&experiment.test, self.common.seed);
-            let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-            Connection::new(port, Patience::EMULATED)
-        } else {
-            return experiment.run(method, ideal, self.common.seed, keep, tell);
-        };
-        experiment.run_on(&BoardBench::new(connection), method, ideal, keep, tell)
     }
 }

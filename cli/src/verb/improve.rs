@@ -1,0 +1,148 @@
+//! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
+
+use super::place::Place;
+use super::{Common, json};
+use crate::failure::Failure;
+use crate::files::{model, output, record_csv};
+use crate::improvement;
+use crate::report;
+use crate::story::Story;
+use crate::terminal::{self, Progress};
+use diagnosis::{Diagnosis, Model};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Run a test, diagnose its record, and run it again with what was found
+#[derive(clap::Args, Debug)]
+pub struct Improve {
+    #[command(flatten)]
+    common: Common,
+    /// More tests
+    #[arg(value_name = "TEST")]
+    more: Vec<PathBuf>,
+    /// The ground motion: CSV, AT2, or one acceleration a line
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// The declared model; left out: what the test file declares of its rig
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Write report.html, and record.csv and model.toml of each test, there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    place: Place,
+}
+
+/// A row as JSON.
+#[derive(Serialize)]
+struct Row<'a> {
+    test: String,
+    undeclared: String,
+    found: String,
+    eps_rms_before: f64,
+    eps_rms_after: f64,
+    eps_rms_without_effect: Option<f64>,
+    eps_max_before: f64,
+    eps_max_after: f64,
+    remains: String,
+    changes: &'a [String],
+    diagnosis: &'a Diagnosis,
+}
+
+impl Improve {
+    /// Improves.
+    ///
+    /// # Errors
+    /// Bad input, or a test that cannot be diagnosed.
+    pub fn go(&self) -> Result<(), Failure> {
+        let files: Vec<PathBuf> = self.common.files(&self.more);
+        let mut stories = Vec::new();
+        for file in &files {
+            stories.push(self.story(file)?);
+        }
+        let named: Vec<(String, &Story)> = files
+            .iter()
+            .map(|f| {
+                f.file_stem()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned()
+            })
+            .zip(&stories)
+            .collect();
+        if let Some(folder) = &self.out {
+            write(folder, &named)?;
+        }
+        if self.common.json {
+            let rows: Vec<Row<'_>> = named.iter().map(|(name, s)| row(name, s)).collect();
+            println!("{}", json(&rows)?);
+            return Ok(());
+        }
+        for (name, story) in &named {
+            println!("{name}");
+            for c in &story.diagnosis.channels {
+                println!("    {}", crate::wording::headline(c));
+            }
+            for change in &story.changes {
+                println!("    -> {change}");
+            }
+        }
+        println!("\n{}", terminal::stories(&named));
+        if let Some(folder) = &self.out {
+            println!("Look at {}", folder.join("report.html").display());
+        }
+        Ok(())
+    }
+
+    fn story(&self, file: &std::path::Path) -> Result<Story, Failure> {
+        let test = self.common.load_other(file)?;
+        let declared = match &self.model {
+            Some(path) => model::load(path)?,
+            None => improvement::declared(&test.config, &test.plant).ok_or_else(|| {
+                Failure::input(format!(
+                    "{}: its rig is more than a model can say: accepted is one actuator of the kinds ideal, delay, \
+                     first_order and lag_delay, or a model by --model",
+                    file.display()
+                ))
+            })?,
+        };
+        let experiment = self.common.experiment(&test, self.record.as_deref())?;
+        let progress = Progress::over(&experiment.record, Story::steps(&experiment) as u64);
+        Story::of(
+            experiment,
+            &declared,
+            &self.place,
+            self.common.seed,
+            &progress,
+        )
+    }
+}
+
+fn row<'a>(name: &str, s: &'a Story) -> Row<'a> {
+    Row {
+        test: name.to_owned(),
+        undeclared: s.undeclared(),
+        found: Story::named(&s.diagnosis),
+        eps_rms_before: s.before.summary.eps_rms,
+        eps_rms_after: s.after.summary.eps_rms,
+        eps_rms_without_effect: s.possible.as_ref().map(|r| r.summary.eps_rms),
+        eps_max_before: s.before.summary.eps_max,
+        eps_max_after: s.after.summary.eps_max,
+        remains: Story::named(&s.remains),
+        changes: &s.changes,
+        diagnosis: &s.diagnosis,
+    }
+}
+
+fn write(folder: &std::path::Path, stories: &[(String, &Story)]) -> Result<(), Failure> {
+    let mut files = vec![("report.html".to_owned(), report::of_stories(stories)?)];
+    for (name, story) in stories {
+        let improved: &Model = &story.diagnosis.improved;
+        files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
+        if let Some(trace) = &story.before.trace {
+            files.push((format!("{name}-record.csv"), record_csv::to_csv(trace)));
+        }
+    }
+    let files: Vec<(&str, String)> = files.iter().map(|(n, t)| (n.as_str(), t.clone())).collect();
+    output::write_all(folder, &files)
+}
