@@ -307,6 +307,7 @@ pub fn config() -> Config {
         compensation: Default::default(),
         estimation: Default::default(),
         limits: Default::default(),
+        rig: Default::default(),
     };
     config.limits.displacement_m = Some(0.045);
     config.limits.stale_steps = Some(20);
