@@ -53,6 +53,11 @@ pub fn diagnose(
     })
 }
 
+/// Whether the converter's steps are so large that a signal rests on each of them for a while.
+fn coarse(x: &[f64]) -> bool {
+    lattice::step(x).is_some_and(|step| step > 2e-3 * range(x))
+}
+
 /// The held-out data as a problem, and what an answer leaves of them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
 
@@ -128,7 +133,8 @@ impl Channelled<'_> {
                 }
             }
             // A command that stays at its end was meant to; a sensor that does is at its rail.
-            if self.base.channel == Channel::Specimen && plausible::clipped(input) {
+            if self.base.channel == Channel::Specimen && !coarse(input) && plausible::clipped(input)
+            {
                 return Some(format!(
                     "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
                     r.name
@@ -180,7 +186,11 @@ impl Channelled<'_> {
             .iter()
             .filter_map(|r| lattice::step(self.target_of(r)?))
             .fold(0.0, f64::max);
-        let least = step / 12.0_f64.sqrt();
+        let through = match self.base.channel {
+            Channel::Actuator => 0.0,
+            Channel::Specimen => self.base.values[0] * self.input_step(),
+        };
+        let least = step.hypot(through) / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
             let problem = Problem::new(&self.base, records, cutoff_hz)?;
             Some(problem.residuals(&[], &problem.scales))
@@ -208,6 +218,15 @@ impl Channelled<'_> {
             }
         }
         (!stretches.is_empty()).then(|| Noise::at_rest(&stretches, h, least))
+    }
+
+    /// The converter's step in the input, where it shows.
+    fn input_step(&self) -> f64 {
+        let steps = self
+            .train
+            .iter()
+            .filter_map(|r| lattice::step(self.input_of(r)?));
+        steps.fold(0.0, f64::max)
     }
 
     /// The strongest line near the mains' frequency in what the declared model leaves.

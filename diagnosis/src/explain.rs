@@ -15,6 +15,10 @@ const EXPLAINS: f64 = 0.15;
 const EVIDENCE: f64 = 30.0;
 /// Within this much of it two explanations are equally good.
 const EQUAL: f64 = 10.0;
+/// The noise is known from a rest of a second or two, to some percent.
+const CERTAIN: f64 = 1.05;
+/// Explanations are equally good that differ by less than this share of what the better one leaves unexplained.
+const INDIFFERENT: f64 = 0.1;
 /// Largest share of the structured rms that may remain.
 const REMAINS: f64 = 0.3;
 /// A second effect must explain this share of the original structured rms.
@@ -63,19 +67,23 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
         vetoed: false,
         before,
     };
-    if start < MATTERS * noise.rms {
+    if start < MATTERS * noise.rms || !noise.is_below(left(&out.before), problem.seconds()) {
         return Some(out);
     }
-    let ln_n = (problem.samples() as f64).ln();
+    let ln_n = (out.before.samples as f64).ln();
     // Fall of -2 ln L less what the unknowns cost; the noise is known, so the sum of squares is -2 ln L up to where
     // model error rules: there the evidence is counted in the residual's own size.
     let gain = |from: &Solution, to: &Solution| {
-        let own = (to.cost / problem.samples() as f64).max(1.0);
+        let own = (to.cost / to.samples as f64).max(1.0);
         (from.cost - to.cost) / own - (to.unknowns as f64 - from.unknowns as f64) * ln_n
     };
     let library = candidates(base.channel);
     let mut singles = best_with(&[], &library, &out.before, base, noise);
+    // What leaves more than was there before has fitted the noise's colour, not the record.
+    let worst = left(&out.before);
+    singles.retain(|s| left(s) <= worst);
     singles.sort_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)));
+    simplest_first(&mut singles, ln_n);
     out.tried = singles
         .iter()
         .map(|s| (s.effects[0].candidate.effect, left(s), gain(&out.before, s)))
@@ -105,7 +113,7 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     out.structured[1] = now;
     out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
     if out.after.effects.len() == 1 {
-        out.alternatives = alternatives(&singles, problem, noise, ln_n);
+        out.alternatives = alternatives(&singles, ln_n);
     }
     Some(out)
 }
@@ -229,13 +237,31 @@ fn second(
     best.and_then(|b| polish(b, base, noise))
 }
 
-/// Single effects that are not worse than the best by more than chance, or by nothing that matters.
-fn alternatives(singles: &[Solution], problem: &Problem, noise: &Noise, ln_n: f64) -> Vec<Effect> {
+/// By how much the cost of two explanations may differ that are equally good: by chance, or by a small part of what
+/// neither of them explains.
+fn room(best: &Solution) -> f64 {
+    let expected = best.samples as f64;
+    let unexplained = (best.cost - CERTAIN * expected).max(0.0);
+    (EQUAL * (best.cost / expected).max(1.0)).max(INDIFFERENT * unexplained)
+}
+
+/// Of an effect and one that contains it as a special case, the special case goes first where it does as well.
+fn simplest_first(singles: &mut [Solution], ln_n: f64) {
+    let Some(best) = singles.first() else { return };
+    let most = score(best, ln_n) + room(best);
+    let included = best.effects[0].candidate.includes;
+    let simpler = singles
+        .iter()
+        .position(|s| included.contains(&s.effects[0].candidate.effect) && score(s, ln_n) < most);
+    if let Some(i) = simpler {
+        singles[..=i].rotate_right(1);
+    }
+}
+
+/// Single effects that are not worse than the first by more than chance, or by nothing that matters.
+fn alternatives(singles: &[Solution], ln_n: f64) -> Vec<Effect> {
     let best = &singles[0];
-    let of = |s: &Solution| s.problem.residuals(&s.effects, &problem.scales);
-    let residual = of(best);
-    let own = (best.cost / problem.samples() as f64).max(1.0);
-    let (mine, room) = (rms(&residual), 0.1 * noise.rms);
+    let most = score(best, ln_n) + room(best);
     singles[1..]
         .iter()
         .filter(|other| {
@@ -244,10 +270,7 @@ fn alternatives(singles: &[Solution], problem: &Problem, noise: &Noise, ln_n: f6
             let contains = candidate
                 .includes
                 .contains(&best.effects[0].candidate.effect);
-            let close = (score(other, ln_n) - score(best, ln_n)) / own < EQUAL;
-            let theirs = rms(&of(other));
-            let small = theirs * theirs - mine * mine < room * room;
-            !contains && (close || small)
+            !contains && score(other, ln_n) < most
         })
         .map(|s| s.effects[0].candidate.effect)
         .collect()

@@ -4,13 +4,19 @@ use crate::library::{Candidate, Shape};
 use crate::linear::{Bound, Normal, dot, solve};
 use crate::noise::Noise;
 use crate::problem::{Base, Fitted, Problem};
+use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// A problem made linear around its present parameters, with everything white that does not change in a search.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
     problem: &'a Problem,
+    base: &'a Base,
     noise: &'a Noise,
+    effects: &'a [(Candidate, Vec<f64>)],
+    /// What the effects see, stretch by stretch.
+    signals: Vec<Cow<'a, Signals>>,
     residual: Vec<f64>,
     fixed: Vec<Vec<f64>>,
     normal: Normal,
@@ -32,28 +38,29 @@ impl<'a> Frame<'a> {
     /// Linear around `problem.theta`; `fixed` effects keep their shapes and get their amplitudes anew.
     pub fn new(
         problem: &'a Problem,
-        base: &Base,
+        base: &'a Base,
         noise: &'a Noise,
-        fixed: &[(Candidate, Vec<f64>)],
+        fixed: &'a [(Candidate, Vec<f64>)],
     ) -> Self {
+        let stages: Vec<(Candidate, &[f64])> =
+            fixed.iter().map(|(c, s)| (*c, s.as_slice())).collect();
+        let mut seen = Vec::new();
         let mut residual = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for stretch in &problem.stretches {
+            let signals = problem.staged(stretch, &stages, &problem.scales);
             let difference: Vec<f64> = stretch
                 .target
                 .iter()
-                .zip(&stretch.signals.base)
+                .zip(&signals.base)
                 .map(|(t, b)| t - b)
                 .collect();
             noise.whiten_into(&difference, &mut residual);
-            let mut raw = problem.base_columns(base, stretch);
+            let mut raw = problem.staged_columns(base, stretch, &stages);
             for (candidate, shapes) in fixed {
-                raw.extend((candidate.columns)(
-                    &stretch.signals,
-                    shapes,
-                    &problem.scales,
-                ));
+                raw.extend((candidate.columns)(&signals, shapes, &problem.scales));
             }
+            seen.push(signals);
             columns.resize(raw.len(), Vec::new());
             for (raw, white) in raw.iter().zip(&mut columns) {
                 noise.whiten_into(raw, white);
@@ -87,7 +94,10 @@ impl<'a> Frame<'a> {
         let samples = residual.len();
         Self {
             problem,
+            base,
             noise,
+            effects: fixed,
+            signals: seen,
             residual,
             fixed: columns,
             normal: Normal {
@@ -111,9 +121,15 @@ impl<'a> Frame<'a> {
 
     /// With one more effect of these shapes.
     pub fn with(&self, candidate: &Candidate, shapes: &[f64]) -> Option<Amplitudes> {
+        if candidate.stage.is_some() {
+            // The parameters, too, act through a stage.
+            let mut effects = self.effects.to_vec();
+            effects.push((*candidate, shapes.to_vec()));
+            return Frame::new(self.problem, self.base, self.noise, &effects).alone();
+        }
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for stretch in &self.problem.stretches {
-            let raw = (candidate.columns)(&stretch.signals, shapes, &self.problem.scales);
+        for signals in &self.signals {
+            let raw = (candidate.columns)(signals, shapes, &self.problem.scales);
             columns.resize(raw.len(), Vec::with_capacity(self.samples));
             for (raw, white) in raw.iter().zip(&mut columns) {
                 self.noise.whiten_into(raw, white);
@@ -189,12 +205,18 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A shape from its place between 0 and 1, on a logarithmic scale.
+/// A shape from its place between 0 and 1.
 fn at(s: &Shape, u: f64) -> f64 {
+    if s.low <= 0.0 {
+        return s.low + (s.high - s.low) * u.clamp(0.0, 1.0);
+    }
     s.low * (s.high / s.low).powf(u.clamp(0.0, 1.0))
 }
 
 fn place(s: &Shape, value: f64) -> f64 {
+    if s.low <= 0.0 {
+        return ((value - s.low) / (s.high - s.low)).clamp(0.0, 1.0);
+    }
     ((value / s.low).ln() / (s.high / s.low).ln()).clamp(0.0, 1.0)
 }
 
@@ -249,6 +271,8 @@ pub struct Solution {
     pub cost: f64,
     /// Unknowns: amplitudes and shapes of the effects.
     pub unknowns: usize,
+    /// White samples.
+    pub samples: usize,
 }
 
 /// Moves the declared parameters (and the amplitudes of `effects`, whose shapes stay) to their best, linear again and
@@ -265,9 +289,11 @@ pub fn settle(
     } else {
         1
     };
-    let mut last = None;
+    let (mut last, mut samples) = (None, 0);
     for _ in 0..rounds {
-        let found = Frame::new(&problem, base, noise, effects).alone()?;
+        let frame = Frame::new(&problem, base, noise, effects);
+        samples = frame.samples;
+        let found = frame.alone()?;
         let mut theta = problem.theta;
         for (f, change) in base.free.iter().zip(&found.values) {
             theta[f.index] += change;
@@ -305,5 +331,6 @@ pub fn settle(
         effects: fitted,
         cost: found.cost,
         unknowns,
+        samples,
     })
 }

@@ -1,6 +1,7 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
 use crate::fit::Solution;
+use crate::library::Candidate;
 use crate::noise::Noise;
 use crate::problem::{Base, Fitted};
 use nalgebra::{DMatrix, DVector};
@@ -103,13 +104,18 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
         .flat_map(|(i, e)| unknowns(i, e))
         .collect();
     let n = base.free.len() + all.len();
+    let stages: Vec<(Candidate, &[f64])> = solution
+        .effects
+        .iter()
+        .map(|e| (e.candidate, e.shapes.as_slice()))
+        .collect();
     let (mut columns, mut white) = (vec![Vec::new(); n], Vec::new());
     for (stretch, residual) in problem
         .stretches
         .iter()
         .zip(problem.residuals(&solution.effects, &scales))
     {
-        let mut raw = problem.base_columns(base, stretch);
+        let mut raw = problem.staged_columns(base, stretch, &stages);
         let here = problem.answer(stretch, &solution.effects, &scales);
         for unknown in &all {
             let (moved, step) = unknown.moved(&solution.effects);
@@ -127,7 +133,7 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
         }
         noise.whiten_into(&residual, &mut white);
     }
-    let block = ((BLOCK_S / scales.interval_s) as usize).max(4);
+    let block = ((BLOCK_S / scales.interval_s) as usize / noise.every).max(4);
     let mut bread = DMatrix::zeros(n, n);
     let mut meat = DMatrix::zeros(n, n);
     for start in (0..white.len()).step_by(block) {

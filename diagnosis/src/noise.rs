@@ -11,6 +11,10 @@ use std::f64::consts::TAU;
 pub struct Noise {
     /// Its rms, in the channel's unit.
     pub rms: f64,
+    /// Number of blocks at rest, and the scatter of their mean squares over the mean square.
+    blocks: (f64, f64),
+    /// So many samples are averaged into one before anything is fitted: a rig moves far below half of that rate.
+    pub every: usize,
     /// Autoregressive coefficients: `e_t = (r_t - sum a_i r_{t-i}) / innovation_rms` is white.
     coefficients: Vec<f64>,
     innovation_rms: f64,
@@ -18,16 +22,28 @@ pub struct Noise {
 
 /// Largest order of the autoregressive model.
 const ORDER: usize = 8;
+/// Rate that averaging leaves, Hz: mains hum and its third harmonic are still in it.
+const RATE_HZ: f64 = 500.0;
+/// Share of the noise that is taken for white whatever the rest says: where the rest shows hardly any noise, a model
+/// that is a little wrong would rule the fit.
+const WHITE: f64 = 0.02;
 
 impl Noise {
     /// From `stretches` of residual at rest. Their means and mains lines are no noise; `least_rms` is what the
     /// converter's steps alone would make, so that a channel that stands perfectly still has a floor, too.
     pub fn at_rest(stretches: &[Vec<f64>], interval_s: f64, least_rms: f64) -> Self {
+        let every = (1.0 / (RATE_HZ * interval_s)).round().max(1.0) as usize;
         let clean: Vec<Vec<f64>> = stretches
             .iter()
             .map(|s| without_lines(without_trend(s), interval_s))
             .collect();
-        let samples = clean.iter().map(Vec::len).sum::<usize>();
+        let whole = clean.iter().map(Vec::len).sum::<usize>();
+        let square: f64 = clean.iter().map(|s| dot(s, s)).sum();
+        let least = (least_rms * least_rms).max(f64::MIN_POSITIVE);
+        let variance = (square / whole as f64).max(least);
+        let blocks = scatter(&clean, interval_s, variance);
+        let clean: Vec<Vec<f64>> = clean.iter().map(|s| averaged(s, every)).collect();
+        let samples = clean.iter().map(Vec::len).sum::<usize>().max(1);
         let mut cov = [0.0; ORDER + 1];
         for s in &clean {
             for (lag, c) in cov.iter_mut().enumerate() {
@@ -35,34 +51,69 @@ impl Noise {
             }
         }
         cov.iter_mut().for_each(|c| *c /= samples as f64);
-        let variance = cov[0].max(least_rms * least_rms).max(f64::MIN_POSITIVE);
         // What the converter makes on top of a still channel is white.
-        cov[0] = variance;
+        cov[0] = cov[0].max(least / every as f64);
         let (coefficients, innovation) = autoregressive(&cov, samples);
         Self {
             rms: variance.sqrt(),
+            blocks,
+            every,
             coefficients,
-            innovation_rms: innovation.max(variance * 1e-6).sqrt(),
+            innovation_rms: innovation.sqrt(),
         }
     }
 
-    /// Samples at the start of a stretch that the filter needs to begin with.
-    pub fn order(&self) -> usize {
-        self.coefficients.len()
+    /// Whether a residual of this rms over so many seconds is more than this noise by more than chance.
+    pub fn is_below(&self, residual_rms: f64, seconds: f64) -> bool {
+        let (at_rest, scatter) = self.blocks;
+        let error = scatter * (1.0 / at_rest + BLOCK_S / seconds).sqrt();
+        (residual_rms / self.rms).powi(2) > 1.0 + CHANCE * error
     }
 
-    /// White with variance 1, where `r` is this noise; the first [`Self::order`] samples are left out.
+    /// White with variance 1, where `r` is this noise, averaged over [`Self::every`] samples; what the filter needs to
+    /// begin with is left out.
     pub fn whiten_into(&self, r: &[f64], out: &mut Vec<f64>) {
-        let p = self.order();
+        let r = averaged(r, self.every);
+        let p = self.coefficients.len().min(r.len());
         let scale = 1.0 / self.innovation_rms;
-        for t in p..r.len() {
-            let mut e = r[t];
-            for (i, a) in self.coefficients.iter().enumerate() {
-                e -= a * r[t - 1 - i];
-            }
-            out.push(e * scale);
+        let start = out.len();
+        out.extend(r[p..].iter().map(|r| r * scale));
+        // One coefficient after the other over the whole stretch, which the processor can do side by side.
+        for (i, a) in self.coefficients.iter().enumerate() {
+            let before = &r[p - 1 - i..r.len() - 1 - i];
+            crate::problem::add_scaled(&mut out[start..], before, -a * scale);
         }
     }
+}
+
+/// Length of a block, s: longer than the noise remembers.
+const BLOCK_S: f64 = 0.25;
+/// So many standard errors are no chance; the scatter itself is known from a dozen blocks only.
+const CHANCE: f64 = 5.0;
+
+/// Blocks and the relative scatter of their mean squares, which is at least that of white noise.
+fn scatter(stretches: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64) {
+    let block = ((BLOCK_S / interval_s) as usize).max(4);
+    let squares: Vec<f64> = stretches
+        .iter()
+        .flat_map(|s| s.chunks_exact(block))
+        .map(|c| dot(c, c) / block as f64)
+        .collect();
+    let n = squares.len().max(1) as f64;
+    let spread: f64 = squares.iter().map(|s| (s - variance).powi(2)).sum();
+    let relative = (spread / (n - 1.0).max(1.0)).sqrt() / variance;
+    (n, relative.max((2.0 / block as f64).sqrt()))
+}
+
+/// Means of `every` samples.
+fn averaged(x: &[f64], every: usize) -> Vec<f64> {
+    if every == 1 {
+        return x.to_vec();
+    }
+    let share = 1.0 / every as f64;
+    x.chunks_exact(every)
+        .map(|c| c.iter().sum::<f64>() * share)
+        .collect()
 }
 
 /// Mean and slope taken off: what drifts at rest is no noise either.
@@ -144,16 +195,17 @@ fn quadratures(x: &[f64], interval_s: f64, hz: f64) -> (f64, f64) {
 fn autoregressive(cov: &[f64; ORDER + 1], samples: usize) -> (Vec<f64>, f64) {
     let mut best = (Vec::new(), cov[0], samples as f64 * cov[0].ln());
     for order in 1..=ORDER {
-        // A thousandth of white noise keeps a narrow band from making the equations singular.
         let matrix = DMatrix::from_fn(order, order, |i, j| {
-            cov[i.abs_diff(j)] + if i == j { 1e-3 * cov[0] } else { 0.0 }
+            cov[i.abs_diff(j)] + if i == j { WHITE * cov[0] } else { 0.0 }
         });
         let right = DVector::from_fn(order, |i, _| cov[i + 1]);
         let Some(factor) = matrix.cholesky() else {
             break;
         };
         let a = factor.solve(&right);
-        let innovation = (cov[0] - a.dot(&right)).max(1e-6 * cov[0]);
+        // Of the noise as it is, under a filter for the noise and what was added.
+        let own = DMatrix::from_fn(order, order, |i, j| cov[i.abs_diff(j)]);
+        let innovation = (cov[0] - 2.0 * a.dot(&right) + (&own * &a).dot(&a)).max(1e-6 * cov[0]);
         let criterion = samples as f64 * innovation.ln() + 2.0 * order as f64;
         if criterion < best.2 - 2.0 {
             best = (a.iter().copied().collect(), innovation, criterion);
@@ -185,6 +237,7 @@ mod tests {
         let noise = Noise::at_rest(&[rest], 1e-3, 0.0);
         let mut e = Vec::new();
         noise.whiten_into(&r[4000..], &mut e);
+        assert_eq!(noise.every, 2);
         let variance = dot(&e, &e) / e.len() as f64;
         let lag1 = dot(&e[1..], &e[..e.len() - 1]) / dot(&e, &e);
         assert!((variance - 1.0).abs() < 0.12, "{variance}");

@@ -7,6 +7,7 @@ use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
 use crate::spectrum;
 use plant::Channel;
+use std::borrow::Cow;
 
 /// A declared parameter that the fit may move.
 #[derive(Clone, Copy, Debug)]
@@ -135,14 +136,20 @@ impl Problem {
             let h = r.interval_s();
             let displacement = r.displacement_mm.as_ref()?;
             let none = || vec![0.0; displacement.len()];
-            let (motion, command, target) = match base.channel {
-                Channel::Actuator => (None, r.command_mm.as_ref()?.clone(), displacement.clone()),
+            let (motion, reading, command, target) = match base.channel {
+                Channel::Actuator => (
+                    None,
+                    Vec::new(),
+                    r.command_mm.as_ref()?.clone(),
+                    displacement.clone(),
+                ),
                 Channel::Specimen => {
                     let clean = crate::noise::without_hum(displacement, r);
                     let motion = spectrum::smooth(&clean, h, cutoff_hz);
-                    (Some(motion), Vec::new(), r.force_n.as_ref()?.clone())
+                    (Some(motion), clean, Vec::new(), r.force_n.as_ref()?.clone())
                 }
             };
+            let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
             let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
             stretches.push(Stretch {
                 signals: Signals {
@@ -152,7 +159,8 @@ impl Problem {
                     v,
                     a,
                     base: none(),
-                    force: r.force_n.clone().unwrap_or_else(none),
+                    force: r.force_n.as_ref().map_or_else(none, smooth),
+                    reading,
                     command,
                 },
                 target,
@@ -236,7 +244,10 @@ impl Problem {
                 }
                 Channel::Specimen => {
                     let force = |i: usize| {
-                        theta[0] * s.x[i] + theta[1] * s.v[i] + theta[2] * 1e-3 * s.a[i] + theta[3]
+                        theta[0] * s.reading[i]
+                            + theta[1] * s.v[i]
+                            + theta[2] * 1e-3 * s.a[i]
+                            + theta[3]
                     };
                     s.base = (0..s.x.len()).map(force).collect();
                 }
@@ -257,6 +268,9 @@ impl Problem {
                 ..self.scales
             };
             for stretch in &mut self.stretches {
+                if let Some(stage) = candidate.stage {
+                    stretch.signals.base = stage(&stretch.signals.base, &known.shapes, &scales);
+                }
                 let columns = (candidate.columns)(&stretch.signals, &known.shapes, &scales);
                 for (column, amplitude) in columns.iter().zip(&known.amplitudes) {
                     add_scaled(&mut stretch.signals.base, column, *amplitude);
@@ -277,7 +291,7 @@ impl Problem {
         let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
         let column = |f: &Free| match (base.channel, f.index) {
             (_, 3) => vec![1.0; s.base.len()],
-            (Channel::Specimen, 0) => s.x.clone(),
+            (Channel::Specimen, 0) => s.reading.clone(),
             (Channel::Specimen, 1) => s.v.clone(),
             (Channel::Specimen, _) => scaled(&s.a, 1e-3),
             (Channel::Actuator, 0) => s
@@ -293,16 +307,81 @@ impl Problem {
         base.free.iter().map(column).collect()
     }
 
-    /// The answer with effects: the base and their columns.
+    /// What effects see behind the stages among them, which pass the base on changed.
+    pub fn staged<'s>(
+        &self,
+        stretch: &'s Stretch,
+        effects: &[(Candidate, &[f64])],
+        scales: &Scales,
+    ) -> Cow<'s, Signals> {
+        let mut signals = Cow::Borrowed(&stretch.signals);
+        for (candidate, shapes) in effects {
+            if let Some(stage) = candidate.stage {
+                let s = signals.to_mut();
+                s.base = stage(&s.base, shapes, scales);
+                if candidate.channel == Channel::Actuator {
+                    s.x.clone_from(&s.base);
+                    s.v = derivative(&s.x, s.interval_s);
+                    s.a = derivative(&s.v, s.interval_s);
+                }
+            }
+        }
+        signals
+    }
+
+    /// How the answer behind the stages changes with the free parameters.
+    pub fn staged_columns(
+        &self,
+        base: &Base,
+        stretch: &Stretch,
+        effects: &[(Candidate, &[f64])],
+    ) -> Vec<Vec<f64>> {
+        let mut columns = self.base_columns(base, stretch);
+        let mut here = stretch.signals.base.clone();
+        for (candidate, shapes) in effects {
+            let Some(stage) = candidate.stage else {
+                continue;
+            };
+            let after = stage(&here, shapes, &self.scales);
+            for column in &mut columns {
+                // A small step along the column, through the stage.
+                let largest = column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+                let step = 1e-3 * self.scales.base / largest.max(f64::MIN_POSITIVE);
+                let mut moved = here.clone();
+                add_scaled(&mut moved, column, step);
+                let moved = stage(&moved, shapes, &self.scales);
+                *column = moved
+                    .iter()
+                    .zip(&after)
+                    .map(|(m, a)| (m - a) / step)
+                    .collect();
+            }
+            here = after;
+        }
+        columns
+    }
+
+    /// The answer with effects: the base behind their stages, and their columns.
     pub fn answer(&self, stretch: &Stretch, effects: &[Fitted], scales: &Scales) -> Vec<f64> {
-        let mut y = stretch.signals.base.clone();
+        let stages: Vec<(Candidate, &[f64])> = effects
+            .iter()
+            .map(|e| (e.candidate, e.shapes.as_slice()))
+            .collect();
+        let signals = self.staged(stretch, &stages, scales);
+        let mut y = signals.base.clone();
         for effect in effects {
-            let columns = (effect.candidate.columns)(&stretch.signals, &effect.shapes, scales);
+            let columns = (effect.candidate.columns)(&signals, &effect.shapes, scales);
             for (column, amplitude) in columns.iter().zip(&effect.amplitudes) {
                 add_scaled(&mut y, column, *amplitude);
             }
         }
         y
+    }
+
+    /// Length of all stretches, s.
+    pub fn seconds(&self) -> f64 {
+        let samples: usize = self.stretches.iter().map(|s| s.target.len()).sum();
+        samples as f64 * self.scales.interval_s
     }
 
     /// Measured less modelled, stretch by stretch.
@@ -312,11 +391,6 @@ impl Problem {
             s.target.iter().zip(y).map(|(t, y)| t - y).collect()
         };
         self.stretches.iter().map(residual).collect()
-    }
-
-    /// Number of samples.
-    pub fn samples(&self) -> usize {
-        self.stretches.iter().map(|s| s.target.len()).sum()
     }
 }
 

@@ -16,7 +16,10 @@ pub struct Signals {
     pub a: Vec<f64>,
     /// What the model answers without the effect, mm or N.
     pub base: Vec<f64>,
-    /// Measured force, N; zeros where there is none.
+    /// Displacement as it was read, mm, with its noise and with what no low-pass lets through: a corner of the motion
+    /// is felt by a spring, too. Empty in the actuator.
+    pub reading: Vec<f64>,
+    /// Measured force without its noise, N; zeros where there is none.
     pub force: Vec<f64>,
     /// Command, mm; empty in the specimen.
     pub command: Vec<f64>,
@@ -110,6 +113,24 @@ pub fn lagged(u: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     out
 }
 
+/// What went into [`lagged`], from what came out of it.
+pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
+    if lag_s <= 1e-3 * interval_s {
+        return y.to_vec();
+    }
+    let decay = (-interval_s / lag_s).exp();
+    let ramp = lag_s / interval_s * (1.0 - decay);
+    // y1 = (1 - r) u1 + (r - d) u0 + d y0, solved for u1: its pole lies inside the unit circle.
+    let mut u = y[0];
+    let mut out = Vec::with_capacity(y.len());
+    out.push(u);
+    for pair in y.windows(2) {
+        u = (pair[1] - decay * pair[0] - (ramp - decay) * u) / (1.0 - ramp);
+        out.push(u);
+    }
+    out
+}
+
 /// Second-order low-pass of a natural frequency and damping ratio, trapezoidal; begins settled.
 pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
     // Prewarped, so that the resonance stays where it is.
@@ -141,6 +162,9 @@ mod tests {
         let late = |y: &[f64]| ramp[1999] - y[1999];
         assert!((late(&delayed(&ramp, 0.0134, h)) - 0.0134).abs() < 1e-12);
         assert!((late(&lagged(&ramp, 0.022, h)) - 0.022).abs() < 1e-12);
+        let wave: Vec<f64> = (0..2000).map(|i| (0.03 * f64::from(i)).sin()).collect();
+        let back = unlagged(&lagged(&wave, 0.022, h), 0.022, h);
+        assert!(back.iter().zip(&wave).all(|(b, w)| (b - w).abs() < 1e-9));
         // 2 zeta / omega.
         let y = resonant(&ramp, 20.0, 0.7, h);
         assert!((late(&y) - 1.4 / (std::f64::consts::TAU * 20.0)).abs() < 1e-4);

@@ -25,7 +25,7 @@ fn answers(verdict: impl Fn(&Item, &exam::ChannelKey) -> ChannelAnswer + Sync) -
                 channels: channels.collect(),
             })
         },
-        || (),
+        |_| (),
     );
     let report = Report::new(&all);
     println!("{}", report.target_table());

@@ -2,11 +2,11 @@
 
 use super::operators as op;
 use super::{
-    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, once, positive,
+    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, positive,
     settling,
 };
 use crate::linear::Bound;
-use crate::signals::{Scales, Signals, Transfer, lagged, resonant};
+use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
 use plant::{Channel, Effect};
 
 /// A candidate of this channel that generalises nothing.
@@ -15,25 +15,23 @@ const BASIS: Candidate = Candidate {
     channel: Channel::Actuator,
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
+    stage: None,
     bounds: any,
     parameters: |a, _, _| vec![("offset_mm", "mm", a[0])],
     includes: &[],
 };
-
-/// `f(x) - x`: the difference that a stage behind the actuator makes.
-fn instead(x: &[f64], stage: impl IntoIterator<Item = f64>) -> Vec<Vec<f64>> {
-    vec![stage.into_iter().zip(x).map(|(f, x)| f - x).collect()]
-}
 
 /// The shape is the whole delay and one interval more, so that it is never 0.
 fn extra_delay_s(shape: &[f64], k: &Scales) -> f64 {
     shape[0] - k.interval_s - k.declared.delay_s
 }
 
-/// What another transfer from the command would make of it.
-fn otherwise(s: &Signals, transfer: Transfer) -> Vec<Vec<f64>> {
-    instead(&s.base, transfer.answer(&s.command, s.interval_s))
-}
+/// A stage behind the actuator, which adds nothing of its own.
+const STAGE: Candidate = Candidate {
+    columns: |_, _, _| Vec::new(),
+    bounds: none,
+    ..BASIS
+};
 
 fn width(s: &Scales) -> Vec<Shape> {
     vec![Shape::new(0.002 * s.x, 0.9 * s.x, 12)]
@@ -49,17 +47,9 @@ pub const CANDIDATES: &[Candidate] = &[
                 20,
             )]
         },
-        columns: |s, p, k| {
-            let delay_s = (k.actuator.delay_s + extra_delay_s(p, k)).max(0.0);
-            let late = Transfer {
-                delay_s,
-                ..k.actuator
-            };
-            otherwise(s, late)
-        },
-        bounds: once,
+        stage: Some(|y, p, k| delayed(y, extra_delay_s(p, k), k.interval_s)),
         parameters: |_, p, k| vec![("delay_ms", "ms", 1e3 * extra_delay_s(p, k))],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::LagError,
@@ -70,39 +60,35 @@ pub const CANDIDATES: &[Candidate] = &[
                 20,
             )]
         },
-        columns: |s, p, k| {
-            let lag_s = (k.actuator.lag_s + p[0] - k.declared.lag_s).max(0.0);
-            let slow = Transfer {
-                lag_s,
-                ..k.actuator
-            };
-            otherwise(s, slow)
-        },
-        bounds: once,
+        stage: Some(|y, p, k| {
+            let known_s = k.actuator.lag_s;
+            let lag_s = (known_s + p[0] - k.declared.lag_s).max(0.0);
+            let before = unlagged(y, known_s, k.interval_s);
+            lagged(&before, lag_s, k.interval_s)
+        }),
         parameters: |_, p, k| vec![("lag_ms", "ms", 1e3 * (p[0] - k.declared.lag_s))],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::SecondLag,
         shapes: |s| vec![Shape::new(0.5 * s.interval_s, 60.0 * s.interval_s, 14)],
-        columns: |s, p, _| instead(&s.x, lagged(&s.x, p[0], s.interval_s)),
-        bounds: once,
+        stage: Some(|y, p, k| lagged(y, p[0], k.interval_s)),
         parameters: |_, p, _| vec![("lag_ms", "ms", 1e3 * p[0])],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::OilColumn,
         shapes: |s| {
             vec![
                 Shape::new(3.0, 0.4 / s.interval_s, 12),
-                Shape::new(0.02, 1.5, 5),
+                Shape::new(0.02, 0.7, 5),
             ]
         },
-        columns: |s, p, _| instead(&s.x, resonant(&s.x, p[0], p[1], s.interval_s)),
-        bounds: once,
+        stage: Some(|y, p, k| resonant(y, p[0], p[1], k.interval_s)),
         parameters: |_, p, _| vec![("frequency_hz", "Hz", p[0]), ("damping_ratio", "", p[1])],
-        includes: &[Effect::SecondLag],
-        ..BASIS
+        // Far below its frequency it is late by 2 zeta / omega, and no more.
+        includes: &[Effect::SecondLag, Effect::DelayError, Effect::LagError],
+        ..STAGE
     },
     Candidate {
         effect: Effect::GainError,
@@ -128,6 +114,7 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("time_constant_s", "s", p[0]),
             ]
         },
+        includes: &[Effect::Offset],
         ..BASIS
     },
     Candidate {
@@ -135,6 +122,7 @@ pub const CANDIDATES: &[Candidate] = &[
         shapes: settling,
         columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, x)| g * x).collect()],
         parameters: |a, p, _| vec![("change", "", a[0]), ("time_constant_s", "s", p[0])],
+        includes: &[Effect::GainError],
         ..BASIS
     },
     Candidate {
@@ -176,34 +164,30 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::Backlash,
         shapes: width,
-        columns: |s, p, _| instead(&s.x, op::play(&s.x, p[0])),
-        bounds: once,
+        stage: Some(|y, p, _| op::play(y, p[0])),
         parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::DeadBand,
         shapes: width,
-        columns: |s, p, _| instead(&s.x, op::dead_zone(&s.x, p[0])),
-        bounds: once,
+        stage: Some(|y, p, _| op::dead_zone(y, p[0]).collect()),
         parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::Saturation,
         shapes: |s| vec![Shape::new(0.3 * s.x, 0.998 * s.x, 16)],
-        columns: |s, p, _| instead(&s.x, s.x.iter().map(|x| x.clamp(-p[0], p[0]))),
-        bounds: once,
+        stage: Some(|y, p, _| y.iter().map(|y| y.clamp(-p[0], p[0])).collect()),
         parameters: |_, p, _| vec![("limit_mm", "mm", p[0])],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::RateLimit,
         shapes: |s| vec![Shape::new(0.1 * s.v, 0.995 * s.v, 16)],
-        columns: |s, p, _| instead(&s.x, op::slew(&s.x, p[0] * s.interval_s)),
-        bounds: once,
+        stage: Some(|y, p, k| op::slew(y, p[0] * k.interval_s)),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0])],
-        ..BASIS
+        ..STAGE
     },
     Candidate {
         effect: Effect::AsymmetricActuator,

@@ -9,7 +9,8 @@ use crate::linear::Bound;
 use crate::signals::{Scales, Signals};
 use plant::{Channel, Effect};
 
-/// A parameter that the answer depends on other than in proportion.
+/// A parameter that the answer depends on other than in proportion; searched on a logarithmic scale where it is
+/// positive, else on a straight one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Smallest value that is tried.
@@ -26,6 +27,9 @@ impl Shape {
     }
 }
 
+/// Passes a signal on changed, for these shapes.
+pub type Stage = fn(&[f64], &[f64], &Scales) -> Vec<f64>;
+
 /// A parameter of the catalogue: its name, its unit, its value.
 pub type Named = (&'static str, &'static str, f64);
 
@@ -40,6 +44,8 @@ pub struct Candidate {
     pub shapes: fn(&Scales) -> Vec<Shape>,
     /// What it adds to the answer, a column for each amplitude.
     pub columns: fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>,
+    /// Instead of columns: what the effect makes of the whole answer before it. Without amplitude.
+    pub stage: Option<Stage>,
     /// What its amplitudes may be.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.
@@ -64,6 +70,11 @@ pub fn candidates(channel: Channel) -> Vec<Candidate> {
 
 /// No shape parameter.
 fn no_shape(_: &Scales) -> Vec<Shape> {
+    Vec::new()
+}
+
+/// An effect without amplitude.
+fn none(_: &Scales) -> Vec<Bound> {
     Vec::new()
 }
 

@@ -2,11 +2,11 @@
 
 use super::operators as op;
 use super::{
-    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, once, positive,
-    settling,
+    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, once,
+    positive, settling,
 };
 use crate::linear::Bound;
-use crate::signals::{Scales, Signals, derivative};
+use crate::signals::{Scales, Signals, delayed};
 use plant::{Channel, Effect};
 
 /// A candidate of this channel that generalises nothing.
@@ -15,6 +15,7 @@ const BASIS: Candidate = Candidate {
     channel: Channel::Specimen,
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
+    stage: None,
     bounds: any,
     parameters: |a, _, _| vec![("offset_n", "N", a[0])],
     includes: &[],
@@ -59,8 +60,11 @@ fn power(s: &Signals, exponent: f64, k: &Scales) -> impl Iterator<Item = (f64, f
 pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::ChannelSkew,
-        columns: |s, _, _| vec![times(&derivative(&s.base, s.interval_s), -1e-3)],
-        parameters: |a, _, _| vec![("skew_ms", "ms", a[0])],
+        shapes: |_| vec![Shape::new(-0.03, 0.03, 24)],
+        columns: |_, _, _| Vec::new(),
+        stage: Some(|f, p, k| delayed(f, p[0], k.interval_s)),
+        bounds: none,
+        parameters: |_, p, _| vec![("skew_ms", "ms", 1e3 * p[0])],
         ..BASIS
     },
     Candidate {
@@ -72,7 +76,7 @@ pub const CANDIDATES: &[Candidate] = &[
     BASIS,
     Candidate {
         effect: Effect::RigCompliance,
-        columns: |s, _, k| vec![times(&s.force, -k.stiffness)],
+        columns: |s, _, k| vec![times(&s.base, -k.stiffness)],
         bounds: positive,
         parameters: |a, _, _| vec![("stiffness_n_per_mm", "N/mm", 1.0 / a[0].max(1e-12))],
         ..BASIS
@@ -87,6 +91,7 @@ pub const CANDIDATES: &[Candidate] = &[
                 ("time_constant_s", "s", p[0]),
             ]
         },
+        includes: &[Effect::Offset],
         ..BASIS
     },
     Candidate {
@@ -94,6 +99,7 @@ pub const CANDIDATES: &[Candidate] = &[
         shapes: settling,
         columns: |s, p, _| vec![growth(s, p[0]).zip(&s.base).map(|(g, f)| g * f).collect()],
         parameters: |a, p, _| vec![("change", "", a[0]), ("time_constant_s", "s", p[0])],
+        includes: &[Effect::GainError],
         ..BASIS
     },
     Candidate {
@@ -190,6 +196,7 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, k| vec![times(&op::slipped(&s.x, p[1], p[0]), -k.stiffness)],
         bounds: once,
         parameters: |_, p, k| vec![("gap_mm", "mm", p[0]), ("slip_n", "N", p[1] * k.stiffness)],
+        includes: &[Effect::DeadBand],
         ..BASIS
     },
     Candidate {

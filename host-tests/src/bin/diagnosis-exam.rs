@@ -110,16 +110,13 @@ fn run(arguments: &Arguments) -> Result<(), String> {
                 .keys()
                 .map(|id| Item::from_id(id))
                 .collect::<Result<_, _>>()?;
-            work(&plan, |item, _| {
+            work(&plan, arguments.list, |item, _| {
                 let id = format!("{}-{}", item.class.name(), item.seed);
                 answers[&id].clone()
             })
         }
-        None => work(&plan, |_, paper| examinee::diagnosis(paper)),
+        None => work(&plan, arguments.list, |_, paper| examinee::diagnosis(paper)),
     };
-    if arguments.list {
-        all.iter().filter_map(line).for_each(|l| println!("{l}"));
-    }
     show(&plan, &all, arguments.json.as_deref())
 }
 
@@ -146,13 +143,19 @@ fn read(file: &Path) -> Result<Answers, String> {
 
 fn work(
     plan: &Plan,
+    list: bool,
     examinee: impl Fn(&Item, &exam::Paper) -> Result<Answer, String> + Sync,
 ) -> Vec<Sat> {
     let bar = ProgressBar::new(plan.items.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} records, {eta} to go") {
         bar.set_style(style);
     }
-    let all = sit(&plan.items, examinee, || bar.inc(1));
+    let all = sit(&plan.items, examinee, |sat| {
+        bar.inc(1);
+        if let Some(text) = line(sat).filter(|_| list) {
+            bar.suspend(|| println!("{text}"));
+        }
+    });
     bar.finish_and_clear();
     all
 }
@@ -182,13 +185,14 @@ fn line(s: &Sat) -> Option<String> {
         })
         .collect();
     Some(format!(
-        "{}-{} {:?} [{}] {:?} -> {}",
+        "{}-{} {:?} [{}] {:?} -> {} ({:.1} s)",
         s.item.class.name(),
         s.item.seed,
         s.grade.mark,
         hidden.join(" + "),
         s.key.excitation,
-        said(s)
+        said(s),
+        s.seconds
     ))
 }
 

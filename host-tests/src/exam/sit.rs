@@ -22,11 +22,11 @@ pub struct Sat {
     pub seconds: f64,
 }
 
-/// Sets every record, has it answered and grades it; `done` is called after each.
+/// Sets every record, has it answered and grades it; `done` is called with each.
 pub fn sit(
     items: &[Item],
     examinee: impl Fn(&Item, &Paper) -> Result<Answer, String> + Sync,
-    done: impl Fn() + Sync,
+    done: impl Fn(&Sat) + Sync,
 ) -> Vec<Sat> {
     items
         .par_iter()
@@ -37,14 +37,15 @@ pub fn sit(
             let seconds = start.elapsed().as_secs_f64();
             let silence = Answer::default();
             let grade = grade(&case.key, answer.as_ref().unwrap_or(&silence));
-            done();
-            Sat {
+            let sat = Sat {
                 item: *item,
                 key: case.key,
                 answer,
                 grade,
                 seconds,
-            }
+            };
+            done(&sat);
+            sat
         })
         .collect()
 }
