@@ -6,10 +6,10 @@ use crate::fit::{Solution, settle};
 use crate::interval;
 use crate::model::{Declared, KnownEffect, Model};
 use crate::noise::Noise;
-use crate::problem::{Base, Problem, rms};
+use crate::problem::{Base, Fitted, Problem, rms};
 use crate::recording::{Recording, range};
 use crate::{Refusal, advice, lattice, plausible, rest, spectrum};
-use plant::{Channel, Effect};
+use plant::{Channel, Effect, Family};
 use std::time::Instant;
 
 /// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
@@ -33,19 +33,25 @@ pub fn diagnose(
         model.actuator.as_ref().map(Base::actuator),
         model.specimen.as_ref().map(Base::specimen),
     ];
-    let channels = bases
-        .into_iter()
-        .flatten()
-        .map(|base| {
-            Channelled {
-                base,
-                train,
-                test,
-                rest,
-            }
-            .assess(&mut improved)
-        })
-        .collect();
+    let mut channels = Vec::new();
+    // The specimen comes last: it moves as the actuator's model says, once that is known well.
+    let mut drive = None;
+    for base in bases.into_iter().flatten() {
+        let channel = Channelled {
+            base,
+            train,
+            test,
+            rest,
+            drive: drive.take(),
+        };
+        let (answer, found) = channel.assess(&mut improved);
+        channels.push(answer);
+        drive = found.map(|solution| Drive {
+            cutoff_hz: channel.cutoff_hz(),
+            base: channel.base,
+            solution,
+        });
+    }
     Ok(Diagnosis {
         seconds: begin.elapsed().as_secs_f64(),
         channels,
@@ -61,8 +67,27 @@ fn coarse(x: &[f64]) -> bool {
 /// The held-out data as a problem, and what an answer leaves of them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
 
+/// The actuator, where it is explained down to its noise.
+struct Drive {
+    base: Base,
+    cutoff_hz: f64,
+    solution: Solution,
+}
+
+impl Drive {
+    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves.
+    fn motion(&self, r: &Recording) -> Option<Vec<f64>> {
+        let s = &self.solution;
+        let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;
+        problem.scales = s.problem.scales;
+        problem.set(&self.base, s.problem.theta);
+        Some(problem.answer(problem.stretches.first()?, &s.effects, &s.problem.scales))
+    }
+}
+
 /// One channel and its data.
 struct Channelled<'a> {
+    drive: Option<Drive>,
     base: Base,
     train: &'a [Recording],
     test: &'a [Recording],
@@ -144,24 +169,38 @@ impl Channelled<'_> {
         None
     }
 
-    fn assess(&self, improved: &mut Model) -> ChannelAnswer {
+    /// The records as this channel sees them.
+    fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
+        let motion = |r| self.drive.as_ref().and_then(|d| d.motion(r));
+        let motions: Option<Vec<Vec<f64>>> = records.iter().map(motion).collect();
+        Problem::new(&self.base, records, cutoff_hz, &motions.unwrap_or_default())
+    }
+
+    /// The answer, and what explains the channel where it does so down to the noise.
+    fn assess(&self, improved: &mut Model) -> (ChannelAnswer, Option<Solution>) {
         if let Some(why) = self.obstacle() {
-            return self.not_assessed(why);
+            return (self.not_assessed(why), None);
         }
         let cutoff_hz = self.cutoff_hz();
-        let Some(problem) = Problem::new(&self.base, self.train, cutoff_hz) else {
-            return self.not_assessed("a signal is missing");
+        let Some(problem) = self.problem(self.train, cutoff_hz) else {
+            return (self.not_assessed("a signal is missing"), None);
         };
         let Some(noise) = self.noise(cutoff_hz) else {
-            return self.unjudged(&problem, cutoff_hz);
+            return (self.unjudged(&problem, cutoff_hz), None);
         };
         let mut problem = problem;
         problem.scales.line_hz = self.line_hz(&problem, &noise);
         let Some(explanation) = explain(&problem, &self.base, &noise) else {
-            return self
-                .not_assessed("the declared parameters cannot be told apart in this record");
+            let why = "the declared parameters cannot be told apart in this record";
+            return (self.not_assessed(why), None);
         };
-        self.answer(&explanation, &noise, cutoff_hz, improved)
+        let answer = self.answer(&explanation, &noise, cutoff_hz, improved);
+        let mut solution = explanation.after;
+        // What disturbs the reading does not move the specimen.
+        let disturbs = |e: &Fitted| e.candidate.effect.entry().family == Family::Interference;
+        solution.effects.retain(|e| !disturbs(e));
+        let known = !explanation.vetoed && explanation.structured[1] < noise.rms;
+        (answer, known.then_some(solution))
     }
 
     /// Where the displacement ends and its noise begins.
@@ -192,7 +231,7 @@ impl Channelled<'_> {
         };
         let least = step.hypot(through) / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
-            let problem = Problem::new(&self.base, records, cutoff_hz)?;
+            let problem = self.problem(records, cutoff_hz)?;
             Some(problem.residuals(&[], &problem.scales))
         };
         let h = self.train[0].interval_s();
@@ -273,7 +312,7 @@ impl Channelled<'_> {
             train_nrmse: nrmse(&s.problem, &train),
             ..Errors::default()
         };
-        let held_out = Problem::new(&self.base, self.test, cutoff_hz).map(|mut problem| {
+        let held_out = self.problem(self.test, cutoff_hz).map(|mut problem| {
             // The base answer at the parameters of the fit; the shapes are measured by the training data.
             problem.scales = scales;
             problem.set(&self.base, s.problem.theta);

@@ -223,8 +223,14 @@ fn second(
         else {
             continue;
         };
+        // Only a second effect that carries its weight is worth another search.
+        let promising = score(leader, ln_n) - score(&pair, ln_n) > EVIDENCE;
         let other = shaped(&pair).split_off(1);
-        let swapped = best_with(&other, library, &pair, base, noise);
+        let swapped = if promising {
+            best_with(&other, library, &pair, base, noise)
+        } else {
+            Vec::new()
+        };
         for candidate in std::iter::once(pair).chain(swapped) {
             if best
                 .as_ref()

@@ -129,10 +129,16 @@ pub struct Fitted {
 
 impl Problem {
     /// The channel's view of `recordings`; `None` where a signal is missing. `cutoff_hz` is where displacement ends
-    /// and noise begins (specimen only).
-    pub fn new(base: &Base, recordings: &[Recording], cutoff_hz: f64) -> Option<Self> {
+    /// and noise begins (specimen only); `motions` are the displacements, mm, where a model of the actuator tells them
+    /// better than a low-pass of their readings.
+    pub fn new(
+        base: &Base,
+        recordings: &[Recording],
+        cutoff_hz: f64,
+        motions: &[Vec<f64>],
+    ) -> Option<Self> {
         let mut stretches = Vec::new();
-        for r in recordings {
+        for (i, r) in recordings.iter().enumerate() {
             let h = r.interval_s();
             let displacement = r.displacement_mm.as_ref()?;
             let none = || vec![0.0; displacement.len()];
@@ -145,7 +151,10 @@ impl Problem {
                 ),
                 Channel::Specimen => {
                     let clean = crate::noise::without_hum(displacement, r);
-                    let motion = spectrum::smooth(&clean, h, cutoff_hz);
+                    let motion = match motions.get(i) {
+                        Some(x) => spectrum::Motion::of(x.clone(), h),
+                        None => spectrum::smooth(&clean, h, cutoff_hz),
+                    };
                     (Some(motion), clean, Vec::new(), r.force_n.as_ref()?.clone())
                 }
             };

@@ -1,5 +1,6 @@
 //! A measured displacement without its noise, with its derivatives: what forces depend on.
 
+use crate::signals::derivative;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -13,6 +14,15 @@ pub struct Motion {
     pub v: Vec<f64>,
     /// Acceleration.
     pub a: Vec<f64>,
+}
+
+impl Motion {
+    /// Of a displacement without noise.
+    pub fn of(x: Vec<f64>, interval_s: f64) -> Self {
+        let v = derivative(&x, interval_s);
+        let a = derivative(&v, interval_s);
+        Self { x, v, a }
+    }
 }
 
 /// Low-pass without phase and derivatives of `x`, by the discrete Fourier transform of its odd reflection, whose ends

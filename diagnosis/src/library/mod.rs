@@ -189,7 +189,7 @@ mod tests {
             for c in candidates(channel) {
                 let shapes: Vec<f64> = (c.shapes)(&scales)
                     .iter()
-                    .map(|s| (s.low * s.high).sqrt())
+                    .map(|s| s.high.min((s.low * s.high).abs().sqrt()))
                     .collect();
                 let amplitudes = vec![0.5; (c.bounds)(&scales).len()];
                 for (name, unit, value) in (c.parameters)(&amplitudes, &shapes, &scales) {
