@@ -168,7 +168,7 @@ fn build_emulator(root: &Path) -> Result<PathBuf, Failure> {
     let target = target_folder(root).join("emu");
     let mut build = Command::new("cargo");
     // The emulator's crate asks for a newer compiler than it needs.
-    build.args(["build", "--release", "--locked", "--ignore-rust-version"]);
+    build.args(["build", "--release", "--ignore-rust-version"]);
     run(build
         .current_dir(root.join("emu"))
         .env("CARGO_TARGET_DIR", &target))?;

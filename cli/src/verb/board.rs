@@ -21,10 +21,13 @@ pub struct Board {
 
 #[derive(Subcommand, Debug)]
 enum Order {
+    /// Who the board is: firmware, clocks, limits
     Identify(Plain),
+    /// How it is: state, readings, times, the reason of a trip or a crash
     Status(Plain),
     Calibrate(Calibrate),
     Commission(Commission),
+    /// Clear the end of a test or a fault
     Clear(Plain),
 }
 
