@@ -46,16 +46,21 @@ impl Quadratic {
     /// Least squares through `points`, a ring whose newest value is at `newest`.
     #[inline]
     fn through(points: &[f32; POINTS], newest: usize) -> Self {
+        // Oldest first; pairs that lie symmetric to the middle, from the outside in.
+        let point = |i: usize| points[(newest + 1 + i) % POINTS];
         let mut c = [0.0; 3];
-        let mut t = -NOW;
-        for i in 1..=POINTS {
-            let y = points[(newest + i) % POINTS];
-            c[0] += y;
-            c[1] += t * y;
-            c[2] += (t * t - MEAN_SQUARE) * y;
-            t += 1.0;
+        for i in 0..POINTS / 2 {
+            let (old, new) = (point(i), point(POINTS - 1 - i));
+            let t = NOW - i as f32;
+            c[0] += new + old;
+            c[1] += t * (new - old);
+            c[2] += (t * t - MEAN_SQUARE) * (new + old);
         }
-        Self([c[0] / 8.0, c[1] / 42.0, c[2] / 168.0])
+        Self([
+            c[0] * (1.0 / 8.0),
+            c[1] * (1.0 / 42.0),
+            c[2] * (1.0 / 168.0),
+        ])
     }
 
     #[inline]

@@ -253,7 +253,7 @@ pub struct Adaptation {
 impl Default for Adaptation {
     fn default() -> Self {
         Self {
-            time_s: 0.2,
+            time_s: 0.08,
             floor_m: 1e-3,
             longest_delay_ms: 100.0,
             delay_rate_ms_per_s: 100.0,

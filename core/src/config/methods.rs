@@ -340,7 +340,7 @@ fn time_series(config: &Config, omega: f64, learning: Learning) -> ats::Constant
         unit: (t.rate_hz * unit_s) as f32,
         stiffness: (pass * pass) as f32,
         damping: (core::f64::consts::SQRT_2 * pass) as f32,
-        memory: libm::exp(-1.0 / (5.0 * a.time_s * t.rate_hz)) as f32,
+        memory: libm::exp(-1.0 / (12.5 * a.time_s * t.rate_hz)) as f32,
         learning,
     }
 }

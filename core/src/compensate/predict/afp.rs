@@ -54,7 +54,8 @@ impl Predict for Afp {
         let (u, v) = (followed.target_m, self.velocity_m);
         if self.gate.open(k, u, v) && followed.learn {
             let error = followed.target_m - followed.measured_m;
-            let step = k.rate * error * v / (v * v + 0.1 * self.gate.peak_speed_squared);
+            let peak = self.gate.peak_speed_m;
+            let step = k.rate * error * v / (v * v + 0.1 * peak * peak);
             self.delay = k.delay(self.delay, step);
             let step = k.rate * error * u / (self.gate.peak_m * self.gate.peak_m);
             self.gain = k.gain(self.gain, step);

@@ -9,7 +9,7 @@
 //! squares are drawn towards the coefficients of the start by a ridge: for a response of a single frequency a is
 //! -omega^2 u, and `a_0` and `a_2` cannot be told apart.
 //!
-//! Parameters: `inverse` to start with, or `delay_ms`; `adaptation` (its `time_s` times five is the window),
+//! Parameters: `inverse` to start with, or `delay_ms`; `adaptation` (its `time_s` times 12.5 is the window),
 //! `smoothing_hz`. State 112 bytes an axis. Cost: some 120 operations.
 //!
 //! # When not to use it

@@ -58,7 +58,7 @@ impl Predict for Darby {
         let (u, v) = (followed.target_m, self.velocity_m);
         if self.gate.open(&k.learning, u, v) && followed.learn {
             let error = followed.target_m - followed.measured_m;
-            let peak = libm::sqrtf(self.gate.peak_speed_squared);
+            let peak = self.gate.peak_speed_m;
             let step = k.learning.rate * error * tanh(STEEPNESS * v / peak) / peak;
             self.delay = k.learning.delay(self.delay, step);
         }

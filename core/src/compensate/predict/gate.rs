@@ -25,8 +25,8 @@ pub struct Learning {
     pub gain_limit: f32,
 }
 
-/// Share of the running peak of v^2 below which nothing is learnt.
-const SHARE: f32 = 0.1;
+/// Share of the running peak of the speed below which nothing is learnt.
+const SHARE: f32 = 0.3;
 
 impl Learning {
     /// The delay after a step of learning.
@@ -48,18 +48,17 @@ impl Learning {
 pub struct Gate {
     /// Running peak of the displacement, m.
     pub peak_m: f32,
-    /// Running peak of v^2, m^2 per control step squared.
-    pub peak_speed_squared: f32,
+    /// Running peak of the speed, m per control step.
+    pub peak_speed_m: f32,
 }
 
 impl Gate {
     /// Takes in the motion of the target; whether it is worth learning from.
     #[inline]
     pub fn open(&mut self, k: &Learning, displacement_m: f32, velocity_m: f32) -> bool {
-        let square = velocity_m * velocity_m;
         self.peak_m = larger(k.memory * self.peak_m, displacement_m.abs());
-        self.peak_speed_squared = larger(k.memory * self.peak_speed_squared, square);
-        self.peak_m > k.floor_m && square > SHARE * self.peak_speed_squared
+        self.peak_speed_m = larger(k.memory * self.peak_speed_m, velocity_m.abs());
+        self.peak_m > k.floor_m && velocity_m.abs() > SHARE * self.peak_speed_m
     }
 }
 
