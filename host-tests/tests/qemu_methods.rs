@@ -1,0 +1,112 @@
+//! Every compensation on a Cortex-M4F: the same bits as here, and what it costs beyond the loop.
+#![allow(missing_docs)]
+
+use host_tests::qemu::bench::{self, Test, emulated, first_difference, here, rig, shaking};
+use host_tests::qemu::image::image;
+use host_tests::qemu::machine::Clock;
+use host_tests::{Scenario, table1, whole_pipeline};
+use outerloop_core::Method;
+use outerloop_core::config::Prediction;
+use std::path::Path;
+
+/// Instructions that a method may add to a step.
+const MOST: f64 = 400.0;
+
+/// That of Ahmadizadeh is two in one: the fit of displacement and force, behind Darby's estimate of the delay.
+const MOST_OF_TWO: f64 = 650.0;
+
+/// The whole pipeline on a specimen that yields, so that tangents change and predictors learn.
+fn base() -> Scenario {
+    let mut scenario = whole_pipeline(Scenario::delayed(table1(), 4.0));
+    scenario.specimen = "kind = 'bilinear'\nyield_mm = 20.0\nhardening_ratio = 0.05".into();
+    scenario
+}
+
+/// A name and the test: every method, the paper's damping behind every predictor, the tangent force without one.
+fn variants() -> Vec<(String, Scenario)> {
+    let alone = Method::ALL
+        .into_iter()
+        .map(|method| (method.name().to_owned(), base().with(method)));
+    let behind = Prediction::ALL
+        .into_iter()
+        .filter(|&p| p != Prediction::None)
+        .map(|predictor| {
+            let mut scenario = base().with(Method::Paper);
+            scenario.config.compensation.predictor = Some(predictor);
+            (format!("paper behind {}", predictor.name()), scenario)
+        });
+    let mut tangent = base().with(Method::Tangent);
+    tangent.config.compensation.predictor = Some(Prediction::None);
+    let last = ("tangent without predictor".to_owned(), tangent);
+    alone.chain(behind).chain([last]).collect()
+}
+
+/// Largest number of instructions of a control period, with the copying of sample and command.
+fn worst_instructions(image: &Path, scenario: &Scenario) -> f64 {
+    let shaking = shaking(1.5);
+    let test = Test {
+        config: &scenario.config,
+        shaking: &shaking,
+    };
+    let rig = rig(scenario, 1);
+    let run = emulated::<1>(image, Clock::Counting, &test, 3200, &bench::plain, rig);
+    let (_, summary) = run.expect("a test that runs");
+    summary.instructions(f64::from(summary.worst_ticks))
+}
+
+#[test]
+fn each_has_the_same_bits_here_and_there() {
+    let Some(image) = image("qemu", "qemu") else {
+        return;
+    };
+    let shaking = shaking(3.0);
+    let mut hashes = Vec::new();
+    for (name, scenario) in variants() {
+        let test = Test {
+            config: &scenario.config,
+            shaking: &shaking,
+        };
+        let ticks = 6400;
+        let (here, hash) = here::<1>(&test, ticks, &bench::plain, rig(&scenario, 1)).unwrap();
+        let rig = rig(&scenario, 1);
+        let run = emulated::<1>(&image, Clock::Free, &test, ticks, &bench::plain, rig);
+        let (there, summary) = run.unwrap();
+        assert_eq!(
+            first_difference(&here, &there),
+            None,
+            "{name}: control period and word of the record"
+        );
+        assert_eq!((summary.hash, summary.steps), (hash, ticks), "{name}");
+        println!("{name:34} {hash:016x} in QEMU and here");
+        hashes.push(hash);
+    }
+    // Each of them does something else: a name that is not wired up would repeat another's record.
+    hashes.sort_unstable();
+    let before = hashes.len();
+    hashes.dedup();
+    assert_eq!(hashes.len(), before);
+}
+
+#[test]
+fn what_each_costs() {
+    let Some(image) = image("qemu", "qemu") else {
+        return;
+    };
+    let loop_alone = worst_instructions(&image, &base().with(Method::None));
+    println!(
+        "one degree of freedom, two-stage filter, every interlock      worst  beyond `none`   kHz at 168 MHz"
+    );
+    let mut dear = Vec::new();
+    for (name, scenario) in variants() {
+        let worst = worst_instructions(&image, &scenario);
+        let beyond = worst - loop_alone;
+        // Assumed: 1.25 cycles an instruction. Loads, taken branches and divisions take more than one.
+        let highest_khz = 168e3 / (1.25 * worst);
+        println!("{name:62} {worst:5.0} {beyond:8.0} {highest_khz:16.0}");
+        let two = name.contains("behind") || name == Method::Ahmadizadeh.name();
+        if beyond > if two { MOST_OF_TWO } else { MOST } {
+            dear.push(name);
+        }
+    }
+    assert_eq!(dear, Vec::<String>::new());
+}
