@@ -9,6 +9,7 @@
 //! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
+//! | [`comparison`] | one bench for every compensation |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
@@ -20,6 +21,7 @@
 
 pub mod bench;
 pub mod board;
+pub mod comparison;
 pub mod experiment;
 pub mod failure;
 pub mod files;

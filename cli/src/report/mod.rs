@@ -1,10 +1,12 @@
 //! The report: one HTML file that needs nothing beside it.
 
+mod comparison;
 mod diagnosis;
 mod figures;
 mod plot;
 mod rths;
 
+pub use comparison::of_comparison;
 pub use rths::of_rths;
 
 use crate::experiment::{Experiment, Run};

@@ -119,7 +119,7 @@ fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Dr
     Ok(html + "</div>")
 }
 
-fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub(super) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut html = String::from("<div class=\"scroll\"><table><tr>");
     for cell in head {
         let _ = write!(html, "<th>{cell}</th>");

@@ -51,7 +51,8 @@ pub struct Perturbed {
 const FURTHEST: f64 = 3.0;
 
 impl Spread {
-    fn draw(&self) -> Vec<Variation> {
+    /// The rigs.
+    pub fn draw(&self) -> Vec<Variation> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(self.seed);
         let mut factor = |deviation: f64| {
             let normal: f64 = StandardNormal.sample(&mut random);

@@ -1,8 +1,10 @@
 //! Tables and progress on the terminal.
 
 mod diagnosis;
+mod standings;
 
 pub use diagnosis::{diagnosis, stories};
+pub use standings::{standings, standings_head, standings_row};
 
 use crate::summary::Summary;
 use crate::trace::Witness;

@@ -1,13 +1,19 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
 use super::{Common, json, method};
+use crate::comparison::condition::{Condition, yielding};
+use crate::comparison::{self, Contestant, standing};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::files::output;
+use crate::files::test::TestFile;
+use crate::report;
 use crate::summary::Summary;
 use crate::terminal::{self, Progress};
 use outerloop_core::Method;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// The same test under several compensations
 #[derive(clap::Args, Debug)]
@@ -20,6 +26,13 @@ pub struct Compare {
     /// Compensations, separated by commas; left out: all
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     compensations: Vec<String>,
+    /// The same on the bench: delays of 1 to 60 ms, several actuators and specimens, noise, and what the compensation
+    /// was told wrong, in place of the test file's rig
+    #[arg(long)]
+    bench: bool,
+    /// Write report.html and bench.json there
+    #[arg(long, value_name = "DIR", requires = "bench")]
+    out: Option<PathBuf>,
 }
 
 impl Compare {
@@ -29,17 +42,14 @@ impl Compare {
     /// Bad input.
     pub fn go(&self) -> Result<(), Failure> {
         let test = self.common.load()?;
+        if self.bench {
+            return self.on_the_bench();
+        }
         let methods = match &self.compensations[..] {
             [] => Method::ALL.to_vec(),
             names => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
         };
-        let experiments: Vec<Experiment> = match &self.record[..] {
-            [] => vec![self.common.experiment(&test, None)?],
-            files => files
-                .iter()
-                .map(|f| self.common.experiment(&test, Some(f)))
-                .collect::<Result<_, _>>()?,
-        };
+        let experiments = self.experiments(&test)?;
         let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
         let rows = {
             let progress = Progress::over("compare", (steps * methods.len()) as u64);
@@ -60,6 +70,65 @@ impl Compare {
             println!("{}", json(&serde_json::json!({ "rows": rows }))?);
         } else {
             println!("{}", terminal::summaries(&rows));
+        }
+        Ok(())
+    }
+
+    /// The test on each ground motion.
+    fn experiments(&self, test: &TestFile) -> Result<Vec<Experiment>, Failure> {
+        match &self.record[..] {
+            [] => Ok(vec![self.common.experiment(test, None)?]),
+            files => files
+                .iter()
+                .map(|f| self.common.experiment(test, Some(f)))
+                .collect(),
+        }
+    }
+
+    /// Every contestant under every condition of the bench.
+    fn on_the_bench(&self) -> Result<(), Failure> {
+        let test = self.common.load()?;
+        let contestants = match &self.compensations[..] {
+            [] => Contestant::all(),
+            names => names
+                .iter()
+                .map(|n| Contestant::named(n))
+                .collect::<Result<_, _>>()?,
+        };
+        let experiments = self.experiments(&test)?;
+        let conditions = Condition::all(&test.config, &yielding(&test.plant.specimen));
+        let began = Instant::now();
+        let rows = comparison::run(&experiments, &conditions, &contestants, self.common.seed)?;
+        let lead = format!(
+            "{} tests: {} compensations, {} rigs, {}; {:.0} s on {} threads.",
+            rows.len(),
+            contestants.len(),
+            conditions.len(),
+            experiments
+                .iter()
+                .map(|e| format!("{:.0} s of {}", e.seconds, e.record))
+                .collect::<Vec<_>>()
+                .join(", "),
+            began.elapsed().as_secs_f64(),
+            rayon::current_num_threads(),
+        );
+        let standings = standing::of(&rows);
+        let all = json(&serde_json::json!({ "rows": rows, "standings": standings }))?;
+        if let Some(folder) = &self.out {
+            let page = report::of_comparison(&rows, &lead)?;
+            output::write_all(
+                folder,
+                &[("report.html", page), ("bench.json", all.clone())],
+            )?;
+        }
+        if self.common.json {
+            println!("{all}");
+        } else {
+            println!("{lead} Geometric means of eps_rms, Eq 18.\n");
+            println!("{}", terminal::standings(&standings));
+            if let Some(folder) = &self.out {
+                println!("Look at {}", folder.join("report.html").display());
+            }
         }
         Ok(())
     }

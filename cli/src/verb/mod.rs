@@ -9,6 +9,7 @@ pub mod diagnose;
 pub mod effects;
 pub mod identify;
 pub mod improve;
+pub mod monte_carlo;
 pub mod place;
 pub mod run;
 

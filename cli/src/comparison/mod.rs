@@ -1,0 +1,130 @@
+//! One bench for every compensation: the same structure and ground motions behind many rigs.
+
+pub mod condition;
+pub mod standing;
+
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::summary::Summary;
+use crate::terminal::Progress;
+use condition::{Condition, Family};
+use outerloop_core::Method;
+use outerloop_core::config::Prediction;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A method, or a pair of force stage and predictor that has no name of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contestant {
+    /// Its name in tables.
+    pub name: &'static str,
+    kind: Method,
+    predictor: Option<Prediction>,
+}
+
+impl Contestant {
+    /// Every method, and the two pairs worth knowing.
+    pub fn all() -> Vec<Self> {
+        let alone = Method::ALL.into_iter().map(|kind| Self {
+            name: kind.name(),
+            kind,
+            predictor: None,
+        });
+        let pairs = [
+            ("paper+afp", Method::Paper, Prediction::Afp),
+            ("tangent+ats", Method::Tangent, Prediction::Ats),
+        ];
+        let pairs = pairs.map(|(name, kind, predictor)| Self {
+            name,
+            kind,
+            predictor: Some(predictor),
+        });
+        alone.chain(pairs).collect()
+    }
+
+    /// By its name.
+    ///
+    /// # Errors
+    /// A name that none has.
+    pub fn named(name: &str) -> Result<Self, Failure> {
+        let all = Self::all();
+        all.iter().find(|c| c.name == name).copied().ok_or_else(|| {
+            let names: Vec<_> = all.iter().map(|c| c.name).collect();
+            Failure::input(format!(
+                "the compensation `{name}` is unknown: accepted are {}",
+                names.join(", ")
+            ))
+        })
+    }
+}
+
+/// One test of the bench.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// What kind of rig.
+    pub family: Family,
+    /// The rig in words.
+    pub condition: String,
+    /// Its delay on a slow motion, ms.
+    pub delay_ms: f64,
+    /// The figures of the test.
+    #[serde(flatten)]
+    pub summary: Summary,
+}
+
+impl Row {
+    /// eps_rms; 1, an error as large as the motion, where the test tripped or ran away.
+    pub fn error(&self) -> f64 {
+        match self.summary.verdict {
+            crate::summary::Verdict::Completed if self.summary.eps_rms < 1.0 => {
+                self.summary.eps_rms
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+/// Runs every contestant under every condition on every ground motion, on all cores.
+///
+/// # Errors
+/// A test that is refused under some condition.
+pub fn run(
+    experiments: &[Experiment],
+    conditions: &[Condition],
+    contestants: &[Contestant],
+    seed: u64,
+) -> Result<Vec<Row>, Failure> {
+    let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
+    let tests = conditions.len() * contestants.len();
+    let progress = Progress::over("bench", (steps * tests) as u64);
+    let pairs: Vec<_> = experiments
+        .iter()
+        .flat_map(|e| conditions.iter().map(move |c| (e, c)))
+        .collect();
+    let rows: Vec<Vec<Row>> = pairs
+        .into_par_iter()
+        .map(|(experiment, condition)| {
+            let experiment = condition.put_on(experiment);
+            let ideal = experiment.ideal()?;
+            contestants
+                .par_iter()
+                .map(|contestant| {
+                    let mut own = experiment.clone();
+                    own.test.config.compensation.predictor = contestant.predictor;
+                    let witness = progress.witness();
+                    let run = own.run(contestant.kind, &ideal, seed, false, witness)?;
+                    Ok(Row {
+                        family: condition.family,
+                        condition: condition.name.clone(),
+                        delay_ms: condition.delay_ms,
+                        summary: Summary {
+                            compensation: contestant.name,
+                            ..run.summary
+                        },
+                    })
+                })
+                .collect()
+        })
+        .collect::<Result<_, Failure>>()?;
+    Ok(rows.concat())
+}

@@ -1,0 +1,115 @@
+//! The page of the bench of all compensations.
+
+use super::figures::figure;
+use super::plot::{Curve, HALF, IDEAL, TESTED, THIRD, WRONG};
+use super::rths::table;
+use super::{Drawn, cannot, page, plot};
+use crate::comparison::Row;
+use crate::comparison::condition::{ACTUATORS, Family};
+use crate::comparison::standing::{self, Standing};
+use crate::failure::Failure;
+use crate::terminal::{percent, standings_head, standings_row};
+use plotters::style::RGBColor;
+use std::fmt::Write as _;
+
+/// What the plots show; more curves would hide each other.
+const SHOWN: [(&str, RGBColor); 6] = [
+    ("none", IDEAL),
+    ("paper", WRONG),
+    ("lagrange", RGBColor(176, 111, 0)),
+    ("ats", THIRD),
+    ("afp", RGBColor(126, 87, 160)),
+    ("tangent", TESTED),
+];
+
+/// The bench: standings, errors over the delay, every condition.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_comparison(rows: &[Row], lead: &str) -> Result<String, Failure> {
+    let standings = standing::of(rows);
+    let body = || -> Drawn {
+        let head = standings_head();
+        let mut html = String::from(
+            "<p>Every compensation on the same tests. An error is eps_rms, Eq 18: the rms of the difference to the same \
+             integration with an ideal actuator, relative to its largest displacement. Means are geometric; a test that \
+             tripped or ran away counts as 100 %. The best mean comes first.</p>",
+        );
+        html += &table(&head, standings.iter().map(standings_row));
+        html += "<h2>Error over the delay</h2><p>The worse of the ground motions. The delay is told exactly.</p>";
+        for family in [Family::Linear, Family::Yielding] {
+            let _ = write!(
+                html,
+                "<h3>Specimen: {}</h3><div class=\"pair\">",
+                family.name()
+            );
+            for (actuator, _) in ACTUATORS {
+                html += &over_delay(rows, family, actuator)?;
+            }
+            html += "</div>";
+        }
+        html += "<h2>Every condition</h2><p>The worse of the ground motions.</p>";
+        html += &conditions(rows, &standings);
+        Ok(html)
+    };
+    page_of(lead, body())
+}
+
+fn page_of(lead: &str, body: Drawn) -> Result<String, Failure> {
+    Ok(page(
+        "Compensations on one bench",
+        lead,
+        &body.map_err(cannot)?,
+    ))
+}
+
+/// The larger error of all ground motions.
+fn worse(rows: &[Row], condition: &str, compensation: &str) -> f64 {
+    rows.iter()
+        .filter(|r| r.condition == condition && r.summary.compensation == compensation)
+        .map(Row::error)
+        .fold(0.0, f64::max)
+}
+
+fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
+    let mut places: Vec<(f64, &str)> = Vec::new();
+    for row in rows.iter().filter(|r| r.family == family) {
+        if row.condition.contains(actuator) && places.iter().all(|p| p.1 != row.condition) {
+            places.push((row.delay_ms, &row.condition));
+        }
+    }
+    let present = |name: &str| rows.iter().any(|r| r.summary.compensation == name);
+    let curves: Vec<Curve> = SHOWN
+        .into_iter()
+        .filter(|(name, _)| present(name))
+        .map(|(name, colour)| {
+            let point = |(ms, condition): &(f64, &str)| {
+                (*ms, worse(rows, condition, name).max(1e-6).log10())
+            };
+            Curve::new(colour, places.iter().map(point).collect()).named(name)
+        })
+        .collect();
+    let svg = plot::plot(HALF, "delay [ms]", "log10 of eps_rms", &curves)?;
+    Ok(figure(&svg, &format!("Actuator: {actuator}.")))
+}
+
+fn conditions(rows: &[Row], standings: &[Standing]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.condition.as_str()) {
+            names.push(&row.condition);
+        }
+    }
+    let mut head = vec!["condition"];
+    head.extend(standings.iter().map(|s| s.compensation));
+    let cells = |condition: &&str| {
+        let errors = standings
+            .iter()
+            .map(|s| percent(worse(rows, condition, s.compensation)));
+        [(*condition).to_owned()]
+            .into_iter()
+            .chain(errors)
+            .collect()
+    };
+    table(&head, names.iter().map(cells))
+}

@@ -1,0 +1,183 @@
+//! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
+
+use super::{Common, json, method};
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::stability::perturbed::Spread;
+use crate::stability::rig::Variation;
+use crate::summary::{Summary, Verdict};
+use crate::terminal::{Progress, percent, table};
+use plant::PerAxis;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// The same test on many rigs that are not quite the declared one
+#[derive(clap::Args, Debug)]
+pub struct MonteCarlo {
+    #[command(flatten)]
+    common: Common,
+    /// The ground motion: CSV, AT2, or one acceleration a line
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// The compensation, instead of the test file's
+    #[arg(long, value_name = "NAME")]
+    compensation: Option<String>,
+    /// How many tests
+    #[arg(long, default_value_t = 10_000)]
+    tests: usize,
+}
+
+/// Standard deviations of the rigs, as `check` has them: times 10 %, gain 2 %, stiffness 5 %.
+const SPREAD: Spread = Spread {
+    plants: 0,
+    seed: 0,
+    delay: 0.10,
+    gain: 0.02,
+    stiffness: 0.05,
+    damping: 0.0,
+};
+
+/// What many tests came to.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    tests: usize,
+    threads: usize,
+    wall_s: f64,
+    tests_per_s: f64,
+    control_steps_per_s: f64,
+    completed: usize,
+    eps_rms_median: f64,
+    eps_rms_95: f64,
+    eps_rms_worst: f64,
+}
+
+impl MonteCarlo {
+    /// Runs all of them, on all cores.
+    ///
+    /// # Errors
+    /// Bad input.
+    pub fn go(&self) -> Result<(), Failure> {
+        if !(1..=1_000_000).contains(&self.tests) {
+            return Err(Failure::input(format!(
+                "--tests {}: accepted are 1 to 1000000",
+                self.tests
+            )));
+        }
+        let test = self.common.load()?;
+        let kind = match &self.compensation {
+            Some(name) => method(name)?,
+            None => test.config.compensation.kind,
+        };
+        let experiment = self.common.experiment(&test, self.record.as_deref())?;
+        let rigs = Spread {
+            plants: self.tests,
+            seed: self.common.seed,
+            ..SPREAD
+        }
+        .draw();
+        let steps = experiment.control_steps();
+        let progress = Progress::over("tests", (steps * self.tests) as u64);
+        let began = Instant::now();
+        // The structure that is computed stays as it was declared: the ideal is the same for all.
+        let ideal = experiment.ideal()?;
+        let summaries: Vec<Summary> = rigs
+            .par_iter()
+            .enumerate()
+            .map(|(i, rig)| {
+                let own = on(&experiment, rig);
+                let seed = self.common.seed.wrapping_add(i as u64);
+                let run = own.run(kind, &ideal, seed, false, progress.witness())?;
+                Ok(run.summary)
+            })
+            .collect::<Result<_, Failure>>()?;
+        let wall_s = began.elapsed().as_secs_f64();
+        drop(progress);
+        let outcome = outcome(&summaries, wall_s);
+        if self.common.json {
+            println!("{}", json(&outcome)?);
+        } else {
+            print(&outcome, kind.name());
+        }
+        Ok(())
+    }
+}
+
+/// `experiment` on a rig that differs by `vary`.
+fn on(experiment: &Experiment, vary: &Variation) -> Experiment {
+    let mut own = experiment.clone();
+    let declared = &own.test.config.structure.stiffness_n_per_m;
+    let physical = own.test.config.physical_storeys();
+    let plant = &mut own.test.plant;
+    let stiffness = plant
+        .specimen
+        .stiffness_n_per_m
+        .take()
+        .unwrap_or_else(|| PerAxis::Each(declared[..physical].to_vec()));
+    plant.specimen.stiffness_n_per_m = Some(times(&stiffness, vary.stiffness));
+    let actuator = &mut plant.actuator;
+    actuator.delay_ms = times(&actuator.delay_ms, vary.delay);
+    actuator.lag_ms = times(&actuator.lag_ms, vary.delay);
+    actuator.gain = times(&actuator.gain, vary.gain);
+    own
+}
+
+fn times(values: &PerAxis, factor: f64) -> PerAxis {
+    match values {
+        PerAxis::All(x) => PerAxis::All(x * factor),
+        PerAxis::Each(each) => PerAxis::Each(each.iter().map(|x| x * factor).collect()),
+    }
+}
+
+fn outcome(summaries: &[Summary], wall_s: f64) -> Outcome {
+    let mut errors: Vec<f64> = summaries
+        .iter()
+        .map(|s| match s.verdict {
+            Verdict::Completed => s.eps_rms,
+            Verdict::Tripped | Verdict::Diverged => f64::INFINITY,
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize];
+    let steps: usize = summaries.iter().map(|s| s.steps).sum();
+    Outcome {
+        tests: summaries.len(),
+        threads: rayon::current_num_threads(),
+        wall_s,
+        tests_per_s: summaries.len() as f64 / wall_s,
+        control_steps_per_s: steps as f64 / wall_s,
+        completed: errors.iter().filter(|e| e.is_finite()).count(),
+        eps_rms_median: at(0.5),
+        eps_rms_95: at(0.95),
+        eps_rms_worst: at(1.0),
+    }
+}
+
+fn print(o: &Outcome, compensation: &str) {
+    let mut t = table(&[
+        "compensation",
+        "tests",
+        "completed",
+        "eps_rms, median",
+        "95 %",
+        "worst",
+    ]);
+    t.add_row([
+        compensation.to_owned(),
+        o.tests.to_string(),
+        o.completed.to_string(),
+        percent(o.eps_rms_median),
+        percent(o.eps_rms_95),
+        percent(o.eps_rms_worst),
+    ]);
+    println!("{t}");
+    println!(
+        "{} tests on {} threads in {:.1} s: {:.0} tests and {:.2} million control steps a second.",
+        o.tests,
+        o.threads,
+        o.wall_s,
+        o.tests_per_s,
+        o.control_steps_per_s * 1e-6
+    );
+}
