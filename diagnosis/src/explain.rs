@@ -56,7 +56,11 @@ pub fn structured(residual_rms: f64, noise: &Noise) -> f64 {
 /// Searches; `None` where the equations have no solution.
 pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanation> {
     let before = settle(problem, base, noise, &[])?;
-    let left = |s: &Solution| rms(&s.problem.residuals(&s.effects, &problem.scales));
+    let left = |s: &Solution| {
+        let residuals = s.problem.residuals(&s.effects, &problem.scales);
+        let judged = problem.stretches.iter().zip(residuals);
+        rms(&judged.map(|(s, r)| s.judged(r)).collect::<Vec<_>>())
+    };
     let start = structured(left(&before), noise);
     let mut out = Explanation {
         after: before.clone(),

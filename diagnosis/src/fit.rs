@@ -55,15 +55,15 @@ impl<'a> Frame<'a> {
                 .zip(&signals.base)
                 .map(|(t, b)| t - b)
                 .collect();
-            noise.whiten_into(&difference, &mut residual);
+            noise.whiten_into(&stretch.judged(difference), &mut residual);
             let mut raw = problem.staged_columns(base, stretch, &stages);
             for (candidate, shapes) in fixed {
                 raw.extend((candidate.columns)(&signals, shapes, &problem.scales));
             }
             seen.push(signals);
             columns.resize(raw.len(), Vec::new());
-            for (raw, white) in raw.iter().zip(&mut columns) {
-                noise.whiten_into(raw, white);
+            for (raw, white) in raw.into_iter().zip(&mut columns) {
+                noise.whiten_into(&stretch.judged(raw), white);
             }
         }
         let n = columns.len();
@@ -128,11 +128,11 @@ impl<'a> Frame<'a> {
             return Frame::new(self.problem, self.base, self.noise, &effects).alone();
         }
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for signals in &self.signals {
+        for (signals, stretch) in self.signals.iter().zip(&self.problem.stretches) {
             let raw = (candidate.columns)(signals, shapes, &self.problem.scales);
             columns.resize(raw.len(), Vec::with_capacity(self.samples));
-            for (raw, white) in raw.iter().zip(&mut columns) {
-                self.noise.whiten_into(raw, white);
+            for (raw, white) in raw.into_iter().zip(&mut columns) {
+                self.noise.whiten_into(&stretch.judged(raw), white);
             }
         }
         let (n, m) = (self.fixed.len(), columns.len());
@@ -194,11 +194,20 @@ impl<'a> Frame<'a> {
         .collect();
         let mut order: Vec<&(Vec<f64>, f64)> = starts.iter().collect();
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let width: Vec<f64> = shapes.iter().map(|s| 0.6 / s.grid.max(2) as f64).collect();
+        // What starts from a result goes on where that ended.
+        let (first, finest) = if start.is_some() {
+            (0.1, 5e-5)
+        } else {
+            (0.6, 2e-3)
+        };
+        let width: Vec<f64> = shapes
+            .iter()
+            .map(|s| first / s.grid.max(2) as f64)
+            .collect();
         let best = order
             .iter()
             .take(2)
-            .map(|(u, c)| downhill(&cost, u, *c, &width))
+            .map(|(u, c)| downhill(&cost, u, *c, &width, finest))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let shapes = value(&best.0);
         self.with(candidate, &shapes).map(|a| (shapes, a))
@@ -234,10 +243,16 @@ fn grid(shapes: &[Shape]) -> Vec<Vec<f64>> {
 }
 
 /// Pattern search from `u`, whose steps halve until they matter no more.
-fn downhill(cost: &dyn Fn(&[f64]) -> f64, u: &[f64], c: f64, width: &[f64]) -> (Vec<f64>, f64) {
+fn downhill(
+    cost: &dyn Fn(&[f64]) -> f64,
+    u: &[f64],
+    c: f64,
+    width: &[f64],
+    finest: f64,
+) -> (Vec<f64>, f64) {
     let (mut u, mut best) = (u.to_vec(), c);
     let mut width = width.to_vec();
-    for _ in 0..9 {
+    for _ in 0..16 {
         let mut moved = false;
         for i in 0..u.len() {
             for way in [-1.0, 1.0] {
@@ -253,7 +268,7 @@ fn downhill(cost: &dyn Fn(&[f64]) -> f64, u: &[f64], c: f64, width: &[f64]) -> (
         if !moved {
             width.iter_mut().for_each(|w| *w *= 0.5);
         }
-        if width.iter().all(|w| *w < 2e-3) {
+        if width.iter().all(|w| *w < finest) {
             break;
         }
     }

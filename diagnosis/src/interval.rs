@@ -128,14 +128,14 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
                     .collect(),
             );
         }
-        for (raw, column) in raw.iter().zip(&mut columns) {
-            noise.whiten_into(raw, column);
+        for (raw, column) in raw.into_iter().zip(&mut columns) {
+            noise.whiten_into(&stretch.judged(raw), column);
         }
-        noise.whiten_into(&residual, &mut white);
+        noise.whiten_into(&stretch.judged(residual), &mut white);
     }
     let block = ((BLOCK_S / scales.interval_s) as usize / noise.every).max(4);
-    let mut bread = DMatrix::zeros(n, n);
-    let mut meat = DMatrix::zeros(n, n);
+    let mut bread: DMatrix<f64> = DMatrix::zeros(n, n);
+    let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
     for start in (0..white.len()).step_by(block) {
         let end = (start + block).min(white.len());
         let part = DMatrix::from_fn(n, end - start, |i, t| columns[i][start + t]);
@@ -143,13 +143,13 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
         bread += &part * part.transpose();
         meat += &score * score.transpose();
     }
-    // At least what the noise alone makes: few blocks can agree by chance.
-    for i in 0..n {
-        let least = bread[(i, i)];
-        if meat[(i, i)] < least {
-            meat[(i, i)] = least;
-        }
-    }
+    // At least what the noise alone makes: few blocks can agree by chance. Rows and columns grow together, so that
+    // what cannot be told apart stays so.
+    let grow = DVector::from_fn(n, |i, _| {
+        let (least, own) = (bread[(i, i)], meat[(i, i)]);
+        (least / own.max(f64::MIN_POSITIVE)).sqrt().max(1.0)
+    });
+    let mut meat = DMatrix::from_fn(n, n, |i, j| meat[(i, j)] * grow[i] * grow[j]);
     for (i, f) in base.free.iter().enumerate() {
         bread[(i, i)] += f.tolerance.powi(-2);
         meat[(i, i)] += f.tolerance.powi(-2);

@@ -103,6 +103,30 @@ pub struct Stretch {
     pub signals: Signals,
     /// What was measured.
     pub target: Vec<f64>,
+    /// Samples that are not judged: around corners of the motion, whose force between two samples nobody knows.
+    pub corners: Vec<usize>,
+}
+
+impl Stretch {
+    /// Takes the samples that are not judged out of a signal.
+    pub fn judged(&self, mut x: Vec<f64>) -> Vec<f64> {
+        self.corners.iter().for_each(|&i| x[i] = 0.0);
+        x
+    }
+}
+
+/// An acceleration so many times its rms is a corner.
+const CORNER: f64 = 8.0;
+
+fn corners(a: &[f64]) -> Vec<usize> {
+    let n = a.len();
+    let most = CORNER * (a.iter().map(|a| a * a).sum::<f64>() / n as f64).sqrt();
+    let mut near: Vec<usize> = (0..n)
+        .filter(|&i| a[i].abs() > most)
+        .flat_map(|i| i.saturating_sub(2)..(i + 3).min(n))
+        .collect();
+    near.dedup();
+    near
 }
 
 /// Records of one channel.
@@ -158,6 +182,12 @@ impl Problem {
                     (Some(motion), clean, Vec::new(), r.force_n.as_ref()?.clone())
                 }
             };
+            // Only damping and mass feel a corner more than the reading shows it.
+            let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
+            let corners = match &motion {
+                Some(m) if feels => corners(&m.a),
+                _ => Vec::new(),
+            };
             let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
             let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
             stretches.push(Stretch {
@@ -173,6 +203,7 @@ impl Problem {
                     command,
                 },
                 target,
+                corners,
             });
         }
         let first = stretches.first()?;
