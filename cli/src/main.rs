@@ -28,6 +28,8 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
+    // A reader that has seen enough, such as `head`, ends the program and is no error.
+    sigpipe::reset();
     let outcome = match Arguments::parse().verb {
         Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
