@@ -30,11 +30,13 @@ fn the_next_test_is_nearly_as_good_as_without_the_effect() {
         let rows = improve(&[&format!("examples/undeclared/{name}.toml")]);
         let row = &rows[0];
         let eps = |key: &str| row[key].as_f64().unwrap();
-        assert!(
-            row["found"].as_str().unwrap().contains(effect),
-            "{name}: {}",
-            row["found"]
-        );
+        // Found, or said to be as good as what is preferred: a lag behind none that is declared is a second lag too.
+        let channels = row["diagnosis"]["channels"].as_array().unwrap();
+        let named = |c: &Value| {
+            let alternatives = c["alternatives"].as_array().unwrap();
+            c["effects"][0]["name"] == effect || alternatives.contains(&effect.into())
+        };
+        assert!(channels.iter().any(named), "{name}: {}", row["found"]);
         assert_eq!(row["undeclared"], effect);
         assert!(eps("eps_rms_before") > 0.15, "{name}");
         assert!(eps("eps_rms_after") < 0.3 * eps("eps_rms_before"), "{name}");

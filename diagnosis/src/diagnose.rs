@@ -81,8 +81,23 @@ impl Drive {
         let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;
         problem.scales = s.problem.scales;
         problem.set(&self.base, s.problem.theta);
-        Some(problem.answer(problem.stretches.first()?, &s.effects, &s.problem.scales))
+        let motion = problem.answer(problem.stretches.first()?, &s.effects, &s.problem.scales);
+        let reading = r.displacement_mm.as_ref()?;
+        begins_alike(&motion, reading, r.interval_s()).then_some(motion)
     }
+}
+
+/// How long a command acts on an actuator, s.
+const MEMORY_S: f64 = 0.25;
+
+/// Whether a modelled motion is like its reading from the first sample on: a record that begins in mid-motion does not
+/// tell the commands before it, and the corner where they are missed would be an acceleration that never was.
+fn begins_alike(motion: &[f64], reading: &[f64], interval_s: f64) -> bool {
+    let differences: Vec<f64> = motion.iter().zip(reading).map(|(m, r)| m - r).collect();
+    let start = ((MEMORY_S / interval_s) as usize).min(differences.len() / 4);
+    let (first, others) = differences.split_at(start);
+    let largest = first.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    largest <= 6.0 * rms(&[others.to_vec()])
 }
 
 /// One channel and its data.
@@ -172,8 +187,8 @@ impl Channelled<'_> {
     /// The records as this channel sees them.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
         let motion = |r| self.drive.as_ref().and_then(|d| d.motion(r));
-        let motions: Option<Vec<Vec<f64>>> = records.iter().map(motion).collect();
-        Problem::new(&self.base, records, cutoff_hz, &motions.unwrap_or_default())
+        let motions: Vec<Option<Vec<f64>>> = records.iter().map(motion).collect();
+        Problem::new(&self.base, records, cutoff_hz, &motions)
     }
 
     /// The answer, and what explains the channel where it does so down to the noise.

@@ -159,7 +159,7 @@ impl Problem {
         base: &Base,
         recordings: &[Recording],
         cutoff_hz: f64,
-        motions: &[Vec<f64>],
+        motions: &[Option<Vec<f64>>],
     ) -> Option<Self> {
         let mut stretches = Vec::new();
         for (i, r) in recordings.iter().enumerate() {
@@ -175,7 +175,7 @@ impl Problem {
                 ),
                 Channel::Specimen => {
                     let clean = crate::noise::without_hum(displacement, r);
-                    let motion = match motions.get(i) {
+                    let motion = match motions.get(i).and_then(Option::as_ref) {
                         Some(x) => spectrum::Motion::of(x.clone(), h),
                         None => spectrum::smooth(&clean, h, cutoff_hz),
                     };
