@@ -52,8 +52,8 @@ pub enum Fault {
     NoiseBurst,
     /// The emergency stop is pressed.
     EmergencyStop,
-    /// The serial line is cut, both ways.
-    LinkCut,
+    /// The serial line is cut, both ways, for so many control steps.
+    LinkCut(u64),
     /// The reset button.
     Reset,
     /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
@@ -111,6 +111,8 @@ pub struct Laboratory {
     code: u16,
     permit: bool,
     permit_steps: u64,
+    steps: u64,
+    mend_at_step: u64,
     active: Option<Fault>,
     frozen: (u16, u16),
     resets: usize,
@@ -156,6 +158,8 @@ impl Laboratory {
             code: converters::TOP / 2,
             permit: false,
             permit_steps: 0,
+            steps: 0,
+            mend_at_step: u64::MAX,
             active: None,
             frozen: (0, 0),
             resets: 0,
@@ -199,7 +203,11 @@ impl Laboratory {
             Some(Fault::FrozenSensor) => codes.0 = self.frozen.0,
             Some(Fault::NoiseBurst) => {
                 let up = self.permit_steps.is_multiple_of(2);
-                codes.1 = if up { codes.1.saturating_add(2000) } else { codes.1.saturating_sub(2000) };
+                codes.1 = if up {
+                    codes.1.saturating_add(2000)
+                } else {
+                    codes.1.saturating_sub(2000)
+                };
                 codes.1 = codes.1.clamp(20, converters::TOP - 20);
             }
             _ => self.frozen = codes,
@@ -213,6 +221,11 @@ impl Laboratory {
         log.triggers_ns.push(stop.at.0);
         self.awaiting_command = true;
         self.permit_steps += u64::from(self.permit);
+        self.steps += 1;
+        if self.steps == self.mend_at_step {
+            self.wire.mend();
+            self.active = None;
+        }
     }
 
     fn go_wrong(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
@@ -224,10 +237,15 @@ impl Laboratory {
         self.active = Some(planned.fault);
         match planned.fault {
             Fault::EmergencyStop => press(session, stop.at, true),
-            Fault::LinkCut => self.wire.cut(),
+            Fault::LinkCut(steps) => {
+                self.wire.cut();
+                self.mend_at_step = self.steps + steps;
+            }
             Fault::Reset => session.reset_by_pin(stop.at, stop.instruction_count, host),
             // Memory of the chip: it is there.
-            Fault::Drill(number) => drop(host.write(self.drill_address, Width::W32, u64::from(number))),
+            Fault::Drill(number) => {
+                drop(host.write(self.drill_address, Width::W32, u64::from(number)))
+            }
             Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst => {}
         }
     }
@@ -239,7 +257,7 @@ impl Laboratory {
             return;
         }
         self.quiet_steps += 1;
-        if self.patient && self.quiet_steps > PC_STEPS && self.active != Some(Fault::LinkCut) {
+        if self.patient && self.quiet_steps > PC_STEPS && !self.wire.is_cut() {
             self.wire.wait_for_pc(PC_PATIENCE);
             self.quiet_steps = 0;
         }
@@ -261,9 +279,12 @@ fn show(session: &mut Session<Nucleo>, codes: (u16, u16)) {
 fn press(session: &mut Session<Nucleo>, at: VirtualNanos, pressed: bool) {
     let level = if pressed { None } else { Some(Level::Low) };
     if let Some(pin) = Pin::new(STOP_PIN) {
-        session.board_mut().chip.drive_port(at, PORT_E, |port, registers, context| {
-            port.drive(pin, level, registers, context);
-        });
+        session
+            .board_mut()
+            .chip
+            .drive_port(at, PORT_E, |port, registers, context| {
+                port.drive(pin, level, registers, context);
+            });
     }
 }
 

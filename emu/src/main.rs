@@ -1,8 +1,8 @@
 //! `emu IMAGE LABORATORY`: the image on an emulated board, the serial port on standard input and output.
 
 use clap::Parser;
-use emu::{Firmware, Laboratory, Wire};
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
+use emu::{Firmware, Laboratory, Wire};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
 use rigless::session::Session;

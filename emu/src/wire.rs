@@ -55,6 +55,16 @@ impl Wire {
         line.to_board.clear();
     }
 
+    /// The line is cut.
+    pub fn is_cut(&self) -> bool {
+        self.bytes().cut
+    }
+
+    /// Mends it.
+    pub fn mend(&self) {
+        self.bytes().cut = false;
+    }
+
     /// Nothing will come any more.
     pub fn close(&self) {
         self.bytes().closed = true;

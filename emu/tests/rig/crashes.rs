@@ -1,9 +1,6 @@
 //! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
-#![allow(missing_docs)]
 
-mod desk;
-
-use desk::{Course, Desk, PERIOD_NS};
+use crate::desk::{Course, Desk, PERIOD_NS};
 use emu::{Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};

@@ -1,5 +1,4 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
-#![allow(missing_docs)]
 
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
 use emu::{Firmware, Laboratory, Log, Planned, Seen, Wire};
@@ -28,10 +27,13 @@ pub const PERIOD_NS: u64 = 500_000;
 /// No test of these runs so long, s of the board's time.
 const LONGEST_S: u64 = 20;
 
-/// The image as it is flashed, built when the first test asks for it.
+/// The image as it is flashed: `OUTERLOOP_IMAGE`, else built when the first test asks for it.
 fn image() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     IMAGE.get_or_init(|| {
+        if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
+            return built.into();
+        }
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let target = std::env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| root.join("target"), |named| root.join(named));
@@ -86,7 +88,8 @@ pub struct Desk {
     pub pc: Connection<Line>,
     /// Every step of the telemetry since the start of the test.
     pub steps: Vec<(u32, StepReport)>,
-    wire: Wire,
+    /// The serial line itself.
+    pub wire: Wire,
     log: Arc<Mutex<Log>>,
     board: Option<JoinHandle<Result<(), String>>>,
 }
@@ -153,6 +156,15 @@ impl Desk {
             log,
             board: Some(board),
         }
+    }
+
+    /// A connection for somebody else, in place of the one here.
+    pub fn connection(&self) -> Connection<Line> {
+        let line = Line {
+            wire: self.wire.clone(),
+            came: VecDeque::new(),
+        };
+        Connection::new(line, Patience::EMULATED)
     }
 
     pub fn status(&mut self) -> Status {

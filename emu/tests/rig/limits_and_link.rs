@@ -1,0 +1,158 @@
+//! What trips a test: sensors, limits, the link. Each leaves PERMIT low in a stated time, the command where it stood, the
+//! reason readable, and every step that was sent received.
+
+use crate::desk::{Desk, PERIOD_NS, config};
+use emu::{Fault, Planned, Seen};
+use link::command::Command;
+use link::reply::Reply;
+use outerloop_core::{Config, Event, Fault as Reason, State};
+
+/// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
+fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
+    let plan = fault.map(|fault| Planned {
+        after_steps: 1200,
+        fault,
+    });
+    let mut desk = Desk::new(plan);
+    desk.load();
+    let mut limited = config();
+    change(&mut limited);
+    desk.order(Command::Configure(limited));
+    for _ in 0..300 {
+        desk.step();
+    }
+    desk.order(Command::Event(Event::Arm));
+    while desk.step().state() != Some(State::Armed) {}
+    while desk.step().command_m != 0.0 {}
+    desk.order(Command::Event(Event::Start));
+    desk
+}
+
+/// The test trips on `reason`; what follows is as it has to be. Gives the time from the fault to PERMIT low, ns.
+fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
+    desk.until(State::Tripped);
+    for _ in 0..100 {
+        desk.step();
+    }
+    let status = desk.status();
+    assert_eq!(status.trip.map(|t| t.fault), Some(reason));
+    assert!(!status.permit);
+    assert_eq!((status.dropped_steps, status.timing.overruns), (0, 0));
+    let seen = desk.log().seen;
+    let low = seen
+        .iter()
+        .rposition(|(_, s)| *s == Seen::Permit(false))
+        .unwrap();
+    let code = |s: &(u64, Seen)| match s.1 {
+        Seen::Dac(code) => Some(code),
+        _ => None,
+    };
+    let held = seen[..low].iter().rev().find_map(code).unwrap();
+    assert!(
+        seen[low..].iter().filter_map(code).all(|c| c == held),
+        "the command moves after PERMIT is low"
+    );
+    let codes: Vec<u16> = seen.iter().filter_map(code).collect();
+    assert!(
+        codes.windows(2).all(|w| w[0].abs_diff(w[1]) <= 12),
+        "the command jumps"
+    );
+    desk.order(Command::Event(Event::Clear));
+    assert_eq!(desk.status().state, State::Idle);
+    let at = seen.iter().find(|(_, s)| *s == Seen::Fault).map(|s| s.0);
+    at.map(|at| seen[low].0 - at)
+}
+
+#[test]
+fn a_broken_sensor_wire() {
+    let mut desk = begun(Some(Fault::SensorAtRail), |_| {});
+    let after = trips(&mut desk, Reason::AdcRail).unwrap();
+    assert!(after <= PERIOD_NS, "{after} ns");
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn a_sensor_that_stands_still() {
+    let mut desk = begun(Some(Fault::FrozenSensor), |_| {});
+    let after = trips(&mut desk, Reason::StaleSample).unwrap();
+    // 20 steps, as the test says, and some while the target itself hardly moves.
+    assert!(after <= 60 * PERIOD_NS, "{after} ns");
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn a_burst_of_noise_beyond_the_limit_of_the_force() {
+    let mut desk = begun(Some(Fault::NoiseBurst), |c| c.limits.force_n = Some(5000.0));
+    let after = trips(&mut desk, Reason::Force).unwrap();
+    assert!(after <= 2 * PERIOD_NS, "{after} ns");
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn each_limit() {
+    let limits: [(Reason, fn(&mut Config)); 3] = [
+        (Reason::Displacement, |c| {
+            c.limits.displacement_m = Some(0.003)
+        }),
+        (Reason::Force, |c| c.limits.force_n = Some(400.0)),
+        (Reason::Tracking, |c| c.limits.tracking_m = Some(0.0001)),
+    ];
+    for (reason, limit) in limits {
+        let mut desk = begun(None, limit);
+        trips(&mut desk, reason);
+        desk.assert_nothing_lost();
+    }
+}
+
+#[test]
+fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended() {
+    let mut desk = begun(Some(Fault::LinkCut(2000)), |_| {});
+    let after = trips(&mut desk, Reason::LinkLost).unwrap();
+    println!("PERMIT low {} ms after the cut", after / 1_000_000);
+    assert!(after <= 1_100 * PERIOD_NS, "{after} ns");
+}
+
+#[test]
+fn garbage_on_the_line_changes_nothing() {
+    let mut desk = begun(None, |_| {});
+    let before = desk.status();
+    let mut word = 1_u32;
+    for _ in 0..400 {
+        let garbage: Vec<u8> = (0..40)
+            .map(|_| {
+                word = word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (word >> 24) as u8
+            })
+            .collect();
+        desk.wire.send(&garbage);
+        desk.step();
+    }
+    desk.until(State::Finished);
+    let after = desk.status();
+    assert_eq!(after.trip, None);
+    assert!(
+        after.link.bad() > before.link.bad() + 10,
+        "{:?}",
+        after.link
+    );
+    assert_eq!((after.dropped_steps, after.timing.overruns), (0, 0));
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn a_configuration_with_a_number_that_is_none_is_refused_and_changes_nothing() {
+    let mut desk = Desk::new(None);
+    desk.load();
+    for value in [f64::NAN, f64::INFINITY, -1.0] {
+        let mut bad = config();
+        bad.limits.displacement_m = Some(value);
+        let Reply::Refused(refused) = desk.ask(Command::Configure(bad)) else {
+            panic!("{value} is accepted");
+        };
+        assert_eq!(refused.name.as_str(), "limits.displacement_m");
+    }
+    let status = desk.status();
+    assert!(status.configured && status.trip.is_none());
+    desk.order(Command::Event(Event::Arm));
+    desk.until(State::Armed);
+}

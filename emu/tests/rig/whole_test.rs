@@ -1,0 +1,137 @@
+//! A whole pseudodynamic test on the flashed image, over the link, as `outerloop run` does it.
+
+use crate::desk::{Desk, PERIOD_NS};
+use emu::Seen;
+use outerloop_cli::board::BoardBench;
+use outerloop_cli::experiment::Experiment;
+use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::files::test::TestFile;
+use outerloop_cli::summary::Verdict;
+use outerloop_cli::trace::Trace;
+use std::path::Path;
+
+/// Table 1 of the paper; the actuator is the desk's.
+const TEST: &str = "
+[structure]
+mass_kg = 1000
+stiffness_n_per_m = 158e3
+damping_ratio = 0.02
+[plant.actuator]
+kind = 'delay'
+delay_ms = 3
+[plant.specimen]
+kind = 'linear'
+[excitation]
+peak_response_mm = 20
+duration_s = 10
+";
+
+#[test]
+fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
+    let test = TestFile::parse(TEST, "test.toml", Path::new(""), &[]).unwrap();
+    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let mut desk = Desk::new(None);
+    let bench = BoardBench::new(desk.connection());
+    let method = test.config.compensation.kind;
+    let run = experiment
+        .run_on(&bench, method, &ideal, true, None::<Trace>)
+        .unwrap();
+    let summary = &run.summary;
+    assert_eq!(
+        summary.verdict,
+        Verdict::Completed,
+        "{}",
+        summary.sentence()
+    );
+    assert_eq!(summary.steps, 20_000);
+
+    // Every word of every step, commands and all, is what the loop here makes of the board's codes.
+    let board = summary.board.as_ref().unwrap();
+    println!("{}", board.sentence());
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    assert_eq!(board.steps_dropped, Some(0));
+    assert!(board.steps_received > 20_000);
+
+    // 12 bits over 100 mm: 24 um, on a peak of 20 mm.
+    println!(
+        "eps_rms {:.4}, eps_max {:.4} on converters of 12 bits",
+        summary.eps_rms, summary.eps_max
+    );
+    assert!(summary.eps_rms < 0.01 && summary.eps_max < 0.02);
+
+    drop(bench);
+    let status = desk.status();
+    let log = desk.log();
+    // Over the whole run the triggers keep to the timer's instants; the emulator stops between instructions, 4 ns each.
+    for (i, at) in (0_u64..).zip(&log.triggers_ns) {
+        let exact = log.triggers_ns[0] + i * PERIOD_NS;
+        assert!(at.abs_diff(exact) <= 4, "trigger {i}: {at} ns, {exact} ns");
+    }
+    let timing = status.timing;
+    assert_eq!(timing.period_cycles, 84_000);
+    assert!(
+        timing.shortest_period_cycles >= 83_999 && timing.longest_period_cycles <= 84_001,
+        "{timing:?}"
+    );
+    assert_eq!(timing.overruns, 0);
+
+    // From the trigger to the command: the conversions, then the step. Telemetry of every step and the link's orders
+    // load the board all the while, and nothing of them delays it by more than an instruction's entry.
+    let (soonest, latest) = (
+        log.latency_ns.iter().min().unwrap(),
+        log.latency_ns.iter().max().unwrap(),
+    );
+    let longest_step = log.step_instructions.iter().max().unwrap();
+    let share = f64::from(timing.worst_step_cycles) / f64::from(timing.period_cycles);
+    println!(
+        "trigger to command {soonest} to {latest} ns; step at most {longest_step} instructions and {} cycles, {:.2} % of \
+         the period; stack {} bytes",
+        timing.worst_step_cycles,
+        share * 100.0,
+        status.stack_bytes
+    );
+    assert!(share < 0.03);
+    // The DAC takes the command over 40 us after the trigger.
+    assert!(*latest < 40_000);
+    assert!(status.stack_bytes > 1000 && status.stack_bytes < 62 * 1024);
+
+    let codes: Vec<i32> = log
+        .seen
+        .iter()
+        .filter_map(|(_, s)| match s {
+            Seen::Dac(code) => Some(i32::from(*code)),
+            _ => None,
+        })
+        .collect();
+    let jump = codes.windows(2).map(|w| (w[1] - w[0]).abs()).max().unwrap();
+    // 20 mm at 2 Hz are 0.25 m/s: 5.2 codes a step, and one of the error feedback.
+    println!("largest step of the command {jump} codes");
+    assert!(jump <= 12, "{jump}");
+}
+
+#[test]
+fn the_control_interrupt_begins_as_early_under_the_worst_load_of_the_link() {
+    let mut desk = Desk::new(None);
+    let quiet = spread(&mut desk, false);
+    let loaded = spread(&mut desk, true);
+    println!("trigger to command: quiet {quiet:?} ns, with the line full both ways {loaded:?} ns");
+    // The same step, the same instants: what may differ is the instruction in which the interrupt falls.
+    assert!(loaded.1 <= quiet.1 + 200, "{loaded:?} after {quiet:?}");
+}
+
+/// The soonest and the latest command after its trigger, ns, over a quarter of a second, idle.
+fn spread(desk: &mut Desk, full: bool) -> (u32, u32) {
+    let begin = desk.log().latency_ns.len();
+    for _ in 0..500 {
+        if full {
+            // 50 bytes a step are all that the line carries; frames and garbage in turn.
+            desk.wire.send(&[0x55; 49]);
+            desk.wire.send(&[0]);
+        }
+        desk.step();
+    }
+    let log = desk.log();
+    let seen = &log.latency_ns[begin.max(100)..];
+    (*seen.iter().min().unwrap(), *seen.iter().max().unwrap())
+}
