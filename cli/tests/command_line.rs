@@ -410,3 +410,96 @@ fn the_demonstration_needs_no_input() {
     assert!(said.contains("diverged") && said.contains("paper"));
     assert!(folder.path().join("report.html").exists());
 }
+
+#[test]
+fn every_compensation_answers_to_its_name_in_every_place() {
+    let duration = ["--json", "--duration", "2"];
+    let all = json(&[&["compare", TABLE1][..], &duration].concat());
+    let rows = all["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 16);
+    for row in rows {
+        let name = row["compensation"].as_str().unwrap();
+        let set = format!("compensation.kind={name}");
+        let by_key = json(&[&["run", TABLE1, "--set", &set][..], &duration].concat());
+        let by_option = json(&[&["run", TABLE1, "--compensation", name][..], &duration].concat());
+        for key in ["compensation", "eps_rms", "eps_max", "energy_error_j"] {
+            assert_eq!(by_key[key], row[key], "{name}: {key}");
+            assert_eq!(by_option[key], row[key], "{name}: {key}");
+        }
+    }
+    let behind = ["--set", "compensation.predictor=afp"];
+    let paper = json(&[&["run", TABLE1][..], &behind, &duration].concat());
+    let alone = rows.iter().find(|r| r["compensation"] == "paper").unwrap();
+    let error = |r: &Value| r["eps_rms"].as_f64().unwrap();
+    assert!(error(&paper) < 0.5 * error(alone));
+    for (assignment, words) in [
+        ("compensation.predictor=magic", ["predictor", "magic"]),
+        ("compensation.adaptation.magic=1", ["adaptation", "magic"]),
+        ("compensation.order=4", ["compensation.order", "1 to 3"]),
+    ] {
+        refused(&["run", TABLE1, "--set", assignment], &words);
+    }
+}
+
+#[test]
+fn the_bench_ranks_its_contestants_and_draws_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy().into_owned();
+    let bench = [
+        "compare",
+        TABLE1,
+        "--bench",
+        "--duration",
+        "6",
+        "--json",
+        "--out",
+        &out,
+    ];
+    let names = ["--compensations", "none,paper,tangent,tangent+ats"];
+    let all = json(&[&bench[..], &names].concat());
+    let standings = all["standings"].as_array().unwrap();
+    assert_eq!(standings.len(), 4);
+    assert_eq!(standings[3]["compensation"], "none");
+    let tests = standings[0]["tests"].as_u64().unwrap();
+    assert!(tests >= 50, "{tests} rigs");
+    assert_eq!(all["rows"].as_array().unwrap().len() as u64, 4 * tests);
+    let mean = |i: usize| standings[i]["mean"].as_f64().unwrap();
+    assert!(mean(0) <= mean(1) && mean(2) < 0.5 * mean(3));
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 6);
+    assert!(page.contains("second order 33.5 ms") && !page.contains("NaN"));
+    refused(
+        &[&bench[..], &["--compensations", "paper+magic"]].concat(),
+        &["paper+magic", "tangent+ats"],
+    );
+}
+
+#[test]
+fn many_rigs_differ_and_repeat_themselves() {
+    let many = [
+        "monte-carlo",
+        TABLE1,
+        "--tests",
+        "20",
+        "--duration",
+        "6",
+        "--json",
+    ];
+    let (once, again) = (json(&many), json(&many));
+    for key in ["completed", "eps_rms_median", "eps_rms_95", "eps_rms_worst"] {
+        assert_eq!(once[key], again[key], "{key}");
+    }
+    // Gains of 2 % pass through the damping, which sees a stiffness in them, and are taken out by the tangent force.
+    let tangent = json(&[&many[..], &["--compensation", "tangent"]].concat());
+    let of = |a: &Value, key: &str| a[key].as_f64().unwrap();
+    for all in [&once, &tangent] {
+        assert_eq!(all["completed"], 20);
+        assert!(of(all, "eps_rms_median") < of(all, "eps_rms_worst"));
+    }
+    assert!(of(&tangent, "eps_rms_worst") < 1e-3);
+    assert!(of(&once, "eps_rms_95") > 50.0 * of(&tangent, "eps_rms_95"));
+    refused(
+        &["monte-carlo", TABLE1, "--tests", "0"],
+        &["--tests 0", "1 to"],
+    );
+}

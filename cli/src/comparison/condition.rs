@@ -90,14 +90,10 @@ impl Condition {
         // A lag acts on the held command from the beginning of a control period, the target is counted from its end.
         let half_period_ms = 0.5e3 / config.timing.rate_hz;
         let on = |family, specimen: &SpecimenSpec, name: &str, kind, delay_ms: f64| {
-            let specimen_name = match specimen.kind {
-                SpecimenKind::Linear => "linear",
-                _ => "yielding",
-            };
             let whole = kind == ActuatorKind::Delay;
             Self {
                 family,
-                name: format!("{specimen_name}, {name} {delay_ms} ms"),
+                name: format!("{}, {name} {delay_ms} ms", specimen_name(specimen)),
                 delay_ms,
                 told_ms: delay_ms - if whole { 0.0 } else { half_period_ms },
                 rig: RigSpec {
@@ -124,6 +120,10 @@ impl Condition {
                 "measured rig",
                 kind,
                 delay_ms + lag_ms,
+            );
+            rig.name = format!(
+                "{}, measured rig {delay_ms} + {lag_ms} ms",
+                specimen_name(specimen)
             );
             rig.rig.actuator.delay_ms = delay_ms.into();
             rig.rig.actuator.lag_ms = lag_ms.into();
@@ -173,6 +173,13 @@ impl Condition {
         own.test.plant = self.rig.clone();
         own.test.config.compensation.delay_ms = self.told_ms;
         own
+    }
+}
+
+fn specimen_name(specimen: &SpecimenSpec) -> &'static str {
+    match specimen.kind {
+        SpecimenKind::Linear => "linear",
+        _ => "yielding",
     }
 }
 
