@@ -99,6 +99,6 @@ fn main() {
         for ns in costs {
             print!(" {ns:7.1}");
         }
-        println!("   {a:.0} + {b:.1} n + {c:.2} n^2");
+        println!("   {a:.0} {b:+.1} n {c:+.2} n^2");
     }
 }
