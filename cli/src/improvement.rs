@@ -241,13 +241,14 @@ mod tests {
         specimen.mass_kg.as_mut().unwrap().value = 60.0;
         specimen.effects = vec![
             known(Effect::GainError, &[0.06], &[]),
-            known(Effect::ChannelSkew, &[1.5], &[]),
+            known(Effect::ChannelSkew, &[], &[1.5e-3]),
             known(Effect::CoulombFriction, &[300.0], &[0.2]),
             known(Effect::QuadraticDamping, &[0.1], &[]),
         ];
         let actuator = model.actuator.as_mut().unwrap();
         actuator.gain.as_mut().unwrap().value = 1.05;
-        actuator.effects = vec![known(Effect::SecondLag, &[1.0], &[6e-3])];
+        actuator.effects = vec![known(Effect::SecondLag, &[], &[6e-3])];
+        model.check().unwrap();
         let mut config = test.config.clone();
         let said = apply(&model, &mut config).join("\n");
         assert!((config.compensation.delay_ms - 10.0).abs() < 1e-9);
@@ -255,7 +256,7 @@ mod tests {
         let rig = &config.rig;
         assert_eq!(rig.command_gain.as_slice(), [1.05]);
         assert_eq!(rig.force_gain.as_slice(), [1.06]);
-        assert_eq!(rig.force_late_ms.as_slice(), [1.5]);
+        assert!((rig.force_late_ms[0] - 1.5).abs() < 1e-12);
         assert_eq!(rig.bearing_friction_n.as_slice(), [300.0]);
         assert!(
             said.contains("quadratic_damping is not taken out: what a specimen does"),

@@ -3,6 +3,7 @@
 use crate::Refusal;
 use crate::library;
 use crate::signals::Scales;
+use plant::Channel;
 use serde::{Deserialize, Serialize};
 
 /// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
@@ -31,6 +32,40 @@ pub struct KnownEffect {
 }
 
 impl KnownEffect {
+    /// Whether the numbers are as many as the effect has, and finite.
+    fn check(&self, channel: Channel) -> Result<(), Refusal> {
+        let place = format!("{channel}.effects: {}", self.name);
+        let candidates = library::candidates(channel);
+        let Some(candidate) = candidates.iter().find(|c| c.effect == self.name) else {
+            return Err(Refusal::new(format!(
+                "{place} is refused: accepted are effects that the {channel} can have"
+            )));
+        };
+        let scales = Scales::default();
+        let counts = [
+            (
+                "amplitudes",
+                &self.amplitudes,
+                (candidate.bounds)(&scales).len(),
+            ),
+            ("shapes", &self.shapes, (candidate.shapes)(&scales).len()),
+        ];
+        for (what, given, count) in counts {
+            if given.len() != count || given.iter().any(|x| !x.is_finite()) {
+                return Err(Refusal::new(format!(
+                    "{place}.{what} = {given:?} is refused: accepted are {count} finite numbers"
+                )));
+            }
+        }
+        if !(self.reference_mm.is_finite() && self.reference_mm > 0.0) {
+            return Err(Refusal::new(format!(
+                "{place}.reference_mm = {} is refused: accepted are finite numbers above 0",
+                self.reference_mm
+            )));
+        }
+        Ok(())
+    }
+
     /// A parameter of the effect by its name in the catalogue, in the catalogue's unit.
     pub fn parameter(&self, channel: plant::Channel, name: &str) -> Option<f64> {
         let candidates = library::candidates(channel);
@@ -150,11 +185,47 @@ impl Model {
                 )));
             }
         }
+        let actuator = self.actuator.iter().flat_map(|a| &a.effects);
+        let specimen = self.specimen.iter().flat_map(|s| &s.effects);
+        actuator
+            .map(|e| (Channel::Actuator, e))
+            .chain(specimen.map(|e| (Channel::Specimen, e)))
+            .try_for_each(|(channel, effect)| effect.check(channel))?;
         if self.actuator.is_none() && self.specimen.is_none() {
             return Err(Refusal::new(
                 "the model declares no channel: accepted is a table [actuator], a table [specimen], or both",
             ));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_effect_has_the_numbers_of_its_kind() {
+        let skew = |shapes: &[f64], reference_mm| Model {
+            specimen: Some(SpecimenModel {
+                effects: vec![KnownEffect {
+                    name: plant::Effect::ChannelSkew,
+                    amplitudes: Vec::new(),
+                    shapes: shapes.to_vec(),
+                    reference_mm,
+                }],
+                ..SpecimenModel::default()
+            }),
+            ..Model::default()
+        };
+        assert!(skew(&[1e-3], 10.0).check().is_ok());
+        for (model, said) in [
+            (skew(&[], 10.0), "shapes = [] is refused: accepted are 1"),
+            (skew(&[f64::NAN], 10.0), "shapes = [NaN]"),
+            (skew(&[1e-3], 0.0), "reference_mm = 0"),
+        ] {
+            let e = model.check().unwrap_err().to_string();
+            assert!(e.contains(said), "{e}");
+        }
     }
 }
