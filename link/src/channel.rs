@@ -149,12 +149,17 @@ impl Calibration {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorFeedback {
     owed: f32,
+    /// The last command that had a code, m, and its code.
+    last: Option<(f32, DacCode)>,
 }
 
 impl ErrorFeedback {
     /// Owes nothing.
     pub const fn new() -> Self {
-        Self { owed: 0.0 }
+        Self {
+            owed: 0.0,
+            last: None,
+        }
     }
 
     /// The code for `command_m`; `None` if the command is no number or lies outside the converter's range: the
@@ -171,7 +176,21 @@ impl ErrorFeedback {
         let code = (wanted + 0.5).clamp(0.0, top) as u16;
         // At the ends the debt cannot be paid and must not grow.
         self.owed = (wanted - f32::from(code)).clamp(-0.5, 0.5);
+        self.last = Some((command_m, DacCode(code)));
         Some(DacCode(code))
+    }
+
+    /// The code for a command on which nothing may move: while the command stands, so does its code, whatever is owed.
+    /// Errors as of [`code`](Self::code).
+    #[inline]
+    pub fn standing(&mut self, line: &Line, command_m: f32) -> Option<DacCode> {
+        match self.last {
+            Some((last_m, code)) if last_m.to_bits() == command_m.to_bits() => Some(code),
+            _ => {
+                self.owed = 0.0;
+                self.code(line, command_m)
+            }
+        }
     }
 }
 
@@ -229,6 +248,25 @@ mod tests {
             let exact = command_m / line.per_code + line.zero_code;
             assert!((sum as f32 / 1000.0 - exact).abs() < 2e-3, "{part}");
         }
+    }
+
+    #[test]
+    fn a_command_that_stands_keeps_its_code_whatever_is_owed() {
+        let line = Calibration::UNCALIBRATED.command;
+        let of = |code: f32| (code - line.zero_code) * line.per_code;
+        let mut feedback = ErrorFeedback::new();
+        // Two in five of these are shown a code higher.
+        let shown: [_; 8] = core::array::from_fn(|_| feedback.code(&line, of(2100.4)).unwrap());
+        let high = shown.iter().position(|c| c.value() == 2101).unwrap();
+        let mut feedback = ErrorFeedback::new();
+        for _ in 0..=high {
+            feedback.code(&line, of(2100.4));
+        }
+        for _ in 0..8 {
+            assert_eq!(feedback.standing(&line, of(2100.4)), DacCode::new(2101));
+        }
+        assert_eq!(feedback.standing(&line, of(2200.4)), DacCode::new(2200));
+        assert_eq!(feedback.standing(&line, f32::NAN), None);
     }
 
     proptest! {

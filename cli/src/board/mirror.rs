@@ -154,12 +154,12 @@ impl<'a, const N: usize> Mirror<'a, N> {
             sample.fresh = false;
             step = self.outer.step(&sample, &self.ground);
         }
-        if !step.permit {
-            self.feedback = ErrorFeedback::new();
-        }
-        let code = self
-            .feedback
-            .code(&self.calibration.command, step.command_m[0]);
+        let line = &self.calibration.command;
+        let code = if step.permit {
+            self.feedback.code(line, step.command_m[0])
+        } else {
+            self.feedback.standing(line, step.command_m[0])
+        };
         self.out_of_range = code.is_none();
         *step.record
     }

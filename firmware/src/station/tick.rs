@@ -100,13 +100,14 @@ impl<const N: usize, H: Hardware> Converters<N> for Front<'_, H> {
     #[inline]
     fn command(&mut self, command_m: &[f32; N], permit: bool) {
         // Permission goes before the command and is given after it.
-        if !permit {
-            self.hardware.permit(false);
-            // A command that stands is then a code that stands.
-            *self.feedback = ErrorFeedback::new();
-        }
         let command_m = command_m.first().copied().unwrap_or(0.0);
-        let code = self.feedback.code(&self.calibration.command, command_m);
+        let line = &self.calibration.command;
+        let code = if permit {
+            self.feedback.code(line, command_m)
+        } else {
+            self.hardware.permit(false);
+            self.feedback.standing(line, command_m)
+        };
         if let Some(code) = code {
             self.hardware.output(code);
         }
