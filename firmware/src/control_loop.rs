@@ -76,8 +76,8 @@ impl<const N: usize> ControlLoop<N> {
 mod tests {
     use super::*;
     use core::cell::Cell;
+    use outerloop_core::Config;
     use outerloop_core::Sample;
-    use outerloop_core::config::{Config, StructureConfig};
 
     /// A board whose every action takes time on one clock and is written down.
     struct Bench {
@@ -116,21 +116,7 @@ mod tests {
     }
 
     fn bench() -> (ControlLoop<1>, Bench) {
-        let one = |x: f64| [x].into_iter().collect();
-        let config = Config {
-            structure: StructureConfig {
-                mass_kg: one(1000.0),
-                stiffness_n_per_m: one(158e3),
-                damping_ratio: one(0.02),
-                physical_storeys: None,
-                physical_mass_kg: [].into_iter().collect(),
-            },
-            timing: Default::default(),
-            compensation: Default::default(),
-            estimation: Default::default(),
-            limits: Default::default(),
-            rig: Default::default(),
-        };
+        let config = Config::shear_frame([1000.0], [158e3], [0.02]);
         let clock: &Clock = Box::leak(Box::default());
         // Just before the counter turns over.
         clock.0.set(u32::MAX - 5);

@@ -30,7 +30,6 @@ mod tests {
     use link::channel::Calibration;
     use link::{AdcCode, DacCode};
     use outerloop_core::Config;
-    use outerloop_core::config::StructureConfig;
 
     /// 2 kHz, in ticks of the timer.
     const PERIOD_TICKS: u32 = 42_000;
@@ -156,29 +155,11 @@ mod tests {
     fn saved_settings_come_back(bench: Bench) {
         let mut store = Store::new(Flash::new(bench.p.FLASH, Irqs));
         let settings = Settings {
-            config: config(),
+            config: Config::shear_frame([1000.0], [158e3], [0.02]),
             calibration: Calibration::UNCALIBRATED,
         };
         feed();
         assert!(embassy_futures::block_on(store.save(&settings)));
         assert!(store::load() == Some(settings));
-    }
-
-    fn config() -> Config {
-        let one = |x: f64| [x].into_iter().collect();
-        Config {
-            structure: StructureConfig {
-                mass_kg: one(1000.0),
-                stiffness_n_per_m: one(158e3),
-                damping_ratio: one(0.02),
-                physical_storeys: None,
-                physical_mass_kg: [].into_iter().collect(),
-            },
-            timing: Default::default(),
-            compensation: Default::default(),
-            estimation: Default::default(),
-            limits: Default::default(),
-            rig: Default::default(),
-        }
     }
 }

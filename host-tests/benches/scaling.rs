@@ -3,9 +3,9 @@
 //! `cargo bench -p host-tests --bench scaling`. The best of several runs, without the plant: a step is what the board does.
 #![allow(missing_docs)]
 
+use host_tests::Scenario;
 use host_tests::qemu::bench::{rig, shaking};
-use host_tests::{Scenario, frame};
-use outerloop_core::{Design, Event, GroundMotion, Method, OuterLoop, Sample, State};
+use outerloop_core::{Config, Design, Event, GroundMotion, Method, OuterLoop, Sample, State};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -14,7 +14,10 @@ const RUNS: usize = 15;
 
 /// Nanoseconds of a step with `method`: samples are recorded first, so that only core is timed.
 fn cost_ns<const N: usize>(method: Method) -> f64 {
-    let mut scenario = Scenario::delayed(frame(&[1000.0; N], &[797.3e3; N], &[0.02; N]), 4.0);
+    let mut scenario = Scenario::delayed(
+        Config::shear_frame([1000.0; N], [797.3e3; N], [0.02; N]),
+        4.0,
+    );
     scenario.config.compensation.kind = method;
     let motion = shaking(STEPS as f64 / scenario.config.timing.rate_hz);
     let step_s = scenario.config.model_step_s();

@@ -8,7 +8,7 @@ pub mod exam;
 pub mod loopback;
 pub mod qemu;
 
-use outerloop_core::config::{Filter, StructureConfig};
+use outerloop_core::config::Filter;
 use outerloop_core::{
     Config, Design, Event, GroundMotion, Method, OuterLoop, Record, Sample, State,
 };
@@ -76,28 +76,9 @@ impl Scenario {
     }
 }
 
-/// A shear frame at 2 kHz in real time, with everything else as it is by default.
-pub fn frame(mass_kg: &[f64], stiffness_n_per_m: &[f64], damping_ratio: &[f64]) -> Config {
-    let list = |x: &[f64]| x.iter().copied().collect();
-    Config {
-        structure: StructureConfig {
-            mass_kg: list(mass_kg),
-            stiffness_n_per_m: list(stiffness_n_per_m),
-            damping_ratio: list(damping_ratio),
-            physical_storeys: None,
-            physical_mass_kg: list(&[]),
-        },
-        timing: Default::default(),
-        compensation: Default::default(),
-        estimation: Default::default(),
-        limits: Default::default(),
-        rig: Default::default(),
-    }
-}
-
 /// Table 1 of the paper.
 pub fn table1() -> Config {
-    frame(&[1000.0], &[158e3], &[0.02])
+    Config::shear_frame([1000.0], [158e3], [0.02])
 }
 
 /// The same test with everything on: two-stage filter, every interlock, noise on both sensors.

@@ -1,7 +1,8 @@
 //! Noise, converters, and the structure that locks itself.
 #![allow(missing_docs)]
 
-use host_tests::{Scenario, data, eps, frame, table1};
+use host_tests::{Scenario, data, eps, table1};
+use outerloop_core::Config;
 use outerloop_core::Method;
 use outerloop_core::config::{Filter, Secant};
 use outerloop_core::record::flag;
@@ -10,7 +11,7 @@ use outerloop_core::record::flag;
 fn steel_frame(share: f64, tolerance: f64) -> Scenario {
     let real = 358.5e3;
     // What is not known is the stiffness, not the damper: c = 2 zeta sqrt(k m) stays.
-    let mut config = frame(&[1158.0], &[real * share], &[0.02 / share.sqrt()]);
+    let mut config = Config::shear_frame([1158.0], [real * share], [0.02 / share.sqrt()]);
     config.timing.time_scale = 10.0;
     config.timing.approach_m_per_s = 0.05;
     config.compensation.delay_ms = 33.5;

@@ -5,7 +5,8 @@ use host_tests::qemu::bench::{self, Test, drive, emulated, rig, shaking, solved}
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::{Clock, Machine};
 use host_tests::qemu::profile::{self, Counts, PARTS};
-use host_tests::{Scenario, frame, table1, whole_pipeline};
+use host_tests::{Scenario, table1, whole_pipeline};
+use outerloop_core::Config;
 use outerloop_core::{Design, OuterLoop};
 
 /// Two-stage filter, integration, three energy errors, Eq 20, every interlock, record.
@@ -15,7 +16,7 @@ fn single() -> Scenario {
 
 fn three() -> Scenario {
     whole_pipeline(Scenario::delayed(
-        frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
+        Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
         4.0,
     ))
 }

@@ -4,7 +4,8 @@
 use host_tests::qemu::bench::{self, Test, emulated, first_difference, here, rig, shaking};
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::Clock;
-use host_tests::{Scenario, frame, table1};
+use host_tests::{Scenario, table1};
+use outerloop_core::Config;
 use outerloop_core::config::Filter;
 use outerloop_core::{Event, Fault, State};
 
@@ -91,7 +92,7 @@ fn one_degree_of_freedom() {
 #[test]
 fn three_degrees_of_freedom() {
     let scenario = noisy(Scenario::delayed(
-        frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
+        Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
         4.0,
     ));
     if let Some(states) = same::<3>(&scenario, 12_000, &busy) {

@@ -1,11 +1,12 @@
 //! What `outerloop check` says against what a test does: the eigenvalues of the loop against the growth of its response.
 #![allow(missing_docs)]
 
-use host_tests::{Scenario, Shaking, frame};
+use host_tests::{Scenario, Shaking};
 use outerloop_cli::stability::closed_loop::{Frame, Question};
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::{Row, row};
+use outerloop_core::Config;
 use outerloop_core::Method;
 use outerloop_core::config::Filter;
 use outerloop_core::record::flag;
@@ -15,7 +16,7 @@ const STIFFNESS: f64 = 158e3;
 
 /// One degree of freedom of 2 Hz without compensation.
 fn sdof(damping_ratio: f64, actuator: &str) -> Scenario {
-    let config = frame(&[1000.0], &[STIFFNESS], &[damping_ratio]);
+    let config = Config::shear_frame([1000.0], [STIFFNESS], [damping_ratio]);
     let mut s = Scenario::delayed(config, 0.0).with(Method::None);
     s.actuator = actuator.into();
     s
@@ -135,10 +136,10 @@ fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
 #[test]
 fn several_storeys_grow_as_their_worst_mode_does() {
     for delay_ms in [0.5, 0.75, 1.0, 2.0] {
-        let config = frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]);
+        let config = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]);
         agree::<3>(&Scenario::delayed(config, delay_ms).with(Method::None));
         let mut hybrid = Scenario::delayed(
-            frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]),
+            Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
             3.0 * delay_ms,
         )
         .with(Method::None);
@@ -157,7 +158,7 @@ fn variable_damping_is_stable_where_its_cycle_says_so() {
         (16.0, false),
         (24.0, false),
     ] {
-        let s = Scenario::delayed(frame(&[1000.0], &[STIFFNESS], &[0.02]), delay_ms);
+        let s = Scenario::delayed(Config::shear_frame([1000.0], [STIFFNESS], [0.02]), delay_ms);
         for method in [Method::Eq14, Method::Paper] {
             let s = s.with(method);
             let (said, seen) = (eigenvalues(&s, Law::Told), growth::<1>(&s, 20.0));
@@ -215,7 +216,7 @@ fn predictors_of_several_storeys_grow_as_their_worst_mode_does() {
         Method::Afp,
     ] {
         for (delay_ms, told_ms) in [(1.0, 1.0), (2.0, 1.0), (4.0, 2.0)] {
-            let config = frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]);
+            let config = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]);
             let mut s = Scenario::delayed(config, delay_ms).with(method);
             s.config.compensation.delay_ms = told_ms;
             println!("{} told {told_ms}", method.name());

@@ -1,7 +1,8 @@
 //! Several degrees of freedom: three storeys in the laboratory, and one with the rest computed.
 #![allow(missing_docs)]
 
-use host_tests::{Scenario, data, eps, frame};
+use host_tests::{Scenario, data, eps};
+use outerloop_core::Config;
 use outerloop_core::Method;
 
 /// Three equal storeys with a fundamental period of 0.5 s and 2 % damping in every mode.
@@ -9,7 +10,7 @@ fn three_storeys() -> Scenario {
     // omega_1 = 2 sqrt(k/m) sin(pi/14).
     let k = 1000.0
         * (std::f64::consts::TAU / 0.5 / (2.0 * (std::f64::consts::PI / 14.0).sin())).powi(2);
-    let mut s = Scenario::delayed(frame(&[1000.0; 3], &[k; 3], &[0.02; 3]), 4.0);
+    let mut s = Scenario::delayed(Config::shear_frame([1000.0; 3], [k; 3], [0.02; 3]), 4.0);
     // As examples/three-storey.toml says: the sech gain knows the first mode only.
     (s.config.compensation.gamma, s.config.compensation.clamp) = (0.02, 4.0);
     s
@@ -79,7 +80,7 @@ fn ten_times_slower_is_the_same_test_with_a_tenth_of_the_delay() {
     let Some([(_, kobe), _]) = data::kobe_and_tabas() else {
         return;
     };
-    let mut slow = Scenario::delayed(frame(&[1000.0], &[158e3], &[0.02]), 40.0);
+    let mut slow = Scenario::delayed(Config::shear_frame([1000.0], [158e3], [0.02]), 40.0);
     slow.config.timing.time_scale = 10.0;
     slow.config.compensation.delay_ms = 40.0;
     let error = eps(&slow.run::<1>(&kobe, 20.0, 1), &slow.ideal(&kobe, 20.0), 0).1;
@@ -94,7 +95,7 @@ fn substeps_reach_the_same_displacements() {
     let Some([(_, kobe), _]) = data::kobe_and_tabas() else {
         return;
     };
-    let mut s = Scenario::delayed(frame(&[1000.0], &[158e3], &[0.02]), 4.0);
+    let mut s = Scenario::delayed(Config::shear_frame([1000.0], [158e3], [0.02]), 4.0);
     s.config.timing.substeps = 5;
     s.config.timing.solve_substeps = 2;
     let error = eps(&s.run::<1>(&kobe, 20.0, 1), &s.ideal(&kobe, 20.0), 0).1;
@@ -109,7 +110,7 @@ fn the_physical_mass_is_corrected() {
         return;
     };
     let error = |corrected: bool| {
-        let mut s = Scenario::delayed(frame(&[1158.0], &[358.5e3], &[0.02]), 33.5);
+        let mut s = Scenario::delayed(Config::shear_frame([1158.0], [358.5e3], [0.02]), 33.5);
         s.actuator = "kind = 'second_order'\ndelay_ms = 33.5".into();
         s.config.timing.time_scale = 10.0;
         s.config.compensation.delay_ms = 33.5;

@@ -1,7 +1,8 @@
 //! Tangent force behind adaptive prediction: its targets. eps_rms on Kobe and Tabas, 40 s, at 2 kHz.
 #![allow(missing_docs)]
 
-use host_tests::{Scenario, data, eps, frame, table1};
+use host_tests::{Scenario, data, eps, table1};
+use outerloop_core::Config;
 use outerloop_core::Method;
 
 const BILINEAR: &str = "kind = 'bilinear'\nhardening_ratio = 0.05\nyield_mm = ";
@@ -115,7 +116,7 @@ fn noise_costs_no_more_than_with_an_ideal_actuator() {
 fn three_storeys_that_yield() {
     for kind in ["delay", "second_order"] {
         let mut s = bilinear(4.0);
-        s.config.structure = frame(&[1000.0; 3], &[797.3e3; 3], &[0.02; 3]).structure;
+        s.config.structure = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]).structure;
         s.actuator = format!("kind = '{kind}'\ndelay_ms = 4.0");
         s.specimen = format!("{BILINEAR}15.0");
         within::<3>(&format!("three storeys, {kind} 4 ms"), &s, 0.002);

@@ -48,6 +48,33 @@ pub struct Config {
     pub rig: Rig,
 }
 
+impl Config {
+    /// A shear frame of `N` storeys, listed from the ground up, masses in kg, stiffnesses in N/m, damping ratios as
+    /// fractions of critical. All of it stands in the laboratory, and the rest is as where a test file leaves it out.
+    /// Numbers are checked by [`Design::new`].
+    pub fn shear_frame<const N: usize>(
+        mass_kg: [f64; N],
+        stiffness_n_per_m: [f64; N],
+        damping_ratio: [f64; N],
+    ) -> Self {
+        const { assert!(N <= MAX_DOF, "a frame has at most MAX_DOF storeys") };
+        Self {
+            structure: StructureConfig {
+                mass_kg: mass_kg.into_iter().collect(),
+                stiffness_n_per_m: stiffness_n_per_m.into_iter().collect(),
+                damping_ratio: damping_ratio.into_iter().collect(),
+                physical_storeys: None,
+                physical_mass_kg: PerFloor::new(),
+            },
+            timing: Timing::default(),
+            compensation: Compensation::default(),
+            estimation: Estimation::default(),
+            limits: Limits::default(),
+            rig: Rig::default(),
+        }
+    }
+}
+
 /// The structure, listed from the ground up.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

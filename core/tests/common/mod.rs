@@ -1,32 +1,14 @@
 //! What the tests of the whole loop share: the structure of Table 1 and a specimen without sensors.
 #![allow(missing_docs, dead_code)]
 
-use outerloop_core::config::{Config, StructureConfig};
+use outerloop_core::Config;
 use outerloop_core::{Design, Event, GroundMotion, OuterLoop, Sample, State, Step};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
 
 /// Table 1 of the paper.
 pub fn table1() -> Config {
-    frame(&[1000.0], &[STIFFNESS_N_PER_M], &[0.02])
-}
-
-pub fn frame(mass_kg: &[f64], stiffness_n_per_m: &[f64], damping_ratio: &[f64]) -> Config {
-    let list = |x: &[f64]| x.iter().copied().collect();
-    Config {
-        structure: StructureConfig {
-            mass_kg: list(mass_kg),
-            stiffness_n_per_m: list(stiffness_n_per_m),
-            damping_ratio: list(damping_ratio),
-            physical_storeys: None,
-            physical_mass_kg: list(&[]),
-        },
-        timing: Default::default(),
-        compensation: Default::default(),
-        estimation: Default::default(),
-        limits: Default::default(),
-        rig: Default::default(),
-    }
+    Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02])
 }
 
 /// A ground motion of a few strong sines.

@@ -8,7 +8,7 @@ use link::reply::Reply;
 use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_cli::board::{Connection, Patience, Port, status};
-use outerloop_core::config::{Config, StructureConfig};
+use outerloop_core::Config;
 use outerloop_core::{Event, State};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
@@ -28,7 +28,7 @@ pub const PERIOD_NS: u64 = 500_000;
 const LONGEST_S: u64 = 20;
 
 /// The image as it is flashed: `OUTERLOOP_IMAGE`, else built when the first test asks for it.
-fn image() -> &'static Path {
+pub fn image() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     IMAGE.get_or_init(|| {
         if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
@@ -119,6 +119,10 @@ impl Desk {
 
     pub fn with_crystal(crystal_hz: u64, plan: Option<Planned>) -> Self {
         let firmware = Firmware::read(image()).expect("an image");
+        Self::with_firmware(firmware, crystal_hz, plan)
+    }
+
+    pub fn with_firmware(firmware: Firmware, crystal_hz: u64, plan: Option<Planned>) -> Self {
         let spec: RigSpec = toml::from_str(
             "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n",
         )
@@ -306,21 +310,7 @@ pub const STIFFNESS_N_PER_M: f64 = 158e3;
 
 /// Table 1 of the paper with limits.
 pub fn config() -> Config {
-    let one = |x: f64| [x].into_iter().collect();
-    let mut config = Config {
-        structure: StructureConfig {
-            mass_kg: one(1000.0),
-            stiffness_n_per_m: one(STIFFNESS_N_PER_M),
-            damping_ratio: one(0.02),
-            physical_storeys: None,
-            physical_mass_kg: [].into_iter().collect(),
-        },
-        timing: Default::default(),
-        compensation: Default::default(),
-        estimation: Default::default(),
-        limits: Default::default(),
-        rig: Default::default(),
-    };
+    let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
     config.limits.displacement_m = Some(0.045);
     config.limits.stale_steps = Some(20);
     config

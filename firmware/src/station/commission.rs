@@ -112,24 +112,9 @@ fn ramp(t_s: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use outerloop_core::config::StructureConfig;
 
     fn config() -> Config {
-        let one = |x: f64| [x].into_iter().collect();
-        let mut config = Config {
-            structure: StructureConfig {
-                mass_kg: one(1000.0),
-                stiffness_n_per_m: one(158e3),
-                damping_ratio: one(0.02),
-                physical_storeys: None,
-                physical_mass_kg: [].into_iter().collect(),
-            },
-            timing: Default::default(),
-            compensation: Default::default(),
-            estimation: Default::default(),
-            limits: Default::default(),
-            rig: Default::default(),
-        };
+        let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
         config.limits.displacement_m = Some(0.02);
         config
     }

@@ -69,25 +69,12 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use outerloop_core::config::StructureConfig;
 
     fn settings() -> Settings {
-        let three = |x: f64| [x; 3].into_iter().collect();
+        let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
+        config.structure.physical_storeys = Some(1);
         Settings {
-            config: Config {
-                structure: StructureConfig {
-                    mass_kg: three(1000.0),
-                    stiffness_n_per_m: three(158e3),
-                    damping_ratio: three(0.02),
-                    physical_storeys: Some(1),
-                    physical_mass_kg: [].into_iter().collect(),
-                },
-                timing: Default::default(),
-                compensation: Default::default(),
-                estimation: Default::default(),
-                limits: Default::default(),
-                rig: Default::default(),
-            },
+            config,
             calibration: Calibration::UNCALIBRATED,
         }
     }

@@ -2,7 +2,6 @@
 
 use super::any_loop::AnyLoop;
 use super::evidence::Patience;
-use outerloop_core::config::StructureConfig;
 use outerloop_core::{Config, Refusal};
 
 /// What the board's clocks allow.
@@ -85,21 +84,7 @@ impl Setup {
     /// # Errors
     /// The clock does not allow 2 kHz.
     pub fn unconfigured(clock: &Clock) -> Result<Self, Refusal> {
-        let one = |x: f64| [x].into_iter().collect();
-        let config = Config {
-            structure: StructureConfig {
-                mass_kg: one(1.0),
-                stiffness_n_per_m: one(1.0),
-                damping_ratio: one(0.02),
-                physical_storeys: Some(1),
-                physical_mass_kg: [].into_iter().collect(),
-            },
-            timing: Default::default(),
-            compensation: Default::default(),
-            estimation: Default::default(),
-            limits: Default::default(),
-            rig: Default::default(),
-        };
+        let config = Config::shear_frame([1.0], [1.0], [0.02]);
         Self::with(&config, clock, false)
     }
 }
@@ -117,21 +102,7 @@ mod tests {
     };
 
     fn with(change: impl FnOnce(&mut Config)) -> Result<Setup, Refusal> {
-        let one = |x: f64| [x].into_iter().collect();
-        let mut config = Config {
-            structure: StructureConfig {
-                mass_kg: one(1000.0),
-                stiffness_n_per_m: one(158e3),
-                damping_ratio: one(0.02),
-                physical_storeys: None,
-                physical_mass_kg: [].into_iter().collect(),
-            },
-            timing: Default::default(),
-            compensation: Default::default(),
-            estimation: Default::default(),
-            limits: Default::default(),
-            rig: Default::default(),
-        };
+        let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
         change(&mut config);
         Setup::new(&config, &CLOCK)
     }

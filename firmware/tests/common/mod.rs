@@ -11,7 +11,7 @@ use link::frame::{Seen, checksum};
 use link::reply::Reply;
 use link::status::Start;
 use link::{AdcCode, DacCode};
-use outerloop_core::config::{Config, StructureConfig};
+use outerloop_core::Config;
 use outerloop_core::{Event, Fault, State};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
@@ -300,21 +300,7 @@ impl Bench {
 }
 
 pub fn config() -> Config {
-    let one = |x: f64| [x].into_iter().collect();
-    let mut config = Config {
-        structure: StructureConfig {
-            mass_kg: one(1000.0),
-            stiffness_n_per_m: one(STIFFNESS_N_PER_M),
-            damping_ratio: one(0.02),
-            physical_storeys: None,
-            physical_mass_kg: [].into_iter().collect(),
-        },
-        timing: Default::default(),
-        compensation: Default::default(),
-        estimation: Default::default(),
-        limits: Default::default(),
-        rig: Default::default(),
-    };
+    let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
     config.limits.displacement_m = Some(0.045);
     config.limits.stale_steps = Some(20);
     config
