@@ -7,8 +7,8 @@ use std::path::Path;
 /// An ELF file, its symbols and its sizes.
 #[derive(Debug)]
 pub struct Firmware {
-    /// What the emulator places in memory.
-    pub images: [Image; 1],
+    /// What the emulator places in memory, the image first.
+    pub images: Vec<Image>,
     symbols: Symbols,
 }
 
@@ -23,9 +23,19 @@ impl Firmware {
         let symbols = Symbols::read(image.bytes(), |address| address & !1)
             .map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Self {
-            images: [image],
+            images: vec![image],
             symbols,
         })
+    }
+
+    /// With `bytes` in the flash at `address`, as something left them there before the power was last off.
+    ///
+    /// # Errors
+    /// A sentence: they cannot be placed.
+    pub fn with_flash(mut self, address: u64, bytes: Vec<u8>) -> Result<Self, String> {
+        let left = Image::new(Path::new("flash"), bytes, Some(address));
+        self.images.push(left.map_err(|e| e.to_string())?);
+        Ok(self)
     }
 
     /// The address of a symbol.
@@ -36,9 +46,17 @@ impl Firmware {
         self.symbols.get(name).map_err(|e| e.to_string())
     }
 
+    /// Bytes of its variables, without the stack.
+    ///
+    /// # Errors
+    /// A sentence: the image lacks the symbols of its start-up code.
+    pub fn ram_bytes(&self) -> Result<u64, String> {
+        Ok(self.symbol("__ebss")? - self.symbol("__sdata")?)
+    }
+
     /// Bytes that the image takes in flash: everything that is stored.
     pub fn flash_bytes(&self) -> u64 {
-        let stored = self.images.iter().flat_map(Image::segments);
+        let stored = self.images.iter().take(1).flat_map(Image::segments);
         stored.map(|(_, bytes)| bytes.len() as u64).sum()
     }
 }

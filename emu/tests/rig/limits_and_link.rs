@@ -5,7 +5,7 @@ use crate::desk::{Desk, PERIOD_NS, config};
 use emu::{Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::Reply;
-use outerloop_core::{Config, Event, Fault as Reason, State};
+use outerloop_core::{Config, Event, Fault as Reason, Method, State};
 
 /// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
 fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
@@ -48,9 +48,10 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
         _ => None,
     };
     let held = seen[..low].iter().rev().find_map(code).unwrap();
+    let after: Vec<u16> = seen[low..].iter().filter_map(code).collect();
     assert!(
-        seen[low..].iter().filter_map(code).all(|c| c == held),
-        "the command moves after PERMIT is low"
+        after.iter().all(|&c| c == held),
+        "{reason:?}: the command stood at {held} and moves after PERMIT is low: {after:?}"
     );
     let codes: Vec<u16> = seen.iter().filter_map(code).collect();
     assert!(
@@ -90,12 +91,17 @@ fn a_burst_of_noise_beyond_the_limit_of_the_force() {
 
 #[test]
 fn each_limit() {
-    let limits: [(Reason, fn(&mut Config)); 3] = [
+    let limits: [(Reason, fn(&mut Config)); 4] = [
         (Reason::Displacement, |c| {
             c.limits.displacement_m = Some(0.003)
         }),
         (Reason::Force, |c| c.limits.force_n = Some(400.0)),
         (Reason::Tracking, |c| c.limits.tracking_m = Some(0.0001)),
+        // The rig is 3 ms late, and nothing takes the energy out that this puts in.
+        (Reason::EnergyRatio, |c| {
+            c.compensation.kind = Method::None;
+            c.limits.energy_trip = Some(0.02);
+        }),
     ];
     for (reason, limit) in limits {
         let mut desk = begun(None, limit);

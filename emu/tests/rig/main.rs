@@ -4,4 +4,5 @@
 mod crashes;
 mod desk;
 mod limits_and_link;
+mod settings;
 mod whole_test;

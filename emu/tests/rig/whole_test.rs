@@ -1,7 +1,7 @@
 //! A whole pseudodynamic test on the flashed image, over the link, as `outerloop run` does it.
 
-use crate::desk::{Desk, PERIOD_NS};
-use emu::Seen;
+use crate::desk::{Desk, PERIOD_NS, image};
+use emu::{Firmware, Seen};
 use outerloop_cli::board::BoardBench;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
@@ -92,6 +92,13 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         status.stack_bytes
     );
     assert!(share < 0.03);
+    let firmware = Firmware::read(image()).unwrap();
+    let kib = |bytes: u64| bytes as f64 / 1024.0;
+    println!(
+        "flash {:.1} KiB, RAM {:.1} KiB without the stack",
+        kib(firmware.flash_bytes()),
+        kib(firmware.ram_bytes().unwrap())
+    );
     // The DAC takes the command over 40 us after the trigger.
     assert!(*latest < 40_000);
     assert!(status.stack_bytes > 1000 && status.stack_bytes < 62 * 1024);
