@@ -46,11 +46,12 @@ pub fn diagnose(
         };
         let (answer, found) = channel.assess(&mut improved);
         channels.push(answer);
-        drive = found.map(|solution| Drive {
+        let known = found.map(|solution| Drive {
             cutoff_hz: channel.cutoff_hz(),
             base: channel.base,
             solution,
         });
+        drive = known.filter(|d| d.tells(train));
     }
     Ok(Diagnosis {
         seconds: begin.elapsed().as_secs_f64(),
@@ -75,7 +76,16 @@ struct Drive {
 }
 
 impl Drive {
-    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves.
+    /// Whether it tells the motion of these records better than a low-pass of the readings does.
+    fn tells(&self, records: &[Recording]) -> bool {
+        records.iter().all(|r| {
+            let steady = |x: Vec<f64>| !spectrum::jitters(&x, r.interval_s(), self.cutoff_hz);
+            self.motion(r).is_some_and(steady)
+        })
+    }
+
+    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves; none where the record
+    /// begins in motion, since what was commanded before is not in it.
     fn motion(&self, r: &Recording) -> Option<Vec<f64>> {
         let s = &self.solution;
         let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;

@@ -4,7 +4,7 @@ use crate::fit::{Frame, Solution, settle};
 use crate::library::{Candidate, candidates};
 use crate::noise::Noise;
 use crate::problem::{Base, Problem, rms};
-use plant::Effect;
+use plant::{Channel, Effect};
 use rayon::prelude::*;
 
 /// Smallest structured rms that matters, in noise rms.
@@ -19,6 +19,8 @@ const EQUAL: f64 = 10.0;
 const CERTAIN: f64 = 1.05;
 /// Explanations are equally good that differ by less than this share of what the better one leaves unexplained.
 const INDIFFERENT: f64 = 0.1;
+/// What leaves no more than this share of the structured rms accounts for it.
+const ACCOUNTS: f64 = 0.12;
 /// Largest share of the structured rms that may remain.
 const REMAINS: f64 = 0.3;
 /// A second effect must explain this share of the original structured rms.
@@ -81,13 +83,18 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
         let own = (to.cost / to.samples as f64).max(1.0);
         (from.cost - to.cost) / own - (to.unknowns as f64 - from.unknowns as f64) * ln_n
     };
-    let library = candidates(base.channel);
+    let mut library = candidates(base.channel);
+    // Where no lag is declared, a second one is the first.
+    if base.channel == Channel::Actuator && base.values[2] == 0.0 {
+        library.retain(|c| c.effect != Effect::SecondLag);
+    }
     let mut singles = best_with(&[], &library, &out.before, base, noise);
     // What leaves more than was there before has fitted the noise's colour, not the record.
     let worst = left(&out.before);
     singles.retain(|s| left(s) <= worst);
     singles.sort_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)));
-    simplest_first(&mut singles, ln_n);
+    let accounts = |s: &Solution| structured(left(s), noise) < ACCOUNTS * start;
+    simplest_first(&mut singles, ln_n, accounts);
     out.tried = singles
         .iter()
         .map(|s| (s.effects[0].candidate.effect, left(s), gain(&out.before, s)))
@@ -255,14 +262,15 @@ fn room(best: &Solution) -> f64 {
     (EQUAL * (best.cost / expected).max(1.0)).max(INDIFFERENT * unexplained)
 }
 
-/// Of an effect and one that contains it as a special case, the special case goes first where it does as well.
-fn simplest_first(singles: &mut [Solution], ln_n: f64) {
+/// Of an effect and one that contains it as a special case, the special case goes first where it does as well, or
+/// accounts for so much that the rest is a matter of its form.
+fn simplest_first(singles: &mut [Solution], ln_n: f64, accounts: impl Fn(&Solution) -> bool) {
     let Some(best) = singles.first() else { return };
     let most = score(best, ln_n) + room(best);
     let included = best.effects[0].candidate.includes;
-    let simpler = singles
-        .iter()
-        .position(|s| included.contains(&s.effects[0].candidate.effect) && score(s, ln_n) < most);
+    let simpler = singles.iter().position(|s| {
+        included.contains(&s.effects[0].candidate.effect) && (score(s, ln_n) < most || accounts(s))
+    });
     if let Some(i) = simpler {
         singles[..=i].rotate_right(1);
     }

@@ -115,17 +115,25 @@ impl Stretch {
     }
 }
 
-/// An acceleration so many times its rms is a corner.
-const CORNER: f64 = 8.0;
+/// A corner: over 3 samples to either side the acceleration turns by more than this share of its rms. What a rig is
+/// commanded to turns by a few percent of it.
+const CORNER: f64 = 0.3;
+/// More corners than this share of the samples are the motion itself.
+const MOSTLY: f64 = 0.2;
 
+/// Samples around the corners of a motion without noise.
 fn corners(a: &[f64]) -> Vec<usize> {
     let n = a.len();
     let most = CORNER * (a.iter().map(|a| a * a).sum::<f64>() / n as f64).sqrt();
-    let mut near: Vec<usize> = (0..n)
-        .filter(|&i| a[i].abs() > most)
-        .flat_map(|i| i.saturating_sub(2)..(i + 3).min(n))
+    let turns = |i: &usize| (a[*i] - 0.5 * (a[i - 3] + a[i + 3])).abs() > most;
+    let mut near: Vec<usize> = (3..n.saturating_sub(3))
+        .filter(turns)
+        .flat_map(|i| i - 2..i + 3)
         .collect();
     near.dedup();
+    if near.len() as f64 > MOSTLY * n as f64 {
+        near.clear();
+    }
     near
 }
 
@@ -176,7 +184,7 @@ impl Problem {
                 Channel::Specimen => {
                     let clean = crate::noise::without_hum(displacement, r);
                     let motion = match motions.get(i).and_then(Option::as_ref) {
-                        Some(x) => spectrum::Motion::of(x.clone(), h),
+                        Some(x) => spectrum::Motion::of(x, h),
                         None => spectrum::smooth(&clean, h, cutoff_hz),
                     };
                     (Some(motion), clean, Vec::new(), r.force_n.as_ref()?.clone())
@@ -185,7 +193,7 @@ impl Problem {
             // Only damping and mass feel a corner more than the reading shows it.
             let feels = base.values[1] != 0.0 || base.values[2] != 0.0;
             let corners = match &motion {
-                Some(m) if feels => corners(&m.a),
+                Some(m) if feels && motions.get(i).is_some_and(Option::is_some) => corners(&m.a),
                 _ => Vec::new(),
             };
             let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;

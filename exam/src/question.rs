@@ -61,12 +61,14 @@ pub(crate) fn undeclared(questions: &[Question]) -> Undeclared {
             .iter()
             .any(|q| q.name() == name && q.channel() == channel)
     };
+    // The frame of `y / (1 + k / k_frame)` gives way to a spring alone.
+    let compliant = asks("rig_compliance", Channel::Actuator);
     let early = questions.iter().any(|q| matches!(q, Question::EarlyForce));
     Undeclared {
         offset_mm: asks("offset", Channel::Actuator),
         offset_n: asks("offset", Channel::Specimen),
-        damping: early || asks("viscous_damping", Channel::Specimen),
-        mass: asks("inertia_force", Channel::Specimen),
+        damping: early || compliant || asks("viscous_damping", Channel::Specimen),
+        mass: compliant || asks("inertia_force", Channel::Specimen),
     }
 }
 
