@@ -88,7 +88,8 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     if base.channel == Channel::Actuator && base.values[2] == 0.0 {
         library.retain(|c| c.effect != Effect::SecondLag);
     }
-    let mut singles = best_with(&[], &library, &out.before, base, noise);
+    let search = Search::new(problem, base, noise);
+    let mut singles = search.best_with(&[], &library, &out.before);
     // What leaves more than was there before has fitted the noise's colour, not the record.
     let worst = left(&out.before);
     singles.retain(|s| left(s) <= worst);
@@ -112,7 +113,7 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     out.after = first.clone();
     let mut now = first_left;
     if now > (MATTERS * noise.rms).max(0.1 * start)
-        && let Some(pair) = second(&first, &singles, &library, base, noise, ln_n)
+        && let Some(pair) = search.second(&first, &singles, &library, ln_n)
     {
         let pair_left = structured(left(&pair), noise);
         let more = (now * now - pair_left * pair_left).max(0.0).sqrt();
@@ -141,52 +142,106 @@ fn shaped(s: &Solution) -> Vec<Shaped> {
         .collect()
 }
 
-/// Each candidate at its best beside `fixed`, whose shapes stay.
-fn best_with(
-    fixed: &[Shaped],
-    library: &[Candidate],
-    from: &Solution,
-    base: &Base,
-    noise: &Noise,
-) -> Vec<Solution> {
-    // Around the declared values: without the effect the refitted ones have been pulled aside by it.
-    let mut start = from.problem.clone();
-    if fixed.is_empty() {
-        start.set(base, base.values);
-    }
-    let frame = Frame::new(&start, base, noise, fixed);
-    let relevant = library
-        .iter()
-        .filter(|c| fixed.iter().all(|(f, _)| f.effect != c.effect));
-    let relevant: Vec<&Candidate> = relevant.collect();
-    let mut found: Vec<(Shaped, f64)> = relevant
-        .par_iter()
-        .filter_map(|&candidate| {
-            let (shapes, amplitudes) = frame.search(candidate, None)?;
-            Some(((*candidate, shapes), amplitudes.cost))
-        })
-        .collect();
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    // The leading ones once more, linear around where they lead to.
-    let solutions: Vec<Solution> = found
-        .par_iter()
-        .enumerate()
-        .filter_map(|(rank, (effect, _))| {
-            let mut all = fixed.to_vec();
-            all.push(effect.clone());
-            let first = settle(&start, base, noise, &all)?;
-            if rank >= LEADING {
-                Some(first)
-            } else {
-                polish(first, base, noise)
-            }
-        })
-        .collect();
-    solutions
+/// What a search works with: the records as they are, and thinned for a first look at every candidate.
+struct Search<'a> {
+    base: &'a Base,
+    noise: &'a Noise,
+    thin_noise: Noise,
+    /// So many samples are averaged for the first look.
+    thin: usize,
 }
 
-/// How many leading candidates are polished.
-const LEADING: usize = 6;
+/// Samples a second that a first look makes do with: a rig moves far below half of it.
+const LOOK_HZ: f64 = 250.0;
+/// How many leading candidates are fitted to the records as they are.
+const LEADING: usize = 4;
+
+impl<'a> Search<'a> {
+    fn new(problem: &Problem, base: &'a Base, noise: &'a Noise) -> Self {
+        let rate_hz = 1.0 / (problem.scales.interval_s * noise.every as f64);
+        let times = (rate_hz / LOOK_HZ).round().max(1.0) as usize;
+        Self {
+            base,
+            noise,
+            thin_noise: noise.thinned(times),
+            thin: noise.every * times,
+        }
+    }
+
+    /// Each candidate at its best beside `fixed`, whose shapes stay; the leading ones are fitted to all samples, the
+    /// others are as the first look left them.
+    fn best_with(&self, fixed: &[Shaped], library: &[Candidate], from: &Solution) -> Vec<Solution> {
+        // Around the declared values: without the effect the refitted ones have been pulled aside by it.
+        let mut start = from.problem.clone();
+        if fixed.is_empty() {
+            start.set(self.base, self.base.values);
+        }
+        let thin = start.thinned(self.thin);
+        let frame = Frame::new(&thin, self.base, &self.thin_noise, fixed);
+        let new = |c: &&Candidate| fixed.iter().all(|(f, _)| f.effect != c.effect);
+        let relevant: Vec<&Candidate> = library.iter().filter(new).collect();
+        let mut found: Vec<(Shaped, f64)> = relevant
+            .par_iter()
+            .filter_map(|&candidate| {
+                let (shapes, amplitudes) = frame.search(candidate, None)?;
+                Some(((*candidate, shapes), amplitudes.cost))
+            })
+            .collect();
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found
+            .par_iter()
+            .enumerate()
+            .filter_map(|(rank, (effect, _))| {
+                let mut all = fixed.to_vec();
+                all.push(effect.clone());
+                let first = settle(&start, self.base, self.noise, &all)?;
+                if rank < LEADING {
+                    polish(first, self.base, self.noise)
+                } else {
+                    Some(first)
+                }
+            })
+            .collect()
+    }
+
+    /// The best pair that begins with one of the leading single effects: greedy, then each is replaced once by what does
+    /// better beside the other.
+    fn second(
+        &self,
+        first: &Solution,
+        singles: &[Solution],
+        library: &[Candidate],
+        ln_n: f64,
+    ) -> Option<Solution> {
+        let mut best: Option<Solution> = None;
+        for leader in std::iter::once(first).chain(singles.iter().skip(1).take(1)) {
+            let pairs = self.best_with(&shaped(leader), library, leader);
+            let Some(pair) = pairs
+                .into_iter()
+                .min_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)))
+            else {
+                continue;
+            };
+            // Only a second effect that carries its weight is worth another search.
+            let promising = score(leader, ln_n) - score(&pair, ln_n) > EVIDENCE;
+            let other = shaped(&pair).split_off(1);
+            let swapped = if promising {
+                self.best_with(&other, library, &pair)
+            } else {
+                Vec::new()
+            };
+            for candidate in std::iter::once(pair).chain(swapped) {
+                if best
+                    .as_ref()
+                    .is_none_or(|b| score(&candidate, ln_n) < score(b, ln_n))
+                {
+                    best = Some(candidate);
+                }
+            }
+        }
+        best.and_then(|b| polish(b, self.base, self.noise))
+    }
+}
 
 /// Searches the shapes of each effect again beside the others, around the parameters that have been reached.
 fn polish(solution: Solution, base: &Base, noise: &Noise) -> Option<Solution> {
@@ -213,45 +268,6 @@ fn polish(solution: Solution, base: &Base, noise: &Noise) -> Option<Solution> {
         }
     }
     Some(best)
-}
-
-/// The best pair that begins with one of the leading single effects: greedy, then each is replaced once by what does
-/// better beside the other.
-fn second(
-    first: &Solution,
-    singles: &[Solution],
-    library: &[Candidate],
-    base: &Base,
-    noise: &Noise,
-    ln_n: f64,
-) -> Option<Solution> {
-    let mut best: Option<Solution> = None;
-    for leader in std::iter::once(first).chain(singles.iter().skip(1).take(1)) {
-        let pairs = best_with(&shaped(leader), library, leader, base, noise);
-        let Some(pair) = pairs
-            .into_iter()
-            .min_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)))
-        else {
-            continue;
-        };
-        // Only a second effect that carries its weight is worth another search.
-        let promising = score(leader, ln_n) - score(&pair, ln_n) > EVIDENCE;
-        let other = shaped(&pair).split_off(1);
-        let swapped = if promising {
-            best_with(&other, library, &pair, base, noise)
-        } else {
-            Vec::new()
-        };
-        for candidate in std::iter::once(pair).chain(swapped) {
-            if best
-                .as_ref()
-                .is_none_or(|b| score(&candidate, ln_n) < score(b, ln_n))
-            {
-                best = Some(candidate);
-            }
-        }
-    }
-    best.and_then(|b| polish(b, base, noise))
 }
 
 /// By how much the cost of two explanations may differ that are equally good: by chance, or by a small part of what

@@ -275,6 +275,9 @@ fn downhill(
     (u, best)
 }
 
+/// Share of the cost by which the last step may be off from what it promised.
+const SETTLED: f64 = 1e-4;
+
 /// What came out of a fit: parameters, effects, cost.
 #[derive(Clone, Debug)]
 pub struct Solution {
@@ -299,11 +302,13 @@ pub fn settle(
     effects: &[(Candidate, Vec<f64>)],
 ) -> Option<Solution> {
     let mut problem = problem.clone();
+    // The specimen's answer is linear in its parameters, the actuator's nearly.
     let rounds = if base.channel == plant::Channel::Actuator {
-        4
+        5
     } else {
         1
     };
+    let mut promised = f64::INFINITY;
     let (mut last, mut samples) = (None, 0);
     for _ in 0..rounds {
         let frame = Frame::new(&problem, base, noise, effects);
@@ -314,14 +319,14 @@ pub fn settle(
             theta[f.index] += change;
         }
         problem.set(base, theta);
+        let settled = (found.cost - promised).abs() < SETTLED * found.cost.max(1.0);
+        promised = found.cost;
         last = Some(found);
+        if settled {
+            break;
+        }
     }
-    // Amplitudes and cost at the parameters themselves.
-    let found = if rounds > 1 {
-        Frame::new(&problem, base, noise, effects).alone()?
-    } else {
-        last?
-    };
+    let found = last?;
     let mut amplitudes = found.values[base.free.len()..].iter();
     let fitted: Vec<Fitted> = effects
         .iter()

@@ -18,6 +18,10 @@ pub struct Noise {
     /// Autoregressive coefficients: `e_t = (r_t - sum a_i r_{t-i}) / innovation_rms` is white.
     coefficients: Vec<f64>,
     innovation_rms: f64,
+    /// The rest that this was learnt from, averaged.
+    at_rest: Vec<Vec<f64>>,
+    /// Mean square that the converter's steps alone make.
+    least: f64,
 }
 
 /// Largest order of the autoregressive model.
@@ -43,23 +47,29 @@ impl Noise {
         let variance = (square / whole as f64).max(least);
         let blocks = scatter(&clean, interval_s, variance);
         let clean: Vec<Vec<f64>> = clean.iter().map(|s| averaged(s, every)).collect();
-        let samples = clean.iter().map(Vec::len).sum::<usize>().max(1);
-        let mut cov = [0.0; ORDER + 1];
-        for s in &clean {
-            for (lag, c) in cov.iter_mut().enumerate() {
-                *c += dot(&s[lag.min(s.len())..], &s[..s.len() - lag.min(s.len())]);
-            }
-        }
-        cov.iter_mut().for_each(|c| *c /= samples as f64);
-        // What the converter makes on top of a still channel is white.
-        cov[0] = cov[0].max(least / every as f64);
-        let (coefficients, innovation) = autoregressive(&cov, samples);
+        let (coefficients, innovation) = whitener(&clean, least / every as f64);
         Self {
             rms: variance.sqrt(),
             blocks,
             every,
             coefficients,
             innovation_rms: innovation.sqrt(),
+            at_rest: clean,
+            least,
+        }
+    }
+
+    /// The noise of signals that are averaged over `times` as many samples beforehand.
+    pub fn thinned(&self, times: usize) -> Self {
+        let at_rest: Vec<Vec<f64>> = self.at_rest.iter().map(|s| averaged(s, times)).collect();
+        let (coefficients, innovation) =
+            whitener(&at_rest, self.least / (self.every * times) as f64);
+        Self {
+            every: 1,
+            coefficients,
+            innovation_rms: innovation.sqrt(),
+            at_rest,
+            ..*self
         }
     }
 
@@ -106,7 +116,7 @@ fn scatter(stretches: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64)
 }
 
 /// Means of `every` samples.
-fn averaged(x: &[f64], every: usize) -> Vec<f64> {
+pub fn averaged(x: &[f64], every: usize) -> Vec<f64> {
     if every == 1 {
         return x.to_vec();
     }
@@ -189,6 +199,21 @@ fn quadratures(x: &[f64], interval_s: f64, hz: f64) -> (f64, f64) {
     }
     let scale = 2.0 / x.len() as f64;
     (c * scale, s * scale)
+}
+
+/// The autoregressive model of noise at rest and the mean square that it leaves; what the converter makes on top of a
+/// still channel, `least`, is white.
+fn whitener(at_rest: &[Vec<f64>], least: f64) -> (Vec<f64>, f64) {
+    let samples = at_rest.iter().map(Vec::len).sum::<usize>().max(1);
+    let mut cov = [0.0; ORDER + 1];
+    for s in at_rest {
+        for (lag, c) in cov.iter_mut().enumerate() {
+            *c += dot(&s[lag.min(s.len())..], &s[..s.len() - lag.min(s.len())]);
+        }
+    }
+    cov.iter_mut().for_each(|c| *c /= samples as f64);
+    cov[0] = cov[0].max(least);
+    autoregressive(&cov, samples)
 }
 
 /// Yule-Walker equations; the order by Akaike's criterion.

@@ -3,6 +3,7 @@
 use crate::library::Candidate;
 use crate::linear::Bound;
 use crate::model::{ActuatorModel, Declared, KnownEffect, SpecimenModel};
+use crate::noise::averaged;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
 use crate::spectrum;
@@ -222,6 +223,7 @@ impl Problem {
             stiffness: 1.0,
             seconds: first.signals.interval_s * first.target.len() as f64,
             interval_s: first.signals.interval_s,
+            step_s: first.signals.interval_s,
             actuator: Transfer {
                 gain: 1.0,
                 delay_s: 0.0,
@@ -244,6 +246,42 @@ impl Problem {
         problem.set(base, base.values);
         problem.measure(base);
         Some(problem)
+    }
+
+    /// The same with every signal averaged over `n` samples: for a search, where a small error of a fast effect does
+    /// not matter. The answer stays that of the full rate; [`Problem::set`] would compute it at the low one.
+    pub fn thinned(&self, n: usize) -> Self {
+        let thin = |x: &Vec<f64>| averaged(x, n);
+        let stretches = self.stretches.iter().map(|stretch| {
+            let s = &stretch.signals;
+            let target = thin(&stretch.target);
+            let mut corners: Vec<usize> = stretch.corners.iter().map(|i| i / n).collect();
+            corners.dedup();
+            corners.retain(|i| *i < target.len());
+            Stretch {
+                signals: Signals {
+                    interval_s: s.interval_s * n as f64,
+                    time_s: thin(&s.time_s),
+                    x: thin(&s.x),
+                    v: thin(&s.v),
+                    a: thin(&s.a),
+                    base: thin(&s.base),
+                    reading: thin(&s.reading),
+                    force: thin(&s.force),
+                    command: thin(&s.command),
+                },
+                target,
+                corners,
+            }
+        });
+        Self {
+            stretches: stretches.collect(),
+            theta: self.theta,
+            scales: Scales {
+                step_s: self.scales.step_s * n as f64,
+                ..self.scales
+            },
+        }
     }
 
     /// Sizes of the motion.

@@ -62,8 +62,10 @@ pub struct Scales {
     pub stiffness: f64,
     /// Length of the record, s.
     pub seconds: f64,
-    /// Sampling interval, s.
+    /// Sampling interval of the record, s.
     pub interval_s: f64,
+    /// That of the signals that are worked on: a multiple of it where they are averaged.
+    pub step_s: f64,
     /// The actuator's gain, transport delay, s, lag, s, and offset, mm, as the model has them.
     pub actuator: Transfer,
     /// The same as declared.
@@ -133,6 +135,10 @@ pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
 
 /// Second-order low-pass of a natural frequency and damping ratio, trapezoidal; begins settled.
 pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
+    if hz * interval_s > 0.45 {
+        // Faster than the samples can show: late, and no more.
+        return lagged(u, damping / (std::f64::consts::PI * hz), interval_s);
+    }
     // Prewarped, so that the resonance stays where it is.
     let w = (std::f64::consts::PI * hz * interval_s).tan();
     let (a0, a1, a2) = (

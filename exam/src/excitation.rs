@@ -84,21 +84,27 @@ impl Plan {
             .collect();
         // Campaigns come at more than one level.
         let low_level = dice.between(0.3, 1.0);
-        (0..n)
-            .map(|i| {
-                let t = i as f64 * DT;
-                let level = if periods > 1.0 {
-                    1.0
-                } else {
-                    low_level + (1.0 - low_level) * smooth((t / self.moving_s - 0.45) / 0.1)
-                };
-                level
-                    * parts
-                        .iter()
-                        .map(|(hz, a, phase)| a * (TAU * hz * t + phase).sin())
-                        .sum::<f64>()
-            })
-            .collect()
+        let mut sum = vec![0.0; n];
+        for (hz, amplitude, phase) in parts {
+            // Turned on from sample to sample: a sine of its own for each would take most of the exam's time.
+            let (turn_sin, turn_cos) = (TAU * hz * DT).sin_cos();
+            let (mut sin, mut cos) = phase.sin_cos();
+            for x in &mut sum {
+                *x += amplitude * sin;
+                (sin, cos) = (
+                    sin * turn_cos + cos * turn_sin,
+                    cos * turn_cos - sin * turn_sin,
+                );
+            }
+        }
+        let level = |t: f64| {
+            if periods > 1.0 {
+                return 1.0;
+            }
+            low_level + (1.0 - low_level) * smooth((t / self.moving_s - 0.45) / 0.1)
+        };
+        let levelled = sum.iter().enumerate();
+        levelled.map(|(i, x)| level(i as f64 * DT) * x).collect()
     }
 
     fn chirp(&self, n: usize, dice: &mut Dice) -> Vec<f64> {

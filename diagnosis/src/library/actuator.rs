@@ -47,7 +47,7 @@ pub const CANDIDATES: &[Candidate] = &[
                 20,
             )]
         },
-        stage: Some(|y, p, k| delayed(y, extra_delay_s(p, k), k.interval_s)),
+        stage: Some(|y, p, k| delayed(y, extra_delay_s(p, k), k.step_s)),
         parameters: |_, p, k| vec![("delay_ms", "ms", 1e3 * extra_delay_s(p, k))],
         ..STAGE
     },
@@ -63,8 +63,8 @@ pub const CANDIDATES: &[Candidate] = &[
         stage: Some(|y, p, k| {
             let known_s = k.actuator.lag_s;
             let lag_s = (known_s + p[0] - k.declared.lag_s).max(0.0);
-            let before = unlagged(y, known_s, k.interval_s);
-            lagged(&before, lag_s, k.interval_s)
+            let before = unlagged(y, known_s, k.step_s);
+            lagged(&before, lag_s, k.step_s)
         }),
         parameters: |_, p, k| vec![("lag_ms", "ms", 1e3 * (p[0] - k.declared.lag_s))],
         ..STAGE
@@ -72,7 +72,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::SecondLag,
         shapes: |s| vec![Shape::new(0.5 * s.interval_s, 60.0 * s.interval_s, 14)],
-        stage: Some(|y, p, k| lagged(y, p[0], k.interval_s)),
+        stage: Some(|y, p, k| lagged(y, p[0], k.step_s)),
         parameters: |_, p, _| vec![("lag_ms", "ms", 1e3 * p[0])],
         ..STAGE
     },
@@ -84,7 +84,7 @@ pub const CANDIDATES: &[Candidate] = &[
                 Shape::new(0.02, 0.7, 5),
             ]
         },
-        stage: Some(|y, p, k| resonant(y, p[0], p[1], k.interval_s)),
+        stage: Some(|y, p, k| resonant(y, p[0], p[1], k.step_s)),
         parameters: |_, p, _| vec![("frequency_hz", "Hz", p[0]), ("damping_ratio", "", p[1])],
         // Far below its frequency it is late by 2 zeta / omega, and no more.
         includes: &[Effect::SecondLag, Effect::DelayError, Effect::LagError],
@@ -185,7 +185,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::RateLimit,
         shapes: |s| vec![Shape::new(0.1 * s.v, 0.995 * s.v, 16)],
-        stage: Some(|y, p, k| op::slew(y, p[0] * k.interval_s)),
+        stage: Some(|y, p, k| op::slew(y, p[0] * k.step_s)),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0])],
         ..STAGE
     },

@@ -171,6 +171,7 @@ mod tests {
             stiffness: 100.0,
             seconds: 20.0,
             interval_s: 1e-3,
+            step_s: 1e-3,
             actuator: Transfer {
                 gain: 1.0,
                 delay_s: 5e-3,

@@ -62,7 +62,7 @@ pub const CANDIDATES: &[Candidate] = &[
         effect: Effect::ChannelSkew,
         shapes: |_| vec![Shape::new(-0.03, 0.03, 24)],
         columns: |_, _, _| Vec::new(),
-        stage: Some(|f, p, k| delayed(f, p[0], k.interval_s)),
+        stage: Some(|f, p, k| delayed(f, p[0], k.step_s)),
         bounds: none,
         parameters: |_, p, _| vec![("skew_ms", "ms", 1e3 * p[0])],
         ..BASIS

@@ -116,7 +116,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             })
         }
         None => work(&plan, arguments.list, |_, paper| examinee::diagnosis(paper)),
-    };
+    }?;
     show(&plan, &all, arguments.json.as_deref())
 }
 
@@ -145,7 +145,7 @@ fn work(
     plan: &Plan,
     list: bool,
     examinee: impl Fn(&Item, &exam::Paper) -> Result<Answer, String> + Sync,
-) -> Vec<Sat> {
+) -> Result<Vec<Sat>, String> {
     let bar = ProgressBar::new(plan.items.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} records, {eta} to go") {
         bar.set_style(style);
