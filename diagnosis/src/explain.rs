@@ -4,6 +4,7 @@ use crate::fit::{Frame, Solution, settle};
 use crate::library::{Candidate, candidates};
 use crate::noise::Noise;
 use crate::problem::{Base, Problem, rms};
+use crate::sensitivity;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
@@ -183,25 +184,30 @@ impl<'a> Search<'a> {
         let mut found: Vec<(Shaped, f64)> = relevant
             .par_iter()
             .filter_map(|&candidate| {
-                let (shapes, amplitudes) = frame.search(candidate, None)?;
+                let (shapes, amplitudes) = frame.search(candidate)?;
                 Some(((*candidate, shapes), amplitudes.cost))
             })
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
-        found
-            .par_iter()
-            .enumerate()
-            .filter_map(|(rank, (effect, _))| {
-                let mut all = fixed.to_vec();
-                all.push(effect.clone());
-                let first = settle(&start, self.base, self.noise, &all)?;
-                if rank < LEADING {
-                    polish(first, self.base, self.noise)
-                } else {
-                    Some(first)
-                }
-            })
-            .collect()
+        // Beside a fixed effect only the best matters.
+        if !fixed.is_empty() {
+            found.truncate(LEADING);
+        }
+        let settled = found.par_iter().filter_map(|(effect, _)| {
+            let mut all = fixed.to_vec();
+            all.push(effect.clone());
+            settle(&start, self.base, self.noise, &all)
+        });
+        let mut settled: Vec<Solution> = settled.collect();
+        settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let polished = settled.into_par_iter().enumerate().map(|(rank, s)| {
+            if rank < LEADING {
+                polish(s, self.base, self.noise)
+            } else {
+                s
+            }
+        });
+        polished.collect()
     }
 
     /// The best pair that begins with one of the leading single effects: greedy, then each is replaced once by what does
@@ -239,35 +245,41 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        best.and_then(|b| polish(b, self.base, self.noise))
+        best.map(|b| polish(b, self.base, self.noise))
     }
 }
 
-/// Searches the shapes of each effect again beside the others, around the parameters that have been reached.
-fn polish(solution: Solution, base: &Base, noise: &Noise) -> Option<Solution> {
+/// How often a solution is made linear around itself at most.
+const STEPS: usize = 6;
+/// A fall of the cost that is not worth another step.
+const POLISHED: f64 = 0.2;
+
+/// Moves the shapes of all effects together to their best.
+fn polish(solution: Solution, base: &Base, noise: &Noise) -> Solution {
     let mut best = solution;
-    for _ in 0..2 {
-        let mut effects = shaped(&best);
-        let mut problem = best.problem.clone();
-        for i in 0..effects.len() {
-            let (candidate, shapes) = effects.remove(i);
-            let frame = Frame::new(&problem, base, noise, &effects);
-            let found = frame
-                .search(&candidate, Some(&shapes))
-                .map_or(shapes, |f| f.0);
-            effects.insert(i, (candidate, found));
+    for _ in 0..STEPS {
+        let Some(step) = sensitivity::step(&best, base, noise) else {
+            break;
+        };
+        if step.iter().all(Vec::is_empty) {
+            break;
         }
-        let next = settle(&problem, base, noise, &effects)?;
-        problem.clone_from(&next.problem);
-        let better = next.cost < best.cost - 0.5;
-        if next.cost < best.cost {
-            best = next;
-        }
-        if !better {
+        let next = [1.0, 0.4, 0.1].into_iter().find_map(|share| {
+            let moved = best.effects.iter().zip(&step).map(|(e, step)| {
+                let shapes = e.shapes.iter().zip(step).map(|(v, d)| v + share * d);
+                (e.candidate, shapes.collect())
+            });
+            let moved: Vec<Shaped> = moved.collect();
+            settle(&best.problem, base, noise, &moved).filter(|next| next.cost < best.cost)
+        });
+        let Some(next) = next else { break };
+        let fall = best.cost - next.cost;
+        best = next;
+        if fall < POLISHED {
             break;
         }
     }
-    Some(best)
+    best
 }
 
 /// By how much the cost of two explanations may differ that are equally good: by chance, or by a small part of what

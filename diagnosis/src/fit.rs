@@ -162,13 +162,8 @@ impl<'a> Frame<'a> {
         })
     }
 
-    /// The best shapes of a candidate, its amplitudes and cost: a grid, then downhill from the best two points of it
-    /// (or from `start`).
-    pub fn search(
-        &self,
-        candidate: &Candidate,
-        start: Option<&[f64]>,
-    ) -> Option<(Vec<f64>, Amplitudes)> {
+    /// The best shapes of a candidate, its amplitudes and cost: a grid, then downhill from the best two points of it.
+    pub fn search(&self, candidate: &Candidate) -> Option<(Vec<f64>, Amplitudes)> {
         let shapes = (candidate.shapes)(&self.problem.scales);
         if shapes.is_empty() {
             return self.with(candidate, &[]).map(|a| (Vec::new(), a));
@@ -176,43 +171,27 @@ impl<'a> Frame<'a> {
         let value =
             |u: &[f64]| -> Vec<f64> { u.iter().zip(&shapes).map(|(u, s)| at(s, *u)).collect() };
         let cost = |u: &[f64]| self.with(candidate, &value(u)).map_or(f64::MAX, |a| a.cost);
-        let starts: Vec<(Vec<f64>, f64)> = match start {
-            Some(start) => vec![
-                start
-                    .iter()
-                    .zip(&shapes)
-                    .map(|(v, s)| place(s, *v))
-                    .collect::<Vec<f64>>(),
-            ],
-            None => grid(&shapes),
-        }
-        .into_iter()
-        .map(|u| {
-            let c = cost(&u);
-            (u, c)
-        })
-        .collect();
-        let mut order: Vec<&(Vec<f64>, f64)> = starts.iter().collect();
-        order.sort_by(|a, b| a.1.total_cmp(&b.1));
-        // What starts from a result goes on where that ended.
-        let (first, finest) = if start.is_some() {
-            (0.1, 5e-5)
-        } else {
-            (0.6, 2e-3)
-        };
-        let width: Vec<f64> = shapes
-            .iter()
-            .map(|s| first / s.grid.max(2) as f64)
+        let mut starts: Vec<(Vec<f64>, f64)> = grid(&shapes)
+            .into_iter()
+            .map(|u| {
+                let c = cost(&u);
+                (u, c)
+            })
             .collect();
-        let best = order
+        starts.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let width: Vec<f64> = shapes.iter().map(|s| 0.6 / s.grid.max(2) as f64).collect();
+        let best = starts
             .iter()
             .take(2)
-            .map(|(u, c)| downhill(&cost, u, *c, &width, finest))
+            .map(|(u, c)| downhill(&cost, u, *c, &width, FINEST))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let shapes = value(&best.0);
         self.with(candidate, &shapes).map(|a| (shapes, a))
     }
 }
+
+/// Step of a shape between 0 and 1 at which a search ends.
+const FINEST: f64 = 4e-3;
 
 /// A shape from its place between 0 and 1.
 fn at(s: &Shape, u: f64) -> f64 {
@@ -220,13 +199,6 @@ fn at(s: &Shape, u: f64) -> f64 {
         return s.low + (s.high - s.low) * u.clamp(0.0, 1.0);
     }
     s.low * (s.high / s.low).powf(u.clamp(0.0, 1.0))
-}
-
-fn place(s: &Shape, value: f64) -> f64 {
-    if s.low <= 0.0 {
-        return ((value - s.low) / (s.high - s.low)).clamp(0.0, 1.0);
-    }
-    ((value / s.low).ln() / (s.high / s.low).ln()).clamp(0.0, 1.0)
 }
 
 fn grid(shapes: &[Shape]) -> Vec<Vec<f64>> {

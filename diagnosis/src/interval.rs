@@ -1,9 +1,9 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
 use crate::fit::Solution;
-use crate::library::Candidate;
 use crate::noise::Noise;
 use crate::problem::{Base, Fitted};
+use crate::sensitivity::{Jacobian, Unknown, unknowns};
 use nalgebra::{DMatrix, DVector};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -57,89 +57,18 @@ pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Fi
         .collect()
 }
 
-/// An unknown of an effect.
-#[derive(Clone, Copy, Debug)]
-struct Unknown {
-    effect: usize,
-    amplitude: bool,
-    index: usize,
-}
-
-impl Unknown {
-    /// The effects with this unknown moved a little, and by how much.
-    fn moved(&self, effects: &[Fitted]) -> (Vec<Fitted>, f64) {
-        let mut moved = effects.to_vec();
-        let e = &mut moved[self.effect];
-        let value = if self.amplitude {
-            &mut e.amplitudes[self.index]
-        } else {
-            &mut e.shapes[self.index]
-        };
-        let step = 2e-3 * value.abs().max(1e-9);
-        *value += step;
-        (moved, step)
-    }
-}
-
-fn unknowns(effect: usize, e: &Fitted) -> Vec<Unknown> {
-    let of = |amplitude: bool, n: usize| {
-        (0..n).map(move |index| Unknown {
-            effect,
-            amplitude,
-            index,
-        })
-    };
-    of(true, e.amplitudes.len())
-        .chain(of(false, e.shapes.len()))
-        .collect()
-}
-
 /// `H^-1 (sum of outer products of the blocks' scores) H^-1`, over declared parameters and all unknowns of the effects.
 fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix<f64>> {
-    let (problem, scales) = (&solution.problem, solution.problem.scales);
-    let all: Vec<Unknown> = solution
-        .effects
-        .iter()
-        .enumerate()
-        .flat_map(|(i, e)| unknowns(i, e))
-        .collect();
-    let n = base.free.len() + all.len();
-    let stages: Vec<(Candidate, &[f64])> = solution
-        .effects
-        .iter()
-        .map(|e| (e.candidate, e.shapes.as_slice()))
-        .collect();
-    let (mut columns, mut white) = (vec![Vec::new(); n], Vec::new());
-    for (stretch, residual) in problem
-        .stretches
-        .iter()
-        .zip(problem.residuals(&solution.effects, &scales))
-    {
-        let mut raw = problem.staged_columns(base, stretch, &stages);
-        let here = problem.answer(stretch, &solution.effects, &scales);
-        for unknown in &all {
-            let (moved, step) = unknown.moved(&solution.effects);
-            let there = problem.answer(stretch, &moved, &scales);
-            raw.push(
-                there
-                    .iter()
-                    .zip(&here)
-                    .map(|(t, h)| (t - h) / step)
-                    .collect(),
-            );
-        }
-        for (raw, column) in raw.into_iter().zip(&mut columns) {
-            noise.whiten_into(&stretch.judged(raw), column);
-        }
-        noise.whiten_into(&stretch.judged(residual), &mut white);
-    }
+    let scales = solution.problem.scales;
+    let Jacobian { columns, residual } = Jacobian::of(solution, base, noise);
+    let n = columns.len();
     let block = ((BLOCK_S / scales.interval_s) as usize / noise.every).max(4);
     let mut bread: DMatrix<f64> = DMatrix::zeros(n, n);
     let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
-    for start in (0..white.len()).step_by(block) {
-        let end = (start + block).min(white.len());
+    for start in (0..residual.len()).step_by(block) {
+        let end = (start + block).min(residual.len());
         let part = DMatrix::from_fn(n, end - start, |i, t| columns[i][start + t]);
-        let score = &part * DVector::from_column_slice(&white[start..end]);
+        let score = &part * DVector::from_column_slice(&residual[start..end]);
         bread += &part * part.transpose();
         meat += &score * score.transpose();
     }

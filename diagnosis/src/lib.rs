@@ -22,6 +22,7 @@ mod problem;
 mod recording;
 mod refusal;
 mod rest;
+mod sensitivity;
 mod signals;
 mod spectrum;
 

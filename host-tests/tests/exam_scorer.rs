@@ -26,7 +26,8 @@ fn answers(verdict: impl Fn(&Item, &exam::ChannelKey) -> ChannelAnswer + Sync) -
             })
         },
         |_| (),
-    );
+    )
+    .unwrap();
     let report = Report::new(&all);
     println!("{}", report.target_table());
     assert_eq!(

@@ -3,7 +3,7 @@
 use super::detection::{Point, detection};
 use super::grade::Mark;
 use super::sit::Sat;
-use super::tally::{Tally, median, quantile};
+use super::tally::{Tally, estimates, median, quantile};
 use comfy_table::{Table, presets::UTF8_HORIZONTAL_ONLY};
 use exam::Class;
 use serde_json::{Value, json};
@@ -208,6 +208,9 @@ impl<'a> Report<'a> {
                     "detection_size": s.item.detection,
                     "mark": format!("{:?}", s.grade.mark).to_lowercase(),
                     "seconds": s.seconds,
+                    "estimates": estimates(s).iter().map(|e| {
+                        json!({ "name": e.name, "truth": e.truth, "value": e.value, "ci90": e.ci90 })
+                    }).collect::<Vec<_>>(),
                 })
             })
             .collect();

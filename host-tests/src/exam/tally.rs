@@ -73,35 +73,8 @@ impl<'a> Tally<'a> {
 
     /// True parameters with an interval, and of them those inside it; of exact answers to matched equations.
     pub fn covered(&self) -> (usize, usize) {
-        let mut count = (0, 0);
-        for (name, inside) in self.intervals() {
-            let _ = name;
-            count.0 += 1;
-            count.1 += usize::from(inside);
-        }
-        count
-    }
-
-    /// Every interval that can be judged: `effect.parameter`, and whether the truth is in it.
-    pub fn intervals(&self) -> Vec<(String, bool)> {
-        let mut all = Vec::new();
-        for (s, c) in self.channels() {
-            let Ok(answer) = &s.answer else { continue };
-            let answer = answer.channel(c.name());
-            for hidden in &s.key.channels[c as usize].hidden {
-                let effect = answer.effects.iter().find(|e| e.name == hidden.name);
-                for (name, truth) in &hidden.parameters {
-                    let value = effect.and_then(|e| e.parameters.iter().find(|p| p.name == *name));
-                    if let Some([low, high]) = value.and_then(|p| p.ci90) {
-                        all.push((
-                            format!("{}.{name}", hidden.name),
-                            (low..=high).contains(truth),
-                        ));
-                    }
-                }
-            }
-        }
-        all
+        let all: Vec<Estimate> = self.records.iter().flat_map(|s| estimates(s)).collect();
+        (all.len(), all.iter().filter(|e| e.holds()).count())
     }
 
     /// Wall times, s, in increasing order.
@@ -139,6 +112,52 @@ impl<'a> Tally<'a> {
             .iter()
             .flat_map(|s| Channel::ALL.map(move |c| (*s, c)))
     }
+}
+
+/// A true parameter and what was answered for it.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// `effect.parameter`.
+    pub name: String,
+    /// Its true value.
+    pub truth: f64,
+    /// What was found.
+    pub value: f64,
+    /// 90 % interval.
+    pub ci90: [f64; 2],
+}
+
+impl Estimate {
+    /// Whether the truth is in the interval.
+    pub fn holds(&self) -> bool {
+        (self.ci90[0]..=self.ci90[1]).contains(&self.truth)
+    }
+}
+
+/// Every interval of a record that can be judged.
+pub fn estimates(s: &Sat) -> Vec<Estimate> {
+    let Ok(answer) = &s.answer else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    for key in &s.key.channels {
+        let answer = answer.channel(key.channel.name());
+        for hidden in &key.hidden {
+            let effect = answer.effects.iter().find(|e| e.name == hidden.name);
+            for (name, truth) in &hidden.parameters {
+                let found = effect.and_then(|e| e.parameters.iter().find(|p| p.name == *name));
+                if let Some((value, Some(ci90))) = found.map(|p| (p.value, p.ci90)) {
+                    all.push(Estimate {
+                        name: format!("{}.{name}", hidden.name),
+                        truth: *truth,
+                        value,
+                        ci90,
+                    });
+                }
+            }
+        }
+    }
+    all
 }
 
 /// A row of the confusion.

@@ -1,0 +1,152 @@
+//! How the answer of a model with effects changes with everything that was fitted.
+
+use crate::fit::Solution;
+use crate::library::Candidate;
+use crate::linear::{Bound, Normal, dot, solve};
+use crate::noise::Noise;
+use crate::problem::{Base, Fitted};
+use nalgebra::{DMatrix, DVector};
+
+/// An unknown of an effect.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknown {
+    /// Which of the solution's effects.
+    pub effect: usize,
+    /// An amplitude, else a shape.
+    pub amplitude: bool,
+    /// Which of them.
+    pub index: usize,
+}
+
+impl Unknown {
+    /// The effects with this unknown moved a little, and by how much.
+    pub fn moved(&self, effects: &[Fitted]) -> (Vec<Fitted>, f64) {
+        let mut moved = effects.to_vec();
+        let e = &mut moved[self.effect];
+        let value = if self.amplitude {
+            &mut e.amplitudes[self.index]
+        } else {
+            &mut e.shapes[self.index]
+        };
+        let step = 2e-3 * value.abs().max(1e-9);
+        *value += step;
+        (moved, step)
+    }
+}
+
+/// Amplitudes, then shapes, of one effect.
+pub fn unknowns(effect: usize, e: &Fitted) -> Vec<Unknown> {
+    let of = |amplitude: bool, n: usize| {
+        (0..n).map(move |index| Unknown {
+            effect,
+            amplitude,
+            index,
+        })
+    };
+    of(true, e.amplitudes.len())
+        .chain(of(false, e.shapes.len()))
+        .collect()
+}
+
+/// Derivatives of the white answer, and the white residual.
+#[derive(Clone, Debug)]
+pub struct Jacobian {
+    /// Declared parameters that are free, then the unknowns of each effect.
+    pub columns: Vec<Vec<f64>>,
+    /// Measured less modelled.
+    pub residual: Vec<f64>,
+}
+
+impl Jacobian {
+    /// At a solution.
+    pub fn of(solution: &Solution, base: &Base, noise: &Noise) -> Self {
+        let (problem, scales) = (&solution.problem, solution.problem.scales);
+        let all = every(solution);
+        let stages: Vec<(Candidate, &[f64])> = solution
+            .effects
+            .iter()
+            .map(|e| (e.candidate, e.shapes.as_slice()))
+            .collect();
+        let n = base.free.len() + all.len();
+        let (mut columns, mut white) = (vec![Vec::new(); n], Vec::new());
+        for stretch in &problem.stretches {
+            let mut raw = problem.staged_columns(base, stretch, &stages);
+            let here = problem.answer(stretch, &solution.effects, &scales);
+            for unknown in &all {
+                let (moved, step) = unknown.moved(&solution.effects);
+                let there = problem.answer(stretch, &moved, &scales);
+                let change = there.iter().zip(&here).map(|(t, h)| (t - h) / step);
+                raw.push(change.collect());
+            }
+            for (raw, column) in raw.into_iter().zip(&mut columns) {
+                noise.whiten_into(&stretch.judged(raw), column);
+            }
+            let residual = stretch.target.iter().zip(&here).map(|(t, h)| t - h);
+            noise.whiten_into(&stretch.judged(residual.collect()), &mut white);
+        }
+        Self {
+            columns,
+            residual: white,
+        }
+    }
+}
+
+fn every(solution: &Solution) -> Vec<Unknown> {
+    let effects = solution.effects.iter().enumerate();
+    effects.flat_map(|(i, e)| unknowns(i, e)).collect()
+}
+
+/// Where everything together would be best if the answer were linear: the change of each effect's shapes.
+pub fn step(solution: &Solution, base: &Base, noise: &Noise) -> Option<Vec<Vec<f64>>> {
+    let Jacobian { columns, residual } = Jacobian::of(solution, base, noise);
+    let n = columns.len();
+    let mut matrix = DMatrix::from_fn(n, n, |i, j| {
+        if j <= i {
+            dot(&columns[i], &columns[j])
+        } else {
+            0.0
+        }
+    });
+    matrix.fill_upper_triangle_with_lower_triangle();
+    let mut right = DVector::from_fn(n, |i, _| dot(&columns[i], &residual));
+    let theta = &solution.problem.theta;
+    for (i, f) in base.free.iter().enumerate() {
+        let precision = f.tolerance.powi(-2);
+        matrix[(i, i)] += precision;
+        right[i] += precision * (base.values[f.index] - theta[f.index]);
+    }
+    let scales = solution.problem.scales;
+    let mut bounds = base.bounds(theta);
+    for e in &solution.effects {
+        let around = |b: Bound, value: f64| Bound {
+            low: (b.low - value).min(0.0),
+            high: (b.high - value).max(0.0),
+        };
+        let own = (e.candidate.bounds)(&scales);
+        bounds.extend(
+            own.into_iter()
+                .zip(&e.amplitudes)
+                .map(|(b, a)| around(b, *a)),
+        );
+        let shapes = (e.candidate.shapes)(&scales);
+        bounds.extend(shapes.iter().zip(&e.shapes).map(|(s, v)| {
+            let (low, high) = (s.low, s.high);
+            around(Bound { low, high }, *v)
+        }));
+    }
+    let square = dot(&residual, &residual);
+    let normal = Normal {
+        matrix,
+        right,
+        square,
+    };
+    let (x, _) = solve(&normal, &bounds)?;
+    let mut at = base.free.len();
+    let shapes = solution.effects.iter().map(|e| {
+        at += e.amplitudes.len();
+        let step = x.as_slice()[at..at + e.shapes.len()].to_vec();
+        at += e.shapes.len();
+        step
+    });
+    Some(shapes.collect())
+}
