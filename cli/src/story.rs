@@ -5,12 +5,29 @@ use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
 use crate::improvement;
 use crate::terminal::Progress;
-use crate::trace::Response;
-use crate::verb::place::Place;
+use crate::trace::{Response, Witness};
 use diagnosis::{Diagnosis, Model, Verdict};
+use outerloop_core::Method;
 
 /// Share of a record, after the rest at its start, that is trained with.
 const TRAINED: f64 = 0.6;
+
+/// Where the tests of a story run, one after the other.
+pub trait Site {
+    /// Runs a test; see [`Experiment::run`].
+    ///
+    /// # Errors
+    /// Those of the test, and a rig or board that is not there.
+    fn run(
+        &self,
+        experiment: &Experiment,
+        method: Method,
+        ideal: &Response,
+        seed: u64,
+        keep: bool,
+        tell: impl Witness,
+    ) -> Result<Run, Failure>;
+}
 
 /// A test, the diagnosis of its record, and the same test with what was found.
 #[derive(Clone, Debug)]
@@ -43,13 +60,13 @@ impl Story {
     pub fn of(
         experiment: Experiment,
         model: &Model,
-        place: &Place,
+        site: &impl Site,
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let method = experiment.test.config.compensation.kind;
         let ideal = experiment.ideal()?;
-        let before = place.run(&experiment, method, &ideal, seed, true, progress.witness())?;
+        let before = site.run(&experiment, method, &ideal, seed, true, progress.witness())?;
         let found = diagnose(&experiment, &before, model)?;
         let mut improved = experiment.clone();
         let changes = if found.channels.iter().any(|c| !c.effects.is_empty()) {
@@ -60,14 +77,14 @@ impl Story {
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
-        let after = place.run(&improved, method, &ideal, seed, true, progress.witness())?;
+        let after = site.run(&improved, method, &ideal, seed, true, progress.witness())?;
         let remains = diagnose(&improved, &after, &found.improved)?;
         let possible = if experiment.test.plant.effects.is_empty() {
             None
         } else {
             let mut without = experiment.clone();
             without.test.plant.effects.clear();
-            Some(place.run(&without, method, &ideal, seed, false, progress.witness())?)
+            Some(site.run(&without, method, &ideal, seed, false, progress.witness())?)
         };
         Ok(Self {
             experiment,

@@ -61,16 +61,22 @@ impl Emulated {
     /// # Errors
     /// A checkout that cannot be found, or a build that fails: its last words.
     pub fn start(laboratory: &Laboratory) -> Result<Self, Failure> {
-        let root = checkout()?;
+        Self::with(&build_emulator(&checkout()?)?, laboratory)
+    }
+
+    /// The same with an emulator that has been built.
+    ///
+    /// # Errors
+    /// As [`Emulated::start`]; an emulator that does not start.
+    pub fn with(emulator: &Path, laboratory: &Laboratory) -> Result<Self, Failure> {
         let cannot = |what: &str, e: &dyn std::fmt::Display| {
             Failure::test(format!("--emulated: {what}: {e}"))
         };
         let file = tempfile::NamedTempFile::new().map_err(|e| cannot("a temporary file", &e))?;
         let text = toml::to_string(laboratory).map_err(|e| cannot("the rig", &e))?;
         std::fs::write(file.path(), text).map_err(|e| cannot("the rig", &e))?;
-        let image = build_image(&root)?;
-        let mut child = Command::new(build_emulator(&root)?)
-            .arg(&image)
+        let mut child = Command::new(emulator)
+            .arg(image()?)
             .arg(file.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -147,9 +153,13 @@ fn checkout() -> Result<PathBuf, Failure> {
         })
 }
 
-/// The image as it is flashed.
-fn build_image(root: &Path) -> Result<PathBuf, Failure> {
-    let target = target_folder(root);
+/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else it is built.
+fn image() -> Result<PathBuf, Failure> {
+    if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
+        return Ok(built.into());
+    }
+    let root = checkout()?;
+    let target = target_folder(&root);
     let mut build = Command::new(root.join("scripts/cross"));
     build.args([
         "build",
@@ -159,7 +169,7 @@ fn build_image(root: &Path) -> Result<PathBuf, Failure> {
         "nucleo_f429zi",
         "--release",
     ]);
-    run(build.current_dir(root).env("CARGO_TARGET_DIR", &target))?;
+    run(build.current_dir(&root).env("CARGO_TARGET_DIR", &target))?;
     Ok(target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi"))
 }
 

@@ -4,6 +4,7 @@ use crate::board::emulated::{Emulated, Laboratory};
 use crate::board::{BoardBench, Connection, Patience, Port, Serial};
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
+use crate::story::Site;
 use crate::trace::{Response, Witness};
 use outerloop_core::Method;
 
@@ -18,12 +19,8 @@ pub struct Place {
     emulated: bool,
 }
 
-impl Place {
-    /// Runs a test here; see [`Experiment::run`].
-    ///
-    /// # Errors
-    /// Those of the test, and a board that is not there.
-    pub fn run(
+impl Site for Place {
+    fn run(
         &self,
         experiment: &Experiment,
         method: Method,

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::files::{model, output, record_csv};
 use crate::improvement;
 use crate::report::{self, Section};
+use crate::story::Site;
 use crate::summary::Verdict;
 use crate::terminal::{self, Progress};
 use std::path::PathBuf;

@@ -1,0 +1,115 @@
+//! The loop closed on the flashed image: a test on a rig with something undeclared in it, the diagnosis of the board's
+//! telemetry, the improved configuration sent to the same board, the same test again.
+
+use outerloop_cli::board::emulated::{Emulated, Laboratory};
+use outerloop_cli::board::{BoardBench, Connection, Patience};
+use outerloop_cli::experiment::{Experiment, Run};
+use outerloop_cli::failure::Failure;
+use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::files::test::TestFile;
+use outerloop_cli::improvement;
+use outerloop_cli::story::{Site, Story};
+use outerloop_cli::terminal::Progress;
+use outerloop_cli::trace::{Response, Witness};
+use outerloop_core::Method;
+use plant::Effect;
+use std::cell::RefCell;
+use std::path::Path;
+
+/// The load cell reads 6 % too much; 12 bits over 10 kN are 5 N, as its noise.
+const TEST: &str = "
+[structure]
+mass_kg = 1000
+stiffness_n_per_m = 158e3
+damping_ratio = 0.02
+[loop]
+rate_hz = 2000
+[compensation]
+window_steps = 10
+[excitation]
+peak_response_mm = 20
+duration_s = 8
+rest_s = 2
+[plant.actuator]
+kind = 'delay'
+delay_ms = 4
+[plant.sensors]
+displacement_noise_mm = 0.02
+force_noise_n = 5
+[[plant.effects]]
+name = 'gain_error'
+channel = 'specimen'
+error = 0.06
+";
+
+/// Emulated boards, each behind a rig of its own; a rig keeps its board.
+#[derive(Default)]
+struct Boards {
+    on: RefCell<Vec<(plant::RigSpec, BoardBench<Emulated>)>>,
+}
+
+impl Site for Boards {
+    fn run(
+        &self,
+        experiment: &Experiment,
+        method: Method,
+        ideal: &Response,
+        seed: u64,
+        keep: bool,
+        tell: impl Witness,
+    ) -> Result<Run, Failure> {
+        let mut on = self.on.borrow_mut();
+        let rig = &experiment.test.plant;
+        let known = on.iter().position(|(theirs, _)| theirs == rig);
+        let place = match known {
+            Some(place) => place,
+            None => {
+                let laboratory = Laboratory::of(&experiment.test, seed);
+                let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
+                let port = Emulated::with(emulator, &laboratory)?;
+                let connection = Connection::new(port, Patience::EMULATED);
+                on.push((rig.clone(), BoardBench::new(connection)));
+                on.len() - 1
+            }
+        };
+        experiment.run_on(&on[place].1, method, ideal, keep, tell)
+    }
+}
+
+#[test]
+fn what_the_telemetry_tells_makes_the_next_test_on_the_same_board_better() {
+    let test = TestFile::parse(TEST, "test.toml", Path::new(""), &[]).unwrap();
+    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
+    let declared = improvement::declared(&test.config, &test.plant).unwrap();
+    let boards = Boards::default();
+    let progress = Progress::over("near-fault", Story::steps(&experiment) as u64);
+    let story = Story::of(experiment, &declared, &boards, 1, &progress).unwrap();
+    // The two tests of the rig with the effect ran on one board, the one without it on another.
+    assert_eq!(boards.on.borrow().len(), 2);
+
+    let found: Vec<_> = story
+        .diagnosis
+        .channels
+        .iter()
+        .flat_map(|c| &c.effects)
+        .collect();
+    assert!(
+        matches!(found[..], [e] if e.name == Effect::GainError),
+        "{found:?}"
+    );
+    let gain = &found[0].parameters[0];
+    assert!((gain.value - 0.06).abs() < 0.005, "{gain:?}");
+
+    let possible = story.possible.as_ref().unwrap();
+    let eps = [&story.before, &story.after, possible].map(|run| run.summary.eps_rms);
+    println!(
+        "eps_rms on the board: {:.4} before, {:.4} with what was found, {:.4} without the effect; {:?}",
+        eps[0], eps[1], eps[2], story.changes
+    );
+    assert!(eps[0] > 0.15 && eps[1] < 0.1 * eps[0], "{eps:?}");
+    assert!(eps[1] < 1.5 * eps[2], "{eps:?}");
+    for run in [&story.before, &story.after] {
+        let board = run.summary.board.as_ref().unwrap();
+        assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    }
+}
