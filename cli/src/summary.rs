@@ -171,6 +171,14 @@ impl Summary {
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
             ),
+            // A limit is above zero; this is what a board reports of its own converter.
+            (Verdict::Tripped, Some(t)) if t.fault == Fault::Displacement && t.limit == 0.0 => {
+                format!(
+                    "Tripped on displacement after {:.2} s of the laboratory: the command left the range of the board's \
+                     converter; `outerloop board calibrate` shows it.",
+                    self.steps as f64 / self.rate_hz,
+                )
+            }
             (Verdict::Tripped, Some(t)) => format!(
                 "Tripped on {} after {:.2} s of the laboratory: {} {unit} against a limit of {} {unit}.",
                 t.fault.name(),

@@ -1,27 +1,19 @@
-//! What the rig shows the ADC and what the DAC tells the rig: +-50 mm and +-10 kN over the full range, as a board has it
-//! that nobody has calibrated.
+//! What the rig shows the ADC and what the DAC tells the rig, by the lines of its sensors and of its actuator.
 
 use link::channel::{Calibration, Line};
 use link::{AdcCode, DacCode};
 
-const WIRED: Calibration = Calibration::UNCALIBRATED;
-
 /// The highest code of one conversion.
 pub const TOP: u16 = AdcCode::MAX / 2;
 
-/// The 12-bit code of one conversion of a displacement, m.
-pub fn displacement(m: f64) -> u16 {
-    one(m, WIRED.displacement)
-}
-
-/// The 12-bit code of one conversion of a force, N.
-pub fn force(n: f64) -> u16 {
-    one(n, WIRED.force)
+/// The 12-bit codes of one conversion each of a displacement, m, and of a force, N.
+pub fn codes(wired: &Calibration, m: f64, n: f64) -> (u16, u16) {
+    (one(m, wired.displacement), one(n, wired.force))
 }
 
 /// What a DAC code tells the actuator, m.
-pub fn command_m(code: u16) -> f64 {
-    let line = WIRED.command;
+pub fn command_m(wired: &Calibration, code: u16) -> f64 {
+    let line = wired.command;
     (f64::from(code.min(DacCode::MAX)) - f64::from(line.zero_code)) * f64::from(line.per_code)
 }
 

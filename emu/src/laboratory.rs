@@ -3,6 +3,7 @@
 use crate::converters;
 use crate::nucleo::Nucleo;
 use crate::wire::Wire;
+use link::Calibration;
 use plant::Rig;
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
@@ -99,6 +100,7 @@ pub struct Log {
 pub struct Laboratory {
     wire: Wire,
     rig: Rig,
+    wired: Calibration,
     plan: Option<Planned>,
     drill_address: u64,
     /// The board's time waits for the PC.
@@ -147,6 +149,7 @@ impl Laboratory {
         Self {
             wire,
             rig,
+            wired: Calibration::UNCALIBRATED,
             plan: None,
             drill_address,
             patient: true,
@@ -175,6 +178,12 @@ impl Laboratory {
         self
     }
 
+    /// With converters of other ranges than those of a board that nobody has calibrated.
+    pub fn wired(mut self, wired: Calibration) -> Self {
+        self.wired = wired;
+        self
+    }
+
     /// Ends by itself, ns after power-up.
     pub fn until_ns(mut self, ends_at_ns: u64) -> Self {
         self.ends_at_ns = ends_at_ns;
@@ -191,13 +200,16 @@ impl Laboratory {
         log.seen.push((at.0, seen));
     }
 
+    /// One step of the rig; gives the codes of its sensors.
+    fn step_rig(&mut self) -> (u16, u16) {
+        let command_m = converters::command_m(&self.wired, self.code);
+        let reading = self.rig.step(&[command_m]);
+        converters::codes(&self.wired, reading.displacement_m[0], reading.force_n[0])
+    }
+
     /// One step of the rig, onto the pins; then the trigger.
     fn sample(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
-        let reading = self.rig.step(&[converters::command_m(self.code)]);
-        let mut codes = (
-            converters::displacement(reading.displacement_m[0]),
-            converters::force(reading.force_n[0]),
-        );
+        let mut codes = self.step_rig();
         match self.active {
             Some(Fault::SensorAtRail) => codes.0 = converters::TOP,
             Some(Fault::FrozenSensor) => codes.0 = self.frozen.0,
@@ -370,11 +382,7 @@ impl Driver<Nucleo> for Laboratory {
             Some(sampling) => Some(VirtualNanos(sampling.next_ns)),
             None => {
                 // Before the timer runs: the pins have their levels, the emergency stop is not pressed.
-                let reading = self.rig.step(&[converters::command_m(self.code)]);
-                let codes = (
-                    converters::displacement(reading.displacement_m[0]),
-                    converters::force(reading.force_n[0]),
-                );
+                let codes = self.step_rig();
                 show(session, codes);
                 press(session, stop.at, self.active == Some(Fault::EmergencyStop));
                 Some(VirtualNanos(stop.at.0 + IDLE_TURN_NS))

@@ -3,6 +3,7 @@
 use clap::Parser;
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
 use emu::{Firmware, Laboratory, Wire};
+use link::Calibration;
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
 use rigless::session::Session;
@@ -30,6 +31,7 @@ struct Room {
     storey_n_per_m: Vec<f64>,
     rate_hz: f64,
     seed: u64,
+    calibration: Calibration,
 }
 
 fn main() -> ExitCode {
@@ -51,7 +53,8 @@ fn go(arguments: &Arguments) -> Result<(), String> {
         .map_err(|e| e.to_string())?;
     let wire = Wire::default();
     connect(&wire);
-    let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?);
+    let laboratory =
+        Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?).wired(room.calibration);
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, wire.clone()).map_err(|e| e.to_string())?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
     let start = Start::new(&firmware.images);

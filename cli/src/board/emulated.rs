@@ -3,6 +3,9 @@
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::trace::Response;
+use link::channel::{Calibration, Line};
+use link::{AdcCode, DacCode};
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
@@ -25,7 +28,12 @@ pub struct Laboratory {
     pub rate_hz: f64,
     /// Seed of everything random in it.
     pub seed: u64,
+    /// The ranges of its sensors and of its actuator.
+    pub calibration: Calibration,
 }
+
+/// Ranges of sensors and actuator over the peaks of the ideal test, at least: room for errors.
+const ROOM: f64 = 1.5;
 
 impl Laboratory {
     /// The laboratory of a test file.
@@ -43,8 +51,35 @@ impl Laboratory {
                 .collect(),
             rate_hz: config.timing.rate_hz,
             seed,
+            calibration: Calibration::UNCALIBRATED,
         }
     }
+
+    /// With sensors and an actuator of the size that is right for a test whose floors move as in `ideal`: ranges of 1, 2
+    /// or 5 times a power of ten that leave half as much again above its peaks. Forces are those of the elastic storeys.
+    pub fn sized_for(mut self, ideal: &Response) -> Self {
+        let peaks = ideal.peaks_m();
+        let below = std::iter::once(&0.0).chain(&peaks);
+        let (mut stroke_m, mut force_n) = (0.0_f64, 0.0_f64);
+        for ((peak, below), k) in peaks.iter().zip(below).zip(&self.storey_n_per_m) {
+            stroke_m = stroke_m.max(ROOM * peak);
+            force_n = force_n.max(ROOM * k * (peak + below));
+        }
+        let (stroke_m, force_n) = (size_above(stroke_m), size_above(force_n));
+        self.calibration = Calibration {
+            displacement: Line::over(stroke_m, AdcCode::MAX),
+            force: Line::over(force_n, AdcCode::MAX),
+            command: Line::over(stroke_m, DacCode::MAX),
+        };
+        self
+    }
+}
+
+/// The next of 1, 2 and 5 times a power of ten from `least` up.
+fn size_above(least: f64) -> f32 {
+    let decade = 10_f64.powf(least.log10().floor());
+    let sizes = [1.0, 2.0, 5.0, 10.0].map(|x| x * decade);
+    sizes.into_iter().find(|s| *s >= least).unwrap_or(least) as f32
 }
 
 /// An emulator and its pipes.
@@ -211,4 +246,23 @@ fn shown(build: &Command) -> String {
     let words = std::iter::once(build.get_program()).chain(build.get_args());
     let words: Vec<_> = words.map(|w| w.to_string_lossy()).collect();
     words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_those_that_are_sold() {
+        let cases = [
+            (0.03, 0.05),
+            (0.05, 0.05),
+            (0.0501, 0.1),
+            (18_000.0, 20_000.0),
+            (9e3, 1e4),
+        ];
+        for (least, size) in cases {
+            assert!((size_above(least) / size - 1.0).abs() < 1e-6, "{least}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Where a test runs.
 
 use crate::board::emulated::{Emulated, Laboratory};
-use crate::board::{BoardBench, Connection, Patience, Port, Serial};
+use crate::board::{BoardBench, Connection, Patience, Port, Serial, calibrate};
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::story::Site;
@@ -33,9 +33,11 @@ impl Site for Place {
             let port: Box<dyn Port> = Box::new(Serial::open(device)?);
             Connection::new(port, Patience::BOARD)
         } else if self.emulated {
-            let laboratory = Laboratory::of(&experiment.test, seed);
+            let laboratory = Laboratory::of(&experiment.test, seed).sized_for(ideal);
             let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-            Connection::new(port, Patience::EMULATED)
+            let mut connection = Connection::new(port, Patience::EMULATED);
+            calibrate(&mut connection, laboratory.calibration)?;
+            connection
         } else {
             return experiment.run(method, ideal, seed, keep, tell);
         };
