@@ -37,6 +37,46 @@ pub fn headline(a: &ChannelAnswer) -> String {
     }
 }
 
+/// How much larger than the noise an error may be before it is said that more is missing.
+const MORE: f64 = 1.5;
+
+/// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
+pub fn next(a: &ChannelAnswer) -> Option<String> {
+    let left = a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE);
+    Some(match a.verdict {
+        Verdict::NotAssessed => return None,
+        Verdict::None if left > MORE => format!(
+            "Next: the training data needs no more than the declared model, but on the held-out data it is {left:.1} \
+             times the noise off: look for what differs between the two, a zero that was set anew or another amplitude \
+             or rate."
+        ),
+        Verdict::None => "Next: nothing; this data gives no reason to change the model.".into(),
+        Verdict::Effect | Verdict::Ambiguous if left > MORE => format!(
+            "Next: keep the improved model (--save-model) and diagnose again with it: what is left on the held-out data \
+             is {left:.1} times the noise, so something smaller is missing too."
+        ),
+        Verdict::Effect | Verdict::Ambiguous => {
+            "Next: keep the improved model (--save-model) and take it into the next test (run --model).".into()
+        }
+        Verdict::Unknown => {
+            "Next: vary one thing at a time, one amplitude at several rates and one rate at several amplitudes, with two \
+             seconds of rest before and after; the model stays as it was declared."
+                .into()
+        }
+    })
+}
+
+/// Declared parameters as refitted inside their tolerance, where some were free.
+pub fn refitted(a: &ChannelAnswer) -> Option<String> {
+    let values: Vec<String> = a
+        .refitted
+        .iter()
+        .map(|(name, value)| format!("{name} = {}", digits(*value)))
+        .collect();
+    (!values.is_empty())
+        .then(|| format!("Refitted inside their tolerances: {}.", values.join(", ")))
+}
+
 /// What became of the error on held-out data.
 fn change(a: &ChannelAnswer) -> String {
     let (before, after) = (a.error_before.test_rms, a.error_after.test_rms);
@@ -92,7 +132,65 @@ pub fn digits(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::digits;
+    use super::*;
+    use diagnosis::{Declared, Model, Recording, SpecimenModel};
+
+    /// A spring of 100 N/mm with `force` beside it, at rest for two seconds, declared as a spring.
+    fn answer(force: impl Fn(f64, f64) -> f64) -> ChannelAnswer {
+        let record = |name: &str, hz: f64| {
+            let time_s: Vec<f64> = (0..12_000).map(|i| f64::from(i) * 1e-3).collect();
+            let moves = |t: f64| (std::f64::consts::TAU * hz * (t - 2.0).max(0.0)).sin() * 5.0;
+            let noise = |i: usize| 0.5 * (((i * 7919) % 1009) as f64 / 504.5 - 1.0);
+            let x: Vec<f64> = time_s.iter().map(|t| moves(*t)).collect();
+            let speed = |t: f64| (moves(t + 1e-4) - moves(t - 1e-4)) / 2e-4;
+            let reads =
+                |(i, t): (usize, &f64)| 100.0 * moves(*t) + force(moves(*t), speed(*t)) + noise(i);
+            Recording {
+                name: name.into(),
+                force_n: Some(time_s.iter().enumerate().map(reads).collect()),
+                displacement_mm: Some(x),
+                time_s,
+                command_mm: None,
+            }
+        };
+        let stiffness = Declared {
+            value: 100.0,
+            tolerance: 0.5,
+        };
+        let model = Model {
+            actuator: None,
+            specimen: Some(SpecimenModel {
+                stiffness_n_per_mm: Some(stiffness),
+                damping_n_s_per_mm: None,
+                mass_kg: None,
+                offset_n: None,
+                effects: Vec::new(),
+            }),
+        };
+        let d = diagnosis::diagnose(&model, &[record("a", 0.9)], &[record("b", 1.3)], &[]).unwrap();
+        d.channels[0].clone()
+    }
+
+    #[test]
+    fn what_is_next_depends_on_what_was_found() {
+        let nothing = answer(|_, _| 0.0);
+        assert_eq!(nothing.verdict, Verdict::None);
+        assert!(next(&nothing).unwrap().contains("no reason to change"));
+        assert!(
+            refitted(&nothing)
+                .unwrap()
+                .contains("stiffness_n_per_mm = 1")
+        );
+
+        let cubic = answer(|x, _| 0.4 * x * x * x);
+        assert!(!cubic.effects.is_empty(), "{cubic:?}");
+        assert!(next(&cubic).unwrap().contains("--save-model"));
+
+        // Neither a spring nor a damper: the force has the sign of what no effect of the list has.
+        let odd = answer(|x, v| 8.0 * (3.0 * x).sin() * (0.7 * v).cos());
+        assert_eq!(odd.verdict, Verdict::Unknown, "{odd:?}");
+        assert!(next(&odd).unwrap().contains("stays as it was declared"));
+    }
 
     #[test]
     fn numbers_have_four_digits() {

@@ -268,6 +268,45 @@ fn bad_data_is_refused_with_its_place() {
             row[2] = (1e3 * x).to_string();
         },
     );
+    let times = |text: &mut String, factor: f64| {
+        *text = (factor * text.parse::<f64>().unwrap()).to_string();
+    };
+    change(
+        "kilonewton.csv",
+        &["force per displacement is 1.000e-3", "units of its header"],
+        &|_, row| times(&mut row[3], 1e-3),
+    );
+    change(
+        "command.csv",
+        &[
+            "displacement per command is 1.000e-3",
+            "units of its header",
+        ],
+        &|_, row| times(&mut row[1], 1e3),
+    );
+    change(
+        "infinite.csv",
+        &["line 702", "force_n is `inf`"],
+        &|i, row| {
+            if i == 700 {
+                row[3] = "inf".into();
+            }
+        },
+    );
+    change(
+        "hole.csv",
+        &["line 702", "displacement_m is ``"],
+        &|i, row| {
+            if i == 700 {
+                row[2].clear();
+            }
+        },
+    );
+    change(
+        "stuck.csv",
+        &["force follows the command and displacement does not"],
+        &|_, row| row[2] = "0.001".into(),
+    );
     let copy = lab.changed("copy.csv", |_, _| ());
     say(&record, &copy, &["same samples"]);
     let text = std::fs::read_to_string(&copy).unwrap();
@@ -323,6 +362,8 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
     };
     let still = lab.changed("still.csv", |_, row| row[3] = "12.5".into());
     why(&still, "specimen", "stands still at 12.5");
+    let parked = lab.changed("parked.csv", |_, row| row[1] = "0.001".into());
+    why(&parked, "actuator", "stands still at 1");
     let rail = lab.changed("rail.csv", |_, row| {
         let x: f64 = row[2].parse().unwrap();
         row[2] = x.clamp(-0.03, 0.03).to_string();

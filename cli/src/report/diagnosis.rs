@@ -3,7 +3,7 @@
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use super::{Drawn, escape};
 use crate::terminal::percent;
-use crate::wording::{headline, parameter, quantity};
+use crate::wording::{headline, next, parameter, quantity, refitted};
 use diagnosis::{ChannelAnswer, Traces, Verdict};
 use plant::Channel;
 use std::fmt::Write as _;
@@ -38,7 +38,13 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
     {
         let _ = write!(html, "<p>{}</p>", escape(note));
     }
+    if let Some(sentence) = next(a) {
+        let _ = write!(html, "<p>{}</p>", escape(&sentence));
+    }
     html += &errors(a);
+    if let Some(sentence) = refitted(a) {
+        let _ = write!(html, "<p>{}</p>", escape(&sentence));
+    }
     if !a.traces.time_s.is_empty() {
         html += &residual(a)?;
         html += &loops(a)?;
@@ -79,6 +85,11 @@ fn errors(a: &ChannelAnswer) -> String {
             quantity(after.test_rms, &a.unit),
             "with what was found",
         ));
+        let [low, high] = a.improvement_ci90.map(|x| quantity(x, &a.unit));
+        tiles.push(tile(
+            format!("{low} to {high}"),
+            "is gained on held-out data, 90 % interval",
+        ));
     }
     tiles.push(tile(
         quantity(a.noise_floor_rms, &a.unit),
@@ -100,7 +111,7 @@ fn errors(a: &ChannelAnswer) -> String {
         ),
         "of what moves, on held-out data, before / after",
     ));
-    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+    format!("<div class=\"tiles broad\">{}</div>", tiles.concat())
 }
 
 /// Measured less modelled over time, with the noise around it.
@@ -178,13 +189,18 @@ fn tried(a: &ChannelAnswer) -> String {
     };
     let mut html = String::from(
         "<h3>What was tried</h3><p>Every effect of the library was added alone and fitted; the bar is what it leaves \
-         of the training data's error. Evidence is the fall of the Bayesian information criterion.</p>\
+         of the training data's error; green is what was taken. Evidence is the fall of the Bayesian information criterion.</p>\
          <div class=\"scroll\"><table><tr><th>effect</th><th>left, rms</th><th></th><th>evidence</th></tr>",
     );
     for t in a.tried.iter().take(LISTED) {
         let _ = write!(
             html,
-            "<tr><td>{}</td><td>{}</td><td class=\"bar\"><i style=\"width:{:.1}%\"></i></td><td>{:.0}</td></tr>",
+            "<tr{}><td>{}</td><td>{}</td><td class=\"bar\"><i style=\"width:{:.1}%\"></i></td><td>{:.0}</td></tr>",
+            if a.effects.iter().any(|e| e.name == t.name) {
+                " class=\"taken\""
+            } else {
+                ""
+            },
             t.name.name(),
             quantity(t.rms_left, &a.unit),
             100.0 * t.rms_left / most.max(f64::MIN_POSITIVE),

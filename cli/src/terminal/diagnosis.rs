@@ -2,7 +2,7 @@
 
 use super::{percent, table};
 use crate::story::Story;
-use crate::wording::{digits, headline, parameter, quantity, verdict};
+use crate::wording::{digits, headline, next, parameter, quantity, refitted, verdict};
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
 use std::fmt::Write as _;
@@ -24,6 +24,9 @@ pub fn diagnosis(d: &Diagnosis) -> String {
         let told = usize::from(a.verdict != Verdict::NotAssessed);
         for note in a.notes.iter().skip(told) {
             let _ = writeln!(text, "    {note}");
+        }
+        for sentence in refitted(a).into_iter().chain(next(a)) {
+            let _ = writeln!(text, "    {sentence}");
         }
         text.push('\n');
     }

@@ -7,7 +7,7 @@ use crate::files::{model, output};
 use crate::report;
 use crate::terminal;
 use diagnosis::Diagnosis;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Find what the declared model lacks
 #[derive(clap::Args, Debug)]
@@ -58,7 +58,11 @@ impl Diagnose {
             output::write(path, &improved)?;
         }
         if let Some(folder) = &self.out {
-            let title = format!("What {} says about {}", train[0].name, self.model.display());
+            let title = format!(
+                "What {} says about {}",
+                file_name(&self.train[0].file),
+                file_name(&self.model)
+            );
             output::write_all(
                 folder,
                 &[
@@ -81,6 +85,12 @@ impl Diagnose {
         }
         Ok(())
     }
+}
+
+/// The last part of a path.
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
 }
 
 /// The force has no unit in the file: nothing that is said of it may have one.
