@@ -1,8 +1,8 @@
 //! What is said in words: notes, and the experiment that would decide.
 
 use crate::answer::{ChannelAnswer, Verdict};
+use crate::base::Base;
 use crate::noise::Noise;
-use crate::problem::Base;
 use plant::{Channel, Effect, Family};
 
 /// The declared parameters that were free, as refitted.

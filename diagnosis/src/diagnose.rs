@@ -1,12 +1,15 @@
 //! From a model and records to an answer.
 
 use crate::answer::*;
+use crate::base::Base;
+use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
+use crate::improved::improve;
 use crate::interval;
-use crate::model::{Declared, KnownEffect, Model};
+use crate::model::Model;
 use crate::noise::Noise;
-use crate::problem::{Base, Fitted, Problem, rms};
+use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
 use crate::{Refusal, advice, lattice, plausible, rest, spectrum};
 use plant::{Channel, Effect, Family};
@@ -68,46 +71,19 @@ fn coarse(x: &[f64]) -> bool {
 /// The held-out data as a problem, and what an answer leaves of them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
 
-/// The actuator, where it is explained down to its noise.
-struct Drive {
-    base: Base,
-    cutoff_hz: f64,
-    solution: Solution,
-}
+/// Up to so many times the noise may be missing in an actuator that is known.
+const KNOWN: f64 = 0.3;
+/// Of the noise, what steps must make at least to be most of it.
+const IN_STEPS: f64 = 0.8;
+/// How far, in steps, a reading may be from the truth: half of one, if it is not quite even.
+const WITHIN: f64 = 0.7;
 
-impl Drive {
-    /// Whether it tells the motion of these records better than a low-pass of the readings does.
-    fn tells(&self, records: &[Recording]) -> bool {
-        records.iter().all(|r| {
-            let steady = |x: Vec<f64>| !spectrum::jitters(&x, r.interval_s(), self.cutoff_hz);
-            self.motion(r).is_some_and(steady)
-        })
-    }
-
-    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves; none where the record
-    /// begins in motion, since what was commanded before is not in it.
-    fn motion(&self, r: &Recording) -> Option<Vec<f64>> {
-        let s = &self.solution;
-        let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;
-        problem.scales = s.problem.scales;
-        problem.set(&self.base, s.problem.theta);
-        let motion = problem.answer(problem.stretches.first()?, &s.effects, &s.problem.scales);
-        let reading = r.displacement_mm.as_ref()?;
-        begins_alike(&motion, reading, r.interval_s()).then_some(motion)
-    }
-}
-
-/// How long a command acts on an actuator, s.
-const MEMORY_S: f64 = 0.25;
-
-/// Whether a modelled motion is like its reading from the first sample on: a record that begins in mid-motion does not
-/// tell the commands before it, and the corner where they are missed would be an acceleration that never was.
-fn begins_alike(motion: &[f64], reading: &[f64], interval_s: f64) -> bool {
-    let differences: Vec<f64> = motion.iter().zip(reading).map(|(m, r)| m - r).collect();
-    let start = ((MEMORY_S / interval_s) as usize).min(differences.len() / 4);
-    let (first, others) = differences.split_at(start);
-    let largest = first.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
-    largest <= 6.0 * rms(&[others.to_vec()])
+/// The strongest line near the mains' frequency in what the declared model leaves, Hz.
+fn line_hz(settled: &Solution) -> Option<f64> {
+    let scales = &settled.problem.scales;
+    let residual = settled.problem.residuals(&[], scales);
+    let longest = residual.iter().max_by_key(|r| r.len())?;
+    spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
 }
 
 /// One channel and its data.
@@ -213,9 +189,14 @@ impl Channelled<'_> {
         let Some(noise) = self.noise(cutoff_hz) else {
             return (self.unjudged(&problem, cutoff_hz), None);
         };
-        let mut problem = problem;
-        problem.scales.line_hz = self.line_hz(&problem, &noise);
-        let Some(explanation) = explain(&problem, &self.base, &noise) else {
+        let explanation = settle(&problem, &self.base, &noise, &[]).and_then(|mut settled| {
+            if self.is_in_steps(&settled, &noise) {
+                return Some(Explanation::nothing(settled));
+            }
+            settled.problem.scales.line_hz = line_hz(&settled);
+            explain(settled, &self.base, &noise)
+        });
+        let Some(explanation) = explanation else {
             let why = "the declared parameters cannot be told apart in this record";
             return (self.not_assessed(why), None);
         };
@@ -224,7 +205,7 @@ impl Channelled<'_> {
         // What disturbs the reading does not move the specimen.
         let disturbs = |e: &Fitted| e.candidate.effect.entry().family == Family::Interference;
         solution.effects.retain(|e| !disturbs(e));
-        let known = !explanation.vetoed && explanation.structured[1] < noise.rms;
+        let known = !explanation.vetoed && explanation.structured[1] < KNOWN * noise.rms;
         (answer, known.then_some(solution))
     }
 
@@ -245,16 +226,7 @@ impl Channelled<'_> {
 
     /// The noise floor: from rest, else from the difference of one period to the next.
     fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
-        let step = self
-            .train
-            .iter()
-            .filter_map(|r| lattice::step(self.target_of(r)?))
-            .fold(0.0, f64::max);
-        let through = match self.base.channel {
-            Channel::Actuator => 0.0,
-            Channel::Specimen => self.base.values[0] * self.input_step(),
-        };
-        let least = step.hypot(through) / 12.0_f64.sqrt();
+        let least = self.output_step().hypot(self.through()) / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
             let problem = self.problem(records, cutoff_hz)?;
             Some(problem.residuals(&[], &problem.scales))
@@ -284,21 +256,37 @@ impl Channelled<'_> {
         (!stretches.is_empty()).then(|| Noise::at_rest(&stretches, h, least))
     }
 
-    /// The converter's step in the input, where it shows.
-    fn input_step(&self) -> f64 {
+    /// The converter's step in the output, where it shows.
+    fn output_step(&self) -> f64 {
+        let steps = self.train.iter();
+        steps
+            .filter_map(|r| lattice::step(self.target_of(r)?))
+            .fold(0.0, f64::max)
+    }
+
+    /// What the converter's step in the displacement makes of the force, N; in the actuator the command has none.
+    fn through(&self) -> f64 {
+        if self.base.channel == Channel::Actuator {
+            return 0.0;
+        }
         let steps = self
             .train
             .iter()
             .filter_map(|r| lattice::step(self.input_of(r)?));
-        steps.fold(0.0, f64::max)
+        self.base.values[0].abs() * steps.fold(0.0, f64::max)
     }
 
-    /// The strongest line near the mains' frequency in what the declared model leaves.
-    fn line_hz(&self, problem: &Problem, noise: &Noise) -> Option<f64> {
-        let settled = settle(problem, &self.base, noise, &[])?;
-        let residual = settled.problem.residuals(&[], &problem.scales);
-        let longest = residual.iter().max_by_key(|r| r.len())?;
-        spectrum::line_hz(longest, problem.scales.interval_s, 44.0, 66.0).map(|l| l.0)
+    /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
+    /// nothing else can be seen.
+    fn is_in_steps(&self, settled: &Solution, noise: &Noise) -> bool {
+        let steps = self.output_step() + self.through();
+        if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
+            return false;
+        }
+        let residuals = settled.problem.residuals(&[], &settled.problem.scales);
+        let all: Vec<f64> = residuals.concat();
+        let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
+        (beyond as f64) < 0.01 * all.len() as f64
     }
 
     /// Errors without a verdict, where nothing tells the noise.
@@ -379,7 +367,7 @@ impl Channelled<'_> {
                 answer.improvement_ci90 = interval;
             }
         }
-        let worse = after.test_rms > before.test_rms * 1.02;
+        let worse = after.test_rms > before.test_rms;
         if found && !e.vetoed && !worse {
             answer.verdict = if e.alternatives.is_empty() {
                 Verdict::Effect
@@ -389,7 +377,7 @@ impl Channelled<'_> {
             answer.error_after = after;
             answer.alternatives.clone_from(&e.alternatives);
             answer.effects = self.effects(&e.after, noise);
-            self.improve(&e.after, &answer.effects, improved);
+            improve(&self.base, &e.after, &answer.effects, improved);
         } else if e.vetoed || found {
             answer.verdict = Verdict::Unknown;
             answer.nearest = e.nearest.map(|(name, left)| Nearest {
@@ -440,11 +428,12 @@ impl Channelled<'_> {
 
     /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
     fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
-        let step = self
+        let step = self.output_step();
+        let room = self
             .train
             .iter()
-            .filter_map(|r| lattice::step(self.target_of(r)?))
-            .fold(0.0, f64::max);
+            .filter_map(|r| Some(lattice::unevenness(self.target_of(r)?, step)))
+            .fold(step / 4096.0, f64::max);
         let own = step * step / 12.0;
         let other = (noise.rms * noise.rms - own).max(0.0).sqrt();
         if step <= 3.0 * other || step == 0.0 {
@@ -462,76 +451,10 @@ impl Channelled<'_> {
                 name: name.into(),
                 value: step,
                 unit: unit.into(),
-                ci90: [step, step],
+                // What a converter of 12 bits behind the steps makes of them.
+                ci90: [step - room, step + room],
             }],
         }];
-    }
-
-    /// Puts what was found into the model: where it has a parameter for it, there, else as an effect.
-    fn improve(&self, s: &Solution, effects: &[FoundEffect], improved: &mut Model) {
-        let theta = s.problem.theta;
-        let scales = s.problem.scales;
-        let mut values = theta;
-        let mut tolerances: [Option<f64>; 4] = [None; 4];
-        for f in &self.base.free {
-            tolerances[f.index] = Some(f.tolerance);
-        }
-        let mut known = self.base.known.clone();
-        for (e, found) in s.effects.iter().zip(effects) {
-            let p = &found.parameters[0];
-            let half = (0.5 * (p.ci90[1] - p.ci90[0]) / 1.645).abs();
-            let into = match (self.base.channel, e.candidate.effect) {
-                // In the specimen's channel a gain is the load cell's, not a stiffness: it stays what it was found as.
-                (Channel::Actuator, Effect::GainError) => {
-                    Some((0, values[0] * (1.0 + p.value), half * values[0].abs()))
-                }
-                (Channel::Actuator, Effect::DelayError) => Some((1, values[1] + p.value, half)),
-                (Channel::Actuator, Effect::LagError) => Some((2, values[2] + p.value, half)),
-                (_, Effect::Offset) => Some((3, values[3] + p.value, half)),
-                (Channel::Specimen, Effect::ViscousDamping) => Some((1, values[1] + p.value, half)),
-                (Channel::Specimen, Effect::InertiaForce) => Some((2, values[2] + p.value, half)),
-                _ => None,
-            };
-            match into {
-                Some((index, value, tolerance)) if tolerance.is_finite() => {
-                    values[index] = value;
-                    tolerances[index] = Some(tolerance);
-                }
-                _ => known.push(KnownEffect {
-                    name: e.candidate.effect,
-                    amplitudes: e.amplitudes.clone(),
-                    shapes: e.shapes.clone(),
-                    reference_mm: scales.x,
-                }),
-            }
-        }
-        let declared = |i: usize, present: Option<Declared>| match (tolerances[i], present) {
-            (Some(tolerance), _) => Some(Declared {
-                value: values[i],
-                tolerance,
-            }),
-            (None, present) => present,
-        };
-        match self.base.channel {
-            Channel::Actuator => {
-                if let Some(a) = &mut improved.actuator {
-                    a.gain = declared(0, a.gain);
-                    a.delay_ms = declared(1, a.delay_ms);
-                    a.lag_ms = declared(2, a.lag_ms);
-                    a.offset_mm = declared(3, a.offset_mm);
-                    a.effects = known;
-                }
-            }
-            Channel::Specimen => {
-                if let Some(m) = &mut improved.specimen {
-                    m.stiffness_n_per_mm = declared(0, m.stiffness_n_per_mm);
-                    m.damping_n_s_per_mm = declared(1, m.damping_n_s_per_mm);
-                    m.mass_kg = declared(2, m.mass_kg);
-                    m.offset_n = declared(3, m.offset_n);
-                    m.effects = known;
-                }
-            }
-        }
     }
 
     fn traces(&self, held_out: &Problem, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {

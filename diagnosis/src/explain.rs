@@ -1,15 +1,18 @@
 //! The search for what explains a residual.
 
+use crate::base::Base;
 use crate::fit::{Frame, Solution, settle};
 use crate::library::{Candidate, candidates};
 use crate::noise::Noise;
-use crate::problem::{Base, Problem, rms};
+use crate::problem::{Fitted, Problem, rms};
 use crate::sensitivity;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
 /// Smallest structured rms that matters, in noise rms.
 const MATTERS: f64 = 0.3;
+/// Smallest structured rms that alarms where nothing accounts for any of it.
+const ALARMS: f64 = 0.5;
 /// Smallest rms that an effect must explain, in noise rms.
 const EXPLAINS: f64 = 0.15;
 /// Least fall of the Bayesian information criterion.
@@ -22,6 +25,9 @@ const CERTAIN: f64 = 1.05;
 const INDIFFERENT: f64 = 0.1;
 /// What leaves no more than this share of the structured rms accounts for it.
 const ACCOUNTS: f64 = 0.12;
+/// Share of what it explains that an effect computed from a reading may leave for the reading's noise: some
+/// thousandths of its rms, squared.
+const READING: f64 = 3e-5;
 /// Largest share of the structured rms that may remain.
 const REMAINS: f64 = 0.3;
 /// A second effect must explain this share of the original structured rms.
@@ -56,23 +62,33 @@ pub fn structured(residual_rms: f64, noise: &Noise) -> f64 {
         .sqrt()
 }
 
-/// Searches; `None` where the equations have no solution.
-pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanation> {
-    let before = settle(problem, base, noise, &[])?;
+impl Explanation {
+    /// Nothing is missing.
+    pub fn nothing(settled: Solution) -> Self {
+        Self {
+            after: settled.clone(),
+            alternatives: Vec::new(),
+            structured: [0.0; 2],
+            nearest: None,
+            tried: Vec::new(),
+            vetoed: false,
+            before: settled,
+        }
+    }
+}
+
+/// Searches, beginning with the declared parameters at their best; `None` where the equations have no solution.
+pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanation> {
+    let problem = &before.problem.clone();
     let left = |s: &Solution| {
-        let residuals = s.problem.residuals(&s.effects, &problem.scales);
+        let residuals = s.problem.residuals(&s.effects, &s.problem.scales);
         let judged = problem.stretches.iter().zip(residuals);
         rms(&judged.map(|(s, r)| s.judged(r)).collect::<Vec<_>>())
     };
     let start = structured(left(&before), noise);
     let mut out = Explanation {
-        after: before.clone(),
-        alternatives: Vec::new(),
         structured: [start; 2],
-        nearest: None,
-        tried: Vec::new(),
-        vetoed: false,
-        before,
+        ..Explanation::nothing(before)
     };
     if start < MATTERS * noise.rms || !noise.is_below(left(&out.before), problem.seconds()) {
         return Some(out);
@@ -95,7 +111,16 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     let worst = left(&out.before);
     singles.retain(|s| left(s) <= worst);
     singles.sort_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)));
-    let accounts = |s: &Solution| structured(left(s), noise) < ACCOUNTS * start;
+    let best_left = singles.first().map_or(0.0, left);
+    // Where the best one leaves nothing but noise, its form is in the record, too, if it shows.
+    let to_the_noise = structured(best_left, noise) < MATTERS * noise.rms;
+    let accounts = |s: &Solution| {
+        if to_the_noise {
+            (left(s).powi(2) - best_left.powi(2)).max(0.0).sqrt() < EXPLAINS * noise.rms
+        } else {
+            structured(left(s), noise) < ACCOUNTS * start
+        }
+    };
     simplest_first(&mut singles, ln_n, accounts);
     out.tried = singles
         .iter()
@@ -108,13 +133,13 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     out.nearest = Some((first.effects[0].candidate.effect, first_left));
     let explained = (start * start - first_left * first_left).max(0.0).sqrt();
     if gain(&out.before, &first) < EVIDENCE || explained < EXPLAINS * noise.rms {
-        out.vetoed = true;
+        out.vetoed = start > ALARMS * noise.rms;
         return Some(out);
     }
     out.after = first.clone();
     let mut now = first_left;
     if now > (MATTERS * noise.rms).max(0.1 * start)
-        && let Some(pair) = search.second(&first, &singles, &library, ln_n)
+        && let Some(pair) = search.second(&first, &singles, &library, ln_n, left)
     {
         let pair_left = structured(left(&pair), noise);
         let more = (now * now - pair_left * pair_left).max(0.0).sqrt();
@@ -126,7 +151,7 @@ pub fn explain(problem: &Problem, base: &Base, noise: &Noise) -> Option<Explanat
     out.structured[1] = now;
     out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
     if out.after.effects.len() == 1 {
-        out.alternatives = alternatives(&singles, ln_n);
+        out.alternatives = alternatives(&singles, out.before.cost, ln_n);
     }
     Some(out)
 }
@@ -156,6 +181,8 @@ struct Search<'a> {
 const LOOK_HZ: f64 = 250.0;
 /// How many leading candidates are fitted to the records as they are.
 const LEADING: usize = 4;
+/// The same beside another effect.
+const PAIRED: usize = 2;
 
 impl<'a> Search<'a> {
     fn new(problem: &Problem, base: &'a Base, noise: &'a Noise) -> Self {
@@ -189,10 +216,16 @@ impl<'a> Search<'a> {
             })
             .collect();
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
-        // Beside a fixed effect only the best matters.
+        // Beside a fixed effect only the best matter, and their special cases.
         if !fixed.is_empty() {
-            found.truncate(LEADING);
+            let leaders: Vec<Candidate> = found.iter().take(PAIRED).map(|f| f.0.0).collect();
+            found.retain(|((c, _), _)| {
+                let part_of =
+                    |l: &Candidate| l.effect == c.effect || l.includes.contains(&c.effect);
+                leaders.iter().any(part_of)
+            });
         }
+        let leading = if fixed.is_empty() { LEADING } else { PAIRED };
         let settled = found.par_iter().filter_map(|(effect, _)| {
             let mut all = fixed.to_vec();
             all.push(effect.clone());
@@ -201,7 +234,7 @@ impl<'a> Search<'a> {
         let mut settled: Vec<Solution> = settled.collect();
         settled.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let polished = settled.into_par_iter().enumerate().map(|(rank, s)| {
-            if rank < LEADING {
+            if rank < leading {
                 polish(s, self.base, self.noise)
             } else {
                 s
@@ -218,35 +251,46 @@ impl<'a> Search<'a> {
         singles: &[Solution],
         library: &[Candidate],
         ln_n: f64,
+        left: impl Fn(&Solution) -> f64,
     ) -> Option<Solution> {
-        let mut best: Option<Solution> = None;
+        let by_score = |a: &Solution, b: &Solution| score(a, ln_n).total_cmp(&score(b, ln_n));
+        let mut all: Vec<Solution> = Vec::new();
         for leader in std::iter::once(first).chain(singles.iter().skip(1).take(1)) {
             let pairs = self.best_with(&shaped(leader), library, leader);
-            let Some(pair) = pairs
-                .into_iter()
-                .min_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)))
-            else {
+            let Some(pair) = pairs.iter().min_by(|a, b| by_score(a, b)).cloned() else {
                 continue;
             };
+            all.extend(pairs);
             // Only a second effect that carries its weight is worth another search.
-            let promising = score(leader, ln_n) - score(&pair, ln_n) > EVIDENCE;
-            let other = shaped(&pair).split_off(1);
-            let swapped = if promising {
-                self.best_with(&other, library, &pair)
-            } else {
-                Vec::new()
-            };
-            for candidate in std::iter::once(pair).chain(swapped) {
-                if best
-                    .as_ref()
-                    .is_none_or(|b| score(&candidate, ln_n) < score(b, ln_n))
-                {
-                    best = Some(candidate);
-                }
+            if score(leader, ln_n) - score(&pair, ln_n) > EVIDENCE {
+                let other = shaped(&pair).split_off(1);
+                all.extend(self.best_with(&other, library, &pair));
             }
         }
-        best.map(|b| polish(b, self.base, self.noise))
+        all.sort_by(by_score);
+        let best = all.first()?;
+        let most = score(best, ln_n) + room(best);
+        let best_left = left(best);
+        let shows = |s: &Solution| {
+            let more = (left(s).powi(2) - best_left.powi(2)).max(0.0).sqrt();
+            score(s, ln_n) > most && more > EXPLAINS * self.noise.rms
+        };
+        let simpler = all.iter().find(|s| is_simpler(s, best) && !shows(s));
+        let chosen = simpler.unwrap_or(best).clone();
+        Some(polish(chosen, self.base, self.noise))
     }
+}
+
+/// Whether a pair has a special case in place of one effect of another pair.
+fn is_simpler(pair: &Solution, than: &Solution) -> bool {
+    let has = |s: &Solution, e: &Fitted| {
+        let same = |f: &Fitted| f.candidate.effect == e.candidate.effect;
+        s.effects.iter().any(same)
+    };
+    let new = pair.effects.iter().find(|e| !has(than, e));
+    let gone = than.effects.iter().find(|e| !has(pair, e));
+    new.zip(gone)
+        .is_some_and(|(new, gone)| gone.candidate.includes.contains(&new.candidate.effect))
 }
 
 /// How often a solution is made linear around itself at most.
@@ -305,9 +349,11 @@ fn simplest_first(singles: &mut [Solution], ln_n: f64, accounts: impl Fn(&Soluti
 }
 
 /// Single effects that are not worse than the first by more than chance, or by nothing that matters.
-fn alternatives(singles: &[Solution], ln_n: f64) -> Vec<Effect> {
+fn alternatives(singles: &[Solution], cost_before: f64, ln_n: f64) -> Vec<Effect> {
     let best = &singles[0];
     let most = score(best, ln_n) + room(best);
+    let reads = |s: &Solution| s.effects.iter().any(|e| e.candidate.from_reading);
+    let noisy = READING * (cost_before - best.cost).max(0.0);
     singles[1..]
         .iter()
         .filter(|other| {
@@ -316,6 +362,11 @@ fn alternatives(singles: &[Solution], ln_n: f64) -> Vec<Effect> {
             let contains = candidate
                 .includes
                 .contains(&best.effects[0].candidate.effect);
+            let most = if reads(best) || reads(other) {
+                most + noisy
+            } else {
+                most
+            };
             !contains && score(other, ln_n) < most
         })
         .map(|s| s.effects[0].candidate.effect)

@@ -1,9 +1,10 @@
 //! Effects fitted to whitened records, jointly with the declared parameters.
 
+use crate::base::Base;
 use crate::library::{Candidate, Shape};
 use crate::linear::{Bound, Normal, dot, solve};
 use crate::noise::Noise;
-use crate::problem::{Base, Fitted, Problem};
+use crate::problem::{Fitted, Problem};
 use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
@@ -90,6 +91,14 @@ impl<'a> Frame<'a> {
         let mut bounds = base.bounds(&problem.theta);
         for (candidate, _) in fixed {
             bounds.extend((candidate.bounds)(&problem.scales));
+        }
+        // What acts once has the amplitude 1 as soon as the declared parameters are right.
+        let amplitudes = bounds.iter().enumerate().skip(base.free.len());
+        for (i, _) in amplitudes.filter(|(_, b)| b.is_once()) {
+            let precision = ONCE.powi(-2);
+            matrix[(i, i)] += precision;
+            right[i] += precision;
+            square += precision;
         }
         let samples = residual.len();
         Self {
@@ -247,6 +256,9 @@ fn downhill(
     (u, best)
 }
 
+/// By how much the amplitude of what acts once may be off 1.
+pub const ONCE: f64 = 0.003;
+
 /// Share of the cost by which the last step may be off from what it promised.
 const SETTLED: f64 = 1e-4;
 
@@ -274,11 +286,12 @@ pub fn settle(
     effects: &[(Candidate, Vec<f64>)],
 ) -> Option<Solution> {
     let mut problem = problem.clone();
-    // The specimen's answer is linear in its parameters, the actuator's nearly.
-    let rounds = if base.channel == plant::Channel::Actuator {
-        5
-    } else {
-        1
+    // The specimen's answer is linear in its parameters but for effects relative to its stiffness, the actuator's
+    // nearly.
+    let rounds = match base.channel {
+        plant::Channel::Specimen if effects.is_empty() => 1,
+        plant::Channel::Specimen => 3,
+        plant::Channel::Actuator => 5,
     };
     let mut promised = f64::INFINITY;
     let (mut last, mut samples) = (None, 0);
@@ -315,7 +328,7 @@ pub fn settle(
     // An amplitude that can be hardly other than 1 is not one that was chosen.
     let chosen = |f: &Fitted| {
         let bounds = (f.candidate.bounds)(&problem.scales);
-        bounds.iter().filter(|b| b.high - b.low > 0.5).count()
+        bounds.iter().filter(|b| !b.is_once()).count()
     };
     let unknowns = fitted.iter().map(|f| f.shapes.len() + chosen(f)).sum();
     Some(Solution {

@@ -1,8 +1,10 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
+use crate::base::Base;
 use crate::fit::Solution;
+use crate::linear::dot;
 use crate::noise::Noise;
-use crate::problem::{Base, Fitted};
+use crate::problem::Fitted;
 use crate::sensitivity::{Jacobian, Unknown, unknowns};
 use nalgebra::{DMatrix, DVector};
 use rand_core::{Rng, SeedableRng};
@@ -10,8 +12,10 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Half a two-sided 90 % interval of the normal distribution.
 const NINETY: f64 = 1.645;
-/// Length of a block, s: longer than what is left of a correlation.
+/// Length of a block of the bootstrap, s: longer than what is left of a correlation.
 const BLOCK_S: f64 = 0.25;
+/// Lengths of the sandwich's blocks, s.
+const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// A parameter of an effect: name, unit, value, 90 % interval.
 pub type Figure = (&'static str, &'static str, f64, [f64; 2]);
@@ -60,28 +64,47 @@ pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Fi
 /// `H^-1 (sum of outer products of the blocks' scores) H^-1`, over declared parameters and all unknowns of the effects.
 fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix<f64>> {
     let scales = solution.problem.scales;
-    let Jacobian { columns, residual } = Jacobian::of(solution, base, noise);
+    let Jacobian {
+        columns,
+        residual,
+        known,
+    } = Jacobian::of(solution, base, noise);
     let n = columns.len();
-    let block = ((BLOCK_S / scales.interval_s) as usize / noise.every).max(4);
-    let mut bread: DMatrix<f64> = DMatrix::zeros(n, n);
-    let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
-    for start in (0..residual.len()).step_by(block) {
-        let end = (start + block).min(residual.len());
-        let part = DMatrix::from_fn(n, end - start, |i, t| columns[i][start + t]);
-        let score = &part * DVector::from_column_slice(&residual[start..end]);
-        bread += &part * part.transpose();
-        meat += &score * score.transpose();
-    }
+    let mut bread: DMatrix<f64> = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
+    // Scores of blocks of several lengths: of what is correlated over more than a block, the longer see more.
+    let meats: Vec<DMatrix<f64>> = BLOCKS_S
+        .iter()
+        .map(|seconds| {
+            let block = ((seconds / scales.interval_s) as usize / noise.every).max(4);
+            let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
+            let mut blocks = 0.0;
+            for start in (0..residual.len()).step_by(block) {
+                let end = (start + block).min(residual.len());
+                let score = DVector::from_fn(n, |i, _| {
+                    dot(&columns[i][start..end], &residual[start..end])
+                });
+                meat += &score * score.transpose();
+                blocks += 1.0;
+            }
+            // What was fitted has taken its share of the scatter.
+            meat * (blocks / (blocks - n as f64).max(0.5 * blocks))
+        })
+        .collect();
+    let own = |i: usize| {
+        meats
+            .iter()
+            .map(|m| m[(i, i)])
+            .fold(bread[(i, i)], f64::max)
+    };
     // At least what the noise alone makes: few blocks can agree by chance. Rows and columns grow together, so that
     // what cannot be told apart stays so.
     let grow = DVector::from_fn(n, |i, _| {
-        let (least, own) = (bread[(i, i)], meat[(i, i)]);
-        (least / own.max(f64::MIN_POSITIVE)).sqrt().max(1.0)
+        (own(i) / meats[0][(i, i)].max(f64::MIN_POSITIVE)).sqrt()
     });
-    let mut meat = DMatrix::from_fn(n, n, |i, j| meat[(i, j)] * grow[i] * grow[j]);
-    for (i, f) in base.free.iter().enumerate() {
-        bread[(i, i)] += f.tolerance.powi(-2);
-        meat[(i, i)] += f.tolerance.powi(-2);
+    let mut meat = DMatrix::from_fn(n, n, |i, j| meats[0][(i, j)] * grow[i] * grow[j]);
+    for p in known {
+        bread[(p.index, p.index)] += p.precision;
+        meat[(p.index, p.index)] += p.precision;
     }
     // Scaled, since units differ by orders of magnitude.
     let scale = DVector::from_fn(n, |i, _| 1.0 / bread[(i, i)].max(f64::MIN_POSITIVE).sqrt());

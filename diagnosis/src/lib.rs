@@ -7,10 +7,13 @@
 
 mod advice;
 mod answer;
+mod base;
 mod diagnose;
+mod drive;
 mod explain;
 mod fit;
 mod identify;
+mod improved;
 mod interval;
 mod lattice;
 mod library;

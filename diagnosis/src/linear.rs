@@ -28,6 +28,11 @@ impl Bound {
         low: f64::NEG_INFINITY,
         high: f64::INFINITY,
     };
+    /// Whether it can be hardly other than 1: the amplitude of what acts once.
+    pub fn is_once(&self) -> bool {
+        self.low > 0.5 && self.high < 1.5
+    }
+
     /// 0 and more.
     pub const POSITIVE: Self = Self {
         low: 0.0,

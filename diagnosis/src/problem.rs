@@ -1,101 +1,13 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
+use crate::base::{Base, Free};
 use crate::library::Candidate;
-use crate::linear::Bound;
-use crate::model::{ActuatorModel, Declared, KnownEffect, SpecimenModel};
 use crate::noise::averaged;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
 use crate::spectrum;
 use plant::Channel;
 use std::borrow::Cow;
-
-/// A declared parameter that the fit may move.
-#[derive(Clone, Copy, Debug)]
-pub struct Free {
-    /// Which of the channel's four.
-    pub index: usize,
-    /// One tolerance.
-    pub tolerance: f64,
-}
-
-/// The declared parameters of a channel: gain, delay ms, lag ms, offset mm, or stiffness, damping, mass, offset.
-#[derive(Clone, Debug)]
-pub struct Base {
-    /// Which channel.
-    pub channel: Channel,
-    /// Declared values; what is not declared is not there.
-    pub values: [f64; 4],
-    /// Those with a tolerance.
-    pub free: Vec<Free>,
-    /// Effects that the model already has.
-    pub known: Vec<KnownEffect>,
-}
-
-/// Declared parameters move by so many tolerances.
-const REACH: f64 = 3.0;
-
-impl Base {
-    pub fn actuator(model: &ActuatorModel) -> Self {
-        let declared = [model.gain, model.delay_ms, model.lag_ms, model.offset_mm];
-        Self::new(
-            Channel::Actuator,
-            declared,
-            [1.0, 0.0, 0.0, 0.0],
-            &model.effects,
-        )
-    }
-
-    pub fn specimen(model: &SpecimenModel) -> Self {
-        let declared = [
-            model.stiffness_n_per_mm,
-            model.damping_n_s_per_mm,
-            model.mass_kg,
-            model.offset_n,
-        ];
-        Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
-    }
-
-    fn new(
-        channel: Channel,
-        declared: [Option<Declared>; 4],
-        absent: [f64; 4],
-        known: &[KnownEffect],
-    ) -> Self {
-        let value = |i: usize| declared[i].map_or(absent[i], |d| d.value);
-        let tolerance = |index: usize| declared[index].map_or(0.0, |d| d.tolerance);
-        Self {
-            channel,
-            values: std::array::from_fn(value),
-            free: (0..4)
-                .filter(|&i| tolerance(i) > 0.0)
-                .map(|index| Free {
-                    index,
-                    tolerance: tolerance(index),
-                })
-                .collect(),
-            known: known.to_vec(),
-        }
-    }
-
-    /// How far each free parameter may go from `theta`.
-    pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
-        let bound = |f: &Free| {
-            let reach = REACH * f.tolerance;
-            // Delays, lags and masses are not negative.
-            let floor = match (self.channel, f.index) {
-                (Channel::Actuator, 1 | 2) | (Channel::Specimen, 2) => 0.0,
-                _ => f64::NEG_INFINITY,
-            };
-            let least = (self.values[f.index] - reach).max(floor);
-            Bound {
-                low: least - theta[f.index],
-                high: self.values[f.index] + reach - theta[f.index],
-            }
-        };
-        self.free.iter().map(bound).collect()
-    }
-}
 
 /// A record as a channel sees it.
 #[derive(Clone, Debug)]
@@ -292,9 +204,7 @@ impl Problem {
         };
         let (x, v, answer) = (largest(|s| &s.x), largest(|s| &s.v), largest(|s| &s.base));
         (self.scales.x, self.scales.v, self.scales.base) = (x, v, answer);
-        if base.channel == Channel::Specimen && base.values[0] != 0.0 {
-            self.scales.stiffness = base.values[0];
-        } else if base.channel == Channel::Specimen {
+        if base.channel == Channel::Specimen && base.values[0] == 0.0 {
             // A specimen without a stiffness of its own: forces are compared with the largest.
             let force = self
                 .stretches
@@ -318,6 +228,10 @@ impl Problem {
             self.scales.actuator = transfer;
             self.scales.declared.delay_s = 1e-3 * base.values[1];
             self.scales.declared.lag_s = 1e-3 * base.values[2];
+        }
+        // What effects say relative to the stiffness is meant relative to the true one.
+        if base.channel == Channel::Specimen && theta[0] > 0.0 {
+            self.scales.stiffness = theta[0];
         }
         for stretch in &mut self.stretches {
             let s = &mut stretch.signals;
@@ -404,11 +318,27 @@ impl Problem {
         for (candidate, shapes) in effects {
             if let Some(stage) = candidate.stage {
                 let s = signals.to_mut();
-                s.base = stage(&s.base, shapes, scales);
                 if candidate.channel == Channel::Actuator {
+                    s.base = stage(&s.base, shapes, scales);
                     s.x.clone_from(&s.base);
                     s.v = derivative(&s.x, s.interval_s);
                     s.a = derivative(&s.v, s.interval_s);
+                } else {
+                    // Between two samples a straight line averages the noise of both: a fit would see a gain in that.
+                    let rough = s
+                        .reading
+                        .iter()
+                        .zip(&s.x)
+                        .map(|(r, x)| self.theta[0] * (r - x));
+                    let rough: Vec<f64> = rough.collect();
+                    add_scaled(&mut s.base, &rough, -1.0);
+                    s.base = stage(&s.base, shapes, scales);
+                    let whole = (shapes[0] / scales.step_s).round() * scales.step_s;
+                    add_scaled(&mut s.base, &stage(&rough, &[whole], scales), 1.0);
+                    // A reading that is late is late for every force in it.
+                    for x in [&mut s.x, &mut s.v, &mut s.a] {
+                        *x = stage(x, shapes, scales);
+                    }
                 }
             }
         }
@@ -429,18 +359,22 @@ impl Problem {
                 continue;
             };
             let after = stage(&here, shapes, &self.scales);
-            for column in &mut columns {
-                // A small step along the column, through the stage.
-                let largest = column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-                let step = 1e-3 * self.scales.base / largest.max(f64::MIN_POSITIVE);
-                let mut moved = here.clone();
-                add_scaled(&mut moved, column, step);
-                let moved = stage(&moved, shapes, &self.scales);
-                *column = moved
-                    .iter()
-                    .zip(&after)
-                    .map(|(m, a)| (m - a) / step)
-                    .collect();
+            for (free, column) in base.free.iter().zip(&mut columns) {
+                let (moved, step) = if candidate.instead_of == Some(free.index) {
+                    // The parameter and the effect's shape are one sum, in ms and in s.
+                    let step = 1e-6;
+                    let moved: Vec<f64> = shapes.iter().map(|s| s + step).collect();
+                    (stage(&here, &moved, &self.scales), 1e3 * step)
+                } else {
+                    // A small step along the column, through the stage.
+                    let largest = column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+                    let step = 1e-3 * self.scales.base / largest.max(f64::MIN_POSITIVE);
+                    let mut moved = here.clone();
+                    add_scaled(&mut moved, column, step);
+                    (stage(&moved, shapes, &self.scales), step)
+                };
+                let change = moved.iter().zip(&after).map(|(m, a)| (m - a) / step);
+                *column = change.collect();
             }
             here = after;
         }
@@ -490,4 +424,57 @@ pub fn rms(parts: &[Vec<f64>]) -> f64 {
     let n: usize = parts.iter().map(Vec::len).sum();
     let square: f64 = parts.iter().flatten().map(|x| x * x).sum();
     (square / n.max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::candidates;
+    use crate::model::{Declared, SpecimenModel};
+    use plant::Effect;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn a_skew_of_half_a_sample_does_not_quieten_the_reading() {
+        let h = 1e-3;
+        let mut rng =
+            <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(5);
+        let moves: Vec<f64> = (0..8000).map(|i| (0.02 * f64::from(i)).sin()).collect();
+        let noise: Vec<f64> = (0..8000)
+            .map(|_| 1e-3 * Distribution::<f64>::sample(&StandardNormal, &mut rng))
+            .collect();
+        let record = Recording {
+            time_s: (0..8000).map(|i| f64::from(i) * h).collect(),
+            displacement_mm: Some(moves.iter().zip(&noise).map(|(x, n)| x + n).collect()),
+            force_n: Some(moves.iter().map(|x| 100.0 * x).collect()),
+            ..Recording::default()
+        };
+        let stiffness = Declared {
+            value: 100.0,
+            tolerance: 1.0,
+        };
+        let base = Base::specimen(&SpecimenModel {
+            stiffness_n_per_mm: Some(stiffness),
+            ..SpecimenModel::default()
+        });
+        let problem = Problem::new(&base, &[record], 20.0, &[]).unwrap();
+        let candidate = candidates(Channel::Specimen)
+            .into_iter()
+            .find(|c| c.effect == Effect::ChannelSkew)
+            .unwrap();
+        // What the motion makes of a skew is taken off: what is left is what becomes of the noise.
+        let left = |skew_s: f64| {
+            let skew = Fitted {
+                candidate,
+                shapes: vec![skew_s],
+                amplitudes: Vec::new(),
+            };
+            let late = crate::signals::delayed(&moves, skew_s, h);
+            let answer = problem.answer(&problem.stretches[0], &[skew], &problem.scales);
+            let noise = answer.iter().zip(late).map(|(y, x)| y - 100.0 * x);
+            rms(&[noise.collect()])
+        };
+        let ratio = left(0.5 * h) / left(0.0);
+        assert!((0.95..1.05).contains(&ratio), "{ratio}");
+    }
 }

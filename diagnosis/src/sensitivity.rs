@@ -1,10 +1,11 @@
 //! How the answer of a model with effects changes with everything that was fitted.
 
-use crate::fit::Solution;
+use crate::base::Base;
+use crate::fit::{ONCE, Solution};
 use crate::library::Candidate;
 use crate::linear::{Bound, Normal, dot, solve};
 use crate::noise::Noise;
-use crate::problem::{Base, Fitted};
+use crate::problem::Fitted;
 use nalgebra::{DMatrix, DVector};
 
 /// An unknown of an effect.
@@ -55,6 +56,19 @@ pub struct Jacobian {
     pub columns: Vec<Vec<f64>>,
     /// Measured less modelled.
     pub residual: Vec<f64>,
+    /// What is known beforehand.
+    pub known: Vec<Prior>,
+}
+
+/// What is known of an unknown beforehand.
+#[derive(Clone, Copy, Debug)]
+pub struct Prior {
+    /// Which column.
+    pub index: usize,
+    /// One over its variance.
+    pub precision: f64,
+    /// Expected value less the present one.
+    pub off: f64,
 }
 
 impl Jacobian {
@@ -87,8 +101,34 @@ impl Jacobian {
         Self {
             columns,
             residual: white,
+            known: priors(solution, base),
         }
     }
+}
+
+fn priors(solution: &Solution, base: &Base) -> Vec<Prior> {
+    let theta = &solution.problem.theta;
+    let declared = base.free.iter().enumerate().map(|(index, f)| Prior {
+        index,
+        precision: f.tolerance.powi(-2),
+        off: base.values[f.index] - theta[f.index],
+    });
+    let mut priors: Vec<Prior> = declared.collect();
+    let mut at = base.free.len();
+    for e in &solution.effects {
+        let bounds = (e.candidate.bounds)(&solution.problem.scales);
+        for (i, (bound, amplitude)) in bounds.iter().zip(&e.amplitudes).enumerate() {
+            if bound.is_once() {
+                priors.push(Prior {
+                    index: at + i,
+                    precision: ONCE.powi(-2),
+                    off: 1.0 - amplitude,
+                });
+            }
+        }
+        at += e.amplitudes.len() + e.shapes.len();
+    }
+    priors
 }
 
 fn every(solution: &Solution) -> Vec<Unknown> {
@@ -98,7 +138,11 @@ fn every(solution: &Solution) -> Vec<Unknown> {
 
 /// Where everything together would be best if the answer were linear: the change of each effect's shapes.
 pub fn step(solution: &Solution, base: &Base, noise: &Noise) -> Option<Vec<Vec<f64>>> {
-    let Jacobian { columns, residual } = Jacobian::of(solution, base, noise);
+    let Jacobian {
+        columns,
+        residual,
+        known,
+    } = Jacobian::of(solution, base, noise);
     let n = columns.len();
     let mut matrix = DMatrix::from_fn(n, n, |i, j| {
         if j <= i {
@@ -109,14 +153,12 @@ pub fn step(solution: &Solution, base: &Base, noise: &Noise) -> Option<Vec<Vec<f
     });
     matrix.fill_upper_triangle_with_lower_triangle();
     let mut right = DVector::from_fn(n, |i, _| dot(&columns[i], &residual));
-    let theta = &solution.problem.theta;
-    for (i, f) in base.free.iter().enumerate() {
-        let precision = f.tolerance.powi(-2);
-        matrix[(i, i)] += precision;
-        right[i] += precision * (base.values[f.index] - theta[f.index]);
+    for p in &known {
+        matrix[(p.index, p.index)] += p.precision;
+        right[p.index] += p.precision * p.off;
     }
     let scales = solution.problem.scales;
-    let mut bounds = base.bounds(theta);
+    let mut bounds = base.bounds(&solution.problem.theta);
     for e in &solution.effects {
         let around = |b: Bound, value: f64| Bound {
             low: (b.low - value).min(0.0),

@@ -101,18 +101,22 @@ pub fn lagged(u: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     if lag_s <= 1e-3 * interval_s {
         return u.to_vec();
     }
-    let decay = (-interval_s / lag_s).exp();
-    let ramp = lag_s / interval_s;
-    // y' = (u - y) / T over a ramp: y1 = u1 - T m + (y0 - u0 + T m) exp(-h / T) with the slope m.
+    let (decay, new, old) = lag_weights(lag_s, interval_s);
     let mut y = u[0];
     let mut out = Vec::with_capacity(u.len());
     out.push(y);
     for pair in u.windows(2) {
-        let rise = ramp * (pair[1] - pair[0]);
-        y = pair[1] - rise + (y - pair[0] + rise) * decay;
+        y = decay * y + (new * pair[1] + old * pair[0]);
         out.push(y);
     }
     out
+}
+
+/// `y1 = decay y0 + new u1 + old u0` of `y' = (u - y) / T` over a ramp from `u0` to `u1`.
+fn lag_weights(lag_s: f64, interval_s: f64) -> (f64, f64, f64) {
+    let decay = (-interval_s / lag_s).exp();
+    let ramp = lag_s / interval_s * (1.0 - decay);
+    (decay, 1.0 - ramp, ramp - decay)
 }
 
 /// What went into [`lagged`], from what came out of it.
@@ -120,14 +124,14 @@ pub fn unlagged(y: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
     if lag_s <= 1e-3 * interval_s {
         return y.to_vec();
     }
-    let decay = (-interval_s / lag_s).exp();
-    let ramp = lag_s / interval_s * (1.0 - decay);
-    // y1 = (1 - r) u1 + (r - d) u0 + d y0, solved for u1: its pole lies inside the unit circle.
+    let (decay, new, old) = lag_weights(lag_s, interval_s);
+    // Solved for u1: its pole lies inside the unit circle.
+    let (decay, old, new) = (decay / new, old / new, 1.0 / new);
     let mut u = y[0];
     let mut out = Vec::with_capacity(y.len());
     out.push(u);
     for pair in y.windows(2) {
-        u = (pair[1] - decay * pair[0] - (ramp - decay) * u) / (1.0 - ramp);
+        u = (new * pair[1] - decay * pair[0]) - old * u;
         out.push(u);
     }
     out

@@ -3,7 +3,7 @@
 use super::operators as op;
 use super::{
     Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, positive,
-    settling,
+    rest_ratio, settling, stribeck,
 };
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
@@ -16,6 +16,8 @@ const BASIS: Candidate = Candidate {
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
+    instead_of: None,
+    from_reading: false,
     bounds: any,
     parameters: |a, _, _| vec![("offset_mm", "mm", a[0])],
     includes: &[],
@@ -66,6 +68,7 @@ pub const CANDIDATES: &[Candidate] = &[
             let before = unlagged(y, known_s, k.step_s);
             lagged(&before, lag_s, k.step_s)
         }),
+        instead_of: Some(2),
         parameters: |_, p, k| vec![("lag_ms", "ms", 1e3 * (p[0] - k.declared.lag_s))],
         ..STAGE
     },
@@ -99,6 +102,7 @@ pub const CANDIDATES: &[Candidate] = &[
     BASIS,
     Candidate {
         effect: Effect::RigCompliance,
+        from_reading: true,
         columns: |s, _, _| vec![s.force.iter().map(|f| -f).collect()],
         bounds: positive,
         parameters: |a, _, _| vec![("stiffness_n_per_mm", "N/mm", 1.0 / a[0].max(1e-12))],
@@ -131,8 +135,6 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, _| vec![op::friction(&s.x, p[0]).iter().map(|z| -z).collect()],
         bounds: positive,
         parameters: |a, p, _| vec![("error_mm", "mm", a[0]), ("presliding_mm", "mm", p[0])],
-        // Friction that builds up over its own size is backlash.
-        includes: &[Effect::Backlash],
         ..BASIS
     },
     Candidate {
@@ -146,14 +148,13 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, _| {
             let z: Vec<f64> = op::friction(&s.x, p[0]).iter().map(|z| -z).collect();
             let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
-            let more = z.iter().zip(&s.v).map(|(z, v)| z * slow(v)).collect();
-            vec![z, more]
+            stribeck(z, s.v.iter().map(slow))
         },
         bounds: |_| vec![Bound::POSITIVE; 2],
         parameters: |a, p, _| {
             vec![
-                ("error_mm", "mm", a[0]),
-                ("rest_ratio", "", 1.0 + a[1] / a[0].max(1e-9)),
+                ("error_mm", "mm", a[0] + a[1]),
+                ("rest_ratio", "", rest_ratio(a)),
                 ("stribeck_mm_per_s", "mm/s", p[1]),
                 ("presliding_mm", "mm", p[0]),
             ]

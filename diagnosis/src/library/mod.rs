@@ -46,6 +46,10 @@ pub struct Candidate {
     pub columns: fn(&Signals, &[f64], &Scales) -> Vec<Vec<f64>>,
     /// Instead of columns: what the effect makes of the whole answer before it. Without amplitude.
     pub stage: Option<Stage>,
+    /// The declared parameter that its stage takes out and puts in again with its shape added.
+    pub instead_of: Option<usize>,
+    /// Its columns are a reading, with the noise of that.
+    pub from_reading: bool,
     /// What its amplitudes may be.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.
@@ -96,7 +100,7 @@ fn positive(_: &Scales) -> Vec<Bound> {
 
 /// Slow effects: how long they take to settle.
 fn settling(s: &Scales) -> Vec<Shape> {
-    vec![Shape::new(0.05 * s.seconds, 10.0 * s.seconds, 8)]
+    vec![Shape::new(0.05 * s.seconds, 200.0 * s.seconds, 10)]
 }
 
 /// The frequency of hum: around the line that the residual shows.
@@ -134,6 +138,23 @@ fn hum_size(amplitudes: &[f64]) -> (f64, f64) {
         first,
         amplitudes[2].hypot(amplitudes[3]) / first.max(f64::MIN_POSITIVE),
     )
+}
+
+/// Friction at rest is at most so many times that in motion.
+const MOST_AT_REST: f64 = 4.0;
+
+/// Friction that is the same at any speed, and friction that falls from [`MOST_AT_REST`] times to its size by `slow`.
+fn stribeck(friction: Vec<f64>, slow: impl Iterator<Item = f64>) -> Vec<Vec<f64>> {
+    let falls = friction.iter().zip(slow);
+    let falls = falls.map(|(z, slow)| z * (1.0 + (MOST_AT_REST - 1.0) * slow));
+    let falls = falls.collect();
+    vec![friction, falls]
+}
+
+/// Of the friction at rest to that in motion.
+fn rest_ratio(amplitudes: &[f64]) -> f64 {
+    let share = amplitudes[1] / (amplitudes[0] + amplitudes[1]).max(f64::MIN_POSITIVE);
+    1.0 + (MOST_AT_REST - 1.0) * share
 }
 
 /// Growth towards an end value, `1 - exp(-t / tau)`.

@@ -3,7 +3,7 @@
 use super::operators as op;
 use super::{
     Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, once,
-    positive, settling,
+    positive, rest_ratio, settling, stribeck,
 };
 use crate::linear::Bound;
 use crate::signals::{Scales, Signals, delayed};
@@ -16,6 +16,8 @@ const BASIS: Candidate = Candidate {
     shapes: no_shape,
     columns: |s, _, _| vec![vec![1.0; s.x.len()]],
     stage: None,
+    instead_of: None,
+    from_reading: false,
     bounds: any,
     parameters: |a, _, _| vec![("offset_n", "N", a[0])],
     includes: &[],
@@ -121,14 +123,13 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, _| {
             let z = op::friction(&s.x, p[0]);
             let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
-            let more = z.iter().zip(&s.v).map(|(z, v)| z * slow(v)).collect();
-            vec![z, more]
+            stribeck(z, s.v.iter().map(slow))
         },
         bounds: |_| vec![Bound::POSITIVE; 2],
         parameters: |a, p, _| {
             vec![
-                ("force_n", "N", a[0]),
-                ("rest_ratio", "", 1.0 + a[1] / a[0].max(1e-9)),
+                ("force_n", "N", a[0] + a[1]),
+                ("rest_ratio", "", rest_ratio(a)),
                 ("stribeck_mm_per_s", "mm/s", p[1]),
                 ("presliding_mm", "mm", p[0]),
             ]

@@ -1,0 +1,92 @@
+//! The declared parameters of a channel.
+
+use crate::linear::Bound;
+use crate::model::{ActuatorModel, Declared, KnownEffect, SpecimenModel};
+use plant::Channel;
+
+/// A declared parameter that the fit may move.
+#[derive(Clone, Copy, Debug)]
+pub struct Free {
+    /// Which of the channel's four.
+    pub index: usize,
+    /// One tolerance.
+    pub tolerance: f64,
+}
+
+/// The declared parameters of a channel: gain, delay ms, lag ms, offset mm, or stiffness, damping, mass, offset.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Which channel.
+    pub channel: Channel,
+    /// Declared values; what is not declared is not there.
+    pub values: [f64; 4],
+    /// Those with a tolerance.
+    pub free: Vec<Free>,
+    /// Effects that the model already has.
+    pub known: Vec<KnownEffect>,
+}
+
+/// Declared parameters move by so many tolerances.
+const REACH: f64 = 3.0;
+
+impl Base {
+    pub fn actuator(model: &ActuatorModel) -> Self {
+        let declared = [model.gain, model.delay_ms, model.lag_ms, model.offset_mm];
+        Self::new(
+            Channel::Actuator,
+            declared,
+            [1.0, 0.0, 0.0, 0.0],
+            &model.effects,
+        )
+    }
+
+    pub fn specimen(model: &SpecimenModel) -> Self {
+        let declared = [
+            model.stiffness_n_per_mm,
+            model.damping_n_s_per_mm,
+            model.mass_kg,
+            model.offset_n,
+        ];
+        Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
+    }
+
+    fn new(
+        channel: Channel,
+        declared: [Option<Declared>; 4],
+        absent: [f64; 4],
+        known: &[KnownEffect],
+    ) -> Self {
+        let value = |i: usize| declared[i].map_or(absent[i], |d| d.value);
+        let tolerance = |index: usize| declared[index].map_or(0.0, |d| d.tolerance);
+        Self {
+            channel,
+            values: std::array::from_fn(value),
+            free: (0..4)
+                .filter(|&i| tolerance(i) > 0.0)
+                .map(|index| Free {
+                    index,
+                    tolerance: tolerance(index),
+                })
+                .collect(),
+            known: known.to_vec(),
+        }
+    }
+
+    /// How far each free parameter may go from `theta`.
+    pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
+        let bound = |f: &Free| {
+            let reach = REACH * f.tolerance;
+            // Delays, lags and masses are not negative.
+            let floor = match (self.channel, f.index) {
+                (Channel::Actuator, 1 | 2) | (Channel::Specimen, 2) => 0.0,
+                _ => f64::NEG_INFINITY,
+            };
+            let least = (self.values[f.index] - reach).max(floor);
+            Bound {
+                low: least - theta[f.index],
+                high: self.values[f.index] + reach - theta[f.index],
+            }
+        };
+        self.free.iter().map(bound).collect()
+    }
+}
