@@ -141,7 +141,9 @@ fn narrow_band(hz: f64, ratio: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
             }
         })
         .collect();
-    let mut wave = second_order(&shaking, omega, |v| 2.0 * ratio * omega * v);
+    // What oil moves has no acceleration far above its frequency.
+    let resonant = |u: &[f64]| second_order(u, omega, |v| 2.0 * ratio * omega * v);
+    let mut wave = resonant(&resonant(&lag(&shaking, 1.0 / omega)));
     let size = crate::fine::rms(&wave);
     wave.iter_mut().for_each(|w| *w /= size);
     wave

@@ -54,12 +54,16 @@ pub(super) fn draw(
                 move |s, scene, y| {
                     let m = scene.motion();
                     let mut forces = vec![0.0; branches.len()];
+                    let mut before = m.v[0];
                     let stiffness = s / typical / relaxes;
                     plus(
                         y,
                         m.v.iter().map(|v| {
+                            // Over the step that ends here.
+                            let mean = 0.5 * (v + before);
+                            before = *v;
                             for (f, (share, time)) in forces.iter_mut().zip(&branches) {
-                                let end = share * stiffness * time * v;
+                                let end = share * stiffness * time * mean;
                                 *f = end + (*f - end) * (-DT / time).exp();
                             }
                             forces.iter().sum()

@@ -1,0 +1,61 @@
+//! A glance at the exam of the diagnosis: a few records of each class, graded as all of them are. The whole table is
+//! printed by `diagnosis-exam`; what is asked here is what no change may lose.
+
+use exam::Class;
+use host_tests::exam::plan::TUNING;
+use host_tests::exam::sit::sit;
+use host_tests::exam::tally::{Tally, estimates, median, said};
+use host_tests::exam::{Mark, Plan, examinee};
+
+#[test]
+fn the_diagnosis_passes_a_glance_at_its_exam() {
+    let mut plan = Plan::quick(TUNING);
+    // Every effect by matched equations, every second one by unseen ones, a few of each other class.
+    plan.items.retain(|i| match i.class {
+        Class::Matched => true,
+        Class::Unseen => i.seed.is_multiple_of(2),
+        Class::Clean => i.seed < 12,
+        Class::Outside => i.seed < 9,
+        Class::Two | Class::Confounded => i.seed < 8,
+    });
+    let all = sit(&plan.items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    for s in all.iter().filter(|s| s.grade.mark != Mark::Exact) {
+        println!(
+            "{}-{} {:?}: {}",
+            s.item.class.name(),
+            s.item.seed,
+            s.grade.mark,
+            said(s)
+        );
+    }
+    let of = |class| Tally::of(&all, class);
+    let share = |class, is: &dyn Fn(Mark) -> bool| of(class).share(is).unwrap();
+    let exact = |m| m == Mark::Exact;
+    let wrong = |m| m == Mark::Wrong;
+    assert!(share(Class::Matched, &exact) >= 0.95);
+    assert!(share(Class::Matched, &wrong) == 0.0);
+    assert!(share(Class::Unseen, &Mark::is_right) >= 0.8);
+    assert!(share(Class::Unseen, &wrong) <= 0.05);
+    assert!(share(Class::Clean, &exact) == 1.0);
+    assert!(share(Class::Outside, &exact) >= 0.85);
+    assert!(share(Class::Outside, &wrong) == 0.0);
+    assert!(share(Class::Two, &Mark::is_right) >= 0.7);
+    assert!(share(Class::Confounded, &Mark::is_right) >= 0.85);
+    let after = median(of(Class::Matched).after_over_floor()).unwrap();
+    assert!(after <= 1.05, "error after / floor {after}");
+    let intervals: Vec<bool> = all
+        .iter()
+        .filter(|s| s.item.class == Class::Matched)
+        .flat_map(|s| estimates(s).into_iter().map(|e| e.holds()))
+        .collect();
+    let held = intervals.iter().filter(|h| **h).count() as f64 / intervals.len() as f64;
+    assert!(
+        (0.8..=0.98).contains(&held),
+        "90 % intervals hold in {held}"
+    );
+    let (changed, worse) = Tally::over(&all, |_| true).changed_and_worse();
+    assert!(
+        changed > 60 && worse == 0,
+        "{worse} of {changed} made worse"
+    );
+}
