@@ -12,7 +12,7 @@ use std::path::Path;
 /// Instructions that a method may add to a step.
 const MOST: f64 = 400.0;
 
-/// That of Ahmadizadeh is two in one: the fit of displacement and force, behind Darby's estimate of the delay.
+/// The paper's damping behind a predictor is two methods.
 const MOST_OF_TWO: f64 = 650.0;
 
 /// The whole pipeline on a specimen that yields, so that tangents change and predictors learn.
@@ -103,7 +103,7 @@ fn what_each_costs() {
         // Assumed: 1.25 cycles an instruction. Loads, taken branches and divisions take more than one.
         let highest_khz = 168e3 / (1.25 * worst);
         println!("{name:62} {worst:5.0} {beyond:8.0} {highest_khz:16.0}");
-        let two = name.contains("behind") || name == Method::Ahmadizadeh.name();
+        let two = name.contains("behind");
         if beyond > if two { MOST_OF_TWO } else { MOST } {
             dear.push(name);
         }

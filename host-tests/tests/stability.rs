@@ -1,15 +1,15 @@
 //! What `outerloop check` says against what a test does: the eigenvalues of the loop against the growth of its response.
 #![allow(missing_docs)]
 
-use host_tests::{Scenario, Shaking};
+use host_tests::{Scenario, Shaking, Trace};
 use outerloop_cli::stability::closed_loop::{Frame, Question};
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::{Row, row};
 use outerloop_core::Config;
 use outerloop_core::Method;
-use outerloop_core::config::Filter;
-use outerloop_core::record::flag;
+use outerloop_core::config::{Adaptation, Filter};
+use outerloop_core::record::{Record, flag};
 use plant::RigSpec;
 
 const STIFFNESS: f64 = 158e3;
@@ -40,15 +40,20 @@ fn asked<'a>(s: &'a Scenario, rig: &'a RigSpec, law: Law) -> (Frame, Question<'a
     )
 }
 
-/// 1/s at which the free vibration after a blow grows, from the rms of two stretches of it.
-fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
+/// The free vibration after a blow.
+fn vibration<const N: usize>(s: &Scenario, seconds: f64) -> Trace<N> {
     let blow = Shaking {
         // Small: a servo whose valve is at its end grows no further.
         acc_m_per_s2: vec![0.0, 1e-8, 0.0],
         interval_s: 0.05,
     }
     .followed_by_rest(seconds + 1.0);
-    let trace = s.run::<N>(&blow, seconds, 1);
+    s.run::<N>(&blow, seconds, 1)
+}
+
+/// 1/s at which the free vibration after a blow grows, from the rms of two stretches of it.
+fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
+    let trace = vibration::<N>(s, seconds);
     let solved: Vec<f64> = trace
         .records
         .iter()
@@ -254,18 +259,15 @@ fn predictors_work_between_targets_behind_filters_and_in_slow_tests() {
     }
 }
 
-/// A floor that any motion is above, so that the free vibration of a blow is learnt from.
-fn learning(s: Scenario) -> Scenario {
-    let mut s = s;
+/// A floor that any motion is above, so that the free vibration of a blow is learnt from, at a pace of `time_s`.
+fn learning(mut s: Scenario, time_s: f64) -> Scenario {
     s.config.compensation.adaptation.floor_m = 1e-15;
-    // The pace that the laws were derived at; at the default of 0.08 s the law of mcs is judged unstable that is not.
-    s.config.compensation.adaptation.time_s = 0.2;
+    s.config.compensation.adaptation.time_s = time_s;
     s
 }
 
 /// Predictors that learn, told wrong, and forces at the target: stable where what they come to is stable.
-#[test]
-fn what_a_learning_predictor_comes_to_decides() {
+fn what_they_come_to_decides(time_s: f64) {
     let methods = [
         Method::Darby,
         Method::Mcs,
@@ -280,7 +282,7 @@ fn what_a_learning_predictor_comes_to_decides() {
         for delay_ms in [2.0, 4.0, 8.0, 16.0, 32.0, 50.0] {
             for (kind, gain) in [("delay", 1.0), ("second_order", 1.0), ("delay", 1.2)] {
                 let actuator = format!("kind = '{kind}'\ndelay_ms = {delay_ms:?}\ngain = {gain:?}");
-                let s = learning(sdof(0.02, &actuator).with(method));
+                let s = learning(sdof(0.02, &actuator).with(method), time_s);
                 let (said, seen) = (eigenvalues(&s, Law::Learnt), growth::<1>(&s, 20.0));
                 let rig = s.rig();
                 let (frame, question) = asked(&s, &rig, Law::Learnt);
@@ -308,4 +310,38 @@ fn what_a_learning_predictor_comes_to_decides() {
         }
     }
     assert!(stable > 50 && unstable > 5, "{stable} {unstable}");
+}
+
+#[test]
+fn what_a_learning_predictor_comes_to_decides_at_the_default_pace() {
+    what_they_come_to_decides(Adaptation::default().time_s);
+}
+
+#[test]
+fn what_a_learning_predictor_comes_to_decides_at_a_slower_pace() {
+    what_they_come_to_decides(0.2);
+}
+
+/// A feedback of more than the error makes the command jump from sample to sample behind a transport delay, at a
+/// size that the gains' bounds keep: the structure's own motion may even decay, so its growth does not show it.
+#[test]
+fn the_command_of_minimal_control_synthesis_is_as_smooth_as_the_target_at_every_pace() {
+    for (kind, gain) in [("delay", 1.0), ("delay", 1.2), ("second_order", 1.2)] {
+        for time_s in [0.02, 0.04, Adaptation::default().time_s, 0.2] {
+            let actuator = format!("kind = '{kind}'\ndelay_ms = 4.0\ngain = {gain:?}");
+            let s = learning(sdof(0.02, &actuator).with(Method::Mcs), time_s);
+            let records = vibration::<1>(&s, 5.0).records;
+            let records = &records[records.len() / 5..];
+            let rough = |of: fn(&Record<1>) -> f32| {
+                let bends = records.windows(3).map(|w| {
+                    let [a, b, c] = [0, 1, 2].map(|i| f64::from(of(&w[i])));
+                    (a - 2.0 * b + c).powi(2)
+                });
+                bends.sum::<f64>().sqrt()
+            };
+            let ratio = rough(|r| r.sent_m[0]) / rough(|r| r.command_m[0]);
+            println!("{kind}, gain {gain}, {time_s} s: {ratio:.2} times as rough");
+            assert!(ratio < 2.0, "{ratio}");
+        }
+    }
 }

@@ -122,35 +122,3 @@ fn three_storeys_that_yield() {
         within::<3>(&format!("three storeys, {kind} 4 ms"), &s, 0.002);
     }
 }
-
-/// An independent f64 study of the same tests, the worse of both records by delay, beside what is measured here. `none`
-/// and `lagrange` are the same there; `paper` has other guards, and `tangent` other bounds and another start.
-#[test]
-fn an_independent_study_found_the_same() {
-    let delays = [4.0, 8.0, 16.0, 33.5, 60.0];
-    let published = [
-        (Method::None, [0.118, 0.15, 0.23, 0.30, 0.45]),
-        (Method::Lagrange, [0.0, 0.0004, 0.0039, 0.050, 0.28]),
-        (Method::Paper, [0.0026, 0.0099, 0.022, 0.18, 0.18]),
-        (Method::Tangent, [0.0002, 0.0006, 0.0026, 0.0042, 0.0098]),
-    ];
-    for (method, figures) in published {
-        print!("{:10}", method.name());
-        for (delay_ms, figure) in delays.into_iter().zip(figures) {
-            let mut s = bilinear(delay_ms).with(method);
-            // A lag of the held command is half a control period shorter than its name.
-            s.config.compensation.delay_ms = delay_ms - 0.25;
-            let Some(rms) = errors::<1>(&s, 1).into_iter().reduce(f64::max) else {
-                return;
-            };
-            print!("  {rms:.4} ({figure})");
-            if matches!(method, Method::None | Method::Lagrange) {
-                assert!(
-                    rms <= 1.6 * figure + 1e-3 && rms >= 0.5 * figure - 1e-3,
-                    "{rms} and {figure}"
-                );
-            }
-        }
-        println!();
-    }
-}

@@ -17,7 +17,7 @@ use super::closed_loop::Frame;
 use super::rig::LinearRig;
 use nalgebra::{Complex, DMatrix};
 use outerloop_core::Config;
-use outerloop_core::compensate::predict::mcs::PROPORTIONAL_S;
+use outerloop_core::compensate::predict::mcs::PROPORTIONAL;
 use outerloop_core::config::{Compensation, Prediction};
 
 /// What adaptive predictors know.
@@ -293,8 +293,7 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
         (Prediction::Mcs, wanted) => sum(Sum {
             displacement: 1.0,
             velocity: told,
-            // Over a cycle of the peak's size the mean of the demand's and the displacement's squares is one together.
-            error: wanted.map_or(0.0, |_| PROPORTIONAL_S / c.adaptation.time_s),
+            error: wanted.map_or(0.0, |_| f64::from(PROPORTIONAL) * SQUARES),
             ..Sum::default()
         }),
         (Prediction::FeedforwardFeedback, _) => sum(inverse_and_feedback(c, rate_hz)),
@@ -349,6 +348,10 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
         }
     }
 }
+
+/// Mean over a cycle of the squares of demand and displacement together, relative to that of their running peak: 1 for a
+/// peak that stays, this for one that fades by a factor e in a natural period, as that of the gate does.
+const SQUARES: f64 = 1.245;
 
 fn sum(sum: Sum) -> Kind {
     Kind::Sum {
@@ -429,5 +432,26 @@ fn model(config: &Config, frame: &Frame, j: usize) -> Kind {
     Kind::Model {
         velocity: row(n, step_s),
         acceleration: row(2 * n, step_s * step_s),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn the_mean_squares_over_a_peak_that_fades() {
+        let n = 10_000;
+        let (mut peak, mut sum) = (1.0_f64, 0.0);
+        // The second cycle counts; in the first the peak comes to its own.
+        for i in 0..2 * n {
+            let u = (TAU * i as f64 / n as f64).sin();
+            peak = u.abs().max(peak * (-1.0 / n as f64).exp());
+            if i >= n {
+                sum += 2.0 * (u / peak).powi(2) / n as f64;
+            }
+        }
+        assert!((sum / SQUARES - 1.0).abs() < 1e-3, "{sum}");
     }
 }

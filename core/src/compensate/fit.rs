@@ -1,11 +1,13 @@
 //! Force at the time at which the target was reached: Ahmadizadeh, Mosqueda and Reinhorn, EESD 37 (2008) 21.
 //!
-//! Quadratics are fitted to the last [`POINTS`] displacements and forces, by least squares. The time `t*` at which the
-//! fitted displacement is at the target is found, and the measured force is moved along its own fit from now to `t*`.
-//! In front of it the same authors extrapolate the command by a delay that is estimated on line: here
-//! [`super::predict::darby`].
+//! Quadratics are fitted to the last [`POINTS`] displacements and forces, by least squares. The time at which the fitted
+//! displacement is at the target is found, and the measured force is moved along its own fit from now to that time.
+//! In front of it the same authors send the motion one delay ahead, by the equations of the integration, with a delay and
+//! a command gain that are estimated on line: here [`super::predict::afp`], which does that. They find the delay from
+//! polynomials through desired and measured displacements; here the integration knows the velocity of the desired one,
+//! so that what is left of the delay is the error over that velocity, without a fit.
 //!
-//! Parameters: `hold_share`; those of `darby`. State 64 bytes a storey. Cost: two fits of 8 points and two Newton steps.
+//! Parameters: `hold_share`; those of `afp`. State 68 bytes a storey. Cost: two fits of 8 points and two Newton steps.
 //!
 //! # When not to use it
 //! It looks at most [`REACH`] integration steps ahead or back, so the predictor must have brought the specimen near the
@@ -32,46 +34,42 @@ pub struct Constants {
     pub physical: usize,
 }
 
-/// A quadratic `c0 + c1 t + c2 (t^2 - 5.25)`, `t` from -3.5 to 3.5 in steps.
+/// How a fitted quadratic goes on from the newest point: `slope h + bend h^2` in `h` steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Quadratic([f32; 3]);
+struct Going {
+    slope: f32,
+    bend: f32,
+}
 
-/// Time of the newest point.
-const NOW: f32 = 3.5;
-
-/// Mean square of the times of the points: it makes the three terms orthogonal.
-const MEAN_SQUARE: f32 = 5.25;
-
-impl Quadratic {
-    /// Least squares through `points`, a ring whose newest value is at `newest`.
+impl Going {
+    /// Least squares through `points`, oldest first.
+    ///
+    /// With times `t` from -3.5 to 3.5 the terms 1, t and t^2 - 5.25 are orthogonal, so each factor is a sum of its own
+    /// over pairs that lie symmetric to the middle.
     #[inline]
-    fn through(points: &[f32; POINTS], newest: usize) -> Self {
-        // Oldest first; pairs that lie symmetric to the middle, from the outside in.
-        let point = |i: usize| points[(newest + 1 + i) % POINTS];
-        let mut c = [0.0; 3];
-        for i in 0..POINTS / 2 {
-            let (old, new) = (point(i), point(POINTS - 1 - i));
-            let t = NOW - i as f32;
-            c[0] += new + old;
-            c[1] += t * (new - old);
-            c[2] += (t * t - MEAN_SQUARE) * (new + old);
+    fn of(points: &[f32; POINTS]) -> Self {
+        let [a, b, c, d, e, f, g, h] = *points;
+        let rise = 3.5 * (h - a) + 2.5 * (g - b) + 1.5 * (f - c) + 0.5 * (e - d);
+        let bend = 7.0 * (h + a) + (g + b) - 3.0 * (f + c) - 5.0 * (e + d);
+        let bend = bend * (1.0 / 168.0);
+        Self {
+            slope: rise * (1.0 / 42.0) + 7.0 * bend,
+            bend,
         }
-        Self([
-            c[0] * (1.0 / 8.0),
-            c[1] * (1.0 / 42.0),
-            c[2] * (1.0 / 168.0),
-        ])
     }
 
+    /// What it gains in `h` steps.
     #[inline]
-    fn at(&self, t: f32) -> f32 {
-        self.0[0] + self.0[1] * t + self.0[2] * (t * t - MEAN_SQUARE)
+    fn gain(&self, h: f32) -> f32 {
+        h * (self.slope + self.bend * h)
     }
+}
 
-    #[inline]
-    fn slope(&self, t: f32) -> f32 {
-        self.0[1] + 2.0 * self.0[2] * t
-    }
+/// Takes the newest value into `points`, oldest first.
+#[inline]
+fn push(points: &mut [f32; POINTS], newest: f32) {
+    let [_, b, c, d, e, f, g, h] = *points;
+    *points = [b, c, d, e, f, g, h, newest];
 }
 
 /// One axis.
@@ -86,7 +84,6 @@ struct Past {
 #[derive(Clone, Debug)]
 pub struct FittedForce<const N: usize> {
     past: [Past; N],
-    newest: usize,
 }
 
 impl<const N: usize> FittedForce<N> {
@@ -98,7 +95,6 @@ impl<const N: usize> FittedForce<N> {
                 force_n: [0.0; POINTS],
                 peak_speed_m: 0.0,
             }; N],
-            newest: 0,
         }
     }
 
@@ -106,27 +102,23 @@ impl<const N: usize> FittedForce<N> {
     #[inline]
     pub fn at_target(&mut self, k: &Constants, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;
-        let newest = (self.newest + 1) % POINTS;
-        self.newest = newest;
         for j in 0..N.min(k.physical) {
             let past = &mut self.past[j];
-            past.displacement_m[newest] = now.displacement_m[j];
-            past.force_n[newest] = now.force_n[j];
-            let moved = Quadratic::through(&past.displacement_m, newest);
-            let speed_m = moved.slope(NOW).abs();
+            push(&mut past.displacement_m, now.displacement_m[j]);
+            push(&mut past.force_n, now.force_n[j]);
+            let moving = Going::of(&past.displacement_m);
+            let speed_m = moving.slope.abs();
             past.peak_speed_m = larger(k.peak_memory * past.peak_speed_m, speed_m);
             if speed_m <= k.hold_share * past.peak_speed_m {
                 continue;
             }
             // Newton's method for the time at which the fit, moved to the newest point, is at the target.
-            let wanted_m = moved.at(NOW) + (now.command_m[j] - now.displacement_m[j]);
-            let mut t = NOW;
-            for _ in 0..2 {
-                let step = (wanted_m - moved.at(t)) / moved.slope(t);
-                t = larger(smaller(t + step, NOW + REACH), NOW - REACH);
-            }
-            let pulled = Quadratic::through(&past.force_n, newest);
-            let change_n = pulled.at(t) - pulled.at(NOW);
+            let way_m = now.command_m[j] - now.displacement_m[j];
+            let within = |h: f32| larger(smaller(h, REACH), -REACH);
+            let first = within(way_m / moving.slope);
+            let speed_m = moving.slope + 2.0 * moving.bend * first;
+            let reached = within(first + (way_m - moving.gain(first)) / speed_m);
+            let change_n = Going::of(&past.force_n).gain(reached);
             if change_n.is_finite() {
                 force_n[j] += change_n;
             }
@@ -143,14 +135,28 @@ mod tests {
     fn a_quadratic_is_fitted_exactly() {
         let y = |t: f32| 2.0 - 0.5 * t + 0.25 * t * t;
         let mut points = [0.0; POINTS];
-        for (i, point) in points.iter_mut().enumerate() {
-            *point = y(i as f32 - 5.0);
+        for i in 0..12 {
+            push(&mut points, y(i as f32 - 11.0));
         }
-        points.rotate_right(3);
-        // The newest stood at the end before the ring was turned.
-        let fit = Quadratic::through(&points, 2);
-        for t in [-3.5, 0.0, 3.5, 6.0] {
-            assert!((fit.at(t) - y(t - 1.5)).abs() < 1e-5, "{t}");
+        let going = Going::of(&points);
+        for h in [-7.0, -3.5, 0.0, 2.5, 6.0] {
+            assert!((going.gain(h) - (y(h) - y(0.0))).abs() < 1e-5, "{h}");
+        }
+    }
+
+    /// Against the normal equations of least squares, solved by another way: the residual is orthogonal to 1, t and t^2.
+    #[test]
+    fn what_is_no_quadratic_is_fitted_by_least_squares() {
+        let points = [0.3, -1.2, 0.8, 2.5, -0.7, 1.1, 0.0, -2.0_f32];
+        let Going { slope, bend } = Going::of(&points);
+        let fitted = |t: f32| slope * (t - 7.0) + bend * (t - 7.0) * (t - 7.0);
+        let rest = |i: usize| points[i] - fitted(i as f32);
+        let mean = (0..POINTS).map(rest).sum::<f32>() / POINTS as f32;
+        for power in 1..=2 {
+            let product: f32 = (0..POINTS)
+                .map(|i| (rest(i) - mean) * (i as f32).powi(power))
+                .sum();
+            assert!(product.abs() < 1e-4, "{power}: {product}");
         }
     }
 

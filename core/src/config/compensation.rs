@@ -26,7 +26,7 @@ pub enum Method {
     /// Prediction by the structure's own model (Carrion and Spencer).
     #[cfg_attr(feature = "serde", serde(rename = "model-prediction"))]
     ModelPrediction,
-    /// Force at the time the target was reached, behind `darby` (Ahmadizadeh).
+    /// Force at the time the target was reached, behind `afp` (Ahmadizadeh).
     #[cfg_attr(feature = "serde", serde(rename = "ahmadizadeh"))]
     Ahmadizadeh,
     /// First-order phase lead (Zhao).
@@ -165,8 +165,8 @@ impl Method {
     pub const fn prediction(self) -> Prediction {
         match self {
             Self::None | Self::Eq14Unguarded | Self::Eq14 | Self::Paper => Prediction::None,
-            Self::Darby | Self::Ahmadizadeh => Prediction::Darby,
-            Self::Afp | Self::Tangent => Prediction::Afp,
+            Self::Darby => Prediction::Darby,
+            Self::Ahmadizadeh | Self::Afp | Self::Tangent => Prediction::Afp,
             Self::Lagrange => Prediction::Lagrange,
             Self::ModelPrediction => Prediction::ModelPrediction,
             Self::PhaseLead => Prediction::PhaseLead,

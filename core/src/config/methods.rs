@@ -292,11 +292,7 @@ fn predictor<const N: usize>(
             predict::Constants::Model(prediction.ok_or(Refusal::matrix("structure.mass_kg"))?)
         }
         Prediction::PhaseLead => predict::Constants::PhaseLead(phase_lead::Constants::new(steps)),
-        Prediction::Mcs => predict::Constants::Mcs(mcs::Constants {
-            delay,
-            learning,
-            proportional: (mcs::PROPORTIONAL_S / c.adaptation.time_s) as f32,
-        }),
+        Prediction::Mcs => predict::Constants::Mcs(mcs::Constants { delay, learning }),
         Prediction::FeedforwardFeedback => {
             let [a1, a2, a3] = c.inverse();
             let r = t.rate_hz;

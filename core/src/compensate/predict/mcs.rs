@@ -7,6 +7,11 @@
 //! output is the target itself and `y = u_c - m`. Here `K_r` begins at 1, the errors are taken relative to the running
 //! peak, and the integral parts are bounded and rate limited.
 //!
+//! Published is beta = alpha times 0.1 s, whatever alpha. Here [`PROPORTIONAL`] is fixed. Relative to the peak, beta is
+//! the feedback of the error in the mean over a cycle and twice that at the peaks; behind an actuator with a transport
+//! delay a feedback of more than the whole error makes the command jump from sample to sample, as far as the bounds of
+//! the gains let it, while the structure itself hardly moves.
+//!
 //! Parameters: `delay_ms`, `adaptation`. State 20 bytes an axis. Cost: some 40 operations.
 //!
 //! # When not to use it
@@ -19,8 +24,8 @@ use super::{Ahead, Followed, Predict};
 /// Largest change of either gain.
 pub const MOST: f32 = 0.5;
 
-/// beta over alpha, s: the published ratio of 10.
-pub const PROPORTIONAL_S: f64 = 0.1;
+/// beta, relative: at the peak of the motion half of the error is fed back, so that an actuator may overdo it twice.
+pub const PROPORTIONAL: f32 = 0.25;
 
 /// Constants of the controller.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +34,6 @@ pub struct Constants {
     pub delay: f32,
     /// How the gains are learnt.
     pub learning: Learning,
-    /// beta, relative.
-    pub proportional: f32,
 }
 
 /// One axis.
@@ -67,7 +70,7 @@ impl Predict for Mcs {
                 let drive = error_m * signal_m * per_square;
                 let limit = k.learning.gain_limit;
                 self.gains[i] = learnt(gains[i], k.learning.rate * drive, limit, -MOST, MOST);
-                gains[i] = learnt(self.gains[i], k.proportional * drive, MOST, -MOST, MOST);
+                gains[i] = learnt(self.gains[i], PROPORTIONAL * drive, MOST, -MOST, MOST);
             }
         }
         self.demand_m = demand_m;
@@ -85,7 +88,6 @@ mod tests {
         let k = Constants {
             delay: 8.0,
             learning: checks::learning(),
-            proportional: 0.5,
         };
         let rest = checks::tracking_error::<Mcs>(
             &k,
