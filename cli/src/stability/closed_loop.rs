@@ -10,6 +10,7 @@
 
 use super::blocks::{Block, Signal, nothing};
 use super::filter::Filter;
+use super::largest;
 use super::predictor::{self, Ahead, Law, Predictor};
 use super::rig::{LinearRig, Variation};
 use super::spectrum;
@@ -83,7 +84,7 @@ pub struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// The transition matrix over one integration step of the loop on the rig with `vary`; what learns has learnt at
+    /// The transition matrix over `steps` integration steps of the loop on the rig with `vary`; what learns has learnt at
     /// `at` rad/s of model time.
     ///
     /// # Errors
@@ -93,12 +94,13 @@ impl Question<'_> {
         frame: &Frame,
         vary: &Variation,
         at: f64,
+        steps: usize,
     ) -> Result<DMatrix<f64>, Failure> {
-        Loop::new(self, frame, vary, at)?.transition()
+        Ok(Loop::new(self, frame, vary, at)?.transition(steps))
     }
 
-    /// Its eigenvalues. What learns does so at the frequency of the first mode in the loop, which depends on what was
-    /// learnt: it is sought by going there.
+    /// Its eigenvalues over one integration step; of a loop with many states, the largest. What learns does so at the
+    /// frequency of the first mode in the loop, which depends on what was learnt: it is sought by going there.
     ///
     /// # Errors
     /// A structure or a rig that cannot be written down.
@@ -112,7 +114,7 @@ impl Question<'_> {
         let mut at = frame.omega[0];
         let mut rounds = if learns { ROUNDS } else { 1 };
         loop {
-            let z = spectrum::eigenvalues(&self.transition(frame, vary, at)?);
+            let z = self.eigenvalues_at(frame, vary, at)?;
             rounds -= 1;
             let first = spectrum::modes(&z, &[at], self.config.model_step_s());
             let found = first
@@ -123,6 +125,24 @@ impl Question<'_> {
             }
             at = found;
         }
+    }
+
+    fn eigenvalues_at(
+        &self,
+        frame: &Frame,
+        vary: &Variation,
+        at: f64,
+    ) -> Result<Vec<Complex<f64>>, Failure> {
+        let step = self.transition(frame, vary, at, 1)?;
+        if step.nrows() > MANY {
+            // So long that what went into the longest delay has come out of it.
+            let steps = 2 * step.nrows() / self.config.timing.substeps as usize;
+            let far = self.transition(frame, vary, at, steps)?;
+            if let Some(largest) = largest::largest(&step, &far, steps) {
+                return Ok(largest);
+            }
+        }
+        Ok(spectrum::eigenvalues(&step))
     }
 
     /// Delay of the measured behind the commanded displacement at the first natural frequency, s of the laboratory, and
@@ -164,6 +184,9 @@ impl Question<'_> {
         Predictor::new(self.config, frame, rig, self.law, frame.omega[0])
     }
 }
+
+/// States from which on only the largest eigenvalues are sought.
+const MANY: usize = 100;
 
 /// Rounds of the search for the frequency at which a predictor learns.
 const ROUNDS: usize = 6;
@@ -227,8 +250,8 @@ impl<'a> Loop<'a> {
         })
     }
 
-    /// Every state a row of its own, one step, and what the states are then.
-    fn transition(mut self) -> Result<DMatrix<f64>, Failure> {
+    /// Every state a row of its own, `steps` integration steps, and what the states are then.
+    fn transition(mut self, steps: usize) -> DMatrix<f64> {
         let mut all = Vec::new();
         self.states(&mut all);
         let n = all.len();
@@ -236,11 +259,13 @@ impl<'a> Loop<'a> {
             *state = DVector::zeros(n);
             state[i] = 1.0;
         }
-        self.period();
+        for _ in 0..steps {
+            self.period();
+        }
         let mut all = Vec::new();
         self.states(&mut all);
         let rows: Vec<_> = all.iter().map(|s| s.transpose()).collect();
-        Ok(DMatrix::from_rows(&rows))
+        DMatrix::from_rows(&rows)
     }
 
     /// One integration step: its control steps, the first of which solves.

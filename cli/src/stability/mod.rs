@@ -10,6 +10,7 @@
 //! | [`way`] | the command between targets |
 //! | [`closed_loop`] | all of it over one integration step, as a matrix |
 //! | [`spectrum`] | its eigenvalues |
+//! | [`largest`] | the largest of them, where there are many |
 //! | [`limits`] | how much later, stronger or faster it may become |
 //! | [`perturbed`] | the worst of many rigs |
 //!
@@ -22,6 +23,7 @@
 pub mod blocks;
 pub mod closed_loop;
 pub mod filter;
+pub mod largest;
 pub mod limits;
 pub mod perturbed;
 pub mod predictor;
@@ -76,6 +78,8 @@ pub struct Answer {
     pub step_s: f64,
     /// States of the loop.
     pub states: usize,
+    /// First natural frequency of the structure, Hz of model time.
+    pub first_hz: f64,
     /// The structure's modes in the loop.
     pub modes: Vec<Mode>,
     /// Delay, gain and time scale: present and limit.
@@ -137,7 +141,12 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         .map_err(|e| Failure::input(e.to_string()))?;
     let z = question.eigenvalues(&frame, &Variation::NONE)?;
     let row = row(&question, &frame, &Variation::NONE)?;
-    let limits = limits::of(&question, &frame)?;
+    // One after the other, and many at once.
+    let (limits, perturbed) = rayon::join(
+        || limits::of(&question, &frame),
+        || perturbed::of(&question, &frame, spread, &tell),
+    );
+    let limits = limits?;
     let at_start = predictor::adaptive(config.compensation.prediction())
         .then(|| {
             let told = Question {
@@ -167,11 +176,14 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         rate_hz: config.timing.rate_hz,
         time_scale: config.timing.time_scale,
         step_s: config.model_step_s(),
-        states: z.len(),
+        states: question
+            .transition(&frame, &Variation::NONE, frame.omega[0], 1)?
+            .nrows(),
+        first_hz: frame.omega[0] / std::f64::consts::TAU,
         modes: spectrum::modes(&z, &frame.omega, config.model_step_s()),
         delay_budget: limits::budget(&question, &frame, &limits)?,
         limits,
-        perturbed: perturbed::of(&question, &frame, spread, tell)?,
+        perturbed: perturbed?,
         alternatives,
         reason: None,
         notes: Vec::new(),
@@ -205,13 +217,21 @@ fn reason(a: &Answer) -> String {
     if would.is_empty() {
         would.push("a softer specimen or more damping".into());
     }
+    // Where the motion that grows is not of the structure, its own modes may not be among the largest eigenvalues.
+    let left = if a.row.damping_ratio.is_nan() {
+        String::new()
+    } else {
+        format!(
+            "the first mode has {:.3} % of critical damping left in the loop and ",
+            a.row.damping_ratio * 100.0
+        )
+    };
     format!(
-        "with compensation `{}` the test cannot be stable: its specimen is {:.2} ms late at {:.2} Hz, the first mode has \
-         {:.3} % of critical damping left in the loop and the response grows by {:.3} % a second: accepted are {}",
+        "with compensation `{}` the test cannot be stable: its specimen is {:.2} ms late at {:.2} Hz, {left}the response grows \
+         by {:.3} % a second: accepted are {}",
         a.row.compensation,
         a.limits.delay.present,
-        a.modes.first().map_or(f64::NAN, |m| m.structure_hz) / a.time_scale,
-        a.row.damping_ratio * 100.0,
+        a.first_hz / a.time_scale,
         a.row.growth_per_s.exp_m1() * 100.0,
         would.join(", or "),
     )

@@ -43,7 +43,9 @@ pub fn modes(eigenvalues: &[Complex<f64>], omega: &[f64], step_s: f64) -> Vec<Mo
                 .iter()
                 .copied()
                 .enumerate()
-                .min_by(|a, b| (a.1 - own).norm().total_cmp(&(b.1 - own).norm()))?;
+                .min_by(|a, b| (a.1 - own).norm().total_cmp(&(b.1 - own).norm()))
+                // Further away than that it is another motion.
+                .filter(|(_, s)| (s - own).norm() < *w)?;
             free.swap_remove(i);
             Some(Mode {
                 structure_hz: w / std::f64::consts::TAU,

@@ -119,7 +119,11 @@ fn print(a: &Answer) {
             if r.stable { "yes" } else { "no" }.to_owned(),
             format!("{:.7}", r.spectral_radius),
             percent(r.growth_per_s.exp_m1()),
-            percent(r.damping_ratio),
+            if r.damping_ratio.is_nan() {
+                "-".into()
+            } else {
+                percent(r.damping_ratio)
+            },
         ]);
     };
     row(&a.row, "  <- this test");
