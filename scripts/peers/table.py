@@ -9,8 +9,8 @@ RIGHT = {"exact", "set", "family"}
 COLUMNS = [
     ("matched: exact", ["matched"], {"exact"}),
     ("unseen: exact", ["unseen"], {"exact"}),
-    ("family or set", ["unseen"], RIGHT),
-    ("wrong", ["unseen"], {"wrong"}),
+    ("unseen: right", ["unseen"], RIGHT),
+    ("unseen: wrong", ["unseen"], {"wrong"}),
     ("two: both", ["two"], RIGHT),
     ("confounded: right", ["confounded"], RIGHT),
     ("outside: abstains", ["outside"], {"exact"}),
