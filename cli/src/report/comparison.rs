@@ -89,7 +89,7 @@ fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
             Curve::new(colour, places.iter().map(point).collect()).named(name)
         })
         .collect();
-    let svg = plot::plot(HALF, "delay [ms]", "log10 of eps_rms", &curves)?;
+    let svg = plot::plot(HALF, "delay [ms]", "log10 of eps_rms (-2: 1 %)", &curves)?;
     Ok(figure(&svg, &format!("Actuator: {actuator}.")))
 }
 

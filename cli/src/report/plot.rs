@@ -206,17 +206,27 @@ where
     let style = ("sans-serif", f64::from(14 * fine))
         .into_text_style(root)
         .color(&INK);
-    let (mut x, y) = (70 * fine, 14 * fine);
-    for curve in curves.iter().filter(|c| !c.name.is_empty()) {
-        let line = vec![(x, y), (x + 22 * fine, y)];
+    let named = || curves.iter().filter(|c| !c.name.is_empty());
+    // No font is loaded, so the width is a guess: a letter is a little over half as wide as high.
+    let letters = |c: &Curve| 7 * c.name.chars().count() as i32;
+    let (left, right) = (70, root.dim_in_pixel().0 as i32 / fine - 8);
+    let wide: i32 = named().map(|c| 28 + letters(c) + 24).sum();
+    // Many names in a narrow plot stand closer.
+    let (dash, space) = if left + wide - 24 <= right {
+        (22, 24)
+    } else {
+        (12, 9)
+    };
+    let (mut x, y) = (left * fine, 14 * fine);
+    for curve in named() {
+        let line = vec![(x, y), (x + dash * fine, y)];
         root.draw(&PathElement::new(line, curve.colour.stroke_width(3 * FINE)))?;
         root.draw(&Text::new(
             curve.name,
-            (x + 28 * fine, y - 7 * fine),
+            (x + (dash + 6) * fine, y - 7 * fine),
             style.clone(),
         ))?;
-        // No font is loaded, so the width is a guess: a letter is a little over half as wide as high.
-        x += (28 + 7 * curve.name.chars().count() as i32 + 24) * fine;
+        x += (dash + 6 + letters(curve) + space) * fine;
     }
     Ok(())
 }

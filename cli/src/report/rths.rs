@@ -119,8 +119,17 @@ fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Dr
     Ok(html + "</div>")
 }
 
+/// Columns that fit into the width of the text.
+const TEXT_COLUMNS: usize = 9;
+
 pub(super) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let mut html = String::from("<div class=\"scroll\"><table><tr>");
+    // More columns than the text is wide for go beyond it on both sides.
+    let wide = if head.len() > TEXT_COLUMNS {
+        " wide"
+    } else {
+        ""
+    };
+    let mut html = format!("<div class=\"scroll{wide}\"><table><tr>");
     for cell in head {
         let _ = write!(html, "<th>{cell}</th>");
     }
