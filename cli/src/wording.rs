@@ -126,6 +126,9 @@ pub fn digits(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
     }
+    if x.abs() < 1e-6 {
+        return format!("{x:.3e}");
+    }
     let places = (3 - x.abs().log10().floor() as i32).clamp(0, 12) as usize;
     format!("{x:.places$}")
 }
@@ -200,6 +203,7 @@ mod tests {
             (-1.0, "-1.000"),
             (56.121_5, "56.12"),
             (123_456.7, "123457"),
+            (4.874e-9, "4.874e-9"),
         ] {
             assert_eq!(digits(x), text);
         }

@@ -110,6 +110,14 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
                 r.name
             )));
         }
+        if let Some(lead_s) = lead_s(model, u, x, r.interval_s()) {
+            return Err(Refusal::new(format!(
+                "{}: displacement goes before the command by {:.1} ms: the columns look swapped; accepted is each \
+                 under its own header",
+                r.name,
+                1e3 * lead_s
+            )));
+        }
         let gain = model
             .actuator
             .as_ref()
@@ -131,6 +139,17 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
             .filter(|k| *k > 0.0)
     {
         let ratio = range(f) / (k * range(x)).max(f64::MIN_POSITIVE);
+        // A force of the spring's size and of the other sign; that of a mass alone would be of any size.
+        if s.stiffness_n_per_mm.is_some_and(|k| k.value > 0.0)
+            && (0.5..2.0).contains(&ratio)
+            && correlation(x, f) < -0.9
+        {
+            return Err(Refusal::new(format!(
+                "{}: force falls where displacement rises: accepted is a force with the sign of the displacement, as \
+                 the declared stiffness has it",
+                r.name
+            )));
+        }
         if range(x) > 0.0
             && range(f) > 0.0
             && correlation(x, f).abs() > 0.8
@@ -140,6 +159,35 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
         }
     }
     Ok(())
+}
+
+/// The largest correlation of `a` with `b` some samples later, and how many.
+fn later(a: &[f64], b: &[f64], most: usize) -> (usize, f64) {
+    let most = most.min(a.len() / 4);
+    (0..=most)
+        .step_by((most / 60).max(1))
+        .map(|lag| (lag, correlation(&a[..a.len() - lag], &b[lag..])))
+        .fold(
+            (0, -1.0),
+            |best, next| if next.1 > best.1 { next } else { best },
+        )
+}
+
+/// By how much the displacement goes before its command, where it clearly does although the model says that it comes
+/// after it.
+fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
+    let actuator = model.actuator.as_ref()?;
+    let value = |d: Option<crate::Declared>| d.map_or(0.0, |d| d.value);
+    let late_s = 1e-3 * (value(actuator.delay_ms) + value(actuator.lag_ms));
+    let most = |s: f64| (s / interval_s).ceil() as usize;
+    if late_s < 1e-3 {
+        return None;
+    }
+    let (lead, with_lead) = later(x, u, most(2.0 * late_s));
+    let (_, with_lag) = later(u, x, most(0.1_f64.max(2.0 * late_s)));
+    let unlike = |c: f64| 1.0 - c * c;
+    let clearly = with_lead > 0.8 && unlike(with_lead) < 0.5 * unlike(with_lag);
+    (lead > 0 && clearly).then_some(lead as f64 * interval_s)
 }
 
 /// Longest run of samples at one end of the range, where the signal stays while it should move.
