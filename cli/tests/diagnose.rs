@@ -285,6 +285,16 @@ fn bad_data_is_refused_with_its_place() {
         &|_, row| times(&mut row[1], 1e3),
     );
     change(
+        "early.csv",
+        &["displacement goes before the command by 4.0 ms", "swapped"],
+        &|_, row| row.swap(1, 2),
+    );
+    change(
+        "sign.csv",
+        &["force falls where displacement rises"],
+        &|_, row| times(&mut row[3], -1.0),
+    );
+    change(
         "infinite.csv",
         &["line 702", "force_n is `inf`"],
         &|i, row| {
