@@ -55,63 +55,44 @@ fn words(status: &Status) -> &LastWords {
     status.last_words.as_ref().expect("last words")
 }
 
-/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets.
-fn dies_at_once(drill: u32) -> Status {
+/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is told. Gives the
+/// program's last words.
+fn dies_at_once(drill: u32, cause: Cause) -> String {
     let (course, status) = crash(drill);
     let after = course.permit_low_ns - course.fault_ns;
     assert!(after <= NOTICED_NS + PERIOD_NS, "{after} ns");
     assert_eq!(course.written_before_reset, [0; 0]);
     let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
     assert!(reset <= WATCHDOG_NS, "{reset} ns");
+    let last = words(&status);
+    assert_eq!((last.cause, last.state), (cause, State::Running));
     println!(
         "drill {drill}: PERMIT low {} ms after, reset {} ms later: {}",
         after / MS,
         reset / MS,
-        words(&status).text
+        last.text
     );
-    status
+    last.text.to_string()
 }
 
 #[test]
 fn a_panic() {
-    let status = dies_at_once(1);
-    assert_eq!(
-        (words(&status).cause, words(&status).state),
-        (Cause::Panic, State::Running)
-    );
+    let text = dies_at_once(1, Cause::Panic);
     assert!(
-        words(&status).text.starts_with("drill.rs:"),
-        "{}",
-        words(&status).text
-    );
-    assert!(
-        words(&status).text.ends_with("a drill"),
-        "{}",
-        words(&status).text
+        text.starts_with("drill.rs:") && text.ends_with("a drill"),
+        "{text}"
     );
 }
 
 #[test]
 fn a_hard_fault() {
-    let status = dies_at_once(2);
-    assert_eq!(
-        (words(&status).cause, words(&status).state),
-        (Cause::HardFault, State::Running)
-    );
-    assert!(
-        words(&status).text.starts_with("pc 0x080"),
-        "{}",
-        words(&status).text
-    );
+    let text = dies_at_once(2, Cause::HardFault);
+    assert!(text.starts_with("pc 0x080"), "{text}");
 }
 
 #[test]
 fn an_exhausted_stack() {
-    let status = dies_at_once(3);
-    assert_eq!(
-        (words(&status).cause, words(&status).state),
-        (Cause::StackOverflow, State::Running)
-    );
+    dies_at_once(3, Cause::StackOverflow);
 }
 
 #[test]
