@@ -378,7 +378,12 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
         let x: f64 = row[2].parse().unwrap();
         row[2] = x.clamp(-0.03, 0.03).to_string();
     });
-    why(&rail, "specimen", "is clipped");
+    why(&rail, "specimen", "the input of the specimen is clipped");
+    let cut = lab.changed("cut.csv", |_, row| {
+        let f: f64 = row[3].parse().unwrap();
+        row[3] = f.clamp(-3000.0, 3000.0).to_string();
+    });
+    why(&cut, "specimen", "the output of the specimen is clipped");
     let text = std::fs::read_to_string(&still).unwrap();
     lab.write("nocommand.csv", &text.replacen("command_m", "oil_c", 1));
     why(&lab.path("nocommand.csv"), "actuator", "missing");

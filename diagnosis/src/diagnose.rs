@@ -47,7 +47,7 @@ pub fn diagnose(
             rest,
             drive: drive.take(),
         };
-        let (answer, found) = channel.assess(&mut improved);
+        let (answer, found) = channel.judge(&mut improved);
         channels.push(answer);
         let known = found.map(|solution| Drive {
             cutoff_hz: channel.cutoff_hz(),
@@ -175,6 +175,40 @@ impl Channelled<'_> {
         let motion = |r| self.drive.as_ref().and_then(|d| d.motion(r));
         let motions: Vec<Option<Vec<f64>>> = records.iter().map(motion).collect();
         Problem::new(&self.base, records, cutoff_hz, &motions)
+    }
+
+    /// As [`assess`](Self::assess), unless a rail of the output passes for another effect there.
+    fn judge(&self, improved: &mut Model) -> (ChannelAnswer, Option<Solution>) {
+        let mut with = improved.clone();
+        let (answer, found) = self.assess(&mut with);
+        if let Some(why) = self.rail(&answer) {
+            return (self.not_assessed(why), None);
+        }
+        *improved = with;
+        (answer, found)
+    }
+
+    /// An output that stands at its ends again and again, where the answer names effects and no limit among them.
+    fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
+        let mut named = answer.effects.iter().map(|e| e.name);
+        let limit = Effect::Saturation;
+        if answer.effects.is_empty()
+            || named.any(|e| e == limit)
+            || answer.alternatives.contains(&limit)
+        {
+            return None;
+        }
+        let of = |r| {
+            self.target_of(r)
+                .filter(|x| !coarse(x) && plausible::clipped(x))
+        };
+        let r = self.train.iter().find(|r| of(r).is_some())?;
+        Some(format!(
+            "{}: the output of the {} is clipped: it stays at its largest or smallest value again and again, and what \
+             is cut off there passes for another effect",
+            r.name,
+            self.base.channel.name()
+        ))
     }
 
     /// The answer, and what explains the channel where it does so down to the noise.
