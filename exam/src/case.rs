@@ -61,12 +61,19 @@ pub fn set(class: Class, seed: u64, options: &Options) -> Case {
     let stream = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56);
     let mut dice = Dice::new(stream);
     let questions = questions(class, seed, &mut dice);
+    let mut tries = 0;
     loop {
-        if let Some(case) = attempt(class, seed, &questions, options, &mut dice) {
+        // What yields smoothly shows at any usual strength: a small effect of it takes an unusual one.
+        let usual = tries < USUAL_TRIES;
+        if let Some(case) = attempt(class, seed, &questions, options, usual, &mut dice) {
             return case;
         }
+        tries += 1;
     }
 }
+
+/// So many rigs are drawn before strengths below the usual ones are tried.
+const USUAL_TRIES: usize = 40;
 
 /// None where the rig that was drawn does not show the effect at the wanted size.
 fn attempt(
@@ -74,6 +81,7 @@ fn attempt(
     seed: u64,
     questions: &[Question],
     options: &Options,
+    usual: bool,
     dice: &mut Dice,
 ) -> Option<Case> {
     let lab = Lab::draw(undeclared(questions), dice);
@@ -106,7 +114,7 @@ fn attempt(
         scale,
         sigma: readings.sigma,
     };
-    let placed = bare.place(questions, options, dice)?;
+    let placed = bare.place(questions, options, usual, dice)?;
 
     let [(train, _), (test, floors)] = [0, 1].map(|i| {
         measure(
@@ -187,6 +195,7 @@ impl Bare<'_> {
         &self,
         questions: &[Question],
         options: &Options,
+        usual: bool,
         dice: &mut Dice,
     ) -> Option<Vec<Placed>> {
         let lab = self.lab;
@@ -220,7 +229,8 @@ impl Bare<'_> {
                 };
                 let unit = floor[channel as usize];
                 let goal = wanted * ratio;
-                let (strength, size) = strength_of(&physics, &scene, &without, &free, goal * unit);
+                let (strength, size) =
+                    strength_of(&physics, &scene, &without, &free, goal * unit, usual);
                 let size = size / unit;
                 if !(0.6 * goal..1.6 * goal).contains(&size) {
                     return None;

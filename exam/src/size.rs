@@ -70,13 +70,18 @@ pub(crate) fn beyond_tolerance(without: &[f64], with: &[f64], free: &[Sensitivit
     rms(&rest)
 }
 
+/// Of the weakest usual strength.
+const UNUSUAL: f64 = 0.02;
+
 /// The strength at which the effect has the wanted size, and that size; the strongest thinkable where it stays below.
+/// Else than `usual`, strengths far below the range of the effect are looked at, too.
 pub(crate) fn strength_of(
     physics: &Physics,
     scene: &Scene,
     without: &[f64],
     free: &[Sensitivity],
     wanted: f64,
+    usual: bool,
 ) -> (f64, f64) {
     let size =
         |strength: f64| beyond_tolerance(without, &(physics.apply)(strength, scene, without), free);
@@ -85,7 +90,11 @@ pub(crate) fn strength_of(
     if largest <= wanted {
         return (strong, largest);
     }
-    for _ in 0..10 {
+    let rounds = if usual { 10 } else { 20 };
+    if !usual {
+        weak *= UNUSUAL;
+    }
+    for _ in 0..rounds {
         let middle = (weak * strong).sqrt();
         if size(middle) < wanted {
             weak = middle;
