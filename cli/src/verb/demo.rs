@@ -69,7 +69,7 @@ impl Demo {
         let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
         println!("{}\n", terminal::summaries(&rows));
         for row in &rows {
-            println!("{:15} {}", row.compensation, row.sentence());
+            println!("{:21}{}", row.compensation, row.sentence());
         }
         let section = |kind: Method| {
             let run = runs
