@@ -1,5 +1,7 @@
 //! From a model and records to an answer.
 
+mod obstacle;
+
 use crate::answer::*;
 use crate::base::Base;
 use crate::drive::Drive;
@@ -61,11 +63,6 @@ pub fn diagnose(
         channels,
         improved,
     })
-}
-
-/// Whether the converter's steps are so large that a signal rests on each of them for a while.
-fn coarse(x: &[f64]) -> bool {
-    lattice::step(x).is_some_and(|step| step > 2e-3 * range(x))
 }
 
 /// The held-out data as a problem, and what an answer leaves of them.
@@ -140,36 +137,6 @@ impl Channelled<'_> {
         answer
     }
 
-    /// What stands against a verdict before anything is fitted.
-    fn obstacle(&self) -> Option<String> {
-        let name = self.base.channel.name();
-        for r in self.train.iter().chain(self.test) {
-            let (Some(input), Some(target)) = (self.input_of(r), self.target_of(r)) else {
-                return Some(format!(
-                    "{}: the {name} needs its input and its output; one of them is missing",
-                    r.name
-                ));
-            };
-            for (what, x) in [("input", input), ("output", target)] {
-                if range(x) == 0.0 {
-                    return Some(format!(
-                        "{}: the {what} of the {name} stands still at {}",
-                        r.name, x[0]
-                    ));
-                }
-            }
-            // A command that stays at its end was meant to; a sensor that does is at its rail.
-            if self.base.channel == Channel::Specimen && !coarse(input) && plausible::clipped(input)
-            {
-                return Some(format!(
-                    "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
-                    r.name
-                ));
-            }
-        }
-        None
-    }
-
     /// The records as this channel sees them.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
         let motion = |r| self.drive.as_ref().and_then(|d| d.motion(r));
@@ -186,29 +153,6 @@ impl Channelled<'_> {
         }
         *improved = with;
         (answer, found)
-    }
-
-    /// An output that stands at its ends again and again, where the answer names effects and no limit among them.
-    fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
-        let mut named = answer.effects.iter().map(|e| e.name);
-        let limit = Effect::Saturation;
-        if answer.effects.is_empty()
-            || named.any(|e| e == limit)
-            || answer.alternatives.contains(&limit)
-        {
-            return None;
-        }
-        let of = |r| {
-            self.target_of(r)
-                .filter(|x| !coarse(x) && plausible::clipped(x))
-        };
-        let r = self.train.iter().find(|r| of(r).is_some())?;
-        Some(format!(
-            "{}: the output of the {} is clipped: it stays at its largest or smallest value again and again, and what \
-             is cut off there passes for another effect",
-            r.name,
-            self.base.channel.name()
-        ))
     }
 
     /// The answer, and what explains the channel where it does so down to the noise.

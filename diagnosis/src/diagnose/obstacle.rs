@@ -1,0 +1,67 @@
+//! What stands against a verdict: signals that are missing, stand still, or stand at their rails.
+
+use super::Channelled;
+use crate::answer::ChannelAnswer;
+use crate::recording::range;
+use crate::{lattice, plausible};
+use plant::{Channel, Effect};
+
+/// Whether the converter's steps are so large that a signal rests on each of them for a while.
+fn coarse(x: &[f64]) -> bool {
+    lattice::step(x).is_some_and(|step| step > 2e-3 * range(x))
+}
+
+impl Channelled<'_> {
+    /// What stands against a verdict before anything is fitted.
+    pub(super) fn obstacle(&self) -> Option<String> {
+        let name = self.base.channel.name();
+        for r in self.train.iter().chain(self.test) {
+            let (Some(input), Some(target)) = (self.input_of(r), self.target_of(r)) else {
+                return Some(format!(
+                    "{}: the {name} needs its input and its output; one of them is missing",
+                    r.name
+                ));
+            };
+            for (what, x) in [("input", input), ("output", target)] {
+                if range(x) == 0.0 {
+                    return Some(format!(
+                        "{}: the {what} of the {name} stands still at {}",
+                        r.name, x[0]
+                    ));
+                }
+            }
+            // A command that stays at its end was meant to; a sensor that does is at its rail.
+            if self.base.channel == Channel::Specimen && !coarse(input) && plausible::clipped(input)
+            {
+                return Some(format!(
+                    "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
+                    r.name
+                ));
+            }
+        }
+        None
+    }
+
+    /// An output that stands at its ends again and again, where the answer names effects and no limit among them.
+    pub(super) fn rail(&self, answer: &ChannelAnswer) -> Option<String> {
+        let mut named = answer.effects.iter().map(|e| e.name);
+        let limit = Effect::Saturation;
+        if answer.effects.is_empty()
+            || named.any(|e| e == limit)
+            || answer.alternatives.contains(&limit)
+        {
+            return None;
+        }
+        let of = |r| {
+            self.target_of(r)
+                .filter(|x| !coarse(x) && plausible::clipped(x))
+        };
+        let r = self.train.iter().find(|r| of(r).is_some())?;
+        Some(format!(
+            "{}: the output of the {} is clipped: it stays at its largest or smallest value again and again, and what \
+             is cut off there passes for another effect",
+            r.name,
+            self.base.channel.name()
+        ))
+    }
+}
