@@ -2,7 +2,7 @@
 
 use crate::base::Base;
 use crate::library::{Candidate, Shape};
-use crate::linear::{Bound, Normal, dot, solve};
+use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::{Fitted, Problem};
 use crate::signals::Signals;
@@ -68,14 +68,7 @@ impl<'a> Frame<'a> {
             }
         }
         let n = columns.len();
-        let mut matrix = DMatrix::from_fn(n, n, |i, j| {
-            if j <= i {
-                dot(&columns[i], &columns[j])
-            } else {
-                0.0
-            }
-        });
-        matrix.fill_upper_triangle_with_lower_triangle();
+        let mut matrix = gram(&columns);
         let mut right = DVector::from_fn(n, |i, _| dot(&columns[i], &residual));
         let mut square = dot(&residual, &residual);
         // What is declared is known to a tolerance.

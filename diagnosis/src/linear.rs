@@ -102,6 +102,20 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     rest + sums.iter().sum::<f64>()
 }
 
+/// Scalar products of all `columns` with each other.
+pub fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = columns.len();
+    let mut matrix = DMatrix::from_fn(n, n, |i, j| {
+        if j <= i {
+            dot(&columns[i], &columns[j])
+        } else {
+            0.0
+        }
+    });
+    matrix.fill_upper_triangle_with_lower_triangle();
+    matrix
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,10 +123,10 @@ mod tests {
     #[test]
     fn bounds_hold_and_the_rest_makes_the_best_of_it() {
         // y = 2 a + 3 b with a bounded to 1: b takes what it can.
-        let columns = [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+        let columns = [vec![1.0, 0.0, 1.0], vec![0.0, 1.0, 1.0]];
         let b = [2.0, 3.0, 5.0];
         let normal = Normal {
-            matrix: DMatrix::from_fn(2, 2, |i, j| dot(&columns[i], &columns[j])),
+            matrix: gram(&columns),
             right: DVector::from_fn(2, |i, _| dot(&columns[i], &b)),
             square: dot(&b, &b),
         };

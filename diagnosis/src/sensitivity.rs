@@ -3,10 +3,10 @@
 use crate::base::Base;
 use crate::fit::{ONCE, Solution};
 use crate::library::Candidate;
-use crate::linear::{Bound, Normal, dot, solve};
+use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::Fitted;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// An unknown of an effect.
 #[derive(Clone, Copy, Debug)]
@@ -144,14 +144,7 @@ pub fn step(solution: &Solution, base: &Base, noise: &Noise) -> Option<Vec<Vec<f
         known,
     } = Jacobian::of(solution, base, noise);
     let n = columns.len();
-    let mut matrix = DMatrix::from_fn(n, n, |i, j| {
-        if j <= i {
-            dot(&columns[i], &columns[j])
-        } else {
-            0.0
-        }
-    });
-    matrix.fill_upper_triangle_with_lower_triangle();
+    let mut matrix = gram(&columns);
     let mut right = DVector::from_fn(n, |i, _| dot(&columns[i], &residual));
     for p in &known {
         matrix[(p.index, p.index)] += p.precision;
