@@ -14,7 +14,6 @@
 //! | [`story`] | a test, the diagnosis of its record, the next test |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
 //! | [`wording`] | what a diagnosis says, in sentences |
-//! | [`rths`] | the benchmark problem of real-time hybrid simulation |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -27,7 +26,6 @@ pub mod failure;
 pub mod files;
 pub mod improvement;
 pub mod report;
-pub mod rths;
 pub mod score;
 pub mod stability;
 pub mod story;

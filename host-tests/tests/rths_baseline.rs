@@ -1,11 +1,11 @@
 //! The benchmark problem of real-time hybrid simulation: the published controller gives the published figures.
 #![allow(missing_docs)]
 
+use benchmarks::rths::baseline::Baseline;
+use benchmarks::rths::case::CASES;
+use benchmarks::rths::transfer::Parameters;
+use benchmarks::rths::trial::{Shaking, judge};
 use host_tests::data;
-use plant::rths::baseline::Baseline;
-use plant::rths::case::CASES;
-use plant::rths::transfer::Parameters;
-use plant::rths::trial::{Shaking, judge};
 
 /// Table 3 of the problem: J1 in ms, J2 to J9 in per cent, El Centro, nominal plant.
 const TABLE_3: [[f64; 9]; 4] = [

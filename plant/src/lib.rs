@@ -20,7 +20,6 @@
 //! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
 //! | `stage` | what an effect puts into the way of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
-//! | [`rths`] | the benchmark problem of real-time hybrid simulation, a rig and criteria of its own |
 //!
 //! Time is lab time: one [`Rig::step`] is one control period. A sample is taken at the *end* of the period in which the
 //! actuator had its command, so an ideal actuator's displacement equals the command of the same step.
@@ -35,7 +34,6 @@ pub mod measurement;
 mod per_axis;
 mod random;
 pub mod rig;
-pub mod rths;
 pub mod sensor;
 pub mod specimen;
 mod stage;

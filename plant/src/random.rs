@@ -10,7 +10,6 @@ pub(crate) enum Purpose {
     RandomMultiplier = 1,
     DisplacementNoise = 2,
     ForceNoise = 3,
-    Perturbation = 4,
 }
 
 /// Standard normal numbers.

@@ -4,13 +4,13 @@ use super::figures::{GROUND, figure, time_plot};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
 use super::{Drawn, cannot, escape, page, plot};
 use crate::failure::Failure;
-use crate::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
-use crate::rths::verdict::{CAUTION, Worst};
-use crate::rths::{BASELINE, BEST, Controller, Record, Row};
-use plant::rths::RATE_HZ;
-use plant::rths::case::{CASES, Case};
-use plant::rths::transfer::Parameters;
-use plant::rths::trial::Trace;
+use benchmarks::rths::RATE_HZ;
+use benchmarks::rths::case::{CASES, Case};
+use benchmarks::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
+use benchmarks::rths::transfer::Parameters;
+use benchmarks::rths::trial::Trace;
+use benchmarks::rths::verdict::{CAUTION, Worst};
+use benchmarks::rths::{BASELINE, BEST, Controller, Record, Row};
 use std::fmt::Write as _;
 
 /// The benchmark: verdict, the worst of each controller, a closer look at case 4, all rows.
@@ -56,7 +56,11 @@ pub fn of_rths(records: &[Record], rows: &[Row], draw: u64) -> Result<String, Fa
 }
 
 fn closer_look(record: &Record, case: &Case, draw: u64) -> Result<String, Failure> {
-    let trial = |c| record.trial(&c, case, &Parameters::NOMINAL, draw);
+    let trial = |c| {
+        record
+            .trial(&c, case, &Parameters::NOMINAL, draw)
+            .map_err(|e| Failure::input(e.to_string()))
+    };
     let (baseline, best) = (trial(Controller::Baseline)?, trial(Controller::Best)?);
     draw_look(record, case, &baseline, &best).map_err(cannot)
 }

@@ -2,7 +2,7 @@
 
 use super::transfer::Specimen;
 use super::{FLOORS, RATE_HZ};
-use crate::rths::linear::Linear;
+use crate::linear::Linear;
 use nalgebra::{Cholesky, Matrix3, SMatrix, SymmetricEigen, Vector3};
 
 /// Stiffness of the whole structure, 1e7 N/m.

@@ -4,10 +4,10 @@
 //! `G = B0 / (A5 s^5 + ... + A0)`.
 
 use super::RATE_HZ;
-use super::linear::Linear;
-use crate::converter::Converter;
-use crate::random::{Normal, Purpose};
+use crate::linear::Linear;
+use crate::noise::{Normal, Purpose};
 use nalgebra::{Complex, SMatrix, Vector1};
+use plant::converter::Converter;
 
 /// What stands in the laboratory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ impl Parameters {
     /// A plant of the published spread: standard deviations 1.3 of a3, 3.3 of b1, 3.3e3 of b2, 5e4 N/m of the stiffness.
     /// A pole that is not positive is drawn again: it is no actuator.
     pub fn perturbed(seed: u64) -> Self {
-        let mut normal = Normal::new(seed, Purpose::Perturbation, 0);
+        let mut normal = Normal::new(seed, Purpose::Plant, 0);
         let mut plant = Self::NOMINAL;
         loop {
             plant.a3 = Self::NOMINAL.a3 + 1.3 * normal.sample();
@@ -214,8 +214,8 @@ impl Channels {
             // A thousand times the range with the same code.
             reading: Converter::new(Some(RANGE_V * 1024.0), Some(28)),
             noise_v: NOISE_V,
-            displacement: Normal::new(seed, Purpose::DisplacementNoise, 0),
-            force: Normal::new(seed, Purpose::ForceNoise, 0),
+            displacement: Normal::new(seed, Purpose::Displacement, 0),
+            force: Normal::new(seed, Purpose::Force, 0),
         }
     }
 

@@ -1,11 +1,11 @@
 //! Every controller in every case under every record, on the nominal and on perturbed plants.
 
+use super::case::{CASES, Case};
+use super::criteria::{Criteria, error};
+use super::transfer::{DISPLACEMENT_NOISE_M, Parameters};
+use super::trial::Trace;
 use super::{Controller, Record};
-use crate::failure::Failure;
-use plant::rths::case::{CASES, Case};
-use plant::rths::criteria::{Criteria, error};
-use plant::rths::transfer::{DISPLACEMENT_NOISE_M, Parameters};
-use plant::rths::trial::Trace;
+use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -77,7 +77,7 @@ pub fn rows(
     plants: usize,
     draw: u64,
     tell: impl Fn() + Sync,
-) -> Result<Vec<Row>, Failure> {
+) -> Result<Vec<Row>, Refused> {
     let groups: Vec<(&Record, &Case)> = records
         .iter()
         .flat_map(|r| CASES.iter().map(move |c| (r, c)))
@@ -107,7 +107,7 @@ pub fn rows(
             };
             Ok(nominal.into_iter().enumerate().map(row).collect())
         })
-        .collect::<Result<_, Failure>>()?;
+        .collect::<Result<_, Refused>>()?;
     Ok(rows.concat())
 }
 
@@ -116,7 +116,7 @@ fn nominal(
     case: &Case,
     controller: &Controller,
     draw: u64,
-) -> Result<Row, Failure> {
+) -> Result<Row, Refused> {
     let reference = record.reference(case);
     let trace = record.trial(controller, case, &Parameters::NOMINAL, draw)?;
     let square: f64 = reference.iter().map(|u| u[0] * u[0]).sum();
@@ -141,7 +141,7 @@ fn perturbed(
     plant: &Parameters,
     draw: u64,
     tell: impl Fn(),
-) -> Result<Vec<Outcome>, Failure> {
+) -> Result<Vec<Outcome>, Refused> {
     let nominal = record.reference(case);
     let own = record.reference_with(case, plant);
     let first = |floors: &[f64; 3]| floors[0];

@@ -1,16 +1,15 @@
 //! A ground motion of the problem, and trials under it.
 
+use super::baseline::Baseline;
+use super::case::{CASES, Case};
+use super::controller::{Controller, compensation, tangent_behind};
 use super::core_loop::CoreLoop;
-use super::{Controller, compensation, tangent_behind};
-use crate::failure::Failure;
-use crate::files::ground_motion::GroundMotionFile;
+use super::transfer::Parameters;
+use super::trial::{self, Shaking, Trace};
+use super::{FLOORS, GROUND_SCALE, RATE_HZ};
+use crate::Refused;
 use outerloop_core::config::{Compensation, Prediction};
 use outerloop_core::{GroundMotion, State};
-use plant::rths::baseline::Baseline;
-use plant::rths::case::{CASES, Case};
-use plant::rths::transfer::Parameters;
-use plant::rths::trial::{self, Shaking, Trace};
-use plant::rths::{FLOORS, GROUND_SCALE, RATE_HZ};
 
 /// A ground motion with the reference responses of all cases.
 pub struct Record {
@@ -23,16 +22,16 @@ pub struct Record {
 }
 
 impl Record {
-    /// Scales as the problem has it.
-    pub fn new(file: &GroundMotionFile) -> Self {
-        let points: Vec<f64> = file.acc_m_per_s2.iter().copied().map(f64::from).collect();
-        let shaking = Shaking::new(&points, file.interval_s);
+    /// From points `interval_s` apart, m/s^2; scales as the problem has it.
+    pub fn new(name: &str, acc_m_per_s2: &[f32], interval_s: f64) -> Self {
+        let points: Vec<f64> = acc_m_per_s2.iter().copied().map(f64::from).collect();
+        let shaking = Shaking::new(&points, interval_s);
         Self {
-            name: file.name.clone(),
+            name: name.to_owned(),
             references: CASES.iter().map(|c| shaking.reference(c)).collect(),
             shaking,
             points: points.iter().map(|a| (a * GROUND_SCALE) as f32).collect(),
-            interval_s: file.interval_s,
+            interval_s,
         }
     }
 
@@ -57,11 +56,11 @@ impl Record {
         case: &Case,
         plant: &Parameters,
         draw: u64,
-    ) -> Result<Trace, Failure> {
+    ) -> Result<Trace, Refused> {
         let told = match controller {
             Controller::Baseline => {
                 let mut baseline = Baseline::new(case)
-                    .ok_or_else(|| Failure::test("rths: the numerical mass is not positive"))?;
+                    .ok_or_else(|| Refused::new("rths: the numerical mass is not positive"))?;
                 return Ok(trial::run(&mut baseline, plant, &self.shaking, draw));
             }
             Controller::Best => tangent_behind(case, Prediction::Ats),
@@ -81,9 +80,9 @@ impl Record {
         case: &Case,
         plant: &Parameters,
         draw: u64,
-    ) -> Result<Trace, Failure> {
+    ) -> Result<Trace, Refused> {
         let ground = GroundMotion::new(&self.points, self.interval_s, 1.0 / RATE_HZ)
-            .ok_or_else(|| Failure::input(format!("{}: cannot be laid out", self.name)))?;
+            .ok_or_else(|| Refused::new(format!("{}: cannot be laid out", self.name)))?;
         let mut hybrid = CoreLoop::new(case, told, ground)?;
         let mut trace = trial::run(&mut hybrid, plant, &self.shaking, draw);
         if hybrid.state() == State::Tripped {

@@ -17,16 +17,27 @@
 //! | [`trial`] | a closed loop under a ground motion, and what it leaves |
 //! | [`criteria`] | J1 to J9 |
 //! | [`baseline`] | the published controller, which every other is measured by |
-//! | [`linear`] | linear systems over a sampling period, exactly |
+//! | [`controller`] | who is on trial; [`core_loop`]: core in the place of numerical part and controller |
+//! | [`record`], [`bench`] | trials under a ground motion; all of them |
+//! | [`table`], [`verdict`] | rows as cells; the targets |
 //!
 //! A loop under trial is a [`trial::HybridLoop`]: a numerical part with a controller, whatever it is made of.
 
 pub mod baseline;
+pub mod bench;
 pub mod case;
+pub mod controller;
+pub mod core_loop;
 pub mod criteria;
-pub mod linear;
+pub mod record;
+pub mod table;
 pub mod transfer;
 pub mod trial;
+pub mod verdict;
+
+pub use bench::Row;
+pub use controller::{BASELINE, BEST, Controller};
+pub use record::Record;
 
 /// Sampling rate of the problem, Hz.
 pub const RATE_HZ: f64 = 4096.0;

@@ -1,45 +1,21 @@
 //! `outerloop benchmark rths`: the benchmark problem of real-time hybrid simulation.
 
-use super::json;
+use super::refused;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
 use crate::report;
-use crate::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
-use crate::rths::verdict::{CAUTION, TARGETS, Worst};
-use crate::rths::{BEST, Controller, Record, Row, bench};
 use crate::terminal::{Progress, table};
+use crate::verb::json;
+use benchmarks::rths::case::CASES;
+use benchmarks::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
+use benchmarks::rths::verdict::{CAUTION, TARGETS, Worst};
+use benchmarks::rths::{BEST, Controller, Record, Row, bench};
 use comfy_table::{CellAlignment, Table, TableComponent};
-use plant::rths::case::CASES;
 use std::path::PathBuf;
 
-/// A benchmark of the field
 #[derive(clap::Args, Debug)]
-pub struct Benchmark {
-    #[command(subcommand)]
-    problem: Problem,
-}
-
-#[derive(clap::Subcommand, Debug)]
-enum Problem {
-    /// Real-time hybrid simulation (Silva et al. 2020): four cases, J1 to J9, perturbed plants
-    Rths(Rths),
-}
-
-impl Benchmark {
-    /// Runs it.
-    ///
-    /// # Errors
-    /// Bad input.
-    pub fn go(&self) -> Result<(), Failure> {
-        match &self.problem {
-            Problem::Rths(problem) => problem.go(),
-        }
-    }
-}
-
-#[derive(clap::Args, Debug)]
-struct Rths {
+pub(super) struct Rths {
     /// A ground motion; may be given several times; left out: the problem's three, from the folder of data
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
@@ -67,7 +43,11 @@ struct Rths {
 const RECORDS: [&str; 3] = ["RTHSBENCH_ElCentro", "RTHSBENCH_Kobe", "RTHSBENCH_Morgan"];
 
 impl Rths {
-    fn go(&self) -> Result<(), Failure> {
+    /// Runs it.
+    ///
+    /// # Errors
+    /// Bad input.
+    pub(super) fn go(&self) -> Result<(), Failure> {
         if self.plants > 1000 {
             return Err(Failure::input(format!(
                 "--plants {}: accepted are 0 to 1000",
@@ -78,20 +58,24 @@ impl Rths {
             [] => Controller::all(),
             names => names
                 .iter()
-                .map(|n| Controller::named(n))
+                .map(|n| Controller::named(n).map_err(refused))
                 .collect::<Result<_, _>>()?,
         };
         let records = self
             .files()
             .iter()
-            .map(|f| Ok(Record::new(&GroundMotionFile::load(f, Columns::default())?)))
+            .map(|f| {
+                let file = GroundMotionFile::load(f, Columns::default())?;
+                Ok(Record::new(&file.name, &file.acc_m_per_s2, file.interval_s))
+            })
             .collect::<Result<Vec<_>, Failure>>()?;
         let rows = {
             let trials = records.len() * CASES.len() * controllers.len() * (1 + self.plants);
             let progress = Progress::over("trials", trials as u64);
             bench::rows(&records, &controllers, self.plants, self.draw, || {
                 progress.add(1)
-            })?
+            })
+            .map_err(refused)?
         };
         let worst = Worst::of(&rows);
         let answer = serde_json::json!({

@@ -1,19 +1,10 @@
-//! The benchmark problem of real-time hybrid simulation: who is on trial, and what comes of it.
+//! Who is on trial.
 
-pub mod bench;
-pub mod core_loop;
-pub mod record;
-pub mod table;
-pub mod verdict;
-
-pub use bench::Row;
-pub use record::Record;
-
-use crate::failure::Failure;
+use super::case::Case;
+use super::transfer::Parameters;
+use crate::Refused;
 use outerloop_core::Method;
 use outerloop_core::config::{Adaptation, Compensation, Prediction, Tangent};
-use plant::rths::case::Case;
-use plant::rths::transfer::Parameters;
 
 /// A numerical part with a controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,14 +47,14 @@ impl Controller {
     ///
     /// # Errors
     /// A name that nobody has.
-    pub fn named(name: &str) -> Result<Self, Failure> {
+    pub fn named(name: &str) -> Result<Self, Refused> {
         let all = Self::all();
         let names: Vec<_> = all.iter().map(Self::name).collect();
         all.iter()
             .find(|c| c.name() == name)
             .cloned()
             .ok_or_else(|| {
-                Failure::input(format!(
+                Refused::new(format!(
                     "the controller `{name}` is unknown: accepted are {}",
                     names.join(", ")
                 ))

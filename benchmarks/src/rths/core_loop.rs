@@ -1,14 +1,14 @@
 //! Core's loop as it flies, in f32, in the place of the benchmark's numerical part and controller.
 
-use crate::failure::Failure;
+use super::case::Case;
+use super::transfer::{Parameters, Specimen};
+use super::trial::{Answer, HybridLoop, Reading};
+use super::{FLOORS, RATE_HZ};
+use crate::Refused;
 use nalgebra::Matrix3;
 use outerloop_core::config::{Compensation, StructureConfig, Timing};
 use outerloop_core::structure::Structure;
 use outerloop_core::{Config, Design, Event, GroundMotion, OuterLoop, Sample, State};
-use plant::rths::case::Case;
-use plant::rths::transfer::{Parameters, Specimen};
-use plant::rths::trial::{Answer, HybridLoop, Reading};
-use plant::rths::{FLOORS, RATE_HZ};
 
 /// Core's loop under a ground motion.
 pub struct CoreLoop<'a> {
@@ -30,8 +30,8 @@ impl<'a> CoreLoop<'a> {
         case: &Case,
         compensation: &Compensation,
         ground: GroundMotion<'a>,
-    ) -> Result<Self, Failure> {
-        let refused = |e: outerloop_core::Refusal| Failure::input(format!("rths: {e}"));
+    ) -> Result<Self, Refused> {
+        let refused = |e: outerloop_core::Refusal| Refused::new(format!("rths: {e}"));
         let design = Design::with_structure(&config(case, compensation), &structure(case))
             .map_err(refused)?;
         let mut this = Self {
@@ -39,7 +39,7 @@ impl<'a> CoreLoop<'a> {
             ground,
             calibration: 1.0 / Parameters::NOMINAL.response(0.0).re,
         };
-        let cannot = |e: &dyn std::fmt::Display| Failure::test(format!("rths: {e}"));
+        let cannot = |e: &dyn std::fmt::Display| Refused::new(format!("rths: {e}"));
         for _ in 0..STEPS_AT_REST {
             this.at_rest();
         }

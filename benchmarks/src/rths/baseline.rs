@@ -2,8 +2,8 @@
 
 use super::RATE_HZ;
 use super::case::{Case, Structure};
-use super::linear::Section;
 use super::trial::{Answer, HybridLoop, Reading};
+use crate::linear::Section;
 
 /// `2 + 95 / s` on the error, the target led by `50.8 (s + 168.6) / (s + 8570)`.
 #[derive(Clone, Debug)]

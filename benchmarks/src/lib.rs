@@ -1,0 +1,31 @@
+//! The benchmark problems of real-time hybrid simulation, each with its rig, its rules and its criteria in f64, and core's
+//! methods in f32 as contestants.
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`rths`] | one actuator, a three-storey frame (Silva et al. 2020) |
+//! | [`linear`] | linear systems over a sampling period, exactly |
+//! | [`noise`] | seeded noise: one stream a purpose |
+
+pub mod linear;
+pub mod noise;
+pub mod rths;
+
+/// Why a benchmark cannot be run: one sentence that names what, where and which value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused(String);
+
+impl Refused {
+    /// With its sentence.
+    pub fn new(sentence: impl Into<String>) -> Self {
+        Self(sentence.into())
+    }
+}
+
+impl std::fmt::Display for Refused {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Refused {}

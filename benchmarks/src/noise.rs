@@ -1,0 +1,35 @@
+//! Seeded randomness: every purpose has a stream of its own, so that adding one leaves the others as they were.
+
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// What a stream is for; part of its seed.
+#[derive(Clone, Copy, Debug)]
+pub enum Purpose {
+    /// Noise of the displacement reading.
+    Displacement = 2,
+    /// Noise of the force reading.
+    Force = 3,
+    /// Draw of a plant.
+    Plant = 4,
+}
+
+/// Standard normal numbers.
+#[derive(Clone, Debug)]
+pub struct Normal(Xoshiro256PlusPlus);
+
+impl Normal {
+    /// The stream of `purpose` and `axis` under `seed`.
+    pub fn new(seed: u64, purpose: Purpose, axis: usize) -> Self {
+        // An odd multiplier keeps different (purpose, axis) pairs different; the generator's own seeding scrambles.
+        let stream = ((purpose as u64) << 32 | axis as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        Self(Xoshiro256PlusPlus::seed_from_u64(seed ^ stream))
+    }
+
+    /// The next number.
+    #[inline]
+    pub fn sample(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+}
