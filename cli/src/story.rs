@@ -129,7 +129,7 @@ impl Story {
             match c.verdict {
                 Verdict::Unknown => names.push("unknown"),
                 Verdict::NotAssessed => names.push("not assessed"),
-                Verdict::None | Verdict::Effect | Verdict::Ambiguous => {
+                Verdict::None | Verdict::Effect | Verdict::Partial | Verdict::Ambiguous => {
                     names.extend(c.effects.iter().map(|e| e.name.name()));
                     names.extend(c.alternatives.first().map(|_| "(or one like it)"));
                 }

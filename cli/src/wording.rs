@@ -20,6 +20,10 @@ pub fn headline(a: &ChannelAnswer) -> String {
                 change(a)
             )
         }
+        Verdict::Partial => format!(
+            "The {channel} model lacks {found}, and something beside it that has no name. {}",
+            change(a)
+        ),
         Verdict::Unknown => {
             let nearest = a.nearest.as_ref().map_or(String::new(), |n| {
                 format!(
@@ -58,6 +62,11 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
         Verdict::Effect | Verdict::Ambiguous => {
             "Next: keep the improved model (--save-model) and take it into the next test (run --model).".into()
         }
+        Verdict::Partial => {
+            "Next: keep the improved model (--save-model); for what remains, vary one thing at a time, one amplitude at \
+             several rates and one rate at several amplitudes."
+                .into()
+        }
         Verdict::Unknown => {
             "Next: vary one thing at a time, one amplitude at several rates and one rate at several amplitudes, with two \
              seconds of rest before and after; the model stays as it was declared."
@@ -94,6 +103,7 @@ pub const fn verdict(v: Verdict) -> &'static str {
         Verdict::None => "none",
         Verdict::Effect => "effect",
         Verdict::Ambiguous => "ambiguous",
+        Verdict::Partial => "partial",
         Verdict::Unknown => "unknown",
         Verdict::NotAssessed => "not assessed",
     }
@@ -154,6 +164,7 @@ mod tests {
                 displacement_mm: Some(x),
                 time_s,
                 command_mm: None,
+                before: None,
             }
         };
         let stiffness = Declared {

@@ -13,6 +13,8 @@ pub enum Verdict {
     Effect,
     /// An effect, and others that explain the data equally well.
     Ambiguous,
+    /// One or more effects, each by name; something structured remains.
+    Partial,
     /// Something is missing that no effect of the library explains.
     Unknown,
     /// The data does not allow a verdict.
@@ -39,8 +41,77 @@ pub struct FoundEffect {
     pub name: Effect,
     /// Its family.
     pub family: Family,
+    /// Expected share of false names among all names given with this confidence or more; none in a set, whose members
+    /// have probabilities.
+    pub q: Option<f64>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
+}
+
+/// A member of a set of effects that explain the data equally well.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Member {
+    /// Its name.
+    pub name: Effect,
+    /// How probable it is that this one is in the rig.
+    pub probability: f64,
+}
+
+/// What the rest depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DependsOn {
+    /// Displacement, static.
+    Displacement,
+    /// Velocity, static.
+    Velocity,
+    /// Both together.
+    DisplacementAndVelocity,
+    /// What happened since the last reversal.
+    Memory,
+    /// Frequency: a linear filter.
+    Frequency,
+    /// Time.
+    Time,
+    /// Amplitude.
+    Amplitude,
+    /// The other channel.
+    OtherChannel,
+}
+
+/// A share of the rest's squares.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// What it depends on.
+    pub depends_on: DependsOn,
+    /// Share of the squares of the rest, on held-out data.
+    pub share: f64,
+    /// Of that, the part that is odd: it changes its sign with the motion.
+    pub odd: f64,
+    /// The part that is even.
+    pub even: f64,
+}
+
+/// A line in the spectrum of the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// By how much it wanders or is modulated, Hz.
+    pub width_hz: f64,
+    /// rms, in the channel's unit.
+    pub rms: f64,
+}
+
+/// The anatomy of what the model leaves, each class alone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Remainder {
+    /// rms of the rest on held-out data, in the channel's unit.
+    pub rms: f64,
+    /// Shares of its squares, largest first; they overlap, since each class is taken alone.
+    pub shares: Vec<Share>,
+    /// Lines that are not those of the motion.
+    pub lines: Vec<Line>,
 }
 
 /// The nearest effect where none explains enough.
@@ -100,6 +171,8 @@ pub struct ChannelAnswer {
     pub effects: Vec<FoundEffect>,
     /// Effects that explain the data equally well.
     pub alternatives: Vec<Effect>,
+    /// Where it is ambiguous, how probable each member of the set is, the preferred one first.
+    pub members: Vec<Member>,
     /// What comes nearest, where nothing is near enough.
     pub nearest: Option<Nearest>,
     /// rms of the noise.
@@ -112,6 +185,8 @@ pub struct ChannelAnswer {
     pub error_after: Errors,
     /// 90 % interval of the fall of the held-out rms.
     pub improvement_ci90: [f64; 2],
+    /// What is known of the rest, where something structured remains.
+    pub remainder: Option<Remainder>,
     /// What else is to be said.
     pub notes: Vec<String>,
     /// Effects tried, best first.

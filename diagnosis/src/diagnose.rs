@@ -113,6 +113,7 @@ impl Channelled<'_> {
             verdict,
             effects: Vec::new(),
             alternatives: Vec::new(),
+            members: Vec::new(),
             nearest: None,
             noise_floor_rms: 0.0,
             unit: if self.base.channel == Channel::Actuator {
@@ -124,6 +125,7 @@ impl Channelled<'_> {
             error_before: Errors::default(),
             error_after: Errors::default(),
             improvement_ci90: [0.0; 2],
+            remainder: None,
             notes: Vec::new(),
             tried: Vec::new(),
             refitted: Vec::new(),
@@ -391,6 +393,7 @@ impl Channelled<'_> {
             .map(|(e, figures)| FoundEffect {
                 name: e.candidate.effect,
                 family: e.candidate.effect.entry().family,
+                q: None,
                 parameters: figures
                     .into_iter()
                     .map(|(name, unit, value, ci90)| FoundParameter {
@@ -425,6 +428,7 @@ impl Channelled<'_> {
         answer.effects = vec![FoundEffect {
             name: Effect::Quantisation,
             family: Effect::Quantisation.entry().family,
+            q: None,
             parameters: vec![FoundParameter {
                 name: name.into(),
                 value: step,

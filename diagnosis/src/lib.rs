@@ -30,7 +30,8 @@ mod signals;
 mod spectrum;
 
 pub use answer::{
-    ChannelAnswer, Diagnosis, Errors, FoundEffect, FoundParameter, Nearest, Traces, Tried, Verdict,
+    ChannelAnswer, DependsOn, Diagnosis, Errors, FoundEffect, FoundParameter, Line, Member,
+    Nearest, Remainder, Share, Traces, Tried, Verdict,
 };
 pub use diagnose::diagnose;
 pub use identify::{Identified, identify};

@@ -15,6 +15,9 @@ pub struct Recording {
     pub displacement_mm: Option<Vec<f64>>,
     /// Measured force, N or the file's own unit.
     pub force_n: Option<Vec<f64>>,
+    /// What was recorded before the first sample, at the same interval, where the record is a span of a longer one: what
+    /// has a memory has it from there.
+    pub before: Option<Box<Self>>,
 }
 
 /// The shortest record that is judged, samples.
@@ -101,6 +104,31 @@ impl Recording {
         self.slice(first, end.max(first))
     }
 
+    /// What was recorded before sample `first`.
+    fn before_sample(&self, first: usize) -> Option<Box<Self>> {
+        if first == 0 {
+            return self.before.clone();
+        }
+        let here = |column: fn(&Self) -> &Option<Vec<f64>>| {
+            let now = &column(self).as_ref()?[..first];
+            let earlier = self
+                .before
+                .iter()
+                .filter_map(|b| column(b).as_ref())
+                .flatten();
+            Some(earlier.chain(now).copied().collect())
+        };
+        let earlier = self.before.iter().flat_map(|b| &b.time_s);
+        Some(Box::new(Self {
+            name: self.name.clone(),
+            time_s: earlier.chain(&self.time_s[..first]).copied().collect(),
+            command_mm: here(|r| &r.command_mm),
+            displacement_mm: here(|r| &r.displacement_mm),
+            force_n: here(|r| &r.force_n),
+            before: None,
+        }))
+    }
+
     /// Samples `first..end`.
     pub(crate) fn slice(&self, first: usize, end: usize) -> Self {
         let cut = |c: &Option<Vec<f64>>| c.as_ref().map(|c| c[first..end].to_vec());
@@ -110,6 +138,7 @@ impl Recording {
             command_mm: cut(&self.command_mm),
             displacement_mm: cut(&self.displacement_mm),
             force_n: cut(&self.force_n),
+            before: self.before_sample(first),
         }
     }
 }
@@ -188,6 +217,15 @@ mod tests {
             displacement_mm: Some(vec![0.0; n]),
             ..Recording::default()
         }
+    }
+
+    #[test]
+    fn a_span_knows_what_was_before_it() {
+        let part = even(1000).span(0.2, 0.9).span(0.5, 0.7);
+        let before = part.before.unwrap();
+        assert!((before.time_s[0] - 0.2).abs() < 1e-9);
+        assert_eq!(before.time_s.len(), before.displacement_mm.unwrap().len());
+        assert!((before.time_s.last().unwrap() - 0.499).abs() < 1e-9);
     }
 
     #[test]

@@ -123,6 +123,7 @@ pub fn in_mm(recording: &Recording) -> diagnosis::Recording {
         command_mm: recording.command_m().map(mm),
         displacement_mm: recording.displacement_m().map(mm),
         force_n: recording.force().map(<[f64]>::to_vec),
+        before: None,
     }
 }
 
@@ -136,6 +137,7 @@ pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
         command_mm: Some(mm(&floor.sent_m)),
         displacement_mm: Some(mm(&floor.displacement_m)),
         force_n: Some(floor.force_n.iter().map(|x| f64::from(*x)).collect()),
+        before: None,
     }
 }
 

@@ -24,7 +24,7 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
         },
         match a.verdict {
             Verdict::None | Verdict::Effect => "good",
-            Verdict::Ambiguous => "fair",
+            Verdict::Ambiguous | Verdict::Partial => "fair",
             Verdict::Unknown | Verdict::NotAssessed => "bad",
         },
         escape(&headline(a))

@@ -76,7 +76,7 @@ pub fn grade(key: &Key, answer: &Answer) -> Grade {
 }
 
 fn channel(key: &ChannelKey, answer: &ChannelAnswer) -> Mark {
-    let names_something = matches!(answer.verdict.as_str(), "effect" | "ambiguous");
+    let names_something = matches!(answer.verdict.as_str(), "effect" | "partial" | "ambiguous");
     if key.hidden.is_empty() {
         return match (names_something, answer.verdict.as_str()) {
             (true, _)
@@ -95,7 +95,7 @@ fn channel(key: &ChannelKey, answer: &ChannelAnswer) -> Mark {
     }
     match answer.verdict.as_str() {
         "unknown" => Mark::Abstained,
-        "effect" | "ambiguous" => named(&key.hidden, answer),
+        "effect" | "partial" | "ambiguous" => named(&key.hidden, answer),
         _ => Mark::Missed,
     }
 }
