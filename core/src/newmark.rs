@@ -127,6 +127,18 @@ impl<const N: usize> Newmark<N> {
         core::array::from_fn(|j| self.q[j].plus(self.s[j]))
     }
 
+    /// Moves on to a target that was solved for outside. Velocity and acceleration are its central differences, which
+    /// are those of the explicit integration: `q_i = (u_{i+1} - u_{i-1})/2`, `s_i = u_{i+1} - 2 u_i + u_{i-1}`.
+    pub fn follow(&mut self, next_m: [f32; N]) {
+        for j in 0..N {
+            let (before, now) = (self.increment[j], next_m[j] - self.u[j].value());
+            self.q[j] = Sum::new(0.5 * (before + now));
+            self.s[j] = now - before;
+            self.increment[j] = now;
+            self.u[j] = Sum::new(next_m[j]);
+        }
+    }
+
     /// Solves the equation of motion at `u_i` for `a_i` and moves on to `u_{i+1}`.
     ///
     /// `load_n` is the external load, `restoring_force_n` the specimen's, `added_damping` the diagonal of

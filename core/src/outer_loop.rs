@@ -14,6 +14,9 @@
 //! a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
 
 mod operate;
+mod outside;
+
+pub use outside::Pace;
 
 use crate::compensate::damping::{Motion, VariableDamping};
 use crate::compensate::predict::{Ahead, Followed};
@@ -104,6 +107,11 @@ pub struct OuterLoop<const N: usize> {
     sent_step_m: [f32; N],
     /// Share of the prediction that is sent: 1, but for a while after a hold.
     blend: f32,
+    /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
+    /// answered with.
+    pace: Option<Pace>,
+    next_target_m: Option<[f32; N]>,
+    answer_n: [f32; N],
 }
 
 impl<const N: usize> OuterLoop<N> {
@@ -142,6 +150,9 @@ impl<const N: usize> OuterLoop<N> {
             lock: LockWatch::default(),
             flags: 0,
             ground_m_per_s2: 0.0,
+            pace: None,
+            next_target_m: None,
+            answer_n: [0.0; N],
             design,
         }
     }
@@ -158,7 +169,10 @@ impl<const N: usize> OuterLoop<N> {
         let next_m = match self.state {
             State::Running => match self.goal_m {
                 Some(goal_m) => self.pursue(goal_m),
-                None => self.run(&estimate, ground, stale_steps == 0),
+                None => match self.pace {
+                    Some(pace) => self.run_outside(pace, &estimate, stale_steps == 0),
+                    None => self.run(&estimate, ground, stale_steps == 0),
+                },
             },
             State::Idle => self.follow(sample),
             State::Armed => self.approach([0.0; N]),
@@ -173,7 +187,7 @@ impl<const N: usize> OuterLoop<N> {
         let finding = self.interlock(sample, &send_m, stale_steps);
         self.record(sample, &estimate);
         let command_m = self.supervise(finding, next_m, send_m);
-        if self.state == State::Running && self.step > ground.steps() {
+        if self.state == State::Running && self.pace.is_none() && self.step > ground.steps() {
             self.stop_where_it_is();
             self.state = State::Finished;
         }
@@ -194,13 +208,8 @@ impl<const N: usize> OuterLoop<N> {
     /// The running test: solve when the target has been reached, then go on towards the next.
     #[inline]
     fn run(&mut self, estimate: &Estimate<N>, ground: &GroundMotion<'_>, fit: bool) -> [f32; N] {
-        if self.returning {
-            let target = self.newmark.displacement_m();
-            if self.sent_m != target {
-                return self.approach(target);
-            }
-            self.returning = false;
-            self.signal = SignalGenerator::standing_at(target);
+        if let Some(way_back_m) = self.return_to_target() {
+            return way_back_m;
         }
         if self.signal.at_target() && fit {
             self.solve(estimate, ground.at(self.step));
@@ -212,9 +221,24 @@ impl<const N: usize> OuterLoop<N> {
         *self.signal.command_m()
     }
 
-    /// One integration step: energy, compensation, equation of motion, next target.
+    /// After a hold: a step of the way back to the target; `None` once it is reached.
     #[inline]
-    fn solve(&mut self, estimate: &Estimate<N>, ground_m_per_s2: f32) {
+    fn return_to_target(&mut self) -> Option<[f32; N]> {
+        if self.returning {
+            let target = self.newmark.displacement_m();
+            if self.sent_m != target {
+                return Some(self.approach(target));
+            }
+            self.returning = false;
+            self.signal = SignalGenerator::standing_at(target);
+        }
+        None
+    }
+
+    /// Energy errors and compensation at a target that has been reached: what was observed, the force that the equation
+    /// of motion takes, and the damping that acts in it.
+    #[inline]
+    fn compensate(&mut self, estimate: &Estimate<N>) -> (Observation<N>, [f32; N], [f32; N]) {
         let now = Observation {
             command_m: self.newmark.displacement_m(),
             increment_m: *self.newmark.increment_m(),
@@ -243,7 +267,14 @@ impl<const N: usize> OuterLoop<N> {
                 correction
             }
         };
+        (now, force_n, acting)
+    }
 
+    /// One integration step: energy, compensation, equation of motion, next target.
+    #[inline]
+    fn solve(&mut self, estimate: &Estimate<N>, ground_m_per_s2: f32) {
+        let (now, force_n, acting) = self.compensate(estimate);
+        let k = &self.design;
         let load_n = k.newmark.load_n(ground_m_per_s2);
         let mut correction_n = self.newmark.advance(&k.newmark, &load_n, &force_n, &acting);
         for j in 0..N {
@@ -252,14 +283,24 @@ impl<const N: usize> OuterLoop<N> {
         let hsem_j = self.energy.cumulative().hsem_j;
         self.monitor.update(&now, load_n, correction_n, hsem_j);
 
-        self.signal.aim(
-            &k.signal,
-            Target {
-                displacement_m: self.newmark.displacement_m(),
-                velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
-                acceleration_dt2_m: *self.newmark.acceleration_dt2_m(),
-            },
-        );
+        self.signal.aim(&k.signal, self.target());
+        self.close_step(ground_m_per_s2);
+    }
+
+    /// The target that the integration has come to.
+    #[inline]
+    fn target(&self) -> Target<N> {
+        Target {
+            displacement_m: self.newmark.displacement_m(),
+            velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
+            acceleration_dt2_m: *self.newmark.acceleration_dt2_m(),
+        }
+    }
+
+    /// Counts the integration step and looks for a structure that its own damping locks.
+    #[inline]
+    fn close_step(&mut self, ground_m_per_s2: f32) {
+        let k = &self.design;
         let mut added_ratio = 0.0_f32;
         for j in 0..N {
             let ratio = self.correction.damping[j] * k.per_critical[j];
@@ -356,7 +397,10 @@ impl<const N: usize> OuterLoop<N> {
     #[inline(never)]
     fn predict(&mut self, measured_m: [f32; N], next_m: [f32; N], fit: bool) -> [f32; N] {
         let k = &self.design;
-        let live = self.state == State::Running && !self.returning && self.goal_m.is_none();
+        let live = self.state == State::Running
+            && !self.returning
+            && self.goal_m.is_none()
+            && self.pace != Some(Pace::StopAndGo);
         let (mut velocity_m, mut acceleration_m) = ([0.0; N], [0.0; N]);
         if live {
             velocity_m = *self.signal.velocity_m();

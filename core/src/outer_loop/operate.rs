@@ -110,10 +110,14 @@ impl<const N: usize> OuterLoop<N> {
             rig,
             sent_step_m,
             blend,
+            pace: _,
+            next_target_m,
+            answer_n,
         } = self;
         *state = State::Idle;
         (*returning, *step, *flags) = (false, 0, 0);
         (*trip, *obstacle, *standing_m, *goal_m) = (None, None, None, None);
+        (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *blend) = (0.0, 1.0);
         (*target_m, *sent_step_m) = (*sent_m, [0.0; N]);
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
