@@ -164,7 +164,7 @@ mod tests {
                 displacement_mm: Some(x),
                 time_s,
                 command_mm: None,
-                before: None,
+                ..Recording::default()
             }
         };
         let stiffness = Declared {

@@ -10,7 +10,7 @@ use crate::fit::{Solution, settle};
 use crate::improved::improve;
 use crate::interval;
 use crate::model::Model;
-use crate::noise::Noise;
+use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
 use crate::{Refusal, advice, lattice, plausible, rest, spectrum};
@@ -57,6 +57,12 @@ pub fn diagnose(
             solution,
         });
         drive = known.filter(|d| d.tells(train));
+    }
+    let mut remarks: Vec<&String> = train.iter().chain(test).flat_map(|r| &r.remarks).collect();
+    remarks.sort();
+    remarks.dedup();
+    for answer in &mut channels {
+        answer.notes.extend(remarks.iter().copied().cloned());
     }
     Ok(Diagnosis {
         seconds: begin.elapsed().as_secs_f64(),
@@ -204,7 +210,7 @@ impl Channelled<'_> {
         spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
     }
 
-    /// The noise floor: from rest, else from the difference of one period to the next.
+    /// The noise floor: from rest, else from the difference of one period to the next, else from above the motion.
     fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
         let least = self.output_step().hypot(self.through()) / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
@@ -223,17 +229,25 @@ impl Channelled<'_> {
                 );
             }
         }
-        if stretches.is_empty() {
-            for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
-                let input = self.input_of(r)?;
-                if let Some(motion) = rest::periodic(input) {
-                    let before = |i: usize| residual[i - motion.period];
-                    let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
-                    stretches.push((motion.from..motion.end).map(change).collect());
-                }
+        if !stretches.is_empty() {
+            return Some(Noise::at_rest(&stretches, h, least));
+        }
+        let moving = residuals(self.train)?;
+        for (r, residual) in self.train.iter().zip(&moving) {
+            let input = self.input_of(r)?;
+            if let Some(motion) = rest::periodic(input) {
+                let before = |i: usize| residual[i - motion.period];
+                let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
+                stretches.push((motion.from..motion.end).map(change).collect());
             }
         }
-        (!stretches.is_empty()).then(|| Noise::at_rest(&stretches, h, least))
+        if !stretches.is_empty() {
+            return Some(Noise::at_rest(&stretches, h, least).told_by(Source::Repeats));
+        }
+        let inputs: Option<Vec<&Vec<f64>>> = self.train.iter().map(|r| self.input_of(r)).collect();
+        // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
+        let least = least.max(1e-6 * rms(&moving));
+        Noise::without_rest(&moving, &inputs?, h, least)
     }
 
     /// The converter's step in the output, where it shows.
@@ -272,8 +286,8 @@ impl Channelled<'_> {
     /// Errors without a verdict, where nothing tells the noise.
     fn unjudged(&self, problem: &Problem, cutoff_hz: f64) -> ChannelAnswer {
         let mut answer = self.not_assessed(
-            "no rest of half a second before or after the motion, none named, and no motion that repeats itself: the \
-             noise is not known, so no residual can be called significant; record a second of rest",
+            "the record is too short to tell its noise, so no residual can be called significant; record longer, with a \
+             second of rest",
         );
         let still = Noise::at_rest(
             &[vec![1.0, -1.0, 1.0, -1.0]],
@@ -375,6 +389,7 @@ impl Channelled<'_> {
         };
         answer.refitted = advice::refitted(&self.base, &solution.problem.theta);
         answer.notes = advice::notes(&answer, e.structured, noise, worse && found && !e.vetoed);
+        answer.notes.extend(noise.from.note().map(String::from));
         if let (Some((problem, b)), Some((_, a))) = (held_before, held_after) {
             answer.traces = self.traces(
                 &problem,

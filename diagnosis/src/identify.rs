@@ -299,7 +299,7 @@ mod tests {
             command_mm: Some(command),
             displacement_mm: Some(moved),
             force_n: None,
-            before: None,
+            ..Recording::default()
         }
     }
 

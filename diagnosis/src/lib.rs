@@ -28,6 +28,7 @@ mod rest;
 mod sensitivity;
 mod signals;
 mod spectrum;
+mod stamps;
 
 pub use answer::{
     ChannelAnswer, DependsOn, Diagnosis, Errors, FoundEffect, FoundParameter, Line, Member,

@@ -1,5 +1,9 @@
-//! The noise floor, from where nothing moves: a whitening filter and the size of the noise.
+//! The noise floor, from where nothing moves or from above the motion's band: a whitening filter and the size of the
+//! noise.
 
+mod above;
+
+use self::above::Above;
 use crate::linear::dot;
 use crate::recording::Recording;
 use crate::spectrum::line_hz;
@@ -11,6 +15,8 @@ use std::f64::consts::TAU;
 pub struct Noise {
     /// Its rms, in the channel's unit.
     pub rms: f64,
+    /// What tells it.
+    pub from: Source,
     /// Number of blocks at rest, and the scatter of their mean squares over the mean square.
     blocks: (f64, f64),
     /// So many samples are averaged into one before anything is fitted: a rig moves far below half of that rate.
@@ -22,6 +28,38 @@ pub struct Noise {
     at_rest: Vec<Vec<f64>>,
     /// Mean square that the converter's steps alone make.
     least: f64,
+}
+
+/// What tells the noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A stretch in which nothing moves.
+    Rest,
+    /// The difference between one period of the motion and the next.
+    Repeats,
+    /// What the record has above the band of the motion.
+    AboveMotion,
+    /// The same, but it does not look like noise alone: a guess.
+    Guess,
+}
+
+impl Source {
+    /// What is to be said of it.
+    pub const fn note(self) -> Option<&'static str> {
+        match self {
+            Self::Rest => None,
+            Self::Repeats => Some(
+                "The noise is what one period of the motion differs by from the next: the record has no rest.",
+            ),
+            Self::AboveMotion => Some(
+                "The noise is what the record has above the band of the motion: it has no rest and no repeats.",
+            ),
+            Self::Guess => Some(
+                "The noise is not known without a rest: what the record has above the band of the motion is not alike \
+                 enough for noise alone, so the stated floor is a guess. Record a second of rest before the motion.",
+            ),
+        }
+    }
 }
 
 /// Largest order of the autoregressive model.
@@ -50,6 +88,7 @@ impl Noise {
         let (coefficients, innovation) = whitener(&clean, least / every as f64);
         Self {
             rms: variance.sqrt(),
+            from: Source::Rest,
             blocks,
             every,
             coefficients,
@@ -57,6 +96,30 @@ impl Noise {
             at_rest: clean,
             least,
         }
+    }
+
+    /// From what residuals have above the band of the motion that went in, stretch by stretch; `None` where they are too
+    /// short for a spectrum.
+    pub fn without_rest(
+        residuals: &[Vec<f64>],
+        inputs: &[&Vec<f64>],
+        interval_s: f64,
+        least_rms: f64,
+    ) -> Option<Self> {
+        let longest = (0..residuals.len()).max_by_key(|i| residuals[*i].len())?;
+        let above = Above::of(&residuals[longest], inputs[longest], interval_s)?;
+        let sample = above.sample(residuals[longest].len(), interval_s);
+        let from = if above.sure {
+            Source::AboveMotion
+        } else {
+            Source::Guess
+        };
+        Some(Self::at_rest(&[sample], interval_s, least_rms).told_by(from))
+    }
+
+    /// The same noise, told by something else than a rest.
+    pub fn told_by(self, from: Source) -> Self {
+        Self { from, ..self }
     }
 
     /// The noise of signals that are averaged over `times` as many samples beforehand.

@@ -7,6 +7,9 @@ use crate::recording::{Recording, correlation, range};
 /// Factor beyond which a proportion is a slip of units.
 const SLIP: f64 = 250.0;
 
+/// The fewest samples of all training records, and of all test records, together.
+const FEWEST: usize = 200;
+
 /// Checks records against each other and against the model.
 ///
 /// # Errors
@@ -26,6 +29,15 @@ pub fn check(
     }
     for r in train.iter().chain(test).chain(rest) {
         r.check()?;
+    }
+    for (what, set) in [("training", train), ("test", test)] {
+        let samples: usize = set.iter().map(|r| r.time_s.len()).sum();
+        if samples < FEWEST {
+            return Err(Refusal::new(format!(
+                "{}: {samples} samples of {what} data are too few: accepted are {FEWEST} and more",
+                set[0].name
+            )));
+        }
     }
     for (a, b) in train.iter().flat_map(|a| test.iter().map(move |b| (a, b))) {
         if overlap(a, b) {
@@ -118,6 +130,15 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
                 1e3 * lead_s
             )));
         }
+        if let Some(slow_s) = slower_than_declared(model, r.interval_s()) {
+            return Err(Refusal::new(format!(
+                "{}: samples lie {:.4} s apart, and the declared delay and lag are over after {:.4} s: is the time in \
+                 milliseconds? Accepted is its column as time_ms then, or a record with more samples",
+                r.name,
+                r.interval_s(),
+                slow_s
+            )));
+        }
         let gain = model
             .actuator
             .as_ref()
@@ -190,20 +211,106 @@ fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     (lead > 0 && clearly).then_some(lead as f64 * interval_s)
 }
 
-/// Longest run of samples at one end of the range, where the signal stays while it should move.
-pub fn clipped(x: &[f64]) -> bool {
+/// A record of an actuator is too slow where its delay and lag are over within this share of an interval.
+const OVER: f64 = 0.1;
+
+/// How long the declared delay and lag take with three tolerances, s, where that is over long before the next sample.
+fn slower_than_declared(model: &Model, interval_s: f64) -> Option<f64> {
+    let a = model.actuator.as_ref()?;
+    let declared = [a.delay_ms, a.lag_ms].into_iter().flatten();
+    let longest_s: f64 = declared.map(|d| 1e-3 * (d.value + 3.0 * d.tolerance)).sum();
+    (longest_s > 0.0 && longest_s < OVER * interval_s).then_some(longest_s)
+}
+
+/// Samples that stay at an end to the bit for so long are one stop there.
+const STOP: usize = 10;
+/// So many stops are a rail; a rest at one end is one.
+const STOPS: usize = 3;
+/// Of what the driving signal moves during a stop: the share by which it must go on and come back.
+const GOES_ON: f64 = 0.15;
+
+/// Whether `x` stands at a rail again and again: at its largest or smallest value while what drives it goes on in the
+/// same direction and comes back. A part that has stopped because its drive has turned (a play, a hold) is no rail.
+pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
     let (low, high) = x
         .iter()
         .fold((f64::MAX, f64::MIN), |(l, h), &v| (l.min(v), h.max(v)));
-    let (mut run, mut runs) = (0, 0);
-    for v in x {
-        if *v == low || *v == high {
-            run += 1;
-            runs += usize::from(run == 10);
-        } else {
-            run = 0;
+    let mut stops: Vec<(usize, usize)> = Vec::new();
+    let mut first = None;
+    for i in 0..=x.len() {
+        let at_end = i < x.len() && (x[i] == low || x[i] == high);
+        match (at_end, first) {
+            (true, None) => first = Some(i),
+            (false, Some(from)) => {
+                if i - from >= STOP {
+                    stops.push((from, i));
+                }
+                first = None;
+            }
+            _ => {}
         }
     }
-    // A rest at one end is one run.
-    runs >= 3
+    if stops.len() < STOPS {
+        return false;
+    }
+    let Some(drive) = drive else {
+        return true;
+    };
+    // Upward like x at the upper rail: of a drive with the other sign the other way round.
+    let sign = if correlation(x, drive) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    let on = |&(from, end): &(usize, usize)| {
+        let out = if x[from] == high { sign } else { -sign };
+        let inside: Vec<f64> = drive[from..end].iter().map(|u| out * u).collect();
+        let farthest = inside.iter().fold(f64::MIN, |m, u| m.max(*u));
+        let turn = farthest - inside[inside.len() - 1];
+        farthest - inside[0] > GOES_ON * turn && farthest - inside[0] > 0.0
+    };
+    2 * stops.iter().filter(|s| on(s)).count() >= stops.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rail_is_one_and_a_part_that_waits_for_its_drive_to_come_back_is_none() {
+        let drive: Vec<f64> = (0..6000).map(|i| (0.01 * f64::from(i)).sin()).collect();
+        let rail: Vec<f64> = drive.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
+        assert!(clipped(&rail, Some(&drive)) && clipped(&rail, None));
+        let late = crate::signals::delayed(&drive, 0.02, 1e-3);
+        let rail: Vec<f64> = late.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
+        assert!(clipped(&rail, Some(&drive)));
+        // A play stops where its drive turns; its values at the turns are alike to the last digit that is written.
+        let mut at = 0.0_f64;
+        let play = |u: &f64| {
+            at = at.clamp(u - 0.1, u + 0.1);
+            (at * 1e3).round() / 1e3
+        };
+        let waits: Vec<f64> = drive.iter().map(play).collect();
+        assert!(clipped(&waits, None) && !clipped(&waits, Some(&drive)));
+    }
+
+    #[test]
+    fn an_actuator_that_is_over_before_the_next_sample_is_asked_about() {
+        let declared = |value| {
+            Some(crate::Declared {
+                value,
+                tolerance: 1.0,
+            })
+        };
+        let model = Model {
+            actuator: Some(crate::ActuatorModel {
+                delay_ms: declared(5.0),
+                lag_ms: declared(20.0),
+                ..crate::ActuatorModel::default()
+            }),
+            specimen: None,
+        };
+        assert_eq!(slower_than_declared(&model, 1.0), Some(0.031));
+        assert_eq!(slower_than_declared(&model, 1e-3), None);
+    }
 }

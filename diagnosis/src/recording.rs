@@ -1,8 +1,8 @@
 //! Measured data, in mm, N and s, and whether it can be judged.
 
-use crate::Refusal;
+use crate::{Refusal, stamps};
 
-/// A record, or a span of one: equidistant samples.
+/// A record, or a span of one: equidistant samples, once [`Recording::made_even`] has seen to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// Where it comes from, for messages.
@@ -15,21 +15,21 @@ pub struct Recording {
     pub displacement_mm: Option<Vec<f64>>,
     /// Measured force, N or the file's own unit.
     pub force_n: Option<Vec<f64>>,
-    /// What was recorded before the first sample, at the same interval, where the record is a span of a longer one: what
-    /// has a memory has it from there.
-    pub before: Option<Box<Self>>,
+    /// What the file holds before this span: what has memory gets its state from there, and nothing of it is judged.
+    pub before: Option<Box<Recording>>,
+    /// What was done to the samples, and what looks odd about them: sentences for the notes of an answer.
+    pub remarks: Vec<String>,
 }
 
 /// The shortest record that is judged, samples.
-const SHORTEST: usize = 200;
-/// The largest deviation of an interval from the mean, relative.
-const JITTER: f64 = 0.05;
+const SHORTEST: usize = 50;
+/// A distance between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds.
+const SLOW_S: f64 = 0.5;
 
 impl Recording {
     /// The sampling interval, s.
     pub fn interval_s(&self) -> f64 {
-        let n = self.time_s.len();
-        (self.time_s[n - 1] - self.time_s[0]) / (n - 1) as f64
+        stamps::interval_s(&self.time_s)
     }
 
     /// Whether the samples can be used at all.
@@ -37,6 +37,21 @@ impl Recording {
     /// # Errors
     /// Too short; time that does not increase evenly; columns of another length; NaN or infinite values.
     pub fn check(&self) -> Result<(), Refusal> {
+        self.check_samples()?;
+        match self.uneven_at() {
+            None => Ok(()),
+            Some(i) => Err(Refusal::new(format!(
+                "{}: time goes from {} s to {} s at sample {i}, where {:.6} s would be even: accepted is time that \
+                 increases by equal intervals, to 5 %",
+                self.name,
+                self.time_s[i - 1],
+                self.time_s[i],
+                self.interval_s()
+            ))),
+        }
+    }
+
+    fn check_samples(&self) -> Result<(), Refusal> {
         let (name, n) = (&self.name, self.time_s.len());
         if n < SHORTEST {
             return Err(Refusal::new(format!(
@@ -57,28 +72,103 @@ impl Recording {
                 )));
             }
         }
-        match self.uneven_at() {
-            None => Ok(()),
-            Some(i) => Err(Refusal::new(format!(
-                "{name}: time goes from {} s to {} s at sample {i}, where {:.6} s would be even: accepted is time that \
-                 increases by equal intervals, to 5 %",
-                self.time_s[i - 1],
-                self.time_s[i],
-                self.interval_s()
-            ))),
-        }
+        Ok(())
     }
 
     /// The first sample whose distance from the one before it is not that of the others; `None`: time is even, or as
     /// even as the digits that it is written with can show.
     pub fn uneven_at(&self) -> Option<usize> {
-        let mean = self.interval_s();
-        let uneven = |pair: &[f64]| {
-            let step = pair[1] - pair[0];
-            step.is_nan() || step <= 0.0 || (step / mean - 1.0).abs() > JITTER
+        stamps::uneven_at(&self.time_s)
+    }
+
+    /// The first sample that is not later than the one before it.
+    pub fn backward_at(&self) -> Option<usize> {
+        stamps::backward_at(&self.time_s)
+    }
+
+    /// The same samples where time is even, else as many on an even grid, straight between those that were recorded;
+    /// what the file holds before them is laid on the same grid, as far back as it has no gap. A remark says so.
+    ///
+    /// # Errors
+    /// Too short; time that does not increase, or a gap in it; columns of another length; NaN or infinite values.
+    pub fn made_even(mut self) -> Result<Self, Refusal> {
+        self.check_samples()?;
+        let h = self.interval_s();
+        if self.uneven_at().is_some() {
+            stamps::refuse_unusable(&self.name, &self.time_s)?;
+            let steps = self.time_s.windows(2).map(|t| t[1] - t[0]);
+            let (least, most) = steps.fold((f64::MAX, 0.0_f64), |(a, b), s| (a.min(s), b.max(s)));
+            let times = stamps::grid(self.time_s[0], &self.time_s, h);
+            self = self.at_times(times);
+            self.remarks.push(format!(
+                "{}: time stamps lie {:.3} to {:.3} ms apart; the samples were laid on an even grid of {:.3} ms, straight \
+                 between those that were recorded.",
+                self.name,
+                1e3 * least,
+                1e3 * most,
+                1e3 * h
+            ));
+        }
+        self.before = self.even_before(h);
+        if h >= SLOW_S {
+            self.remarks.push(format!(
+                "{}: samples lie {h:.4} s apart. Is the time in milliseconds? Then its column is time_ms.",
+                self.name
+            ));
+        }
+        Ok(self)
+    }
+
+    /// What lies before on the grid of these samples, from the last gap or step backward on.
+    fn even_before(&self, h: f64) -> Option<Box<Self>> {
+        let mut earlier = *self.before.clone()?;
+        let first = self.time_s[0];
+        let breaks = |pair: &[f64]| !(pair[1] > pair[0] && pair[1] - pair[0] < 20.0 * h);
+        let mut times = earlier.time_s.clone();
+        times.push(first);
+        let from = times.windows(2).rposition(breaks).map_or(0, |i| i + 1);
+        earlier = earlier.slice(from.min(earlier.time_s.len()), earlier.time_s.len());
+        earlier.before = None;
+        if earlier.time_s.len() < 2 {
+            return None;
+        }
+        let even = |t: &[f64]| ((t[1] - t[0]) / h - 1.0).abs() < 0.05;
+        if !times[from..].windows(2).all(even) {
+            let steps = ((first - earlier.time_s[0]) / h + 1e-3).floor() as usize;
+            let grid = (1..=steps).rev().map(|i| first - i as f64 * h).collect();
+            earlier = earlier.and_one_of(self).at_times(grid);
+        }
+        Some(Box::new(earlier))
+    }
+
+    /// These samples and the first one of those that come after them.
+    fn and_one_of(&self, next: &Self) -> Self {
+        let with = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| {
+            let (a, b) = (a.as_ref()?, b.as_ref()?);
+            Some([a.as_slice(), &b[..1]].concat())
         };
-        let first = self.time_s.windows(2).position(uneven)? + 1;
-        (!rounded(&self.time_s)).then_some(first)
+        Self {
+            time_s: [self.time_s.as_slice(), &next.time_s[..1]].concat(),
+            command_mm: with(&self.command_mm, &next.command_mm),
+            displacement_mm: with(&self.displacement_mm, &next.displacement_mm),
+            force_n: with(&self.force_n, &next.force_n),
+            ..self.clone()
+        }
+    }
+
+    /// The channels at other times.
+    fn at_times(&self, times: Vec<f64>) -> Self {
+        let at = |c: &Option<Vec<f64>>| {
+            let values = c.as_ref()?;
+            Some(stamps::at_times(&self.time_s, values, &times))
+        };
+        Self {
+            command_mm: at(&self.command_mm),
+            displacement_mm: at(&self.displacement_mm),
+            force_n: at(&self.force_n),
+            time_s: times,
+            ..self.clone()
+        }
     }
 
     fn columns(&self) -> impl Iterator<Item = (&'static str, &Vec<f64>)> {
@@ -95,12 +185,13 @@ impl Recording {
         )
     }
 
-    /// The part between two times, s; both ends belong to it.
+    /// The part between two times, s, of which only the first belongs to it: parts that touch share no sample. What
+    /// lies before it stays known as [`Recording::before`].
     pub fn span(&self, from_s: f64, to_s: f64) -> Self {
-        // Half an interval of room: times are written with few digits.
-        let room = 0.5 * self.interval_s();
+        // A thousandth of an interval of room: times that were worked out are not exact to the last bit.
+        let room = 1e-3 * self.interval_s();
         let first = self.time_s.partition_point(|t| *t < from_s - room);
-        let end = self.time_s.partition_point(|t| *t <= to_s + room);
+        let end = self.time_s.partition_point(|t| *t < to_s - room);
         self.slice(first, end.max(first))
     }
 
@@ -125,7 +216,7 @@ impl Recording {
             command_mm: here(|r| &r.command_mm),
             displacement_mm: here(|r| &r.displacement_mm),
             force_n: here(|r| &r.force_n),
-            before: None,
+            ..Self::default()
         }))
     }
 
@@ -139,44 +230,71 @@ impl Recording {
             displacement_mm: cut(&self.displacement_mm),
             force_n: cut(&self.force_n),
             before: self.before_sample(first),
+            remarks: self.remarks.clone(),
         }
+    }
+
+    /// These samples behind a run-up that sets the state of what has memory, and the run-up's length: what the file
+    /// holds before them, else, of a record that begins in mid-motion, a part of the record itself that ends as
+    /// the record begins (same place, same way and speed of the channel that `input` picks). Only `input`'s channel is
+    /// to be used in such a run-up.
+    pub fn with_run_up(&self, input: impl Fn(&Self) -> Option<&Vec<f64>>) -> (Self, usize) {
+        let run_up = match &self.before {
+            Some(before) => Some(before.as_ref().clone()),
+            None => input(self)
+                .and_then(|x| like_the_start(x))
+                .map(|end| self.slice(0, end)),
+        };
+        let Some(run_up) = run_up else {
+            return (self.clone(), 0);
+        };
+        let (n, h) = (run_up.time_s.len(), self.interval_s());
+        let join = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| match (a, b) {
+            (Some(a), Some(b)) => Some([a.as_slice(), b].concat()),
+            _ => None,
+        };
+        let first = self.time_s[0];
+        let times = (1..=n).rev().map(|i| first - i as f64 * h);
+        let joined = Self {
+            time_s: times.chain(self.time_s.iter().copied()).collect(),
+            command_mm: join(&run_up.command_mm, &self.command_mm),
+            displacement_mm: join(&run_up.displacement_mm, &self.displacement_mm),
+            force_n: join(&run_up.force_n, &self.force_n),
+            before: None,
+            ..self.clone()
+        };
+        (joined, n)
     }
 }
 
-/// Samples over which the number of digits is read off.
-const BLOCK: usize = 100;
+/// A record that moves slower than this share of its rms speed over its first samples begins at rest.
+const AT_REST: f64 = 0.05;
+/// How far a later moment may be from the first one, of the rms of place and speed.
+const ALIKE: f64 = 0.15;
 
-/// Whether times are those of a uniform grid, rounded to the digits that they are written with.
-fn rounded(time_s: &[f64]) -> bool {
-    let n = time_s.len() as f64;
-    let middle = 0.5 * (n - 1.0);
-    let mean = time_s.iter().sum::<f64>() / n;
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for (i, t) in time_s.iter().enumerate() {
-        let x = i as f64 - middle;
-        covariance += x * (t - mean);
-        variance += x * x;
+/// The latest sample at which a signal is most like at its first: in place, and in way and speed. `None`: it begins
+/// at rest, or comes back to no such moment.
+fn like_the_start(x: &[f64]) -> Option<usize> {
+    let n = x.len();
+    let mean = x.iter().sum::<f64>() / n as f64;
+    // Speeds over a few samples, behind which noise does not hide them.
+    let over = (n / 400).clamp(1, 10);
+    let speed = |i: usize| (x[i + over] - x[i]) / over as f64;
+    let rms = |of: &dyn Fn(usize) -> f64| {
+        let square: f64 = (0..n - over).map(|i| of(i).powi(2)).sum();
+        (square / (n - over) as f64).sqrt()
+    };
+    let (place_rms, speed_rms) = (rms(&|i| x[i] - mean), rms(&speed));
+    if speed(0).abs() < AT_REST * speed_rms {
+        return None;
     }
-    let slope = covariance / variance;
-    // Powers of ten only: that is what rounding leaves.
-    let unit = |times: &[f64]| {
-        let whole = |u: f64| {
-            let odd = |t: &f64| (t / u - (t / u).round()).abs() > 1e-6;
-            !times.iter().any(odd)
-        };
-        (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| whole(*u))
+    let distance = |i: usize| {
+        ((x[i] - x[0]) / place_rms).hypot((speed(i) - speed(0)) / speed_rms.max(f64::MIN_POSITIVE))
     };
-    let units: Option<Vec<f64>> = time_s.chunks(BLOCK).map(unit).collect();
-    let Some(units) = units else {
-        return false;
-    };
-    time_s.iter().enumerate().all(|(i, t)| {
-        // The digits may change within a block, for example at 10 and at 100 s.
-        let block = i / BLOCK;
-        let near = &units[block.saturating_sub(1)..(block + 2).min(units.len())];
-        let coarse = near.iter().copied().fold(0.0, f64::max);
-        (t - mean - slope * (i as f64 - middle)).abs() <= (0.55 * coarse).max(JITTER * slope)
-    })
+    let (best, how_far) = (n / 20..n - over)
+        .map(|i| (i, distance(i)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (how_far < ALIKE).then_some(best)
 }
 
 /// Largest less smallest value.
@@ -220,15 +338,6 @@ mod tests {
     }
 
     #[test]
-    fn a_span_knows_what_was_before_it() {
-        let part = even(1000).span(0.2, 0.9).span(0.5, 0.7);
-        let before = part.before.unwrap();
-        assert_eq!(before.time_s[0], 0.0);
-        assert_eq!(before.time_s.len(), before.displacement_mm.unwrap().len());
-        assert!((before.time_s.last().unwrap() - 0.499).abs() < 1e-9);
-    }
-
-    #[test]
     fn bad_samples_are_refused_with_their_place() {
         assert!(even(1000).check().is_ok());
         let refused = |change: &dyn Fn(&mut Recording), words: &str| {
@@ -243,10 +352,6 @@ mod tests {
             "NaN at sample 7",
         );
         refused(&|r| r.time_s[500] = 0.498, "sample 500");
-        refused(
-            &|r| r.time_s.iter_mut().skip(500).for_each(|t| *t += 0.01),
-            "equal intervals",
-        );
         refused(&|r| r.time_s[500] = r.time_s[499], "sample 500");
         refused(
             &|r| r.displacement_mm.as_mut().unwrap().truncate(999),
@@ -254,23 +359,87 @@ mod tests {
         );
     }
 
-    #[test]
-    fn time_that_was_rounded_is_even_although_it_repeats_itself() {
-        let mut r = even(3000);
-        let exact = |i: usize| i as f64 * 0.007_753;
-        for (i, t) in r.time_s.iter_mut().enumerate() {
-            let digits = if i < 1550 { 1e3 } else { 1e2 };
-            *t = (exact(i) * digits).round() / digits;
+    /// Stamps that wander by some 40 % of an interval, of a sine.
+    fn uneven() -> Recording {
+        let stamp = |i: usize| 1e-3 * (i as f64 + 0.4 * (i as f64 * 1.7).sin());
+        let time_s: Vec<f64> = (0..2000).map(stamp).collect();
+        Recording {
+            displacement_mm: Some(time_s.iter().map(|t| (9.0 * t).sin()).collect()),
+            time_s,
+            ..even(2000)
         }
-        assert!(r.time_s.windows(2).any(|t| t[0] == t[1]));
-        assert_eq!(r.uneven_at(), None);
-        r.time_s[2000] += 0.01;
-        assert!(r.uneven_at().is_some());
     }
 
     #[test]
-    fn a_span_has_both_its_ends() {
-        let part = even(1000).span(0.1, 0.2);
-        assert_eq!((part.time_s.len(), part.time_s[0]), (101, 0.1));
+    fn uneven_stamps_are_laid_on_a_grid_and_that_is_said() {
+        assert!(uneven().check().unwrap_err().to_string().contains("sample"));
+        let part = uneven().span(0.5, 1.5).made_even().unwrap();
+        assert!(part.check().is_ok());
+        assert_eq!(part.remarks.len(), 1);
+        let before = part.before.clone().unwrap();
+        let last = before.time_s[before.time_s.len() - 1];
+        assert!((part.time_s[0] - last - part.interval_s()).abs() < 1e-9);
+        for r in [&part, before.as_ref()] {
+            for (t, x) in r.time_s.iter().zip(r.displacement_mm.as_ref().unwrap()) {
+                assert!((x - (9.0 * t).sin()).abs() < 1e-4);
+            }
+        }
+        let mut backward = uneven();
+        backward.time_s[70] = 0.01;
+        let said = backward.made_even().unwrap_err().to_string();
+        assert!(said.contains("time that increases"), "{said}");
+        let mut gap = uneven();
+        gap.time_s.iter_mut().skip(900).for_each(|t| *t += 0.7);
+        let said = gap.made_even().unwrap_err().to_string();
+        assert!(said.contains("nothing is recorded from"), "{said}");
+    }
+
+    #[test]
+    fn time_in_milliseconds_under_seconds_is_asked_about() {
+        let mut r = even(1000);
+        r.time_s.iter_mut().for_each(|t| *t *= 1e3);
+        let r = r.made_even().unwrap();
+        assert!(r.remarks[0].contains("Is the time in milliseconds?"));
+    }
+
+    #[test]
+    fn a_span_knows_what_was_before_it() {
+        let part = even(1000).span(0.2, 0.9).span(0.5, 0.7);
+        let before = part.before.unwrap();
+        assert_eq!(before.time_s[0], 0.0);
+        assert_eq!(before.time_s.len(), before.displacement_mm.unwrap().len());
+        assert!((before.time_s.last().unwrap() - 0.499).abs() < 1e-9);
+    }
+
+    #[test]
+    fn spans_that_touch_share_no_sample() {
+        let whole = even(1000);
+        let (first, last) = (whole.span(0.0, 0.2), whole.span(0.2, f64::INFINITY));
+        assert_eq!((first.time_s.len(), last.time_s[0]), (200, 0.2));
+        assert_eq!(first.time_s.len() + last.time_s.len(), 1000);
+        assert!(first.before.is_none());
+        assert_eq!(last.before.unwrap().time_s, first.time_s);
+    }
+
+    #[test]
+    fn a_record_that_begins_in_mid_motion_gets_a_run_up_from_itself() {
+        let wave = |rest: f64| {
+            let phase = if rest == 0.0 { 0.8 } else { 0.0 };
+            let moves = |i: i32| (0.01 * (f64::from(i) - rest).max(0.0) + phase).sin();
+            Recording {
+                displacement_mm: Some((0..4000).map(moves).collect()),
+                ..even(4000)
+            }
+        };
+        let (joined, n) = wave(0.0).with_run_up(|r| r.displacement_mm.as_ref());
+        let x = joined.displacement_mm.as_ref().unwrap();
+        assert!(n > 200 && x.len() == 4000 + n);
+        // Place and speed go on as if nothing had been put before.
+        assert!((x[n] - 2.0 * x[n - 1] + x[n - 2]).abs() < 0.02);
+        assert!((joined.time_s[n]).abs() < 1e-9);
+        // One that begins at rest needs none, and one with samples before it takes those.
+        assert_eq!(wave(500.0).with_run_up(|r| r.displacement_mm.as_ref()).1, 0);
+        let late = wave(500.0).span(1.0, 3.0);
+        assert_eq!(late.with_run_up(|r| r.displacement_mm.as_ref()).1, 1000);
     }
 }

@@ -117,6 +117,78 @@ pub fn bandwidth_hz(x: &[f64], interval_s: f64, noise_rms: f64) -> f64 {
     (1.5 * edge).clamp(5.0_f64.min(0.3 * rate), 0.3 * rate)
 }
 
+/// Windows that an averaged periodogram is the mean of.
+const WINDOWS: usize = 30;
+
+/// An averaged periodogram.
+#[derive(Clone, Debug)]
+pub struct Density {
+    /// Power over frequency, unit^2 / Hz, one-sided.
+    pub power: Vec<f64>,
+    /// From one to the next, Hz.
+    pub bin_hz: f64,
+}
+
+impl Density {
+    /// Hann windows that overlap by half, each without its mean; `None` where the record is too short for them.
+    pub fn of(x: &[f64], interval_s: f64) -> Option<Self> {
+        let length = 2 * x.len() / (WINDOWS + 1);
+        if length < 16 {
+            return None;
+        }
+        let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
+        let plan = FftPlanner::new().plan_fft_forward(length);
+        let mut power = vec![0.0; length / 2];
+        let mut windows = 0.0;
+        for start in (0..=x.len() - length).step_by(length / 2) {
+            let part = &x[start..start + length];
+            let mean = part.iter().sum::<f64>() / length as f64;
+            let mut bins: Vec<Complex<f64>> = part
+                .iter()
+                .enumerate()
+                .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
+                .collect();
+            plan.process(&mut bins);
+            for (sum, bin) in power.iter_mut().zip(&bins) {
+                *sum += bin.norm_sqr();
+            }
+            windows += 1.0;
+        }
+        // The window's mean square is 3/8.
+        let scale = 2.0 * interval_s / (0.375 * length as f64 * windows);
+        power.iter_mut().for_each(|p| *p *= scale);
+        Some(Self {
+            power,
+            bin_hz: 1.0 / (length as f64 * interval_s),
+        })
+    }
+}
+
+/// Share of the speed's power that lies below the band's end.
+const BAND: f64 = 0.9;
+/// What rises less than this above the floor of a reading is its noise.
+const FLOOR: f64 = 6.0;
+
+/// Where the motion ends: 90 % of the power of its speed lies below, Hz; the noise of its reading is taken off.
+pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
+    let Density { power, bin_hz } = Density::of(x, interval_s)?;
+    let mut upper = power[power.len() / 2..].to_vec();
+    upper.sort_by(f64::total_cmp);
+    let floor = FLOOR * upper[upper.len() / 2];
+    let speed: Vec<f64> = power
+        .iter()
+        .enumerate()
+        .map(|(k, p)| if *p > floor { p * (k * k) as f64 } else { 0.0 })
+        .collect();
+    let whole: f64 = speed.iter().sum();
+    let mut below = 0.0;
+    let end = speed.iter().position(|p| {
+        below += p;
+        below >= BAND * whole
+    })?;
+    Some((end + 1) as f64 * bin_hz)
+}
+
 /// Frequency of the strongest line between two frequencies and its power over the median there.
 pub fn line_hz(x: &[f64], interval_s: f64, from_hz: f64, to_hz: f64) -> Option<(f64, f64)> {
     let n = x.len();

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 pub struct Part {
     /// The file.
     pub file: PathBuf,
-    /// First and last time, s; both belong to it. `None`: the whole record.
+    /// From when to when, s, infinite where it is open; the first belongs to it and the last does not. `None`: the
+    /// whole record.
     pub span_s: Option<[f64; 2]>,
 }
 
@@ -27,10 +28,15 @@ impl std::str::FromStr for Part {
             });
         };
         let refuse = |why: &str| {
-            format!("`{text}`: {why}: accepted is FILE@T0..T1 with T0 below T1, in seconds")
+            format!(
+                "`{text}`: {why}: accepted are FILE@T0..T1 with T0 below T1, FILE@T0.. and FILE@..T1, in seconds"
+            )
         };
         let (from, to) = span.split_once("..").unwrap_or((span, ""));
-        let second = |what: &str| {
+        let second = |what: &str, open: f64| {
+            if what.trim().is_empty() {
+                return Ok(open);
+            }
             let s: f64 = what
                 .trim()
                 .parse()
@@ -38,7 +44,7 @@ impl std::str::FromStr for Part {
             let finite = s.is_finite().then_some(s);
             finite.ok_or_else(|| refuse(&format!("`{what}` is not finite")))
         };
-        let (from, to) = (second(from)?, second(to)?);
+        let (from, to) = (second(from, f64::NEG_INFINITY)?, second(to, f64::INFINITY)?);
         if from >= to {
             return Err(refuse(&format!("{from} s is not below {to} s")));
         }
@@ -73,17 +79,20 @@ impl Library {
     fn part(&mut self, part: &Part) -> Result<diagnosis::Recording, Failure> {
         let recording = self.whole(&part.file)?;
         let whole = in_mm(recording);
+        // All parts of a file on one grid, where one can be laid through the whole of it.
+        let whole = whole.clone().made_even().unwrap_or(whole);
         let used = match part.span_s {
             None => whole,
             Some(span_s) => inside(&whole, span_s)?,
         };
-        if used.time_s.len() > 1
-            && let Some(sample) = used.uneven_at()
+        // A step backward has a line in the file; what else is wrong has none.
+        if used.uneven_at().is_some()
+            && let Some(sample) = used.backward_at()
         {
-            let skipped = recording.time_s.iter().position(|t| *t == used.time_s[0]);
-            return Err(recording.refuse_time(skipped.unwrap_or(0) + sample));
+            let skipped = used.before.as_ref().map_or(0, |b| b.time_s.len());
+            return Err(recording.refuse_time(skipped + sample));
         }
-        Ok(used)
+        used.made_even().map_err(|e| Failure::input(e.to_string()))
     }
 
     /// The recording behind `path`; one file under two names is one recording.
@@ -103,9 +112,12 @@ fn inside(
     [from_s, to_s]: [f64; 2],
 ) -> Result<diagnosis::Recording, Failure> {
     let (first, last) = (whole.time_s[0], whole.time_s[whole.time_s.len() - 1]);
-    // Times are written with few digits: half an interval is no mistake.
-    let room = 0.5 * whole.interval_s();
-    if from_s < first - room || to_s > last + room {
+    // Half open: the end may lie one interval behind the last sample, and intervals may be uneven.
+    let steps = whole.time_s.windows(2).map(|t| t[1] - t[0]);
+    let room = 1.5 * steps.fold(whole.interval_s(), f64::max);
+    let open = |s: f64| s.is_infinite();
+    let outside = from_s < first - room && !open(from_s) || to_s > last + room && !open(to_s);
+    if outside || from_s > last || to_s <= first {
         return Err(Failure::input(format!(
             "{}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s",
             whole.name
@@ -123,7 +135,7 @@ pub fn in_mm(recording: &Recording) -> diagnosis::Recording {
         command_mm: recording.command_m().map(mm),
         displacement_mm: recording.displacement_m().map(mm),
         force_n: recording.force().map(<[f64]>::to_vec),
-        before: None,
+        ..diagnosis::Recording::default()
     }
 }
 
@@ -137,7 +149,7 @@ pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
         command_mm: Some(mm(&floor.sent_m)),
         displacement_mm: Some(mm(&floor.displacement_m)),
         force_n: Some(floor.force_n.iter().map(|x| f64::from(*x)).collect()),
-        before: None,
+        ..diagnosis::Recording::default()
     }
 }
 
@@ -152,10 +164,18 @@ mod tests {
         let p = part("rig@lab.csv@-1.5..20").unwrap();
         assert_eq!(p.file, PathBuf::from("rig@lab.csv"));
         assert_eq!(p.span_s, Some([-1.5, 20.0]));
+        assert_eq!(
+            part("a.csv@..2").unwrap().span_s,
+            Some([f64::NEG_INFINITY, 2.0])
+        );
+        assert_eq!(
+            part("a.csv@2..").unwrap().span_s,
+            Some([2.0, f64::INFINITY])
+        );
         for (text, said) in [
             ("a.csv@5..2", "5 s is not below 2 s"),
             ("a.csv@five..9", "`five` is no number"),
-            ("a.csv@1..", "`` is no number"),
+            ("a.csv@1..two", "`two` is no number"),
             ("a.csv@1..inf", "`inf` is not finite"),
         ] {
             let e = part(text).unwrap_err();

@@ -2,7 +2,7 @@
 
 use super::Channelled;
 use crate::answer::ChannelAnswer;
-use crate::recording::range;
+use crate::recording::{Recording, range};
 use crate::{lattice, plausible};
 use plant::{Channel, Effect};
 
@@ -31,7 +31,10 @@ impl Channelled<'_> {
                 }
             }
             // A command that stays at its end was meant to; a sensor that does is at its rail.
-            if self.base.channel == Channel::Specimen && !coarse(input) && plausible::clipped(input)
+            let driven_by = r.command_mm.as_deref().unwrap_or(target);
+            if self.base.channel == Channel::Specimen
+                && !coarse(input)
+                && plausible::clipped(input, Some(driven_by))
             {
                 return Some(format!(
                     "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
@@ -52,11 +55,12 @@ impl Channelled<'_> {
         {
             return None;
         }
-        let of = |r| {
+        let stands = |r: &&Recording| {
+            let input = self.input_of(r).map(Vec::as_slice);
             self.target_of(r)
-                .filter(|x| !coarse(x) && plausible::clipped(x))
+                .is_some_and(|x| !coarse(x) && plausible::clipped(x, input))
         };
-        let r = self.train.iter().find(|r| of(r).is_some())?;
+        let r = self.train.iter().find(stands)?;
         Some(format!(
             "{}: the output of the {} is clipped: it stays at its largest or smallest value again and again, and what \
              is cut off there passes for another effect",

@@ -64,7 +64,7 @@ pub fn record(effects: &[EffectSpec], true_values: [f64; 3], seed: u64) -> Recor
         command_mm: Some(command),
         displacement_mm: Some(readings.iter().map(|r| r.0).collect()),
         force_n: Some(readings.iter().map(|r| r.1).collect()),
-        before: None,
+        ..Recording::default()
     }
 }
 

@@ -33,7 +33,7 @@ fn recording(name: &str, record: &Record) -> Recording {
         command_mm: Some(record.command_mm.clone()),
         displacement_mm: Some(record.displacement_mm.clone()),
         force_n: Some(record.force_n.clone()),
-        before: None,
+        ..Recording::default()
     }
 }
 

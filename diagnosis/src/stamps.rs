@@ -1,0 +1,151 @@
+//! Time stamps: whether they are even, and samples on an even grid where they are not.
+
+use crate::Refusal;
+
+/// The largest deviation of an interval from the mean, relative, that counts as even.
+const JITTER: f64 = 0.05;
+/// Samples over which the number of digits is read off.
+const BLOCK: usize = 100;
+/// A gap is longer than so many mean intervals and than this share of the record.
+const GAP: (f64, f64) = (20.0, 0.05);
+
+/// Mean distance of two samples, s.
+pub fn interval_s(time_s: &[f64]) -> f64 {
+    let n = time_s.len();
+    (time_s[n - 1] - time_s[0]) / (n - 1) as f64
+}
+
+/// The first sample whose distance from the one before it is not that of the others; `None`: time is even, or as even
+/// as the digits that it is written with can show.
+pub fn uneven_at(time_s: &[f64]) -> Option<usize> {
+    let mean = interval_s(time_s);
+    let uneven = |pair: &[f64]| {
+        let step = pair[1] - pair[0];
+        step.is_nan() || step <= 0.0 || (step / mean - 1.0).abs() > JITTER
+    };
+    let first = time_s.windows(2).position(uneven)? + 1;
+    (!rounded(time_s)).then_some(first)
+}
+
+/// The first sample that is not later than the one before it.
+pub fn backward_at(time_s: &[f64]) -> Option<usize> {
+    let later = |pair: &[f64]| pair[1] > pair[0];
+    time_s
+        .windows(2)
+        .position(|pair| !later(pair))
+        .map(|i| i + 1)
+}
+
+/// Where nothing was recorded for too long to be bridged: the sample after it.
+pub fn gap_at(time_s: &[f64]) -> Option<usize> {
+    let mean = interval_s(time_s);
+    let whole = mean * (time_s.len() - 1) as f64;
+    let most = (GAP.0 * mean).max(GAP.1 * whole);
+    let at = time_s.windows(2).position(|pair| pair[1] - pair[0] > most);
+    at.map(|i| i + 1)
+}
+
+/// Times that increase by `interval_s`, from `from_s` to at most the last of `time_s`.
+pub fn grid(from_s: f64, time_s: &[f64], interval_s: f64) -> Vec<f64> {
+    // A thousandth of room: the last sample belongs to the grid that was laid through it.
+    let steps = ((time_s[time_s.len() - 1] - from_s) / interval_s + 1e-3).floor();
+    (0..=steps.max(0.0) as usize)
+        .map(|i| from_s + i as f64 * interval_s)
+        .collect()
+}
+
+/// Values at other times, straight between samples; `time_s` increases.
+pub fn at_times(time_s: &[f64], values: &[f64], times: &[f64]) -> Vec<f64> {
+    let mut i = 0;
+    let value = |&t: &f64| {
+        while i + 2 < time_s.len() && time_s[i + 1] <= t {
+            i += 1;
+        }
+        let share = (t - time_s[i]) / (time_s[i + 1] - time_s[i]);
+        values[i] + share.clamp(0.0, 1.0) * (values[i + 1] - values[i])
+    };
+    times.iter().map(value).collect()
+}
+
+/// Refuses times that no grid can be laid through.
+pub fn refuse_unusable(name: &str, time_s: &[f64]) -> Result<(), Refusal> {
+    if let Some(i) = backward_at(time_s) {
+        return Err(Refusal::new(format!(
+            "{name}: time goes from {} s to {} s at sample {i}: accepted is time that increases",
+            time_s[i - 1],
+            time_s[i]
+        )));
+    }
+    if let Some(i) = gap_at(time_s) {
+        return Err(Refusal::new(format!(
+            "{name}: nothing is recorded from {} s to {} s: accepted are samples without such a gap; give what lies \
+             before it and behind it as two spans",
+            time_s[i - 1],
+            time_s[i]
+        )));
+    }
+    Ok(())
+}
+
+/// Whether times are those of a uniform grid, rounded to the digits that they are written with.
+fn rounded(time_s: &[f64]) -> bool {
+    let n = time_s.len() as f64;
+    let middle = 0.5 * (n - 1.0);
+    let mean = time_s.iter().sum::<f64>() / n;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for (i, t) in time_s.iter().enumerate() {
+        let x = i as f64 - middle;
+        covariance += x * (t - mean);
+        variance += x * x;
+    }
+    let slope = covariance / variance;
+    // Powers of ten only: that is what rounding leaves.
+    let unit = |times: &[f64]| {
+        let whole = |u: f64| {
+            let odd = |t: &f64| (t / u - (t / u).round()).abs() > 1e-6;
+            !times.iter().any(odd)
+        };
+        (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| whole(*u))
+    };
+    let units: Option<Vec<f64>> = time_s.chunks(BLOCK).map(unit).collect();
+    let Some(units) = units else {
+        return false;
+    };
+    time_s.iter().enumerate().all(|(i, t)| {
+        // The digits may change within a block, for example at 10 and at 100 s.
+        let block = i / BLOCK;
+        let near = &units[block.saturating_sub(1)..(block + 2).min(units.len())];
+        let coarse = near.iter().copied().fold(0.0, f64::max);
+        (t - mean - slope * (i as f64 - middle)).abs() <= (0.55 * coarse).max(JITTER * slope)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_that_was_rounded_is_even_although_it_repeats_itself() {
+        let exact = |i: usize| i as f64 * 0.007_753;
+        let written = |i: usize| {
+            let digits = if i < 1550 { 1e3 } else { 1e2 };
+            (exact(i) * digits).round() / digits
+        };
+        let mut time_s: Vec<f64> = (0..3000).map(written).collect();
+        assert!(time_s.windows(2).any(|t| t[0] == t[1]));
+        assert_eq!(uneven_at(&time_s), None);
+        time_s[2000] += 0.01;
+        assert!(uneven_at(&time_s).is_some());
+    }
+
+    #[test]
+    fn a_straight_line_is_the_same_line_on_any_grid() {
+        let time_s = [0.0, 0.9, 2.1, 3.0, 4.4, 5.0];
+        let values: Vec<f64> = time_s.iter().map(|t| 3.0 - 2.0 * t).collect();
+        let times = grid(0.0, &time_s, interval_s(&time_s));
+        assert_eq!(times.len(), 6);
+        for (t, y) in times.iter().zip(at_times(&time_s, &values, &times)) {
+            assert!((y - 3.0 + 2.0 * t).abs() < 1e-12);
+        }
+    }
+}
