@@ -85,7 +85,10 @@ pub struct OuterLoop<const N: usize> {
     step: u32,
     flags: u32,
     ground_m_per_s2: f32,
+    /// Command in force, m.
     sent_m: [f32; N],
+    /// True displacement that this command is for, m: the target, or ahead of it.
+    aimed_m: [f32; N],
     target_m: [f32; N],
     monitor: Monitor<N>,
     damping: VariableDamping<N>,
@@ -103,8 +106,8 @@ pub struct OuterLoop<const N: usize> {
     history: History<N>,
     compensator: Compensator<N>,
     rig: Rig<N>,
-    /// Last change of what was sent, m per control step, where there is a predictor.
-    sent_step_m: [f32; N],
+    /// Last change of where the actuator was sent, m per control step, where there is a predictor.
+    aimed_step_m: [f32; N],
     /// Share of the prediction that is sent: 1, but for a while after a hold.
     blend: f32,
     /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
@@ -131,8 +134,9 @@ impl<const N: usize> OuterLoop<N> {
             tick: 0,
             step: 0,
             sent_m: [0.0; N],
+            aimed_m: [0.0; N],
             target_m: [0.0; N],
-            sent_step_m: [0.0; N],
+            aimed_step_m: [0.0; N],
             blend: 1.0,
             standing_m: None,
             returning: false,
@@ -165,7 +169,13 @@ impl<const N: usize> OuterLoop<N> {
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = 0;
         let stale_steps = self.watch(sample);
-        let estimate = self.estimate(sample);
+        // From here on the displacement is the true one, as far as it is known; interlocks on the force and the record
+        // keep what was read.
+        let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
+        if self.design.corrects {
+            self.rig.correct(&mut displacement_m, &mut force_n);
+        }
+        let estimate = self.estimate(displacement_m, force_n);
         let next_m = match self.state {
             State::Running => match self.goal_m {
                 Some(goal_m) => self.pursue(goal_m),
@@ -174,19 +184,19 @@ impl<const N: usize> OuterLoop<N> {
                     None => self.run(&estimate, ground, stale_steps == 0),
                 },
             },
-            State::Idle => self.follow(sample),
+            State::Idle => self.follow(&displacement_m),
             State::Armed => self.approach([0.0; N]),
             State::Holding | State::Finished => self.slow_down(),
-            State::Tripped => self.sent_m,
+            State::Tripped => self.aimed_m,
         };
-        let send_m = if self.design.predicts {
-            self.predict(estimate.displacement_m, next_m, stale_steps == 0)
-        } else {
-            next_m
-        };
-        let finding = self.interlock(sample, &send_m, stale_steps);
+        let (mut aim_m, mut send_m) = (next_m, next_m);
+        if self.design.predicts {
+            aim_m = self.predict(estimate.displacement_m, next_m, stale_steps == 0);
+            send_m = self.commands(&aim_m);
+        }
+        let finding = self.interlock(sample, &displacement_m, &send_m, stale_steps);
         self.record(sample, &estimate);
-        let command_m = self.supervise(finding, next_m, send_m);
+        let command_m = self.supervise(finding, next_m, aim_m, send_m);
         if self.state == State::Running && self.pace.is_none() && self.step > ground.steps() {
             self.stop_where_it_is();
             self.state = State::Finished;
@@ -226,7 +236,7 @@ impl<const N: usize> OuterLoop<N> {
     fn return_to_target(&mut self) -> Option<[f32; N]> {
         if self.returning {
             let target = self.newmark.displacement_m();
-            if self.sent_m != target {
+            if self.target_m != target {
                 return Some(self.approach(target));
             }
             self.returning = false;
@@ -337,19 +347,15 @@ impl<const N: usize> OuterLoop<N> {
 
     /// What the loop believes of the specimen; numerical degrees of freedom are where they were sent.
     #[inline]
-    fn estimate(&mut self, sample: &Sample<N>) -> Estimate<N> {
+    fn estimate(&mut self, mut displacement_m: [f32; N], mut force_n: [f32; N]) -> Estimate<N> {
         let k = &self.design;
-        let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
-        if k.corrects {
-            self.rig.correct(&mut displacement_m, &mut force_n);
-        }
         for j in k.physical..N {
             displacement_m[j] = self.target_m[j];
             force_n[j] = 0.0;
         }
         let estimate = self.estimator.update(
             &k.estimation,
-            &self.sent_m,
+            &self.aimed_m,
             &displacement_m,
             &force_n,
             k.physical,
@@ -361,10 +367,11 @@ impl<const N: usize> OuterLoop<N> {
         estimate
     }
 
-    /// Idle: the command follows the measured position, so that arming moves nothing.
-    fn follow(&mut self, sample: &Sample<N>) -> [f32; N] {
-        let mut standing_m = self.standing_m.unwrap_or(sample.displacement_m);
-        for (mean, new) in standing_m.iter_mut().zip(sample.displacement_m) {
+    /// Idle: the target follows the true position, and the command is what holds the actuator there, so that arming
+    /// moves nothing whatever is known of offsets and gains.
+    fn follow(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+        let mut standing_m = self.standing_m.unwrap_or(*displacement_m);
+        for (mean, &new) in standing_m.iter_mut().zip(displacement_m) {
             // A mean over some 64 samples, so that noise is not a bump.
             let moved = *mean + (new - *mean) * (1.0 / 64.0);
             *mean = if moved.is_finite() { moved } else { 0.0 };
@@ -377,11 +384,11 @@ impl<const N: usize> OuterLoop<N> {
     fn approach(&self, goal_m: [f32; N]) -> [f32; N] {
         let step = self.design.approach_step_m;
         core::array::from_fn(|j| {
-            let rest = goal_m[j] - self.sent_m[j];
+            let rest = goal_m[j] - self.target_m[j];
             if rest.abs() <= step {
                 goal_m[j]
             } else {
-                self.sent_m[j] + step.copysign(rest)
+                self.target_m[j] + step.copysign(rest)
             }
         })
     }
@@ -408,7 +415,7 @@ impl<const N: usize> OuterLoop<N> {
         }
         let followed = core::array::from_fn(|j| Followed {
             target_m: self.target_m[j],
-            sent_m: self.sent_m[j],
+            sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
             learn: live && fit,
         });
@@ -423,9 +430,6 @@ impl<const N: usize> OuterLoop<N> {
         if !live {
             return next_m;
         }
-        for j in 0..N {
-            send_m[j] *= k.per_command_gain[j];
-        }
         if self.blend < 1.0 {
             for j in 0..N {
                 send_m[j] = next_m[j] + self.blend * (send_m[j] - next_m[j]);
@@ -433,15 +437,22 @@ impl<const N: usize> OuterLoop<N> {
             self.blend += k.blend_step;
         }
         for j in 0..N {
-            self.sent_step_m[j] = send_m[j] - self.sent_m[j];
+            self.aimed_step_m[j] = send_m[j] - self.aimed_m[j];
         }
         send_m
+    }
+
+    /// What is sent so that the actuator goes to `aim_m`.
+    #[inline]
+    fn commands(&self, aim_m: &[f32; N]) -> [f32; N] {
+        core::array::from_fn(|j| self.design.command[j].towards(aim_m[j]))
     }
 
     /// The ramp to a standstill begins at what was sent and not at the target behind it.
     fn stop_where_it_is(&mut self) {
         if self.design.predicts && self.goal_m.is_none() {
-            self.signal.go_on_from(self.sent_m, self.sent_step_m);
+            self.signal.go_on_from(self.aimed_m, self.aimed_step_m);
+            self.target_m = self.aimed_m;
         }
     }
 
@@ -450,13 +461,15 @@ impl<const N: usize> OuterLoop<N> {
     fn interlock(
         &self,
         sample: &Sample<N>,
+        displacement_m: &[f32; N],
         next_m: &[f32; N],
         stale_steps: u16,
     ) -> Option<Finding> {
         let checked = Checked {
             next_m,
             sent_m: &self.sent_m,
-            displacement_m: &sample.displacement_m,
+            aimed_m: &self.aimed_m,
+            displacement_m,
             force_n: &sample.force_n,
             energy_ratio: self.monitor.ratio(),
             stale_steps,
@@ -483,6 +496,7 @@ impl<const N: usize> OuterLoop<N> {
         &mut self,
         finding: Option<Finding>,
         target_m: [f32; N],
+        aim_m: [f32; N],
         send_m: [f32; N],
     ) -> [f32; N] {
         self.obstacle = finding;
@@ -499,6 +513,7 @@ impl<const N: usize> OuterLoop<N> {
         }
         if send_m.iter().all(|x| x.is_finite()) {
             self.target_m = target_m;
+            self.aimed_m = aim_m;
             self.sent_m = send_m;
         }
         self.sent_m

@@ -42,6 +42,38 @@ fn arming_moves_nothing_and_the_approach_is_slow() {
 }
 
 #[test]
+fn with_offsets_and_gains_the_actuator_itself_stays_where_it_is_and_then_comes_to_zero() {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    let only = |x: f64| [x].into_iter().collect();
+    config.rig.command_gain = only(1.25);
+    config.rig.command_offset_m = only(0.002);
+    config.rig.displacement_gain = only(0.8);
+    config.rig.displacement_offset_m = only(0.003);
+    // The actuator is where its command puts it; its transducer has errors of its own.
+    let moved = |command_m: f32| 1.25 * command_m + 0.002;
+    let read = |position_m: f32| 0.8 * position_m + 0.003;
+    let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+    let mut position = 0.004_f32;
+    for _ in 0..100 {
+        let step = outer.step(&Sample::new([read(position)], [0.0]), &ground(&points));
+        let would_be = moved(step.command_m[0]);
+        assert!(!step.permit && (would_be - position).abs() < 1e-8);
+    }
+    outer.handle(Event::Arm).unwrap();
+    for _ in 0..5000 {
+        let step = outer.step(&Sample::new([read(position)], [0.0]), &ground(&points));
+        let next = moved(step.command_m[0]);
+        assert!((next - position).abs() < 1.01e-6, "2 mm/s is 1 um a step");
+        position = next;
+    }
+    assert!(position.abs() < 1e-8, "{position} m from the start");
+    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    let step = outer.step(&Sample::new([read(position)], [0.0]), &ground(&points));
+    assert!((moved(step.command_m[0]) - position).abs() < 1e-5);
+}
+
+#[test]
 fn a_record_ends_in_a_hold_and_a_clear() {
     let points = shaking(RECORD_S);
     let mut rig = Rig::new(8);

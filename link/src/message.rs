@@ -106,6 +106,8 @@ mod tests {
             },
             rig: Rig {
                 command_gain: actuators.clone(),
+                command_offset_m: actuators.clone(),
+                displacement_gain: actuators.clone(),
                 displacement_offset_m: actuators.clone(),
                 force_gain: actuators.clone(),
                 force_offset_n: actuators.clone(),

@@ -24,10 +24,10 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::Constants,
     pub(crate) stage: compensate::Stage,
-    /// What is sent is not the target: there is a predictor, or a gain.
+    /// What is sent is not the target: there is a predictor, or the actuator is elsewhere than its command.
     pub(crate) predicts: bool,
-    /// What a command is multiplied by before it is sent.
-    pub(crate) per_command_gain: [f32; N],
+    /// From command to true displacement.
+    pub(crate) command: [rig::Command; N],
     /// Samples are not what they say.
     pub(crate) corrects: bool,
     pub(crate) damping: compensate::damping::Constants<N>,
@@ -89,7 +89,8 @@ impl<const N: usize> Design<N> {
         let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
         let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
         let compensator = methods::constants(config, structure, &specimen, &omegas)?;
-        let rig = config.rig.constants(t.rate_hz);
+        let noise_m = config.estimation.displacement_noise_m;
+        let rig = config.rig.constants(t.rate_hz, noise_m);
         let step = StepConstants {
             newmark: newmark::Coefficients::new(
                 structure,
@@ -103,8 +104,8 @@ impl<const N: usize> Design<N> {
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
             stage: methods::stage(c.kind),
-            predicts: c.prediction() != Prediction::None || !config.rig.command_gain.is_empty(),
-            per_command_gain: config.rig.per_command_gain(),
+            predicts: c.prediction() != Prediction::None || config.rig.moves_commands(),
+            command: config.rig.command(),
             corrects: rig.is_some(),
             damping: methods::variable_damping(config, structure, &specimen, omega),
             estimation: estimation(config, structure, control_step_s)?,

@@ -18,8 +18,12 @@ pub type PerActuator = Vec<f64, MAX_ACTUATORS>;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Rig {
-    /// Displacement per command; the command is divided by it.
+    /// True displacement per command.
     pub command_gain: PerActuator,
+    /// True displacement at command 0, m. What is sent for a target is `(target - command_offset_m) / command_gain`.
+    pub command_offset_m: PerActuator,
+    /// Measured displacement per true displacement.
+    pub displacement_gain: PerActuator,
     /// Measured displacement where the true one is 0, m.
     pub displacement_offset_m: PerActuator,
     /// Measured force per true force.
@@ -51,8 +55,20 @@ impl Rig {
         };
         let gain = |x: f64| (0.1..=10.0).contains(&x);
         each("rig.command_gain", &self.command_gain, &gain, "0.1 to 10")?;
+        each(
+            "rig.displacement_gain",
+            &self.displacement_gain,
+            &gain,
+            "0.1 to 10",
+        )?;
         each("rig.force_gain", &self.force_gain, &gain, "0.1 to 10")?;
         let offset = |most: f64| move |x: f64| x.abs() <= most;
+        each(
+            "rig.command_offset_m",
+            &self.command_offset_m,
+            &offset(1.0),
+            "-1 to 1 m",
+        )?;
         each(
             "rig.displacement_offset_m",
             &self.displacement_offset_m,
@@ -96,34 +112,52 @@ impl Rig {
         )
     }
 
-    /// What the command is multiplied by.
-    pub(super) fn per_command_gain<const N: usize>(&self) -> [f32; N] {
-        core::array::from_fn(|j| self.command_gain.get(j).map_or(1.0, |g| (1.0 / g) as f32))
+    /// Whether the actuator is elsewhere than its command.
+    pub(super) fn moves_commands(&self) -> bool {
+        !(self.command_gain.is_empty() && self.command_offset_m.is_empty())
     }
 
-    /// The constants of the step; `None` where the samples are what they say.
-    pub(super) fn constants<const N: usize>(&self, rate_hz: f64) -> Option<rig::Constants<N>> {
+    /// From command to true displacement.
+    pub(super) fn command<const N: usize>(&self) -> [rig::Command; N] {
+        core::array::from_fn(|j| {
+            rig::Command::new(
+                at(&self.command_gain, j, 1.0),
+                at(&self.command_offset_m, j, 0.0),
+            )
+        })
+    }
+
+    /// The constants of the step; `None` where the samples are what they say. The displacement has a noise of
+    /// `noise_m` rms.
+    pub(super) fn constants<const N: usize>(
+        &self,
+        rate_hz: f64,
+        noise_m: f64,
+    ) -> Option<rig::Constants<N>> {
         let command_only = Self {
             command_gain: self.command_gain.clone(),
+            command_offset_m: self.command_offset_m.clone(),
             ..Self::default()
         };
         if *self == command_only {
             return None;
         }
-        let at = |list: &PerActuator, j: usize, otherwise: f64| {
-            list.get(j).copied().unwrap_or(otherwise)
-        };
         Some(core::array::from_fn(|j| {
-            rig::Axis::new(
-                at(&self.displacement_offset_m, j, 0.0),
-                at(&self.force_gain, j, 1.0),
-                at(&self.force_offset_n, j, 0.0),
-                at(&self.force_late_ms, j, 0.0) * 1e-3 * rate_hz,
-                [
-                    at(&self.bearing_friction_n, j, 0.0),
-                    at(&self.bearing_presliding_m, j, 1.0),
-                ],
-            )
+            let known = rig::Known {
+                displacement_gain: at(&self.displacement_gain, j, 1.0),
+                displacement_offset_m: at(&self.displacement_offset_m, j, 0.0),
+                force_gain: at(&self.force_gain, j, 1.0),
+                force_offset_n: at(&self.force_offset_n, j, 0.0),
+                force_late_steps: at(&self.force_late_ms, j, 0.0) * 1e-3 * rate_hz,
+                friction_n: at(&self.bearing_friction_n, j, 0.0),
+                presliding_m: at(&self.bearing_presliding_m, j, 1.0),
+                displacement_noise_m: noise_m,
+            };
+            rig::Axis::new(&known)
         }))
     }
+}
+
+fn at(list: &PerActuator, j: usize, otherwise: f64) -> f64 {
+    list.get(j).copied().unwrap_or(otherwise)
 }

@@ -35,7 +35,7 @@ impl<const N: usize> OuterLoop<N> {
         let next = self.state.after(event)?;
         match (self.state, next) {
             (State::Idle, State::Armed) if self.obstacle.is_some() => return Err(rejected),
-            (State::Armed, State::Running) if self.sent_m != [0.0; N] => return Err(rejected),
+            (State::Armed, State::Running) if self.target_m != [0.0; N] => return Err(rejected),
             (State::Idle, State::Armed) => self.reset(),
             (State::Armed, State::Running) => self.blend = 1.0,
             (State::Holding, State::Running) => (self.returning, self.blend) = (true, 0.0),
@@ -84,7 +84,8 @@ impl<const N: usize> OuterLoop<N> {
             // What stays.
             design,
             tick: _,
-            sent_m,
+            sent_m: _,
+            aimed_m,
             // What goes back.
             state,
             returning,
@@ -108,7 +109,7 @@ impl<const N: usize> OuterLoop<N> {
             history,
             compensator,
             rig,
-            sent_step_m,
+            aimed_step_m,
             blend,
             pace: _,
             next_target_m,
@@ -119,11 +120,11 @@ impl<const N: usize> OuterLoop<N> {
         (*trip, *obstacle, *standing_m, *goal_m) = (None, None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *blend) = (0.0, 1.0);
-        (*target_m, *sent_step_m) = (*sent_m, [0.0; N]);
+        (*target_m, *aimed_step_m) = (*aimed_m, [0.0; N]);
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);
         *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));
-        *estimator = Estimator::at_rest(&design.estimation, *sent_m);
+        *estimator = Estimator::at_rest(&design.estimation, *aimed_m);
         *damping = VariableDamping::at_rest();
         *correction = Correction::NONE;
         *newmark = Newmark::at_rest();

@@ -16,7 +16,7 @@ pub struct Limits {
     pub rate_hz: f32,
     /// Largest measured force, N.
     pub force_n: f32,
-    /// Largest difference between command and measured displacement, m.
+    /// Largest difference between measured displacement and where the actuator was sent, m.
     pub tracking_m: f32,
     /// Energy ratio: warning.
     pub energy_warning: f32,
@@ -62,7 +62,9 @@ pub struct Checked<'a, const N: usize> {
     pub next_m: &'a [f32; N],
     /// The command in force, m.
     pub sent_m: &'a [f32; N],
-    /// Measured displacement, m.
+    /// Displacement that the command in force is for, m.
+    pub aimed_m: &'a [f32; N],
+    /// Measured displacement, m, without what is known to be wrong with it.
     pub displacement_m: &'a [f32; N],
     /// Measured force, N.
     pub force_n: &'a [f32; N],
@@ -85,7 +87,7 @@ pub fn within<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> bool {
             && step <= limits.increment_m
             && step <= limits.velocity_step_m
             && c.force_n[j].abs() <= limits.force_n
-            && (c.sent_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m;
+            && (c.aimed_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m;
         if !kept {
             return false;
         }
@@ -119,7 +121,7 @@ pub fn first_fault<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Optio
         let next = c.next_m[j];
         let step = (next - c.sent_m[j]).abs();
         let force = c.force_n[j].abs();
-        let error = (c.sent_m[j] - c.displacement_m[j]).abs();
+        let error = (c.aimed_m[j] - c.displacement_m[j]).abs();
         if !(next.is_finite() && force.is_finite() && error.is_finite()) {
             let culprit = if next.is_finite() {
                 force + error
@@ -196,6 +198,7 @@ mod tests {
         let c = Checked {
             next_m: &[v[0]],
             sent_m: &[v[1]],
+            aimed_m: &[v[1]],
             displacement_m: &[v[2]],
             force_n: &[v[3]],
             energy_ratio: v[4],
