@@ -4,6 +4,7 @@ use crate::bench::{Assignment, Bench, Ending, PlantBench, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;
+use crate::numbers::{si, three};
 use crate::score::Score;
 use crate::summary::Summary;
 use crate::trace::{Response, Trace, Witness};
@@ -12,6 +13,7 @@ use outerloop_core::structure::Structure;
 use outerloop_core::{Config, Design, GroundMotion, Method};
 use plant::RigSpec;
 use plant::specimen::SpecimenKind;
+use std::f64::consts::TAU;
 
 /// A test and what shakes it.
 #[derive(Clone, Debug)]
@@ -24,6 +26,8 @@ pub struct Experiment {
     pub seconds: f64,
     /// Factor on the ground motion.
     pub scale: f64,
+    /// Length of the ground motion itself, s of model time.
+    shaken_s: f64,
     acc_m_per_s2: Vec<f32>,
     interval_s: f64,
 }
@@ -36,6 +40,9 @@ pub struct Run {
     /// Every step, where they were to be kept.
     pub trace: Option<Trace>,
 }
+
+/// Natural frequencies that structures have, Hz.
+const USUAL_HZ: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 
 /// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
 const LONGEST_S: f64 = 3600.0;
@@ -73,6 +80,7 @@ impl Experiment {
             record: shaking.name.clone(),
             seconds,
             scale: 1.0,
+            shaken_s: whole,
             acc_m_per_s2,
             interval_s: shaking.interval_s,
         };
@@ -118,7 +126,11 @@ impl Experiment {
         config.structure.physical_mass_kg.clear();
         config.rig = Default::default();
         let mut response = Response::new(config.degrees_of_freedom());
-        let bench = PlantBench { spec: rig, seed: 0 };
+        let bench = PlantBench {
+            spec: rig,
+            seed: 0,
+            stop_beyond_m: f64::INFINITY,
+        };
         self.on(&bench, &config, &mut response)?;
         let peaks = response.peaks_m();
         if let Some(floor) = peaks.iter().position(|p| !(*p > 0.0 && p.is_finite())) {
@@ -149,6 +161,7 @@ impl Experiment {
         let bench = PlantBench {
             spec: &self.test.plant,
             seed,
+            stop_beyond_m: ideal.runaway_m(),
         };
         self.run_on(&bench, method, ideal, keep, tell)
     }
@@ -218,7 +231,14 @@ impl Experiment {
 
     /// 1 / (2 M_1 omega_1): turns the C_cor of the first floor into a ratio of critical.
     pub fn per_critical(&self) -> f64 {
-        fn lowest<const N: usize>(config: &Config) -> Result<f64, Failure> {
+        // A configuration that was refused never comes here.
+        let lowest_hz = self.natural_frequencies_hz().first().copied();
+        0.5 / (self.test.config.structure.mass_kg[0] * TAU * lowest_hz.unwrap_or(f64::NAN))
+    }
+
+    /// Natural frequencies of the structure as it is declared, Hz, from the lowest; none of a structure that is refused.
+    pub fn natural_frequencies_hz(&self) -> Vec<f64> {
+        fn all<const N: usize>(config: &Config) -> Result<Vec<f64>, Failure> {
             let s = &config.structure;
             let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
             let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
@@ -230,13 +250,49 @@ impl Experiment {
                 &[0.0; N],
             )
             .map_err(refused)?;
-            Ok(frame.natural_frequencies_rad_per_s().map_err(refused)?[0])
+            let rad_per_s = frame.natural_frequencies_rad_per_s().map_err(refused)?;
+            Ok(rad_per_s.iter().map(|w| f64::from(*w) / TAU).collect())
         }
         let config = &self.test.config;
-        let omega = with_floors!(config.degrees_of_freedom(), N => lowest::<N>(config));
-        // A configuration that was refused never comes here.
-        omega.map_or(f64::NAN, |omega| {
-            0.5 / (config.structure.mass_kg[0] * omega)
-        })
+        with_floors!(config.degrees_of_freedom(), N => all::<N>(config)).unwrap_or_default()
+    }
+
+    /// The structure and the test in a line.
+    pub fn in_words(&self) -> String {
+        let hz: Vec<String> = self
+            .natural_frequencies_hz()
+            .into_iter()
+            .map(three)
+            .collect();
+        format!(
+            "{} of {}, on a structure of {} Hz.",
+            si(self.seconds, "s"),
+            self.record,
+            hz.join(", ")
+        )
+    }
+
+    /// What an engineer would want to be told of the test before it runs, where something looks like a slip.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if let Some(hz) = self.natural_frequencies_hz().first()
+            && !USUAL_HZ.contains(hz)
+        {
+            remarks.push(format!(
+                "The structure's natural period is {}: structures have 0.02 to 10 s; is the stiffness in N/m and the mass \
+                 in kg?",
+                si(1.0 / hz, "s")
+            ));
+        }
+        let shaken_s = self.shaken_s;
+        if shaken_s < 0.5 * self.seconds {
+            remarks.push(format!(
+                "The ground motion {} is {} long and the test {}: what follows it is rest.",
+                self.record,
+                si(shaken_s, "s"),
+                si(self.seconds, "s")
+            ));
+        }
+        remarks
     }
 }

@@ -3,12 +3,19 @@
 use std::fmt;
 use std::process::ExitCode;
 
+/// What `--help` says about them.
+pub const EXIT_STATUSES: &str = "\
+Exit status:
+  0  done, and the result is good or fair
+  1  the test tripped, ran away, or is not the structure's response; check: doubtful; compare: no row is usable
+  2  bad input, or output that cannot be written; check: unstable";
+
 /// Why a verb did not do what was asked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// The input cannot be used: what, where, which value, what would be accepted. Exit status 2.
     Input(String),
-    /// The test tripped or failed. Exit status 1.
+    /// The test tripped, ran away, or is not the structure's response; a result that got worse. Exit status 1.
     Test(String),
 }
 

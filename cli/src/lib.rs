@@ -13,10 +13,18 @@
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
+//! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
+
+/// Prints a line. That of the standard library panics where standard output cannot be written, for example on a full
+/// disk; this one has the name, so that no line of this crate forgets it.
+macro_rules! println {
+    () => { $crate::terminal::output::print_line(format_args!("")) };
+    ($($text:tt)*) => { $crate::terminal::output::print_line(format_args!($($text)*)) };
+}
 
 pub mod bench;
 pub mod board;
@@ -25,6 +33,7 @@ pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod improvement;
+pub mod numbers;
 pub mod report;
 pub mod score;
 pub mod stability;

@@ -1,12 +1,13 @@
 //! `outerloop`: runs and judges fast pseudodynamic tests.
 
-use clap::{Parser, Subcommand};
-use outerloop_cli::verb;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use outerloop_cli::failure::{EXIT_STATUSES, Failure};
+use outerloop_cli::{terminal, verb};
 use std::process::ExitCode;
 
 /// The outer loop of a fast pseudodynamic test
 #[derive(Parser, Debug)]
-#[command(name = "outerloop", version, about)]
+#[command(name = "outerloop", version, about, after_help = EXIT_STATUSES)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -27,10 +28,37 @@ enum Verb {
     Board(verb::board::Board),
 }
 
+/// The command line, or what is to be said instead: the help, or what is wrong with it.
+fn arguments() -> Result<Arguments, clap::Error> {
+    let mut command = Arguments::command();
+    let verbs: Vec<String> = command
+        .get_subcommands()
+        .map(|verb| verb.get_name().to_owned())
+        .collect();
+    for verb in verbs {
+        // A number below zero is a value that is refused by name, not an unknown option.
+        command = command.mut_subcommand(verb, |verb| {
+            verb.allow_negative_numbers(true).after_help(EXIT_STATUSES)
+        });
+    }
+    Arguments::from_arg_matches(&command.try_get_matches()?)
+}
+
 fn main() -> ExitCode {
     // A reader that has seen enough, such as `head`, ends the program and is no error.
     sigpipe::reset();
-    let outcome = match Arguments::parse().verb {
+    let arguments = match arguments() {
+        Ok(arguments) => arguments,
+        Err(said) => {
+            return match said.print() {
+                Ok(()) => ExitCode::from(said.exit_code() as u8),
+                Err(e) => ended(Err(Failure::input(format!(
+                    "standard output cannot be written: {e}"
+                )))),
+            };
+        }
+    };
+    let outcome = match arguments.verb {
         Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
         Verb::Compare(v) => v.go(),
@@ -43,6 +71,11 @@ fn main() -> ExitCode {
         Verb::Effects(v) => v.go(),
         Verb::Board(v) => v.go(),
     };
+    ended(outcome.and_then(|()| terminal::output::finish()))
+}
+
+/// The exit status, with its sentence.
+fn ended(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -69,9 +69,11 @@ impl<'a> Score<'a> {
         self.relative(&self.square_m2.map(|s| (s / n).sqrt()))
     }
 
-    /// Whether, towards its end, the error of some floor was larger than its largest ideal displacement.
+    /// Whether, towards its end, the error of some floor was larger than its largest ideal displacement, or the test went
+    /// so far that a simulation of it is stopped.
     pub fn ran_away(&self) -> bool {
-        self.relative(&self.largest_late_m).iter().any(|e| *e > 1.0)
+        self.peak_m > self.ideal.runaway_m()
+            || self.relative(&self.largest_late_m).iter().any(|e| *e > 1.0)
     }
 
     /// Mean C_cor of the first floor, N s/m.
@@ -149,5 +151,14 @@ mod tests {
         assert!(score.ran_away());
         score.see(&record(5, 100.0));
         assert_eq!(score.compared, 6, "what the ideal has not is not compared");
+
+        let mut score = Score::against(&ideal);
+        score.see(&record(1, 399.0));
+        assert!(!score.ran_away());
+        score.see(&record(2, 401.0));
+        assert!(
+            score.ran_away(),
+            "a hundred times the ideal peak at any time"
+        );
     }
 }

@@ -2,6 +2,8 @@
 
 use crate::bench::{Ending, OnBoard};
 use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::numbers::{percent, si};
 use crate::score::Score;
 use outerloop_core::{Fault, Method, State, Trip};
 use serde::Serialize;
@@ -88,6 +90,11 @@ pub struct Summary {
     pub locked_share: f64,
     /// Share of the steps in which the innovation did not fit the estimator's model of the rig.
     pub model_doubt_share: f64,
+    /// Where a simulated test that ran away was stopped, s of the laboratory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped_s: Option<f64>,
+    /// Natural frequencies of the structure, Hz.
+    pub natural_frequencies_hz: Vec<f64>,
     /// Factor on the ground motion.
     pub record_scale: f64,
     /// Seconds on the wall clock.
@@ -106,6 +113,24 @@ const fn is_fact(fault: Fault) -> bool {
         fault,
         Fault::AdcRail | Fault::DeadlineMissed | Fault::LinkLost | Fault::EmergencyStop
     )
+}
+
+/// What is said where a simulated test did not run to its end although nothing tripped.
+const STOPPED: &str =
+    " The simulation was stopped there: no limit was declared, and no rig could follow.";
+
+/// The value of a fault against its limit.
+fn against_limit(t: Trip) -> String {
+    let value = si(f64::from(t.value), t.fault.unit());
+    // What core takes for a limit that was not declared: only a number that overflows is beyond it.
+    if t.limit >= f32::MAX {
+        format!("{value}; no limit was declared, and the number left what can be computed")
+    } else {
+        format!(
+            "{value} against a limit of {}",
+            si(f64::from(t.limit), t.fault.unit())
+        )
+    }
 }
 
 impl Summary {
@@ -139,6 +164,11 @@ impl Summary {
             energy_ratio: score.energy_ratio,
             locked_share: share(score.locked, score.compared),
             model_doubt_share: share(score.doubtful, score.control_steps),
+            stopped_s: (ending.state == State::Running
+                && score.ran_away()
+                && score.control_steps < e.control_steps())
+            .then(|| score.control_steps as f64 / e.test.config.timing.rate_hz),
+            natural_frequencies_hz: e.natural_frequencies_hz(),
             record_scale: e.scale,
             wall_s: ending.wall_s,
             board: ending.board.clone(),
@@ -161,9 +191,19 @@ impl Summary {
         }
     }
 
+    /// What the exit status says of the test.
+    ///
+    /// # Errors
+    /// A test that tripped, ran away, or is not the structure's response.
+    pub fn outcome(&self) -> Result<(), Failure> {
+        match self.worth() {
+            Worth::Good | Worth::Fair => Ok(()),
+            Worth::Bad => Err(Failure::test(self.sentence())),
+        }
+    }
+
     /// What happened, in a plain sentence.
     pub fn sentence(&self) -> String {
-        let percent = |share: f64| format!("{:.2} %", share * 100.0);
         let (rms, max) = (percent(self.eps_rms), percent(self.eps_max));
         match (self.verdict, self.trip_detail) {
             (Verdict::Tripped, Some(t)) if is_fact(t.fault) => format!(
@@ -180,17 +220,19 @@ impl Summary {
                 )
             }
             (Verdict::Tripped, Some(t)) => format!(
-                "Tripped on {} after {:.2} s of the laboratory: {} {unit} against a limit of {} {unit}.",
+                "Tripped on {} after {:.2} s of the laboratory: {}.",
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
-                t.value,
-                t.limit,
-                unit = t.fault.unit(),
+                against_limit(t),
             ),
             (Verdict::Diverged, _) => format!(
-                "Ran away: the error grew to {:.0} % of the largest ideal displacement, because the actuator puts in \
-                 more energy than the structure dissipates.",
-                self.eps_max * 100.0
+                "Ran away: the error grew to {max} of the largest ideal displacement, because the actuator puts in more \
+                 energy than the structure dissipates.{}",
+                if self.stopped_s.is_some() {
+                    STOPPED
+                } else {
+                    ""
+                }
             ),
             _ if self.locked() => format!(
                 "Locked: the added damping held the structure in place for {:.0} % of the test. It looks stable, but \

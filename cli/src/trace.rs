@@ -27,6 +27,9 @@ impl<A: Witness, B: Witness, C: Witness> Witness for (A, B, C) {
     }
 }
 
+/// No rig can follow a test so many times beyond its ideal response: where no limit ends it, the simulation does.
+const RUNAWAY: f64 = 100.0;
+
 /// The computed displacement of every floor at every integration step: what Eqs 17 and 18 compare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
@@ -59,6 +62,12 @@ impl Response {
         self.command_m
             .chunks_exact(self.floors)
             .map(move |u| u[floor])
+    }
+
+    /// From this displacement on, a simulated test has run away beyond doubt, m: the largest ideal one of any floor times
+    /// [`RUNAWAY`].
+    pub fn runaway_m(&self) -> f64 {
+        RUNAWAY * self.peaks_m().into_iter().fold(0.0, f64::max)
     }
 
     /// Largest magnitude of each floor, m.

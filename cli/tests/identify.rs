@@ -102,6 +102,42 @@ fn a_rig_is_found_again_and_written_into_its_test_file() {
     assert!(outerloop(&["check", &test]).status.code() != Some(2));
 }
 
+/// A smooth motion of several frequencies, mm.
+fn motion(t: f64) -> f64 {
+    10.0 * (1.7 * t).sin() + 4.0 * (7.3 * t).sin() + (23.0 * t).sin()
+}
+
+#[test]
+fn a_reversed_or_early_displacement_is_named_and_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let test = path("test.toml");
+    let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
+    std::fs::write(&test, text).unwrap();
+    for (moved, said) in [
+        (
+            &(|t: f64| -motion(t - 0.01)) as &dyn Fn(f64) -> f64,
+            "polarity is reversed",
+        ),
+        (&|t: f64| motion(t + 0.08), "80.0 ms before its command"),
+        (&|t: f64| 1000.0 * motion(t - 0.01), "is the unit"),
+    ] {
+        let rows: String = (0..8000)
+            .map(|i| f64::from(i) * 1e-3)
+            .map(|t| format!("{t},{},{}\n", motion(t), moved(t)))
+            .collect();
+        let file = path("r.csv");
+        std::fs::write(&file, format!("time_s,command_mm,displacement_mm\n{rows}")).unwrap();
+        for (more, status) in [(&[][..], 1), (&["--write", &test], 2)] {
+            let out = outerloop(&[&["identify", &file][..], more].concat());
+            let error = String::from_utf8_lossy(&out.stderr).into_owned();
+            assert_eq!(out.status.code(), Some(status), "{error}");
+            assert!(error.contains(said), "{error}");
+        }
+        assert_eq!(std::fs::read_to_string(&test).unwrap(), text);
+    }
+}
+
 #[test]
 fn mistakes_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,6 +4,7 @@ use super::{Assignment, Bench, Ending};
 use crate::failure::Failure;
 use crate::trace::Witness;
 use ::plant::{Rig, RigSpec};
+use outerloop_core::record::flag;
 use outerloop_core::{Event, Fault, OuterLoop, Sample, State};
 use std::time::Instant;
 
@@ -17,6 +18,8 @@ pub struct PlantBench<'a> {
     pub spec: &'a RigSpec,
     /// Seed of everything random in it.
     pub seed: u64,
+    /// A test that computes a larger displacement is stopped, m: a real rig would be at its end by then.
+    pub stop_beyond_m: f64,
 }
 
 impl Bench for PlantBench<'_> {
@@ -49,6 +52,14 @@ impl Bench for PlantBench<'_> {
                 State::Running => {
                     witness.see(step.record);
                     done += 1;
+                    let computed = &step.record.command_m;
+                    if step.record.has(flag::SOLVED)
+                        && computed
+                            .iter()
+                            .any(|u| f64::from(u.abs()) > self.stop_beyond_m)
+                    {
+                        break;
+                    }
                 }
                 State::Idle if idle >= IDLE_STEPS => {
                     outer

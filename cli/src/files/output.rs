@@ -1,41 +1,48 @@
 //! A folder of results that is there whole or not at all.
 
 use crate::failure::Failure;
-use std::fs;
-use std::path::Path;
+use std::fs::{self, File};
+use std::io::{Error, Write};
+use std::path::{Path, PathBuf};
 
-/// Writes `files` into `folder`: first beside their places, then all of them renamed.
+/// Writes `files` into `folder`: first beside their places, then all of them renamed. A place that is a link is
+/// followed; one that is no regular file, such as a pipe or a device, is written to as it stands.
 ///
 /// # Errors
 /// A folder or file that cannot be written; what was there before is left as it was.
-pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
-    let cannot = |path: &Path, e: std::io::Error| {
-        Failure::input(format!("{}: cannot be written: {e}", path.display()))
-    };
-    fs::create_dir_all(folder).map_err(|e| cannot(folder, e))?;
-    let mut ready = Vec::new();
+pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
+    let mut ready: Vec<(tempfile::TempPath, PathBuf)> = Vec::new();
+    let mut streams = Vec::new();
     for (name, text) in files {
-        let partial = folder.join(format!(".{name}.partial"));
-        if let Err(e) = fs::write(&partial, text) {
-            let _ = fs::remove_file(&partial);
-            for (done, _) in ready {
-                let _ = fs::remove_file(done);
+        let place = folder.join(name);
+        match Place::of(&place).map_err(|e| cannot(&place, &e))? {
+            Place::File(real) => {
+                let partial = beside(&real, name, text.as_ref()).map_err(|e| cannot(&place, &e))?;
+                ready.push((partial, real));
             }
-            return Err(cannot(&partial, e));
+            Place::Stream => streams.push((place, text.as_ref())),
         }
-        ready.push((partial, folder.join(name)));
+    }
+    for (place, text) in streams {
+        let written = File::options().write(true).open(&place);
+        written
+            .and_then(|mut f| f.write_all(text))
+            .map_err(|e| cannot(&place, &e))?;
     }
     for (partial, place) in ready {
-        fs::rename(&partial, &place).map_err(|e| cannot(&place, e))?;
+        partial
+            .persist(&place)
+            .map_err(|e| cannot(&place, &e.error))?;
     }
     Ok(())
 }
 
-/// Writes one file, whole or not at all.
+/// Writes one file, whole or not at all; see [`write_all`].
 ///
 /// # Errors
 /// A file that cannot be written; what was there before is left as it was.
-pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
     let name = path.file_name().and_then(|n| n.to_str()).ok_or_else(|| {
         Failure::input(format!(
             "{}: is no name of a file: accepted is a path that ends with one",
@@ -43,5 +50,98 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
         ))
     })?;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    write_all(folder.unwrap_or(Path::new(".")), &[(name, text.to_owned())])
+    write_all(folder.unwrap_or(Path::new(".")), &[(name, text)])
+}
+
+/// What a path leads to.
+enum Place {
+    /// A regular file, or none yet; where it really is.
+    File(PathBuf),
+    /// Something that has to be written to and must not be replaced.
+    Stream,
+}
+
+impl Place {
+    fn of(path: &Path) -> Result<Self, Error> {
+        match fs::metadata(path) {
+            Ok(found) if found.is_file() => Ok(Self::File(path.canonicalize()?)),
+            Ok(found) if found.is_dir() => Err(Error::other("it is a folder")),
+            Ok(_) => Ok(Self::Stream),
+            // A link to a file that is not there yet: the file is made, the link stays.
+            Err(_) => match fs::read_link(path) {
+                Ok(target) => Ok(Self::File(
+                    path.parent().unwrap_or(Path::new("")).join(target),
+                )),
+                Err(_) => Ok(Self::File(path.to_owned())),
+            },
+        }
+    }
+}
+
+/// `text` in a new file beside `place`, to be renamed to it.
+fn beside(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::TempPath, Error> {
+    let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
+    let mut builder = tempfile::Builder::new();
+    let prefix = format!(".{name}.");
+    builder.prefix(&prefix).suffix(".partial");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any new file: the system's mask is applied to it.
+        let as_new = fs::Permissions::from_mode(0o666);
+        builder.permissions(fs::metadata(place).map_or(as_new, |m| m.permissions()));
+    }
+    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    file.write_all(text)?;
+    Ok(file.into_temp_path())
+}
+
+fn cannot(path: &Path, e: &Error) -> Failure {
+    Failure::input(format!("{}: cannot be written: {e}", path.display()))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+
+    #[test]
+    fn a_link_stays_a_link_and_its_file_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("real.toml"), "old").unwrap();
+        fs::set_permissions(at("real.toml"), fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("real.toml", at("link")).unwrap();
+        symlink("new.toml", at("ahead")).unwrap();
+        for (link, file) in [("link", "real.toml"), ("ahead", "new.toml")] {
+            write(&at(link), "new").unwrap();
+            assert!(at(link).is_symlink());
+            assert_eq!(fs::read_to_string(at(file)).unwrap(), "new");
+        }
+        let mode = fs::metadata(at("real.toml")).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o640);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_pipe_is_written_to_and_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe).unwrap()
+        });
+        write(&pipe, "through").unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
+        write(Path::new("/dev/null"), "gone").unwrap();
+        assert!(
+            fs::metadata("/dev/null")
+                .unwrap()
+                .file_type()
+                .is_char_device()
+        );
+    }
 }

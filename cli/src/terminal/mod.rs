@@ -1,11 +1,14 @@
 //! Tables and progress on the terminal.
 
 mod diagnosis;
+pub mod output;
 mod standings;
 
+pub use crate::numbers::{joule, percent};
 pub use diagnosis::{diagnosis, stories};
 pub use standings::{standings, standings_head, standings_row};
 
+use crate::numbers::{length, si};
 use crate::summary::Summary;
 use crate::trace::Witness;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
@@ -49,35 +52,13 @@ pub fn summaries(rows: &[Summary]) -> Table {
                 .map_or_else(|| s.verdict.name().to_owned(), |f| format!("tripped: {f}")),
             percent(s.eps_max),
             percent(s.eps_rms),
-            format!("{:.2} mm", s.peak_displacement_m * 1e3),
+            length(s.peak_displacement_m),
             percent(s.mean_added_damping_ratio),
             joule(s.energy_error_j),
-            format!("{:.2} s", s.wall_s),
+            si(s.wall_s, "s"),
         ]);
     }
     t
-}
-
-/// A share in per cent, with three digits.
-pub fn percent(share: f64) -> String {
-    let p = share * 100.0;
-    match p.abs() {
-        a if a >= 1e5 => format!("{p:.1e} %"),
-        a if a >= 100.0 => format!("{p:.0} %"),
-        a if a >= 10.0 => format!("{p:.1} %"),
-        a if a >= 0.1 || a == 0.0 => format!("{p:.2} %"),
-        _ => format!("{p:.4} %"),
-    }
-}
-
-/// An energy with its unit.
-pub fn joule(j: f64) -> String {
-    match j.abs() {
-        a if a >= 1e7 => format!("{j:.2e} J"),
-        a if a >= 1e4 => format!("{:.1} kJ", j / 1e3),
-        a if a >= 0.1 || a == 0.0 => format!("{j:.1} J"),
-        _ => format!("{j:.1e} J"),
-    }
 }
 
 /// Steps between two looks at the clock.

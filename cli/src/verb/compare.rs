@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
 use crate::report;
-use crate::summary::Summary;
+use crate::summary::{Summary, Worth};
 use crate::terminal::{self, Progress};
 use outerloop_core::Method;
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ impl Compare {
     /// Runs every pair of record and compensation, on all cores.
     ///
     /// # Errors
-    /// Bad input.
+    /// Bad input; no row that is the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
         let test = self.common.load()?;
         if self.bench {
@@ -70,6 +70,12 @@ impl Compare {
             println!("{}", json(&serde_json::json!({ "rows": rows }))?);
         } else {
             println!("{}", terminal::summaries(&rows));
+        }
+        // A row that ran away is what a comparison is for; one without any usable row is not.
+        if rows.iter().all(|r| r.worth() == Worth::Bad) {
+            return Err(Failure::test(
+                "no compensation gave the structure's response in this test",
+            ));
         }
         Ok(())
     }

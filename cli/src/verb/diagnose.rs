@@ -42,6 +42,14 @@ impl Diagnose {
     /// Data or a model that cannot be judged.
     pub fn go(&self) -> Result<(), Failure> {
         let declared = model::load(&self.model)?;
+        if let Some(path) = &self.save_model
+            && same_file(path, &self.model)
+        {
+            return Err(Failure::input(format!(
+                "--save-model {}: is the declared model itself, which would be lost: accepted is another file",
+                path.display()
+            )));
+        }
         let mut library = Library::default();
         let train = library.parts(&self.train)?;
         let test = library.parts(&self.test)?;
@@ -78,13 +86,30 @@ impl Diagnose {
         }
         println!("{}", terminal::diagnosis(&diagnosis));
         if let Some(path) = &self.save_model {
-            println!("The improved model is in {}", path.display());
+            println!("{} is in {}", saved(&diagnosis), path.display());
         }
         if let Some(folder) = &self.out {
             println!("Look at {}", folder.join("report.html").display());
         }
         Ok(())
     }
+}
+
+/// What a saved model is, truthfully.
+fn saved(diagnosis: &Diagnosis) -> &'static str {
+    let channels = || diagnosis.channels.iter();
+    if channels().any(|c| !c.effects.is_empty()) {
+        "The improved model"
+    } else if channels().any(|c| !c.refitted.is_empty()) {
+        "The declared model, refitted and with nothing added,"
+    } else {
+        "The model as it was declared"
+    }
+}
+
+/// Whether two paths lead to one file.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// The last part of a path.

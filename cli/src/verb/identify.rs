@@ -5,7 +5,9 @@ use crate::failure::Failure;
 use crate::files::measured::{Library, Part};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
-use diagnosis::Identified;
+use crate::numbers::{percent, three};
+use crate::wording::digits;
+use diagnosis::{Identified, Recording};
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Table, value};
 
@@ -33,12 +35,21 @@ impl Identify {
             .parts(std::slice::from_ref(&self.record))?
             .remove(0);
         let found = diagnosis::identify(&recording).map_err(|e| Failure::input(e.to_string()))?;
+        let doubt = doubt(&recording, &found);
         if let Some(path) = &self.write {
-            write_into(path, &found)?;
+            match &doubt {
+                Some(doubt) => {
+                    return Err(Failure::input(format!(
+                        "{doubt}; {} is left as it was",
+                        path.display()
+                    )));
+                }
+                None => write_into(path, &found)?,
+            }
         }
         if self.json {
             println!("{}", json(&found)?);
-            return Ok(());
+            return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
         }
         for (name, unit, value, [low, high]) in [
             ("gain", "", found.gain, found.gain_ci90),
@@ -46,7 +57,8 @@ impl Identify {
             ("lag", " ms", found.lag_ms, found.lag_ms_ci90),
             ("offset", " mm", found.offset_mm, found.offset_mm_ci90),
         ] {
-            println!("{name:<7}{value:>9.4}{unit:<3}  90 % in {low:.4} to {high:.4}{unit}");
+            let [value, low, high] = [value, low, high].map(digits);
+            println!("{name:<7}{value:>9}{unit:<3}  90 % in {low} to {high}{unit}");
         }
         println!(
             "The model leaves {:.2} % of the displacement's standard deviation.",
@@ -58,9 +70,75 @@ impl Identify {
                 path.display()
             );
         }
-        Ok(())
+        doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)))
     }
 }
+
+/// A model of an actuator leaves less than this share of a displacement that follows its command.
+const GOOD_NRMSE: f64 = 0.25;
+/// Gains that a rig has whose channels are what their names say.
+const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
+
+/// What a commissioning engineer fears most: a wrong sign, exchanged channels, a displacement before its command.
+fn doubt(recording: &Recording, found: &Identified) -> Option<String> {
+    let file = &recording.name;
+    if found.gain < 0.0 {
+        return Some(format!(
+            "{file}: the polarity is reversed: the displacement moves against its command (gain {}); exchange the wires \
+             of one of them, or its sign, before anything else",
+            three(found.gain)
+        ));
+    }
+    if let Some(lead_ms) = lead_ms(recording) {
+        return Some(format!(
+            "{file}: the displacement comes {} ms before its command: are the two columns exchanged, or their clocks \
+             apart?",
+            three(lead_ms)
+        ));
+    }
+    if found.nrmse > GOOD_NRMSE {
+        return Some(format!(
+            "{file}: gain, delay and lag leave {} of the displacement: this actuator does something else as well, or \
+             the record is not of one motion; `outerloop diagnose` looks for what",
+            percent(found.nrmse)
+        ));
+    }
+    (!USUAL_GAINS.contains(&found.gain)).then(|| {
+        format!(
+            "{file}: the displacement is {} times its command: is the unit of one of them another one?",
+            three(found.gain)
+        )
+    })
+}
+
+/// By how much the displacement fits its command better when it is taken as the earlier of the two.
+fn lead_ms(recording: &Recording) -> Option<f64> {
+    let (command, moved) = (
+        recording.command_mm.as_ref()?,
+        recording.displacement_mm.as_ref()?,
+    );
+    let n = command.len().min(moved.len());
+    let most = (n / 4).min((LONGEST_LEAD_S / recording.interval_s()) as usize);
+    // Least squares needs no full resolution: the mean square difference over some hundred shifts.
+    let stride = (most / 200).max(1);
+    let apart = |shift: usize, first: &[f64], second: &[f64]| {
+        let pairs = first[..n - shift].iter().zip(&second[shift..n]);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / (n - shift) as f64
+    };
+    let (mut best, mut lead) = (f64::INFINITY, 0);
+    let mut late = f64::INFINITY;
+    for shift in (0..most).step_by(stride) {
+        let early = apart(shift, moved, command);
+        if early < best {
+            (best, lead) = (early, shift);
+        }
+        late = late.min(apart(shift, command, moved));
+    }
+    (lead > 0 && best < 0.5 * late).then(|| lead as f64 * recording.interval_s() * 1e3)
+}
+
+/// Longest lead that is looked for, s.
+const LONGEST_LEAD_S: f64 = 0.5;
 
 /// Sets the actuator in a test file; every other line of it stays as it is.
 fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
@@ -80,6 +158,10 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
         .collect();
     for key in foreign {
         actuator.remove(&key);
+    }
+    // What stands beside another kind of actuator describes that one.
+    if actuator.get("kind").and_then(Item::as_str) != Some("lag_delay") {
+        actuator.remove("kind");
     }
     set(actuator, "kind", value("lag_delay"));
     set(actuator, "delay_ms", delay.clone());

@@ -7,7 +7,6 @@ use crate::files::{model, output, record_csv};
 use crate::improvement;
 use crate::report::{self, Section};
 use crate::story::Site;
-use crate::summary::Verdict;
 use crate::terminal::{self, Progress};
 use std::path::PathBuf;
 
@@ -36,7 +35,7 @@ impl Run {
     /// Runs the test.
     ///
     /// # Errors
-    /// Bad input, or a test that tripped.
+    /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
         let mut test = self.common.load()?;
         if let Some(path) = &self.model {
@@ -81,11 +80,16 @@ impl Run {
         if self.common.json {
             println!("{}", json(&run.summary)?);
         } else {
+            println!("{}", experiment.in_words());
+            for remark in experiment.remarks() {
+                println!("{remark}");
+            }
             println!(
                 "{}",
                 terminal::summaries(std::slice::from_ref(&run.summary))
             );
-            if run.summary.verdict != Verdict::Tripped {
+            // A test that failed says so once, at the end.
+            if run.summary.outcome().is_ok() {
                 println!("{}", run.summary.sentence());
             }
             if let Some(folder) = &self.out {
@@ -95,9 +99,6 @@ impl Run {
         if let Some(board) = run.summary.board.as_ref().filter(|_| !self.common.json) {
             println!("{}", board.sentence());
         }
-        match run.summary.verdict {
-            Verdict::Tripped => Err(Failure::test(run.summary.sentence())),
-            Verdict::Completed | Verdict::Diverged => Ok(()),
-        }
+        run.summary.outcome()
     }
 }

@@ -1,0 +1,39 @@
+//! Standard output that may fail: a full disk or a closed pipe is one sentence at the end, never a panic.
+//!
+//! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
+//! [`failure`] tells of it when the verb has done its work.
+
+use crate::failure::Failure;
+use std::fmt::Arguments;
+use std::io::{Write, stdout};
+use std::sync::OnceLock;
+
+/// Why standard output could not be written, the first time.
+static BROKEN: OnceLock<String> = OnceLock::new();
+
+/// What `println!` is in this crate.
+pub fn print_line(text: Arguments<'_>) {
+    if BROKEN.get().is_some() {
+        return;
+    }
+    let mut out = stdout().lock();
+    if let Err(e) = out.write_fmt(text).and_then(|()| out.write_all(b"\n")) {
+        let _ = BROKEN.set(e.to_string());
+    }
+}
+
+/// What standard output could not take, once everything is said.
+///
+/// # Errors
+/// A standard output that cannot be written.
+pub fn finish() -> Result<(), Failure> {
+    if let Err(e) = stdout().flush() {
+        let _ = BROKEN.set(e.to_string());
+    }
+    match BROKEN.get() {
+        None => Ok(()),
+        Some(why) => Err(Failure::input(format!(
+            "standard output cannot be written: {why}; what was printed is not complete"
+        ))),
+    }
+}

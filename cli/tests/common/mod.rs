@@ -1,0 +1,50 @@
+//! The binary as people and scripts call it.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The folder of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The binary, in the folder of the workspace.
+pub fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_outerloop"));
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// Runs it.
+pub fn outerloop(arguments: &[&str]) -> Output {
+    command(arguments).output().unwrap()
+}
+
+/// What it prints as JSON, whatever its exit status is.
+#[track_caller]
+pub fn json_with(status: i32, arguments: &[&str]) -> Value {
+    let output = outerloop(arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{said}");
+    serde_json::from_slice(&output.stdout).expect("one JSON object and nothing else")
+}
+
+/// What it prints as JSON, with exit status 0.
+#[track_caller]
+pub fn json(arguments: &[&str]) -> Value {
+    json_with(0, arguments)
+}
+
+/// Exit status 2, one sentence on standard error that says all of `words`, nothing on standard output.
+#[track_caller]
+pub fn refused(arguments: &[&str], words: &[&str]) {
+    let output = outerloop(arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(said.trim().lines().count(), 1, "{said}");
+    for word in words {
+        assert!(said.contains(word), "`{word}` is not in: {said}");
+    }
+}
