@@ -12,6 +12,7 @@
 //! | [`comparison`] | one bench for every compensation |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
+//! | [`declared`](mod@declared) | what the laboratory believes of its rig, apart from the simulated truth |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`wording`] | what a diagnosis says, in sentences |
@@ -29,6 +30,7 @@ macro_rules! println {
 pub mod bench;
 pub mod board;
 pub mod comparison;
+pub mod declared;
 pub mod experiment;
 pub mod failure;
 pub mod files;

@@ -1,16 +1,48 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
+use crate::declared;
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
 use crate::improvement;
+use crate::summary;
 use crate::terminal::Progress;
 use crate::trace::{Response, Witness};
 use diagnosis::{Diagnosis, Model, Verdict};
-use outerloop_core::Method;
+use outerloop_core::config::Filter;
+use outerloop_core::{Config, Method};
+use plant::Channel;
+use serde::Serialize;
 
 /// Share of a record, after the rest at its start, that is trained with.
 const TRAINED: f64 = 0.6;
+
+/// Errors of two tests that differ by less than this share are as good as each other: an effect may by chance work against
+/// the actuator's own error, and no correction is held to better.
+const SAME: f64 = 0.1;
+
+/// What became of a test with what was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// Its error is smaller.
+    Better,
+    /// Nothing was found, or nothing that the loop can take out.
+    Same,
+    /// Its error is larger: what was found is not the cause, or cannot be taken out like this.
+    Worse,
+}
+
+impl Outcome {
+    /// The word in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Better => "better",
+            Self::Same => "no better",
+            Self::Worse => "worse",
+        }
+    }
+}
 
 /// Where the tests of a story run, one after the other.
 pub trait Site {
@@ -69,21 +101,23 @@ impl Story {
         let before = site.run(&experiment, method, &ideal, seed, true, progress.witness())?;
         let found = diagnose(&experiment, &before, model)?;
         let mut improved = experiment.clone();
-        let changes = if found.channels.iter().any(|c| !c.effects.is_empty()) {
-            improvement::apply(&found.improved, &mut improved.test.config)
-        } else {
-            Vec::new()
-        };
+        let mut changes = Vec::new();
+        if found.channels.iter().any(|c| !c.effects.is_empty()) {
+            let config = &mut improved.test.config;
+            tell_noise(&found, config);
+            changes = improvement::apply(&found.improved, config);
+        }
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
         let after = site.run(&improved, method, &ideal, seed, true, progress.witness())?;
         let remains = diagnose(&improved, &after, &found.improved)?;
-        let possible = if experiment.test.plant.effects.is_empty() {
+        let possible = if undeclared(&experiment).is_empty() {
             None
         } else {
             let mut without = experiment.clone();
-            without.test.plant.effects.clear();
+            let test = &mut without.test;
+            test.plant = declared::as_declared(&test.plant, test.declared.as_ref());
             Some(site.run(&without, method, &ideal, seed, false, progress.witness())?)
         };
         Ok(Self {
@@ -101,7 +135,7 @@ impl Story {
 
     /// Control steps of all its tests.
     pub fn steps(experiment: &Experiment) -> usize {
-        let tests = if experiment.test.plant.effects.is_empty() {
+        let tests = if undeclared(experiment).is_empty() {
             2
         } else {
             3
@@ -109,17 +143,23 @@ impl Story {
         tests * experiment.control_steps()
     }
 
-    /// The effects that the rig has and the model does not declare, where it is a simulated one.
+    /// What the rig has and nobody declares, where it is a simulated one.
     pub fn undeclared(&self) -> String {
-        let names: Vec<&str> = self
-            .experiment
-            .test
-            .plant
-            .effects
-            .iter()
-            .map(|e| e.name.name())
-            .collect();
-        or_nothing(&names)
+        or_nothing(&undeclared(&self.experiment))
+    }
+
+    /// What became of the test.
+    pub fn outcome(&self) -> Outcome {
+        let lost = |run: &Run| run.summary.verdict != summary::Verdict::Completed;
+        let [before, after] = [&self.before, &self.after].map(|run| run.summary.eps_rms);
+        match (lost(&self.before), lost(&self.after)) {
+            (true, false) => Outcome::Better,
+            (false, true) => Outcome::Worse,
+            _ if self.changes.is_empty() => Outcome::Same,
+            _ if after > before * (1.0 + SAME) => Outcome::Worse,
+            _ if after < before * (1.0 - SAME) => Outcome::Better,
+            _ => Outcome::Same,
+        }
     }
 
     /// What a diagnosis names, in both channels.
@@ -136,6 +176,24 @@ impl Story {
             }
         }
         or_nothing(&names)
+    }
+}
+
+/// What the simulated rig of a test has and nobody declares.
+fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
+    let test = &experiment.test;
+    declared::undeclared(&test.plant, test.declared.as_ref())
+}
+
+/// What a correction has to know of the displacement's noise, which the record tells; a filter has been told already.
+fn tell_noise(found: &Diagnosis, config: &mut Config) {
+    let actuator = found
+        .channels
+        .iter()
+        .find(|c| c.channel == Channel::Actuator);
+    let noise_mm = actuator.map_or(0.0, |c| c.noise_floor_rms);
+    if config.estimation.kind != Filter::Kalman && noise_mm > 0.0 {
+        config.estimation.displacement_noise_m = noise_mm * 1e-3;
     }
 }
 

@@ -7,7 +7,6 @@ use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::improvement;
 use outerloop_cli::story::{Site, Story};
 use outerloop_cli::terminal::Progress;
 use outerloop_cli::trace::{Response, Witness};
@@ -80,7 +79,7 @@ impl Site for Boards {
 fn what_the_telemetry_tells_makes_the_next_test_on_the_same_board_better() {
     let test = TestFile::parse(TEST, "test.toml", Path::new(""), &[]).unwrap();
     let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
-    let declared = improvement::declared(&test.config, &test.plant).unwrap();
+    let declared = test.declared_model().unwrap();
     let boards = Boards::default();
     let progress = Progress::over("near-fault", Story::steps(&experiment) as u64);
     let story = Story::of(experiment, &declared, &boards, 1, &progress).unwrap();

@@ -1,9 +1,11 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
 use super::read;
+use crate::declared::{self, Expected};
 use crate::failure::Failure;
+use diagnosis::Model;
 use outerloop_core::Config;
-use plant::{PerAxis, RigSpec};
+use plant::RigSpec;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -16,6 +18,10 @@ pub struct TestFile {
     pub config: Config,
     /// The rig that stands in for the laboratory.
     pub plant: RigSpec,
+    /// What the laboratory declares of it; left out: what the simulated rig really is.
+    pub declared: Option<Model>,
+    /// Where the delay comes from that the compensation expects.
+    pub expected: Expected,
     /// What shakes the structure.
     pub excitation: Excitation,
     /// The file as it was used, overrides and all.
@@ -120,6 +126,25 @@ impl TestFile {
         })
     }
 
+    /// What is declared of the rig, in the file or else by the simulated rig itself. `None` where that is more than a model
+    /// can say: several actuators, or an actuator that is no delay and lag.
+    pub fn declared_model(&self) -> Option<Model> {
+        self.declared
+            .clone()
+            .or_else(|| declared::from_plant(&self.config, &self.plant))
+    }
+
+    /// A sentence where the compensation is told what no laboratory knows.
+    pub fn told_the_truth(&self) -> Option<String> {
+        (self.expected == Expected::Truth).then(|| {
+            format!(
+                "Nothing is declared of the actuator: the compensation is told the simulated one's true {} ms. A table \
+                 [declared.actuator] in the test file says what the laboratory believes.",
+                self.config.compensation.delay_ms
+            )
+        })
+    }
+
     fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
         let text = toml::to_string(&table).unwrap_or_default();
         let plant: RigSpec = part("plant", table.remove("plant"))?;
@@ -127,33 +152,27 @@ impl TestFile {
         excitation.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
         lists_of_one(&mut table);
-        // The clamp of the compensation is built on the delay that is expected: on a simulated rig, the rig's.
-        let delay_ms = largest(&plant.actuator.delay_ms) + largest(&plant.actuator.lag_ms);
-        let compensation = table
-            .entry("compensation")
-            .or_insert_with(|| Value::Table(Table::new()));
-        if let Value::Table(compensation) = compensation
-            && delay_ms > 0.0
-        {
-            compensation
-                .entry("delay_ms")
-                .or_insert(Value::Float(delay_ms));
+        let declared: Option<Model> = table
+            .remove("declared")
+            .map(|value| typed("declared", value))
+            .transpose()?;
+        if let Some(model) = &declared {
+            model.check().map_err(|e| format!("declared: {e}"))?;
         }
-        let config: Config = typed("", Value::Table(table))?;
+        let expected = declared::tell(&mut table, declared.as_ref(), &plant);
+        let mut config: Config = typed("", Value::Table(table))?;
+        if let Some(model) = &declared {
+            declared::correct(model, &mut config)?;
+        }
         config.check().map_err(|e| e.to_string())?;
         Ok(Self {
             config,
             plant,
+            declared,
+            expected,
             excitation,
             text,
         })
-    }
-}
-
-fn largest(value: &PerAxis) -> f64 {
-    match value {
-        PerAxis::All(x) => *x,
-        PerAxis::Each(each) => each.iter().copied().fold(0.0, f64::max),
     }
 }
 

@@ -47,6 +47,7 @@ pub fn stories(stories: &[(String, &Story)]) -> comfy_table::Table {
         "eps_rms before",
         "after",
         "without the effect",
+        "the second test is",
         "then missing",
     ]);
     for column in t.column_iter_mut().take(3) {
@@ -62,6 +63,7 @@ pub fn stories(stories: &[(String, &Story)]) -> comfy_table::Table {
             s.possible
                 .as_ref()
                 .map_or_else(|| "?".into(), |r| percent(r.summary.eps_rms)),
+            s.outcome().name().to_owned(),
             Story::named(&s.remains),
         ]);
     }

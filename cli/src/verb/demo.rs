@@ -5,7 +5,6 @@ use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::improvement;
 use crate::report::{self, Section};
 use crate::story::Story;
 use crate::summary::Summary;
@@ -34,7 +33,8 @@ const UNDECLARED: &str = include_str!("../../../examples/undeclared/inertia.toml
 fn undeclared() -> Result<Story, Failure> {
     let file = "examples/undeclared/inertia.toml";
     let test = TestFile::parse(UNDECLARED, file, Path::new(""), &[])?;
-    let model = improvement::declared(&test.config, &test.plant)
+    let model = test
+        .declared_model()
         .ok_or_else(|| Failure::test(format!("{file}: declares no model")))?;
     let experiment = Experiment::new(test, &near_fault(), None)?;
     let progress = Progress::over("tests and diagnosis", Story::steps(&experiment) as u64);

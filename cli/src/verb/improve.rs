@@ -4,9 +4,8 @@ use super::place::Place;
 use super::{Common, json};
 use crate::failure::Failure;
 use crate::files::{model, output, record_csv};
-use crate::improvement;
 use crate::report;
-use crate::story::Story;
+use crate::story::{Outcome, Story};
 use crate::terminal::{self, Progress};
 use diagnosis::{Diagnosis, Model};
 use serde::Serialize;
@@ -33,6 +32,12 @@ pub struct Improve {
     place: Place,
 }
 
+/// All rows as JSON.
+#[derive(Serialize)]
+struct Rows<'a> {
+    rows: Vec<Row<'a>>,
+}
+
 /// A row as JSON.
 #[derive(Serialize)]
 struct Row<'a> {
@@ -41,7 +46,8 @@ struct Row<'a> {
     found: String,
     eps_rms_before: f64,
     eps_rms_after: f64,
-    eps_rms_without_effect: Option<f64>,
+    eps_rms_without: Option<f64>,
+    outcome: Outcome,
     eps_max_before: f64,
     eps_max_after: f64,
     remains: String,
@@ -74,11 +80,28 @@ impl Improve {
             write(folder, &named)?;
         }
         if self.common.json {
-            let rows: Vec<Row<'_>> = named.iter().map(|(name, s)| row(name, s)).collect();
-            println!("{}", json(&rows)?);
-            return Ok(());
+            let rows = named.iter().map(|(name, s)| row(name, s)).collect();
+            println!("{}", json(&Rows { rows })?);
+        } else {
+            self.print(&named);
         }
-        for (name, story) in &named {
+        let worse: Vec<&str> = named
+            .iter()
+            .filter(|(_, s)| s.outcome() == Outcome::Worse)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        if worse.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::test(format!(
+                "{}: the second test is worse than the first; do not use what was found (its model is not written)",
+                worse.join(", ")
+            )))
+        }
+    }
+
+    fn print(&self, named: &[(String, &Story)]) {
+        for (name, story) in named {
             println!("{name}");
             for c in &story.diagnosis.channels {
                 println!("    {}", crate::wording::headline(c));
@@ -87,18 +110,17 @@ impl Improve {
                 println!("    -> {change}");
             }
         }
-        println!("\n{}", terminal::stories(&named));
+        println!("\n{}", terminal::stories(named));
         if let Some(folder) = &self.out {
             println!("Look at {}", folder.join("report.html").display());
         }
-        Ok(())
     }
 
     fn story(&self, file: &std::path::Path) -> Result<Story, Failure> {
         let test = self.common.load_other(file)?;
         let declared = match &self.model {
             Some(path) => model::load(path)?,
-            None => improvement::declared(&test.config, &test.plant).ok_or_else(|| {
+            None => test.declared_model().ok_or_else(|| {
                 Failure::input(format!(
                     "{}: its rig is more than a model can say: accepted is one actuator of the kinds ideal, delay, \
                      first_order and lag_delay, or a model by --model",
@@ -125,7 +147,8 @@ fn row<'a>(name: &str, s: &'a Story) -> Row<'a> {
         found: Story::named(&s.diagnosis),
         eps_rms_before: s.before.summary.eps_rms,
         eps_rms_after: s.after.summary.eps_rms,
-        eps_rms_without_effect: s.possible.as_ref().map(|r| r.summary.eps_rms),
+        eps_rms_without: s.possible.as_ref().map(|r| r.summary.eps_rms),
+        outcome: s.outcome(),
         eps_max_before: s.before.summary.eps_max,
         eps_max_after: s.after.summary.eps_max,
         remains: Story::named(&s.remains),
@@ -138,7 +161,10 @@ fn write(folder: &std::path::Path, stories: &[(String, &Story)]) -> Result<(), F
     let mut files = vec![("report.html".to_owned(), report::of_stories(stories)?)];
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
-        files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
+        // A model with which the test became worse is not handed on.
+        if story.outcome() != Outcome::Worse {
+            files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
+        }
         if let Some(trace) = &story.before.trace {
             files.push((format!("{name}-record.csv"), record_csv::to_csv(trace)));
         }

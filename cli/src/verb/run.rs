@@ -38,6 +38,9 @@ impl Run {
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
         let mut test = self.common.load()?;
+        if let Some(told) = test.told_the_truth().filter(|_| !self.common.json) {
+            println!("{told}");
+        }
         if let Some(path) = &self.model {
             for done in improvement::apply(&model::load(path)?, &mut test.config) {
                 if !self.common.json {
