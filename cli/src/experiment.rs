@@ -251,7 +251,7 @@ impl Experiment {
             )
             .map_err(refused)?;
             let rad_per_s = frame.natural_frequencies_rad_per_s().map_err(refused)?;
-            Ok(rad_per_s.iter().map(|w| f64::from(*w) / TAU).collect())
+            Ok(rad_per_s.iter().map(|w| w / TAU).collect())
         }
         let config = &self.test.config;
         with_floors!(config.degrees_of_freedom(), N => all::<N>(config)).unwrap_or_default()
