@@ -31,6 +31,7 @@
 
 pub mod compensate;
 pub mod config;
+pub mod coupled;
 pub mod energy;
 pub mod estimate;
 pub mod ground_motion;

@@ -1,0 +1,110 @@
+//! The geometry of a coupler that two actuators move in x and in rotation.
+//!
+//! Each actuator acts along x on a pin of the coupler. When the interface moves by `x` and turns by `theta`, the pin at
+//! `(p_x, p_y)` from the interface moves along x by `x + p_x (cos theta - 1) - p_y sin theta`. Sideways motion of a pin
+//! swings its actuator by an angle that is neglected.
+
+use super::Pair;
+
+/// Where the actuators hold the coupler, m from the interface point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupler {
+    /// Along the actuators.
+    pub pin_x_m: Pair,
+    /// Across them; the two must differ, or nothing turns the coupler.
+    pub pin_y_m: Pair,
+}
+
+impl Coupler {
+    /// Whether the strokes determine x and theta.
+    pub fn is_regular(&self) -> bool {
+        let arm = self.pin_y_m[1] - self.pin_y_m[0];
+        let finite = self.pin_x_m.iter().all(|p| p.is_finite());
+        finite && arm.is_finite() && arm.abs() > 1e-4
+    }
+
+    /// Strokes of the actuators, m, at `x` (m) and `theta` (rad).
+    pub fn strokes_m(&self, x_m: f32, theta_rad: f32) -> Pair {
+        let sine = libm::sinf(theta_rad);
+        // cos - 1 = -2 sin^2(theta / 2) keeps its digits at small angles.
+        let half = libm::sinf(0.5 * theta_rad);
+        let fall = -2.0 * half * half;
+        core::array::from_fn(|i| x_m + self.pin_x_m[i] * fall - self.pin_y_m[i] * sine)
+    }
+
+    /// The same, linearised about zero: right for derivatives of small rotations.
+    #[inline]
+    pub fn linear_m(&self, x_m: f32, theta_rad: f32) -> Pair {
+        core::array::from_fn(|i| x_m - self.pin_y_m[i] * theta_rad)
+    }
+
+    /// `x` (m) and `theta` (rad) at given strokes: two Newton steps from the linear answer, which below half a radian
+    /// leave less than f32 can show.
+    pub fn interface(&self, stroke_m: &Pair) -> Pair {
+        let arm = self.pin_y_m[0] - self.pin_y_m[1];
+        let mut theta = (stroke_m[1] - stroke_m[0]) / arm;
+        let mut x = stroke_m[0] + self.pin_y_m[0] * theta;
+        for _ in 0..3 {
+            let at = self.strokes_m(x, theta);
+            let (e0, e1) = (stroke_m[0] - at[0], stroke_m[1] - at[1]);
+            // d stroke / d theta = -p_x sin - p_y cos.
+            let (sine, cosine) = (libm::sinf(theta), libm::cosf(theta));
+            let slope: Pair =
+                core::array::from_fn(|i| -self.pin_x_m[i] * sine - self.pin_y_m[i] * cosine);
+            let turn = (e0 - e1) / (slope[0] - slope[1]);
+            theta += turn;
+            x += e0 - slope[0] * turn;
+        }
+        [x, theta]
+    }
+
+    /// Force (N) along x and moment (N m) about the interface of two actuator forces, linearised.
+    pub fn resultant(&self, force_n: &Pair) -> Pair {
+        [
+            force_n[0] + force_n[1],
+            -self.pin_y_m[0] * force_n[0] - self.pin_y_m[1] * force_n[1],
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COUPLER: Coupler = Coupler {
+        pin_x_m: [0.2667, 0.2667],
+        pin_y_m: [-0.127, 0.127],
+    };
+
+    #[test]
+    fn strokes_lead_back_to_where_they_came_from() {
+        for (x, theta) in [(0.0, 0.0), (0.01, 0.02), (-0.02, 0.2), (0.005, -0.4)] {
+            let back = COUPLER.interface(&COUPLER.strokes_m(x, theta));
+            assert!((back[0] - x).abs() < 1e-7, "{x} {theta}: {back:?}");
+            assert!((back[1] - theta).abs() < 1e-6, "{x} {theta}: {back:?}");
+        }
+    }
+
+    #[test]
+    fn small_rotations_are_linear_and_virtual_work_agrees() {
+        let (exact, linear) = (COUPLER.strokes_m(1e-3, 1e-3), COUPLER.linear_m(1e-3, 1e-3));
+        for i in 0..2 {
+            assert!((exact[i] - linear[i]).abs() < 2e-7);
+        }
+        // F . ds = N dx + M dtheta for any forces and motions.
+        let force = [120.0, -70.0];
+        let [n, m] = COUPLER.resultant(&force);
+        let d = COUPLER.linear_m(2e-3, -3e-3);
+        let (strokes, interface) = (force[0] * d[0] + force[1] * d[1], n * 2e-3 - m * 3e-3);
+        assert!((strokes - interface).abs() < 1e-6 * strokes.abs());
+    }
+
+    #[test]
+    fn pins_on_one_line_turn_nothing() {
+        let line = Coupler {
+            pin_x_m: [0.1, 0.2],
+            pin_y_m: [0.1, 0.1],
+        };
+        assert!(!line.is_regular() && COUPLER.is_regular());
+    }
+}

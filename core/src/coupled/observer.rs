@@ -1,0 +1,325 @@
+//! A target and its first three derivatives, smooth although the force behind the target is noisy.
+//!
+//! The target is the response of a structure to a ground motion that is known: a sum of a few modes,
+//! `q'' + 2 zeta omega q' + omega^2 q = gamma a_g + w`. A steady Kalman filter keeps them in step with the target that
+//! the integration gives; the derivatives are those of the modes.
+
+use super::inverse::Jet;
+use crate::config::Refusal;
+use heapless::Vec;
+
+/// The most modes of a coordinate.
+pub const MAX_MODES: usize = 3;
+const STATES: usize = 2 * MAX_MODES;
+
+/// One mode as a coordinate of the interface shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Angular frequency, rad/s.
+    pub omega_rad_per_s: f64,
+    /// Damping ratio.
+    pub damping_ratio: f64,
+    /// Acceleration of the coordinate per acceleration of the ground: modal participation times shape, with its sign.
+    pub participation: f64,
+}
+
+/// What the observer of one coordinate is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The modes that matter.
+    pub modes: Vec<Mode, MAX_MODES>,
+    /// Noise that the target carries, m (or rad) rms.
+    pub noise: f64,
+    /// White acceleration that drives each mode beside the ground, m/s^2 (or rad/s^2) rms in a sample.
+    pub process_per_s2: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct ModeConstants {
+    transition: [[f32; 2]; 2],
+    input: [f32; 2],
+    square: f32,
+    friction: f32,
+    participation: f32,
+    gain: [f32; 2],
+}
+
+/// Constants of an observer.
+#[derive(Clone, Debug)]
+pub struct Constants {
+    modes: [ModeConstants; MAX_MODES],
+    count: usize,
+    period_s: f32,
+}
+
+type Matrix = [[f64; STATES]; STATES];
+
+impl Constants {
+    /// Steady gains for samples `period_s` apart.
+    ///
+    /// # Errors
+    /// No mode, or numbers that give no steady gain.
+    pub fn new(settings: &Settings, period_s: f64) -> Result<Self, Refusal> {
+        let refused = |name, value, accepted| Refusal {
+            name,
+            value,
+            accepted,
+        };
+        if settings.modes.is_empty() {
+            return Err(refused("observer.modes", 0.0, "one to three modes"));
+        }
+        for (name, value) in [
+            ("observer.noise", settings.noise),
+            ("observer.process_per_s2", settings.process_per_s2),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(refused(name, value, "a number above 0"));
+            }
+        }
+        let mut modes = [ModeConstants::default(); MAX_MODES];
+        let (mut f, mut q) = ([[0.0; STATES]; STATES], [[0.0; STATES]; STATES]);
+        for (m, mode) in settings.modes.iter().enumerate() {
+            let (w, z) = (mode.omega_rad_per_s, mode.damping_ratio);
+            if !(w > 0.0 && w * period_s < 3.0 && (0.0..1.0).contains(&z)) {
+                return Err(refused(
+                    "observer.omega_rad_per_s",
+                    w,
+                    "an underdamped mode below the Nyquist frequency",
+                ));
+            }
+            let a = transition(w, z, period_s);
+            let variance = settings.process_per_s2 * settings.process_per_s2;
+            let kick = [0.5 * period_s * period_s, period_s];
+            for i in 0..2 {
+                for j in 0..2 {
+                    f[2 * m + i][2 * m + j] = a[i][j];
+                    q[2 * m + i][2 * m + j] = variance * kick[i] * kick[j];
+                }
+            }
+            modes[m] = ModeConstants {
+                transition: a.map(|row| row.map(|x| x as f32)),
+                // Held acceleration: the mode moves towards gamma a / omega^2.
+                input: [
+                    ((1.0 - a[0][0]) * mode.participation / (w * w)) as f32,
+                    (-a[1][0] * mode.participation / (w * w)) as f32,
+                ],
+                square: (w * w) as f32,
+                friction: (2.0 * z * w) as f32,
+                participation: mode.participation as f32,
+                gain: [0.0; 2],
+            };
+        }
+        let count = settings.modes.len();
+        let gain =
+            steady_gain(&f, &q, settings.noise * settings.noise, count).ok_or_else(|| {
+                refused(
+                    "observer.noise",
+                    settings.noise,
+                    "a number that gives a steady gain",
+                )
+            })?;
+        for (m, mode) in modes.iter_mut().enumerate().take(count) {
+            mode.gain = [gain[2 * m] as f32, gain[2 * m + 1] as f32];
+        }
+        Ok(Self {
+            modes,
+            count,
+            period_s: period_s as f32,
+        })
+    }
+}
+
+/// `exp(A T)` of an oscillator in displacement and velocity.
+fn transition(omega: f64, ratio: f64, period_s: f64) -> [[f64; 2]; 2] {
+    let damped = omega * libm::sqrt(1.0 - ratio * ratio);
+    let decay = libm::exp(-ratio * omega * period_s);
+    let (sine, cosine) = (libm::sin(damped * period_s), libm::cos(damped * period_s));
+    let (s, c) = (decay * sine / damped, decay * cosine);
+    [
+        [c + ratio * omega * s, s],
+        [-omega * omega * s, c - ratio * omega * s],
+    ]
+}
+
+/// The steady gain of the filter whose output is the sum of the modes' displacements, by iterating its covariance.
+fn steady_gain(f: &Matrix, q: &Matrix, noise: f64, count: usize) -> Option<[f64; STATES]> {
+    let n = 2 * count;
+    let mut p = *q;
+    let mut gain = [0.0; STATES];
+    for _ in 0..20_000 {
+        // P H^T and H P H^T + R, with H = (1 0 1 0 ...).
+        let mut column = [0.0; STATES];
+        for i in 0..n {
+            column[i] = (0..count).map(|m| p[i][2 * m]).sum();
+        }
+        let total = noise + (0..count).map(|m| column[2 * m]).sum::<f64>();
+        let mut change = 0.0_f64;
+        for i in 0..n {
+            let new = column[i] / total;
+            change = change.max((new - gain[i]).abs() / (new.abs() + 1e-9));
+            gain[i] = new;
+        }
+        if !change.is_finite() {
+            return None;
+        }
+        if change < 1e-10 {
+            return Some(gain);
+        }
+        let mut filtered = p;
+        for i in 0..n {
+            for j in 0..n {
+                filtered[i][j] -= gain[i] * column[j];
+            }
+        }
+        let mut moved = [[0.0; STATES]; STATES];
+        for i in 0..n {
+            for j in 0..n {
+                moved[i][j] = (0..n).map(|k| f[i][k] * filtered[k][j]).sum();
+            }
+        }
+        for i in 0..n {
+            for j in 0..n {
+                p[i][j] = q[i][j] + (0..n).map(|k| moved[i][k] * f[j][k]).sum::<f64>();
+            }
+        }
+    }
+    None
+}
+
+/// The observer of one coordinate.
+#[derive(Clone, Debug)]
+pub struct Observer {
+    /// Displacement and velocity of each mode.
+    modes: [[f32; 2]; MAX_MODES],
+    ground_m_per_s2: f32,
+}
+
+impl Observer {
+    /// At rest.
+    pub const fn at_rest() -> Self {
+        Self {
+            modes: [[0.0; 2]; MAX_MODES],
+            ground_m_per_s2: 0.0,
+        }
+    }
+
+    /// One sample of the target and of the ground's acceleration; returns the target and its derivatives.
+    pub fn update(&mut self, k: &Constants, target: f32, ground_m_per_s2: f32) -> Jet<4> {
+        let held = 0.5 * (ground_m_per_s2 + self.ground_m_per_s2);
+        let jerk = (ground_m_per_s2 - self.ground_m_per_s2) / k.period_s;
+        self.ground_m_per_s2 = ground_m_per_s2;
+        let mut error = target;
+        for (state, mode) in self.modes.iter_mut().zip(&k.modes).take(k.count) {
+            let (a, [x, v]) = (&mode.transition, *state);
+            *state = [
+                a[0][0] * x + a[0][1] * v + mode.input[0] * held,
+                a[1][0] * x + a[1][1] * v + mode.input[1] * held,
+            ];
+            error -= state[0];
+        }
+        if !error.is_finite() {
+            error = 0.0;
+        }
+        let mut jet = [0.0; 4];
+        for (state, mode) in self.modes.iter_mut().zip(&k.modes).take(k.count) {
+            state[0] += mode.gain[0] * error;
+            state[1] += mode.gain[1] * error;
+            let [x, v] = *state;
+            let a = mode.participation * ground_m_per_s2 - mode.friction * v - mode.square * x;
+            jet[0] += x;
+            jet[1] += v;
+            jet[2] += a;
+            jet[3] += mode.participation * jerk - mode.friction * a - mode.square * v;
+        }
+        jet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> Settings {
+        let mode = |hz: f64, damping_ratio, participation| Mode {
+            omega_rad_per_s: core::f64::consts::TAU * hz,
+            damping_ratio,
+            participation,
+        };
+        Settings {
+            modes: [
+                mode(2.29, 0.047, -0.257),
+                mode(12.7, 0.03, -0.508),
+                mode(29.9, 0.056, -0.234),
+            ]
+            .into_iter()
+            .collect(),
+            noise: 2e-8,
+            process_per_s2: 0.2,
+        }
+    }
+
+    #[test]
+    fn derivatives_of_a_response_to_the_ground_come_out() {
+        let period = 1.0 / 1024.0;
+        let k = Constants::new(&settings(), period).unwrap();
+        // The same modes in f64 with steps a sixteenth as long.
+        let fine = period / 16.0;
+        let ground = |t: f64| libm::sin(11.0 * t) + 0.5 * libm::sin(71.0 * t);
+        let mut truth = [[0.0_f64; 2]; 3];
+        let mut observer = Observer::at_rest();
+        let (mut error, mut size) = ([0.0_f64; 4], [0.0_f64; 4]);
+        for step in 0..4096 {
+            let t = f64::from(step) * period;
+            let mut exact = [0.0_f64; 4];
+            for (x, mode) in truth.iter().zip(&settings().modes) {
+                let (w, z, g) = (mode.omega_rad_per_s, mode.damping_ratio, mode.participation);
+                let a = g * ground(t) - 2.0 * z * w * x[1] - w * w * x[0];
+                exact[0] += x[0];
+                exact[1] += x[1];
+                exact[2] += a;
+            }
+            let jet = observer.update(&k, exact[0] as f32, ground(t) as f32);
+            for n in 0..3 {
+                if step > 512 {
+                    error[n] = error[n].max((f64::from(jet[n]) - exact[n]).abs());
+                    size[n] = size[n].max(exact[n].abs());
+                }
+            }
+            for inner in 0..16 {
+                let t = t + f64::from(inner) * fine;
+                for (x, mode) in truth.iter_mut().zip(&settings().modes) {
+                    let (w, z, g) = (mode.omega_rad_per_s, mode.damping_ratio, mode.participation);
+                    let a = transition(w, z, fine);
+                    let rest = g * 0.5 * (ground(t) + ground(t + fine)) / (w * w);
+                    let d = x[0] - rest;
+                    *x = [
+                        rest + a[0][0] * d + a[0][1] * x[1],
+                        a[1][0] * d + a[1][1] * x[1],
+                    ];
+                }
+            }
+        }
+        for n in 0..3 {
+            assert!(
+                error[n] < 0.01 * size[n],
+                "derivative {n}: {} of {}",
+                error[n],
+                size[n]
+            );
+        }
+    }
+
+    #[test]
+    fn a_mode_above_the_nyquist_frequency_and_no_mode_are_refused() {
+        let mut none = settings();
+        none.modes.clear();
+        assert_eq!(
+            Constants::new(&none, 1e-3).unwrap_err().name,
+            "observer.modes"
+        );
+        assert_eq!(
+            Constants::new(&settings(), 0.1).unwrap_err().name,
+            "observer.omega_rad_per_s"
+        );
+    }
+}

@@ -1,0 +1,174 @@
+//! The plant: two commands in, two strokes out.
+//!
+//! ```text
+//!            k_ij (1 + s n_ij) (1 + s l_j1) (1 + s l_j2)
+//! H_ij = ---------------------------------------------------------------------
+//!        (1 + s / a_j) (1 + s / b_j) (1 + 2 zeta s / f + s^2 / f^2)
+//! ```
+//!
+//! Stroke `i`, command `j`. What a command has to pass (servo valve, oil, frame) stands in its column; what differs
+//! from stroke to stroke are a gain and at most one zero.
+
+use super::Pair;
+use crate::config::Refusal;
+use heapless::Vec;
+
+/// The transfer function from commands to strokes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plant {
+    /// `k_ij`: stroke `i` at rest per command `j`.
+    pub gain: [Pair; 2],
+    /// `a_j`, rad/s. Followed exactly for a held command.
+    pub slow_pole_rad_per_s: Pair,
+    /// `b_j`, rad/s.
+    pub fast_pole_rad_per_s: Pair,
+    /// `l_j1`, `l_j2`, s; 0 where there is none.
+    pub lead_s: [Pair; 2],
+    /// `n_ij`, s; 0 where there is none. Only one column may have them.
+    pub path_lead_s: [Pair; 2],
+    /// `f`, rad/s, of the frame that both share.
+    pub natural_rad_per_s: f32,
+    /// `zeta`.
+    pub damping_ratio: f32,
+}
+
+/// A number of the plant that is not known exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// `a_j`.
+    SlowPole(usize),
+    /// `b_j`.
+    FastPole(usize),
+    /// `1 / l_j`, of the first or the second.
+    Lead(usize, usize),
+    /// `1 / n_ij`.
+    PathLead(usize, usize),
+    /// `f`.
+    NaturalFrequency,
+    /// `k_ij`.
+    Gain(usize, usize),
+}
+
+/// The most parameters that are estimated at once.
+pub const MAX_PARAMETERS: usize = 16;
+
+/// A parameter and its relative standard deviation.
+pub type Spread = (Parameter, f32);
+
+/// What is estimated, with how far it may be off.
+pub type Spreads = Vec<Spread, MAX_PARAMETERS>;
+
+impl Plant {
+    /// Checks the plant.
+    ///
+    /// # Errors
+    /// A pole that is not positive, gains that cannot be inverted, path zeros in both columns.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let refused = |name, value: f32, accepted| {
+            Err(Refusal {
+                name,
+                value: f64::from(value),
+                accepted,
+            })
+        };
+        let poles = self
+            .slow_pole_rad_per_s
+            .iter()
+            .chain(&self.fast_pole_rad_per_s);
+        for &pole in poles.chain([&self.natural_rad_per_s, &self.damping_ratio]) {
+            if !(pole > 0.0 && pole < 1e6) {
+                return refused("plant.pole_rad_per_s", pole, "a number above 0, below 1e6");
+            }
+        }
+        let leads = self.lead_s.iter().chain(&self.path_lead_s).flatten();
+        for &lead in leads {
+            if !(lead >= 0.0 && lead < 1e3) {
+                return refused("plant.lead_s", lead, "0 or a number up to 1000 s");
+            }
+        }
+        let n = &self.path_lead_s;
+        let both =
+            n.iter().map(|row| row[0]).sum::<f32>() * n.iter().map(|row| row[1]).sum::<f32>();
+        if both != 0.0 {
+            return refused("plant.path_lead_s", both, "path zeros in one column only");
+        }
+        let determinant = self.determinant();
+        if !(determinant[0].abs() > 1e-6 && determinant[0].is_finite()) {
+            return refused("plant.gain", determinant[0], "gains that can be inverted");
+        }
+        if !(determinant[1] / determinant[0] >= 0.0) {
+            return refused(
+                "plant.path_lead_s",
+                determinant[1] / determinant[0],
+                "a coupling without a zero in the right half plane",
+            );
+        }
+        Ok(())
+    }
+
+    /// `d0` and `d1` of the determinant `d0 + d1 s` of the matrix `k_ij (1 + s n_ij)`.
+    #[inline]
+    pub fn determinant(&self) -> [f32; 2] {
+        let (k, n) = (&self.gain, &self.path_lead_s);
+        let (straight, crossed) = (k[0][0] * k[1][1], k[0][1] * k[1][0]);
+        [
+            straight - crossed,
+            straight * (n[0][0] + n[1][1]) - crossed * (n[0][1] + n[1][0]),
+        ]
+    }
+
+    /// Multiplies a parameter by `factor`; a zero's frequency, where the parameter is one.
+    pub fn scale(&mut self, parameter: Parameter, factor: f32) {
+        match parameter {
+            Parameter::SlowPole(j) => self.slow_pole_rad_per_s[j] *= factor,
+            Parameter::FastPole(j) => self.fast_pole_rad_per_s[j] *= factor,
+            Parameter::Lead(j, slot) => self.lead_s[j][slot] /= factor,
+            Parameter::PathLead(i, j) => self.path_lead_s[i][j] /= factor,
+            Parameter::NaturalFrequency => self.natural_rad_per_s *= factor,
+            Parameter::Gain(i, j) => self.gain[i][j] *= factor,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    const TURN: f32 = core::f32::consts::TAU;
+
+    /// Two hydraulic actuators on a steel frame, as published for the multi-axial benchmark problem.
+    pub const FRAME: Plant = Plant {
+        gain: [[0.8636, 0.1312], [0.1396, 0.9265]],
+        slow_pole_rad_per_s: [2.65 * TURN, 3.5 * TURN],
+        fast_pole_rad_per_s: [40.0 * TURN, 18.5 * TURN],
+        lead_s: [[1.0 / (120.0 * TURN), 1.0 / (90.0 * TURN)], [0.0; 2]],
+        path_lead_s: [[0.0, 1.0 / (3.0 * TURN)], [0.0, 1.0 / (5.0 * TURN)]],
+        natural_rad_per_s: 80.43 * TURN,
+        damping_ratio: 0.6217,
+    };
+
+    #[test]
+    fn the_determinant_is_that_of_the_matrix() {
+        FRAME.check().unwrap();
+        let [d0, d1] = FRAME.determinant();
+        let s = 0.01;
+        let entry = |i: usize, j: usize| FRAME.gain[i][j] * (1.0 + s * FRAME.path_lead_s[i][j]);
+        let exact = entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0);
+        assert!((d0 + d1 * s - exact).abs() < 1e-6);
+        // The zero that the findings name: 5.08 Hz, a little other with other digits of the gains.
+        assert!((d0 / d1 / TURN - 5.08).abs() < 0.1, "{}", d0 / d1 / TURN);
+    }
+
+    #[test]
+    fn what_cannot_be_inverted_is_refused_by_name() {
+        let mut same = FRAME;
+        same.gain[1] = same.gain[0];
+        assert_eq!(same.check().unwrap_err().name, "plant.gain");
+        let mut both = FRAME;
+        both.path_lead_s[0][0] = 0.1;
+        assert_eq!(both.check().unwrap_err().name, "plant.path_lead_s");
+        let mut unstable = FRAME;
+        unstable.slow_pole_rad_per_s[1] = -1.0;
+        assert_eq!(unstable.check().unwrap_err().name, "plant.pole_rad_per_s");
+    }
+}

@@ -1,0 +1,199 @@
+//! Everything for a pair of coupled actuators, one call a sample.
+
+use super::Pair;
+use super::coupler::Coupler;
+use super::estimate::{self, Estimator};
+use super::inverse::{Inverse, Jet};
+use super::observer::{self, Observer};
+use super::plant::Plant;
+use crate::config::Refusal;
+
+/// What the tracker is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Geometry between the structure's coordinates and the strokes.
+    pub coupler: Coupler,
+    /// The plant and what of it is to be estimated.
+    pub estimate: estimate::Settings,
+    /// How the target moves, x and theta.
+    pub target: [observer::Settings; 2],
+    /// Below this frequency, Hz, the estimated strokes follow the readings, above it the model.
+    pub trust_reading_hz: f32,
+    /// Largest stroke that may be commanded, m.
+    pub stroke_limit_m: f32,
+    /// Largest x (m) and theta (rad) that may be asked for.
+    pub interface_limit: Pair,
+}
+
+/// Constants worked out once.
+#[derive(Clone, Debug)]
+pub struct Constants {
+    settings: Settings,
+    observers: [observer::Constants; 2],
+    /// Share of a reading's news that goes into the estimate in a sample.
+    follow: f32,
+}
+
+impl Constants {
+    /// Checks `settings` and works out the gains.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn new(settings: &Settings) -> Result<Self, Refusal> {
+        settings.estimate.check()?;
+        let refused = |name, value: f32, accepted| Refusal {
+            name,
+            value: f64::from(value),
+            accepted,
+        };
+        if !settings.coupler.is_regular() {
+            let arm = settings.coupler.pin_y_m[1] - settings.coupler.pin_y_m[0];
+            return Err(refused("coupler.pin_y_m", arm, "pins that are apart"));
+        }
+        let [x, theta] = settings.interface_limit;
+        for (name, value) in [
+            ("coupled.trust_reading_hz", settings.trust_reading_hz),
+            ("coupled.stroke_limit_m", settings.stroke_limit_m),
+            ("coupled.interface_limit_m", x),
+            ("coupled.interface_limit_rad", theta),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(refused(name, value, "a number above 0"));
+            }
+        }
+        let period_s = settings.estimate.period_s;
+        let observers = [
+            observer::Constants::new(&settings.target[0], f64::from(period_s))?,
+            observer::Constants::new(&settings.target[1], f64::from(period_s))?,
+        ];
+        let turn = core::f32::consts::TAU * settings.trust_reading_hz * period_s;
+        Ok(Self {
+            settings: settings.clone(),
+            observers,
+            follow: 1.0 - libm::expf(-turn),
+        })
+    }
+}
+
+/// Which limit a target or a command broke.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// x of the interface.
+    Displacement,
+    /// theta of the interface.
+    Rotation,
+    /// Stroke of this actuator.
+    Stroke(usize),
+    /// A number was not finite.
+    NotFinite,
+}
+
+/// What a sample gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tracked {
+    /// Commands for the next period, m; where a limit was broken, those of the last.
+    pub command_m: Pair,
+    /// Where the actuators are, as the model and the readings have it, m.
+    pub stroke_m: Pair,
+    /// The same as x (m) and theta (rad).
+    pub interface: Pair,
+    /// The first limit that the target or the commands broke.
+    pub broken: Option<Limit>,
+}
+
+/// The tracker of a pair of coupled actuators.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    constants: Constants,
+    observers: [Observer; 2],
+    estimator: Estimator,
+    inverse: Inverse,
+    sent_m: Pair,
+    correction_m: Pair,
+}
+
+impl Tracker {
+    /// At rest at zero.
+    pub fn at_rest(constants: Constants) -> Self {
+        Self {
+            observers: [Observer::at_rest(), Observer::at_rest()],
+            estimator: Estimator::at_rest(&constants.settings.estimate),
+            inverse: Inverse::at_rest(),
+            sent_m: [0.0; 2],
+            correction_m: [0.0; 2],
+            constants,
+        }
+    }
+
+    /// The plant as known now.
+    pub fn plant(&self) -> &Plant {
+        self.estimator.plant()
+    }
+
+    /// What the readings say, which comes before the target in a sample: where the actuators are.
+    pub fn observe(&mut self, measured_m: &Pair) -> (Pair, Pair) {
+        let k = &self.constants;
+        let modelled_m = self
+            .estimator
+            .update(&k.settings.estimate, &self.sent_m, measured_m);
+        let stroke_m = core::array::from_fn(|i| {
+            let error_m = measured_m[i] - modelled_m[i];
+            if error_m.is_finite() {
+                self.correction_m[i] += k.follow * (error_m - self.correction_m[i]);
+            }
+            modelled_m[i] + self.correction_m[i]
+        });
+        (stroke_m, k.settings.coupler.interface(&stroke_m))
+    }
+
+    /// Commands that bring the interface to `target` (x in m, theta in rad), and the first limit that was broken.
+    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<Limit>) {
+        let k = &self.constants;
+        let x = self.observers[0].update(&k.observers[0], target[0], ground_m_per_s2);
+        let theta = self.observers[1].update(&k.observers[1], target[1], ground_m_per_s2);
+        let coupler = &k.settings.coupler;
+        let exact = coupler.strokes_m(x[0], theta[0]);
+        let rates: [Pair; 4] = core::array::from_fn(|n| coupler.linear_m(x[n], theta[n]));
+        let strokes: [Jet<4>; 2] =
+            core::array::from_fn(|i| [exact[i], rates[1][i], rates[2][i], rates[3][i]]);
+        let period_s = k.settings.estimate.period_s;
+        let command_m = self
+            .inverse
+            .commands(self.estimator.plant(), period_s, &strokes);
+        let broken = k.settings.broken(target, &command_m);
+        if broken.is_none() {
+            self.sent_m = command_m;
+        }
+        (self.sent_m, broken)
+    }
+
+    /// One sample of a target that does not depend on this sample's readings.
+    pub fn step(&mut self, target: &Pair, measured_m: &Pair, ground_m_per_s2: f32) -> Tracked {
+        let (stroke_m, interface) = self.observe(measured_m);
+        let (command_m, broken) = self.command(target, ground_m_per_s2);
+        Tracked {
+            command_m,
+            stroke_m,
+            interface,
+            broken,
+        }
+    }
+}
+
+impl Settings {
+    /// The first limit that a target or a command breaks, in both systems of coordinates.
+    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<Limit> {
+        if !target.iter().chain(command_m).all(|x| x.is_finite()) {
+            return Some(Limit::NotFinite);
+        }
+        if target[0].abs() > self.interface_limit[0] {
+            return Some(Limit::Displacement);
+        }
+        if target[1].abs() > self.interface_limit[1] {
+            return Some(Limit::Rotation);
+        }
+        (0..2)
+            .find(|&i| command_m[i].abs() > self.stroke_limit_m)
+            .map(Limit::Stroke)
+    }
+}
