@@ -4,10 +4,12 @@
 //! | look in | for |
 //! |---|---|
 //! | [`rths`] | one actuator, a three-storey frame (Silva et al. 2020) |
+//! | [`marths`] | two coupled actuators, a frame of 29 degrees of freedom (Condori Uribe et al. 2023) |
 //! | [`linear`] | linear systems over a sampling period, exactly |
 //! | [`noise`] | seeded noise: one stream a purpose |
 
 pub mod linear;
+pub mod marths;
 pub mod noise;
 pub mod rths;
 

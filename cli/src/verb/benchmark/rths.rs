@@ -1,6 +1,6 @@
 //! `outerloop benchmark rths`: the benchmark problem of real-time hybrid simulation.
 
-use super::refused;
+use super::{data_folder, named, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
@@ -11,7 +11,6 @@ use benchmarks::rths::case::CASES;
 use benchmarks::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
 use benchmarks::rths::verdict::{CAUTION, TARGETS, Worst};
 use benchmarks::rths::{BEST, Controller, Record, Row, bench};
-use comfy_table::{CellAlignment, Table, TableComponent};
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
@@ -100,11 +99,7 @@ impl Rths {
         if !self.record.is_empty() {
             return self.record.clone();
         }
-        let folder = self
-            .data
-            .clone()
-            .or_else(|| std::env::var_os("OUTERLOOP_DATA").map(PathBuf::from))
-            .unwrap_or_else(|| "../shared/data".into());
+        let folder = data_folder(self.data.as_deref());
         RECORDS
             .iter()
             .map(|name| {
@@ -121,10 +116,13 @@ fn print(rows: &[Row], worst: &[Worst]) {
     println!("{LEGEND}.\n");
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         println!("{}", group.first().map_or("", |r| &r.record));
-        println!("{}\n", named(&HEAD, 1, group.iter().map(cells)));
+        println!("{}\n", named(table(&HEAD), 1, group.iter().map(cells)));
     }
     println!("The worst of each controller, over all cases and ground motions");
-    println!("{}\n", named(&WORST_HEAD, 0, worst.iter().map(worst_cells)));
+    println!(
+        "{}\n",
+        named(table(&WORST_HEAD), 0, worst.iter().map(worst_cells))
+    );
     for w in worst.iter().filter(|w| w.controller == BEST) {
         println!("{BEST}");
         for sentence in w.sentences() {
@@ -132,22 +130,4 @@ fn print(rows: &[Row], worst: &[Worst]) {
         }
     }
     println!("{CAUTION}");
-}
-
-/// A table without lines between its rows, names in column `name`.
-fn named(head: &[&str], name: usize, rows: impl Iterator<Item = Vec<String>>) -> Table {
-    let mut t = table(head);
-    for lines in [
-        TableComponent::HorizontalLines,
-        TableComponent::MiddleIntersections,
-        TableComponent::LeftBorderIntersections,
-        TableComponent::RightBorderIntersections,
-    ] {
-        t.remove_style(lines);
-    }
-    t.add_rows(rows);
-    if let Some(column) = t.column_mut(name) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
-    t
 }

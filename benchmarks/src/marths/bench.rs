@@ -1,0 +1,268 @@
+//! Every controller under every record, on the nominal and on drawn plants.
+
+use super::contestants::{Calibration, Contestant};
+use super::criteria::{Both, Criteria, deviation};
+use super::declared::{self, Floor};
+use super::rig::{Parameters, noise_m};
+use super::structure::{Matrices, Part, sampled};
+use super::trial::{self, Trace};
+use crate::Refused;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The problem, ready to run.
+pub struct Problem {
+    /// The whole structure.
+    pub reference: Matrices,
+    /// What is computed.
+    pub numerical: Matrices,
+    /// What contestants start from.
+    pub calibration: Calibration,
+}
+
+/// A ground motion with the reference response.
+pub struct Record {
+    /// Its name.
+    pub name: String,
+    /// Acceleration at the samples, scaled, m/s^2.
+    pub ground: Vec<f64>,
+    reference: Trace,
+    j2_true_floor: Both,
+    j7_floor: Both,
+}
+
+impl Problem {
+    /// From the problem's files.
+    ///
+    /// # Errors
+    /// A file that is not the problem's.
+    pub fn parse(stiffness: &str, mass: &str, start: &str) -> Result<Self, Refused> {
+        let reference = Matrices::parse(stiffness, mass)?;
+        Ok(Self {
+            calibration: Calibration::new(super::regression::parse(start)?, &reference)?,
+            numerical: reference.less(&Part::declared()),
+            reference,
+        })
+    }
+
+    /// A record, from points `interval_s` apart, m/s^2.
+    ///
+    /// # Errors
+    /// A structure that cannot be integrated.
+    pub fn record(
+        &self,
+        name: &str,
+        points_m_per_s2: &[f64],
+        interval_s: f64,
+    ) -> Result<Record, Refused> {
+        let ground = sampled(points_m_per_s2, interval_s);
+        let perfect = |noise| {
+            let (calibration, nominal) = (&self.calibration, Parameters::nominal());
+            let numerical = &self.numerical;
+            trial::run(
+                Contestant::Perfect,
+                calibration,
+                numerical,
+                &nominal,
+                &ground,
+                (1, noise),
+            )
+        };
+        let (noisy, quiet) = (perfect(1.0)?, perfect(0.0)?);
+        let column = |t: &Trace, i: usize| t.target_m.iter().map(|x| x[i]).collect::<Vec<_>>();
+        let j2_true_floor = [0, 1].map(|i| deviation(&column(&noisy, i), &column(&quiet, i)));
+        Ok(Record {
+            name: name.to_owned(),
+            reference: trial::computed(&self.reference, &ground)?,
+            j7_floor: declared::floor(&self.reference, &Part::declared(), &ground)?,
+            j2_true_floor,
+            ground,
+        })
+    }
+
+    /// A trial with the published noise.
+    ///
+    /// # Errors
+    /// A numerical part that cannot be integrated.
+    pub fn trial(
+        &self,
+        contestant: Contestant,
+        record: &Record,
+        plant: &Parameters,
+        draw: u64,
+    ) -> Result<Trace, Refused> {
+        trial::run(
+            contestant,
+            &self.calibration,
+            &self.numerical,
+            plant,
+            &record.ground,
+            (draw, 1.0),
+        )
+    }
+
+    /// What the loop's own records say of the declared part, and J7's floor with each part of it put right. The records are
+    /// those of core's tracker on the nominal plant, noise included.
+    ///
+    /// # Errors
+    /// A record in which nothing moves.
+    pub fn floors(
+        &self,
+        record: &Record,
+        draw: u64,
+    ) -> Result<(declared::Found, Vec<Floor>), Refused> {
+        let nominal = Parameters::nominal();
+        let trace = self.trial(Contestant::CoupledRaw, record, &nominal, draw)?;
+        let found = declared::found(&trace)?;
+        let floors = declared::floors(&self.reference, &found, &record.ground)?;
+        Ok((found, floors))
+    }
+}
+
+impl Record {
+    /// J2 of a controller without any error: the reading's noise alone.
+    pub fn j2_floor(&self) -> Both {
+        [0, 1].map(|i| {
+            let all = self.reference.target_m.iter().map(|t| t[i]);
+            let n = self.reference.target_m.len().max(1) as f64;
+            let mean = all.clone().sum::<f64>() / n;
+            let spread = (all.map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+            100.0 * noise_m() / spread
+        })
+    }
+}
+
+/// One controller under one record; pairs are actuator 1 and 2, or x and rotation. Per cent, J1 and J4 in ms.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Name of the controller.
+    pub controller: &'static str,
+    /// The problem has one structure.
+    pub case: u8,
+    /// Name of the ground motion.
+    pub record: String,
+    /// J1 to J9 on the nominal plant.
+    #[serde(flatten)]
+    pub j: Criteria,
+    /// J2 of noise alone.
+    #[serde(rename = "J2_floor")]
+    pub j2_floor: Both,
+    /// Noise of the target itself where the force comes from raw readings: no tracker can know it.
+    #[serde(rename = "J2_true_floor")]
+    pub j2_true_floor: Both,
+    /// J7 of a tracker without any error or delay.
+    #[serde(rename = "J7_floor")]
+    pub j7_floor: Both,
+    /// Worst over the drawn plants.
+    #[serde(flatten)]
+    pub worst: Worst,
+}
+
+/// The worst of the drawn plants, each criterion for itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Worst {
+    /// J2 as read.
+    #[serde(rename = "J2_worst_perturbed")]
+    pub j2: Both,
+    /// J2 of the true strokes.
+    #[serde(rename = "J2_true_worst_perturbed")]
+    pub j2_true: Both,
+    /// J5.
+    #[serde(rename = "J5_worst_perturbed")]
+    pub j5: Both,
+    /// J7.
+    #[serde(rename = "J7_worst_perturbed")]
+    pub j7: Both,
+    /// Drawn plants.
+    pub perturbed: usize,
+    /// Of them, loops that ran away or whose J7 reached 100 %.
+    pub lost: usize,
+}
+
+/// All rows: by record, then by controller. `tell` hears of every trial.
+///
+/// # Errors
+/// A numerical part that cannot be integrated.
+pub fn rows(
+    problem: &Problem,
+    records: &[Record],
+    contestants: &[Contestant],
+    plants: usize,
+    draw: u64,
+    tell: impl Fn() + Sync,
+) -> Result<Vec<Row>, Refused> {
+    let pairs: Vec<(&Record, Contestant)> = records
+        .iter()
+        .flat_map(|r| contestants.iter().map(move |&c| (r, c)))
+        .collect();
+    pairs
+        .par_iter()
+        .map(|&(record, contestant)| {
+            let judge = |plant: &Parameters, draw: u64| {
+                let trace = problem.trial(contestant, record, plant, draw)?;
+                tell();
+                Ok::<_, Refused>(
+                    trace
+                        .is_whole(&record.ground)
+                        .then(|| Criteria::of(&trace, &record.reference)),
+                )
+            };
+            let j = judge(&Parameters::nominal(), draw)?.unwrap_or_else(lost);
+            // A perfect tracker has no plant.
+            let plants = if contestant == Contestant::Perfect {
+                0
+            } else {
+                plants
+            };
+            let drawn: Vec<Option<Criteria>> = (0..plants as u64)
+                .into_par_iter()
+                .map(|k| judge(&Parameters::drawn(k), draw + 1 + k))
+                .collect::<Result<_, _>>()?;
+            Ok(Row {
+                controller: contestant.name(),
+                case: 1,
+                record: record.name.clone(),
+                j,
+                j2_floor: record.j2_floor(),
+                j2_true_floor: record.j2_true_floor,
+                j7_floor: record.j7_floor,
+                worst: Worst::of(&drawn),
+            })
+        })
+        .collect()
+}
+
+/// What a loop that ran away is given: JSON has no infinity.
+const RAN_AWAY: Both = [1e6; 2];
+
+fn lost() -> Criteria {
+    Criteria {
+        j1_ms: RAN_AWAY,
+        j2: RAN_AWAY,
+        j2_true: RAN_AWAY,
+        j3: RAN_AWAY,
+        j4_ms: RAN_AWAY,
+        j5: RAN_AWAY,
+        j6: RAN_AWAY,
+        j7: RAN_AWAY,
+        j8: RAN_AWAY,
+        j9: RAN_AWAY,
+    }
+}
+
+impl Worst {
+    fn of(drawn: &[Option<Criteria>]) -> Self {
+        let larger = |a: Both, b: Both| [a[0].max(b[0]), a[1].max(b[1])];
+        let mut worst = Self::default();
+        for outcome in drawn {
+            let j = outcome.unwrap_or_else(lost);
+            worst.perturbed += 1;
+            worst.lost += usize::from(!j.j7.iter().all(|&x| x < 100.0));
+            worst.j2 = larger(worst.j2, j.j2);
+            worst.j2_true = larger(worst.j2_true, j.j2_true);
+            worst.j5 = larger(worst.j5, j.j5);
+            worst.j7 = larger(worst.j7, j.j7);
+        }
+        worst
+    }
+}

@@ -1,0 +1,227 @@
+//! The contestants, by name.
+
+use super::controller::{Controller, Target, Uncompensated};
+use super::regression::{FourTaps, Start};
+use super::rig::{COUPLER, FRAME_RATIO, Parameters, noise_m};
+use super::structure::{Matrices, ROTATION, X};
+use super::{PERIOD_S, SIGN};
+use crate::Refused;
+use outerloop_core::coupled::estimate;
+use outerloop_core::coupled::observer;
+use outerloop_core::coupled::plant::{Parameter, Plant, Spreads};
+use outerloop_core::coupled::tracker::{Constants, Settings, Tracker};
+
+/// One of the contestants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contestant {
+    /// The target itself is sent.
+    None,
+    /// Four taps as published, fixed.
+    Fir,
+    /// Four taps by recursive least squares.
+    Rodeac,
+    /// No controller: the strokes are the targets of the last sample. Nothing that waits for its reading is better.
+    Perfect,
+    /// Core's inverse with cross terms, of the nominal plant.
+    CoupledFixed,
+    /// The same with the plant estimated; the force comes from the raw readings.
+    CoupledRaw,
+    /// The same; the force comes from the estimated strokes.
+    Coupled,
+}
+
+/// A contestant, its name and what it knows, best known last.
+pub const ALL: [(Contestant, &str, &str); 7] = [
+    (Contestant::None, "none", "nothing"),
+    (Contestant::Fir, "fir", "a calibration on the nominal plant"),
+    (
+        Contestant::Rodeac,
+        "rodeac",
+        "a calibration on the nominal plant, to start from",
+    ),
+    (
+        Contestant::CoupledFixed,
+        "coupled-fixed",
+        "the nominal plant, the structure's modes, the ground motion",
+    ),
+    (
+        Contestant::CoupledRaw,
+        "coupled-raw",
+        "the plant's form, its nominal numbers and their spread; modes, ground motion",
+    ),
+    (
+        Contestant::Coupled,
+        "coupled",
+        "the same; force from estimated strokes",
+    ),
+    (
+        Contestant::Perfect,
+        "perfect",
+        "not a controller: strokes are the last targets",
+    ),
+];
+
+impl Contestant {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        ALL.iter().find(|c| c.0 == self).map_or("", |c| c.1)
+    }
+
+    /// By its name.
+    ///
+    /// # Errors
+    /// A name that no contestant has.
+    pub fn named(name: &str) -> Result<Self, Refused> {
+        ALL.iter()
+            .find(|c| c.1 == name)
+            .map(|c| c.0)
+            .ok_or_else(|| {
+                let names: Vec<_> = ALL.iter().map(|c| c.1).collect();
+                Refused::new(format!(
+                    "the controller `{name}` is unknown: accepted are {}",
+                    names.join(", ")
+                ))
+            })
+    }
+}
+
+/// What contestants are calibrated with.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    start: [Start; 2],
+    coupled: [Constants; 2],
+}
+
+/// Modes that show at the interface.
+const MODES: usize = 3;
+/// Noise that the numerical part leaves on x (m) and on the rotation (rad), rms: the reading's, through the structure.
+const TARGET_NOISE: [f64; 2] = [2e-8, 1.2e-5];
+/// White acceleration of a mode beside the ground's, in a sample.
+const PROCESS: f64 = 0.2;
+/// Below it the estimated strokes follow the reading, Hz.
+const TRUST_READING_HZ: f64 = 5.0;
+
+impl Calibration {
+    /// Of the published start values, the nominal plant and the modes of the reference structure.
+    ///
+    /// # Errors
+    /// A tracker that core refuses.
+    pub fn new(start: [Start; 2], reference: &Matrices) -> Result<Self, Refused> {
+        let plant = nominal();
+        let tracker = |spreads: Spreads| {
+            Constants::new(&Settings {
+                coupler: COUPLER,
+                estimate: estimate::Settings {
+                    plant,
+                    spreads,
+                    noise_m: noise_m() as f32,
+                    period_s: PERIOD_S as f32,
+                },
+                target: [target(reference, X, 0), target(reference, ROTATION, 1)],
+                trust_reading_hz: TRUST_READING_HZ as f32,
+                stroke_limit_m: 28e-3,
+                interface_limit: [20e-3, 0.1],
+            })
+            .map_err(|e| Refused::new(format!("marths: {e}")))
+        };
+        Ok(Self {
+            start,
+            coupled: [tracker(Spreads::new())?, tracker(spreads())?],
+        })
+    }
+
+    /// A contestant at rest; none for the perfect one.
+    pub fn controller(&self, contestant: Contestant) -> Option<Box<dyn Controller + Send>> {
+        let coupled = |k: &Constants, estimated| {
+            Box::new(CoreTracker {
+                tracker: Tracker::at_rest(k.clone()),
+                estimated,
+            })
+        };
+        Some(match contestant {
+            Contestant::None => Box::new(Uncompensated),
+            Contestant::Fir => Box::new(FourTaps::new(&self.start, false)),
+            Contestant::Rodeac => Box::new(FourTaps::new(&self.start, true)),
+            Contestant::CoupledFixed => coupled(&self.coupled[0], false),
+            Contestant::CoupledRaw => coupled(&self.coupled[1], false),
+            Contestant::Coupled => coupled(&self.coupled[1], true),
+            Contestant::Perfect => return None,
+        })
+    }
+}
+
+/// The nominal plant as core has it.
+fn nominal() -> Plant {
+    let p = Parameters::nominal();
+    let pair = |a: f64, b: f64| [a as f32, b as f32];
+    Plant {
+        gain: p.gain.map(|row| row.map(|k| k as f32)),
+        slow_pole_rad_per_s: pair(p.p[0], p.q[0]),
+        fast_pole_rad_per_s: pair(p.p[1], p.q[1]),
+        lead_s: [pair(1.0 / p.z[0], 1.0 / p.z[1]), [0.0; 2]],
+        path_lead_s: [pair(0.0, 1.0 / p.z2[0]), pair(0.0, 1.0 / p.z2[1])],
+        natural_rad_per_s: p.f as f32,
+        damping_ratio: FRAME_RATIO as f32,
+    }
+}
+
+/// What of the plant may be off: the published spread, and 3 % for the gains.
+fn spreads() -> Spreads {
+    use Parameter::{FastPole, Gain, Lead, NaturalFrequency, PathLead, SlowPole};
+    [
+        (SlowPole(0), 0.06),
+        (FastPole(0), 0.06),
+        (Lead(0, 0), 0.055),
+        (Lead(0, 1), 0.055),
+        (NaturalFrequency, 0.05),
+        (SlowPole(1), 0.03),
+        (FastPole(1), 0.03),
+        (PathLead(0, 1), 0.03),
+        (PathLead(1, 1), 0.03),
+        (Gain(0, 0), 0.03),
+        (Gain(0, 1), 0.03),
+        (Gain(1, 0), 0.03),
+        (Gain(1, 1), 0.03),
+    ]
+    .into_iter()
+    .collect()
+}
+
+/// The modes of the reference as the interface shows them, in the rig's sign.
+fn target(reference: &Matrices, at: usize, coordinate: usize) -> observer::Settings {
+    let sign = if coordinate == 1 { SIGN } else { 1.0 };
+    let mut modes = reference.modes(at, MODES);
+    for mode in &mut modes {
+        mode.participation *= sign;
+    }
+    observer::Settings {
+        modes: modes.into_iter().collect(),
+        noise: TARGET_NOISE[coordinate],
+        process_per_s2: PROCESS,
+    }
+}
+
+/// Core's tracker.
+struct CoreTracker {
+    tracker: Tracker,
+    estimated: bool,
+}
+
+impl Controller for CoreTracker {
+    fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
+        let (stroke_m, _) = self.tracker.observe(&read_m.map(|x| x as f32));
+        if self.estimated {
+            stroke_m.map(f64::from)
+        } else {
+            read_m
+        }
+    }
+
+    fn command(&mut self, target: &Target) -> [f64; 2] {
+        let interface = target.interface.map(|x| x as f32);
+        let (command_m, _) = self
+            .tracker
+            .command(&interface, target.ground_m_per_s2 as f32);
+        command_m.map(f64::from)
+    }
+}

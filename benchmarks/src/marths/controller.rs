@@ -1,0 +1,37 @@
+//! What a contestant is, and how to add one.
+//!
+//! A controller from outside is one file that implements [`Controller`] and one row in [`super::contestants::ALL`].
+
+/// What a controller gets to see of a sample beside the readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// x (m) and rotation (rad, in the rig's sign) that the interface is to have.
+    pub interface: [f64; 2],
+    /// The same as strokes of the actuators, m.
+    pub stroke_m: [f64; 2],
+    /// Acceleration of the ground, m/s^2.
+    pub ground_m_per_s2: f64,
+}
+
+/// A tracking controller for both actuators. Every sample asks first [`observe`](Self::observe), then
+/// [`command`](Self::command).
+pub trait Controller {
+    /// Takes the readings of the strokes, m, and says where the actuators are, m: the displacement that the controller's
+    /// block estimates, which goes into the force and into J5 and J7. The default is the reading itself.
+    fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
+        read_m
+    }
+
+    /// Commands until the next sample, m.
+    fn command(&mut self, target: &Target) -> [f64; 2];
+}
+
+/// The target itself is sent.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Uncompensated;
+
+impl Controller for Uncompensated {
+    fn command(&mut self, target: &Target) -> [f64; 2] {
+        target.stroke_m
+    }
+}

@@ -1,0 +1,285 @@
+//! Two hydraulic actuators on a coupler that hold the frame: a 2 x 2 plant with drawn uncertainties.
+//!
+//! Command `j` passes the poles of its column; a gain and a zero make of it what stroke `i` shows.
+
+use super::{PERIOD_S, RATE_HZ};
+use crate::linear::Linear;
+use crate::noise::{Normal, Purpose};
+use nalgebra::{SMatrix, Vector1};
+use outerloop_core::coupled::coupler::Coupler;
+use std::f64::consts::TAU;
+
+/// Pins of the coupler, as published.
+pub const COUPLER: Coupler = Coupler {
+    pin_x_m: [0.266_7, 0.266_7],
+    pin_y_m: [-0.127, 0.127],
+};
+
+/// Poles, zeros (rad/s) and gains of the plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Poles of the first column.
+    pub p: [f64; 2],
+    /// Zeros of the first column.
+    pub z: [f64; 2],
+    /// Poles of the second column.
+    pub q: [f64; 2],
+    /// Zero of stroke 1 and of stroke 2 in the second column.
+    pub z2: [f64; 2],
+    /// Natural frequency of the frame.
+    pub f: f64,
+    /// Stroke `i` at rest per command `j`.
+    pub gain: [[f64; 2]; 2],
+}
+
+/// Damping ratio of the frame's poles at -50 +- 63j Hz.
+pub const FRAME_RATIO: f64 = 0.621_661;
+
+impl Parameters {
+    /// As published.
+    pub fn nominal() -> Self {
+        let (p, z) = ([2.65, 40.0], [120.0, 90.0]);
+        let (q, z2, f) = ([3.5, 18.5], [3.0, 5.0], 50.0_f64.hypot(63.0));
+        let turn = |hz: [f64; 2]| hz.map(|x| x * TAU);
+        let (p, z, q, z2, f) = (turn(p), turn(z), turn(q), turn(z2), f * TAU);
+        // Published are gains of the highest power of s.
+        let first = z[0] * z[1] / (p[0] * p[1] * f * f);
+        let second = 1.0 / (q[0] * q[1] * f * f);
+        Self {
+            gain: [
+                [2165.2 * first, 4.5394e6 * z2[0] * second],
+                [349.95 * first, 1.9238e7 * z2[1] * second],
+            ],
+            p,
+            z,
+            q,
+            z2,
+            f,
+        }
+    }
+
+    /// A plant of the published spread: 6 % of the first column's poles, 5.5 % of its zeros, 3 % of the second's poles and
+    /// zeros, 5 % of the frame's poles; gains at rest stay.
+    pub fn drawn(seed: u64) -> Self {
+        let mut normal = Normal::new(seed, Purpose::Plant, 1);
+        let mut off = |spread: f64| {
+            // Farther than three deviations would be another machine.
+            1.0 + spread * normal.sample().clamp(-3.0, 3.0)
+        };
+        let mut plant = Self::nominal();
+        for x in &mut plant.z {
+            *x *= off(0.055);
+        }
+        for x in &mut plant.p {
+            *x *= off(0.06);
+        }
+        plant.f *= off(0.05);
+        plant.z2[0] *= off(0.03);
+        for x in &mut plant.q {
+            *x *= off(0.03);
+        }
+        plant.z2[1] *= off(0.03);
+        plant
+    }
+}
+
+/// Time is scaled by this angular frequency, so that the states of a column are of one size.
+const SCALE_RAD_PER_S: f64 = 100.0;
+
+/// One command's way to both strokes, with the command held over a sample.
+#[derive(Clone, Debug)]
+struct Column {
+    system: Linear<4, 1>,
+    outputs: [[f64; 3]; 2],
+}
+
+impl Column {
+    /// `1 / ((1 + s/a) (1 + s/b) (1 + 2 zeta s/f + s^2/f^2))` in scaled time, with a numerator for each stroke.
+    fn new(poles: [f64; 2], f: f64, numerators: [[f64; 3]; 2]) -> Self {
+        let scaled = |w: f64| SCALE_RAD_PER_S / w;
+        let factors = [
+            [1.0, scaled(poles[0]), 0.0],
+            [1.0, scaled(poles[1]), 0.0],
+            [1.0, 2.0 * FRAME_RATIO * scaled(f), scaled(f).powi(2)],
+        ];
+        let mut d = [1.0, 0.0, 0.0, 0.0, 0.0];
+        for factor in factors {
+            let mut product = [0.0; 5];
+            for (i, x) in d.iter().enumerate() {
+                for (j, y) in factor.iter().enumerate() {
+                    if i + j < 5 {
+                        product[i + j] += x * y;
+                    }
+                }
+            }
+            d = product;
+        }
+        let mut a = SMatrix::<f64, 4, 4>::zeros();
+        for i in 0..3 {
+            a[(i, i + 1)] = SCALE_RAD_PER_S;
+        }
+        for i in 0..4 {
+            a[(3, i)] = -SCALE_RAD_PER_S * d[i] / d[4];
+        }
+        let mut b = SMatrix::<f64, 4, 1>::zeros();
+        b[3] = SCALE_RAD_PER_S / d[4];
+        Self {
+            system: Linear::new(&a, &b, PERIOD_S),
+            outputs: numerators.map(|n| {
+                [
+                    n[0],
+                    n[1] * SCALE_RAD_PER_S,
+                    n[2] * SCALE_RAD_PER_S * SCALE_RAD_PER_S,
+                ]
+            }),
+        }
+    }
+
+    fn stroke(&self, i: usize) -> f64 {
+        (0..3)
+            .map(|n| self.outputs[i][n] * self.system.state[n])
+            .sum()
+    }
+}
+
+/// The plant in motion.
+#[derive(Clone, Debug)]
+pub struct Rig {
+    columns: [Column; 2],
+}
+
+impl Rig {
+    /// At rest.
+    pub fn new(p: &Parameters) -> Self {
+        let (a, b) = (1.0 / p.z[0], 1.0 / p.z[1]);
+        let first = |gain: f64| [gain, gain * (a + b), gain * a * b];
+        let second = |gain: f64, zero: f64| [gain, gain / zero, 0.0];
+        Self {
+            columns: [
+                Column::new(p.p, p.f, [first(p.gain[0][0]), first(p.gain[1][0])]),
+                Column::new(
+                    p.q,
+                    p.f,
+                    [second(p.gain[0][1], p.z2[0]), second(p.gain[1][1], p.z2[1])],
+                ),
+            ],
+        }
+    }
+
+    /// Strokes, m.
+    pub fn strokes_m(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.columns[0].stroke(i) + self.columns[1].stroke(i))
+    }
+
+    /// One sample under held commands, m.
+    pub fn step(&mut self, command_m: [f64; 2]) {
+        for (column, command) in self.columns.iter_mut().zip(command_m) {
+            let held = Vector1::new(command);
+            column.system.step(&held, &held);
+        }
+    }
+}
+
+/// Stroke per volt, m/V, of each actuator.
+const M_PER_V: [f64; 2] = [7.4921e-3, 7.3907e-3];
+/// Commands end there, V.
+const LIMIT_V: f64 = 3.8;
+/// A code of the 18-bit converters, V.
+const CODE_V: f64 = 1.0 / 262_144.0;
+/// Noise power of a stroke's reading, mm^2/Hz.
+const NOISE_POWER: f64 = 1.5e-7;
+
+/// Noise of a stroke's reading, m rms.
+pub fn noise_m() -> f64 {
+    (NOISE_POWER * RATE_HZ).sqrt() * 1e-3
+}
+
+/// Converters and noise.
+#[derive(Clone, Debug)]
+pub struct Channels {
+    noise: [Normal; 2],
+    scale: f64,
+}
+
+impl Channels {
+    /// The same seed repeats the same noise; `scale` multiplies it.
+    pub fn new(seed: u64, scale: f64) -> Self {
+        Self {
+            noise: [0, 1].map(|i| Normal::new(seed, Purpose::Displacement, i)),
+            scale,
+        }
+    }
+
+    /// Readings of the strokes, m.
+    pub fn read(&mut self, stroke_m: [f64; 2]) -> [f64; 2] {
+        let noise_m = self.scale * noise_m();
+        [0, 1].map(|i| {
+            let volts = (stroke_m[i] + noise_m * self.noise[i].sample()) / M_PER_V[i];
+            (volts / CODE_V).round() * CODE_V * M_PER_V[i]
+        })
+    }
+
+    /// What the actuators get of the commands, m, and whether one was at its limit.
+    pub fn send(&self, command_m: [f64; 2]) -> ([f64; 2], bool) {
+        let volts = [0, 1].map(|i| command_m[i] / M_PER_V[i]);
+        let sent = [0, 1].map(|i| {
+            let held = (volts[i] / CODE_V).round() * CODE_V;
+            // A NaN moves nothing.
+            let held = if held.is_finite() { held } else { 0.0 };
+            held.clamp(-LIMIT_V, LIMIT_V) * M_PER_V[i]
+        });
+        (sent, !volts.iter().all(|v| v.abs() < LIMIT_V))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// |H_ii| and delay in ms at `hz`, from the strokes themselves.
+    fn response(i: usize, hz: f64) -> (f64, f64) {
+        let mut rig = Rig::new(&Parameters::nominal());
+        let w = TAU * hz * PERIOD_S;
+        let (mut re, mut im) = (0.0, 0.0);
+        let n = 8192;
+        for k in 0..2 * n {
+            let phase = w * f64::from(k);
+            let y = rig.strokes_m()[i];
+            if k >= n {
+                re += y * phase.sin() * 2.0 / f64::from(n);
+                im += y * phase.cos() * 2.0 / f64::from(n);
+            }
+            let mut command = [0.0; 2];
+            command[i] = phase.sin();
+            rig.step(command);
+        }
+        // Half a sample of it is the hold.
+        let delay_s = -im.atan2(re) / (TAU * hz) - 0.5 * PERIOD_S;
+        (re.hypot(im), delay_s * 1e3)
+    }
+
+    #[test]
+    fn magnitudes_and_delays_are_those_of_the_problem() {
+        let known = [
+            (1.0, [(0.808, 61.0), (0.907, 24.0)]),
+            (3.0, [(0.571, 48.0), (0.809, 20.0)]),
+            (5.0, [(0.403, 38.0), (0.725, 16.0)]),
+            (10.0, [(0.217, 24.0), (0.604, 12.0)]),
+        ];
+        for (hz, both) in known {
+            for (i, (gain, delay_ms)) in both.into_iter().enumerate() {
+                let found = response(i, hz);
+                assert!((found.0 - gain).abs() < 0.003, "{hz} Hz {i}: {found:?}");
+                assert!((found.1 - delay_ms).abs() < 1.0, "{hz} Hz {i}: {found:?}");
+            }
+        }
+        let gain = Parameters::nominal().gain;
+        assert!((gain[0][0] - 0.864).abs() < 1e-3 && (gain[1][1] - 0.926).abs() < 1e-3);
+        assert!((0.13..0.14).contains(&gain[0][1]) && (0.13..0.1401).contains(&gain[1][0]));
+    }
+
+    #[test]
+    fn the_noise_is_twelve_micrometres() {
+        assert!((noise_m() - 12.39e-6).abs() < 0.02e-6);
+    }
+}

@@ -1,0 +1,347 @@
+//! The reference structure, what of it is declared physical, and the numerical rest.
+
+use super::{GROUND_SCALE, PERIOD_S};
+use crate::Refused;
+use nalgebra::{DMatrix, Matrix2, Matrix3, SMatrix, SVector, SymmetricEigen};
+use outerloop_core::coupled::observer::Mode;
+
+/// Degrees of freedom.
+pub const DOF: usize = 29;
+/// x of the interface, counted from 0.
+pub const X: usize = 26;
+/// Rotation of the interface that the rig controls.
+pub const ROTATION: usize = 20;
+/// Rotation of the other end of the beam, which nothing controls.
+pub const FREE_ROTATION: usize = 28;
+/// x of the second and third storey.
+pub const STOREYS: [usize; 2] = [25, 12];
+
+/// A matrix of the whole structure.
+pub type Whole = SMatrix<f64, DOF, DOF>;
+type Vector = SVector<f64, DOF>;
+
+/// Mass, damping and stiffness, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrices {
+    /// kg, kg m^2.
+    pub mass: Whole,
+    /// N s/m and so on.
+    pub damping: Whole,
+    /// N/m and so on.
+    pub stiffness: Whole,
+}
+
+/// Mass, damping and stiffness that stand in the laboratory, for x, the free rotation and the controlled one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// kg, kg m^2.
+    pub mass: Matrix3<f64>,
+    /// N s/m and so on.
+    pub damping: Matrix3<f64>,
+    /// N/m and so on.
+    pub stiffness: Matrix3<f64>,
+}
+
+/// Rayleigh damping with ratio `ratio` at two angular frequencies: factors of mass and stiffness.
+fn rayleigh(ratio: f64, at_rad_per_s: [f64; 2]) -> [f64; 2] {
+    let [a, b] = at_rad_per_s;
+    [2.0 * ratio * a * b / (a + b), 2.0 * ratio / (a + b)]
+}
+
+impl Matrices {
+    /// The reference, from the problem's two CSV tables of 29 by 29 numbers.
+    ///
+    /// # Errors
+    /// A table of another size, or something in it that is no finite number.
+    pub fn parse(stiffness_csv: &str, mass_csv: &str) -> Result<Self, Refused> {
+        let (stiffness, mass) = (table("stiffness", stiffness_csv)?, table("mass", mass_csv)?);
+        let [m, k] = rayleigh(0.05, [13.493, 165.125]);
+        Ok(Self {
+            damping: mass * m + stiffness * k,
+            mass,
+            stiffness,
+        })
+    }
+
+    /// What is left for the computer when `part` stands in the laboratory.
+    #[must_use]
+    pub fn less(&self, part: &Part) -> Self {
+        let mut rest = self.clone();
+        rest.add(-1.0, part);
+        rest
+    }
+
+    /// The other way round.
+    #[must_use]
+    pub fn plus(&self, part: &Part) -> Self {
+        let mut whole = self.clone();
+        whole.add(1.0, part);
+        whole
+    }
+
+    fn add(&mut self, sign: f64, part: &Part) {
+        let at = [X, FREE_ROTATION, ROTATION];
+        for (i, &row) in at.iter().enumerate() {
+            for (j, &column) in at.iter().enumerate() {
+                self.mass[(row, column)] += sign * part.mass[(i, j)];
+                self.damping[(row, column)] += sign * part.damping[(i, j)];
+                self.stiffness[(row, column)] += sign * part.stiffness[(i, j)];
+            }
+        }
+    }
+
+    /// The `count` modes that show most in degree of freedom `at` when the ground shakes, by static condensation of what
+    /// has no mass.
+    pub fn modes(&self, at: usize, count: usize) -> Vec<Mode> {
+        let heavy: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] > 0.0).collect();
+        let light: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] <= 0.0).collect();
+        let pick = |rows: &[usize], columns: &[usize]| {
+            DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+                self.stiffness[(rows[i], columns[j])]
+            })
+        };
+        // Light degrees of freedom follow the heavy ones: u_l = -K_ll^-1 K_lh u_h.
+        let Some(solver) = pick(&light, &light).cholesky() else {
+            return Vec::new();
+        };
+        let follow = -solver.solve(&pick(&light, &heavy));
+        let condensed = pick(&heavy, &heavy) + pick(&heavy, &light) * &follow;
+        let root = |i: usize| self.mass[(heavy[i], heavy[i])].sqrt();
+        let scaled = DMatrix::from_fn(heavy.len(), heavy.len(), |i, j| {
+            condensed[(i, j)] / (root(i) * root(j))
+        });
+        let eigen = SymmetricEigen::new(0.5 * (&scaled + scaled.transpose()));
+        let shaken = shaken();
+        let [m, k] = rayleigh(0.05, [13.493, 165.125]);
+        let mut modes: Vec<Mode> = (0..heavy.len())
+            .map(|r| {
+                let shape =
+                    DMatrix::from_fn(heavy.len(), 1, |i, _| eigen.eigenvectors[(i, r)] / root(i));
+                let load: f64 = (0..heavy.len())
+                    .map(|i| shape[i] * self.mass[(heavy[i], heavy[i])] * shaken[heavy[i]])
+                    .sum();
+                let shown = match heavy.iter().position(|&h| h == at) {
+                    Some(i) => shape[i],
+                    None => light
+                        .iter()
+                        .position(|&l| l == at)
+                        .map_or(0.0, |i| (follow.row(i) * &shape)[0]),
+                };
+                let omega = eigen.eigenvalues[r].max(0.0).sqrt();
+                Mode {
+                    omega_rad_per_s: omega,
+                    damping_ratio: 0.5 * (m / omega + k * omega),
+                    participation: -load * shown,
+                }
+            })
+            .collect();
+        modes.sort_by(|a, b| b.participation.abs().total_cmp(&a.participation.abs()));
+        modes.truncate(count);
+        modes.sort_by(|a, b| a.omega_rad_per_s.total_cmp(&b.omega_rad_per_s));
+        modes
+    }
+}
+
+impl Part {
+    /// What the problem declares to stand in the laboratory: one bay with pinned feet, without vertical motion. Its density
+    /// is a hundred times that of steel, as published; rotations keep their stiffness and damping and lose their mass.
+    pub fn declared() -> Self {
+        let inch4 = 0.0254_f64.powi(4);
+        let inch2 = 0.0254_f64.powi(2);
+        let (beam, column) = (0.762, 0.635);
+        let (column_i, beam_i) = (2.520 * inch4, 0.6132 * inch4);
+        let (young, density) = (200e9, 785e3);
+        let beam_kg = density * 0.947 * inch2 * beam;
+        let column_kg = density * 1.670 * inch2 * column;
+        let mass = beam_kg + column_kg;
+        let inertia = (beam_kg * beam * beam + column_kg * column * column) / 24.0;
+        let sway = -3.0 * young * column_i / (column * column);
+        let corner = 3.0 * young * column_i / column + 4.0 * young * beam_i / beam;
+        let across = -2.0 * young * beam_i / beam;
+        let stiffness = Matrix3::new(
+            6.0 * young * column_i / column.powi(3),
+            sway,
+            sway,
+            sway,
+            corner,
+            across,
+            sway,
+            across,
+            corner,
+        );
+        let whole = Matrix3::from_diagonal(&[mass, inertia, inertia].into());
+        let root = whole.map(|m| if m > 0.0 { 1.0 / m.sqrt() } else { 0.0 });
+        let squares = SymmetricEigen::new(root * stiffness * root).eigenvalues;
+        let [m, k] = rayleigh(0.05, [squares.min().sqrt(), squares.max().sqrt()]);
+        Self {
+            mass: Matrix3::from_diagonal(&[mass, 0.0, 0.0].into()),
+            damping: whole * m + stiffness * k,
+            stiffness,
+        }
+    }
+
+    /// A part without the free rotation, from matrices for x and the controlled rotation in the structure's sign.
+    pub fn of_two(mass: &Matrix2<f64>, damping: &Matrix2<f64>, stiffness: &Matrix2<f64>) -> Self {
+        let spread = |m: &Matrix2<f64>| {
+            Matrix3::new(
+                m[(0, 0)],
+                0.0,
+                m[(0, 1)],
+                0.0,
+                0.0,
+                0.0,
+                m[(1, 0)],
+                0.0,
+                m[(1, 1)],
+            )
+        };
+        Self {
+            mass: spread(mass),
+            damping: spread(damping),
+            stiffness: spread(stiffness),
+        }
+    }
+}
+
+/// Degrees of freedom that the ground shakes: x of the three storeys.
+fn shaken() -> Vector {
+    let mut l = Vector::zeros();
+    for at in [X, STOREYS[0], STOREYS[1]] {
+        l[at] = 1.0;
+    }
+    l
+}
+
+fn table(name: &str, csv: &str) -> Result<Whole, Refused> {
+    let mut all = Whole::zeros();
+    let mut rows = 0;
+    for (row, line) in csv.lines().filter(|l| !l.trim().is_empty()).enumerate() {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if row >= DOF || cells.len() != DOF {
+            return Err(Refused::new(format!(
+                "the {name} table of the frame has {} numbers in line {}: accepted are {DOF} lines of {DOF}",
+                cells.len(),
+                row + 1
+            )));
+        }
+        for (column, cell) in cells.iter().enumerate() {
+            all[(row, column)] = cell
+                .parse::<f64>()
+                .ok()
+                .filter(|x| x.is_finite())
+                .ok_or_else(|| {
+                    Refused::new(format!(
+                        "the {name} table of the frame has `{cell}` in line {}: accepted is a finite number",
+                        row + 1
+                    ))
+                })?;
+        }
+        rows = row + 1;
+    }
+    if rows != DOF {
+        return Err(Refused::new(format!(
+            "the {name} table of the frame has {rows} lines: accepted are {DOF}"
+        )));
+    }
+    Ok(all)
+}
+
+/// Integration by constant average acceleration, as published.
+#[derive(Clone, Debug)]
+pub struct Newmark {
+    mass: Whole,
+    damping: Whole,
+    flexible: Whole,
+    load: Vector,
+    displacement: Vector,
+    velocity: Vector,
+    acceleration: Vector,
+}
+
+impl Newmark {
+    /// At rest.
+    ///
+    /// # Errors
+    /// A dynamic stiffness that cannot be inverted.
+    pub fn new(matrices: &Matrices) -> Result<Self, Refused> {
+        let dynamic = matrices.stiffness
+            + matrices.mass * (4.0 / (PERIOD_S * PERIOD_S))
+            + matrices.damping * (2.0 / PERIOD_S);
+        let flexible = dynamic
+            .try_inverse()
+            .ok_or_else(|| Refused::new("marths: the numerical part cannot be integrated"))?;
+        Ok(Self {
+            load: matrices.mass * shaken(),
+            mass: matrices.mass,
+            damping: matrices.damping,
+            flexible,
+            displacement: Vector::zeros(),
+            velocity: Vector::zeros(),
+            acceleration: Vector::zeros(),
+        })
+    }
+
+    /// Shakes the mass of `matrices` in place of its own.
+    pub fn shake(&mut self, matrices: &Matrices) {
+        self.load = matrices.mass * shaken();
+    }
+
+    /// One sample: the ground's acceleration (m/s^2, unscaled) and what the specimen resists with: force on x (N) and moment
+    /// on the controlled rotation (N m).
+    pub fn step(&mut self, ground_m_per_s2: f64, resisting: [f64; 2]) {
+        let (a, b) = (4.0 / (PERIOD_S * PERIOD_S), 2.0 / PERIOD_S);
+        let (u, v, w) = (&self.displacement, &self.velocity, &self.acceleration);
+        // The published masses are lumped.
+        let inertia = (u * a + v * (2.0 * b) + w).component_mul(&self.mass.diagonal());
+        let mut load = inertia + self.damping * (u * b + v) - self.load * ground_m_per_s2;
+        load[X] -= resisting[0];
+        load[ROTATION] -= resisting[1];
+        let next = self.flexible * load;
+        let acceleration = (next - u) * a - v * (2.0 * b) - w;
+        self.velocity += (acceleration + w) * (0.5 * PERIOD_S);
+        self.acceleration = acceleration;
+        self.displacement = next;
+    }
+
+    /// Displacement of a degree of freedom, m or rad.
+    pub fn at(&self, dof: usize) -> f64 {
+        self.displacement[dof]
+    }
+}
+
+/// A ground motion at the samples of the problem, scaled as the problem has it, m/s^2.
+pub fn sampled(points_m_per_s2: &[f64], interval_s: f64) -> Vec<f64> {
+    let end_s = points_m_per_s2.len().saturating_sub(1) as f64 * interval_s;
+    let samples = (end_s / PERIOD_S).floor() as usize + 1;
+    let at = |i: usize| points_m_per_s2.get(i).copied().unwrap_or(0.0);
+    (0..samples)
+        .map(|k| {
+            let place = k as f64 * PERIOD_S / interval_s;
+            let i = place.floor();
+            let rise = at(i as usize + 1) - at(i as usize);
+            GROUND_SCALE * (at(i as usize) + (place - i) * rise)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_declared_part_is_the_published_one() {
+        let part = Part::declared();
+        assert!((part.mass[(0, 0)] - 902.527).abs() < 1e-2);
+        assert!((part.stiffness[(0, 0)] - 4_915_814.0).abs() < 10.0);
+        assert!((part.stiffness[(2, 1)] + 133_981.0).abs() < 1.0);
+    }
+
+    #[test]
+    fn a_table_of_another_size_is_refused_by_its_line() {
+        let error = Matrices::parse("1,2\n", "").unwrap_err().to_string();
+        assert!(error.contains("has 2 numbers in line 1"), "{error}");
+        let row = vec!["x"; DOF].join(",");
+        let error = Matrices::parse(&row, "").unwrap_err().to_string();
+        assert!(error.contains("`x` in line 1"), "{error}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The closed loop under a ground motion, and what it leaves.
+//!
+//! The order of a sample: the strokes are read; the controller says where the actuators are; the frame answers to that; the
+//! numerical part takes the force and the ground's acceleration of the same sample and gives the target; the controller
+//! commands, and the command is held until the next sample. The plant answers no command in its own sample, so nothing
+//! has to be solved for.
+
+use super::contestants::{Calibration, Contestant};
+use super::controller::Target;
+use super::frame::{Frame, Resistance};
+use super::rig::{COUPLER, Channels, Parameters, Rig};
+use super::structure::{Matrices, Newmark, Part, ROTATION, STOREYS, X};
+use super::{RATE_HZ, SIGN};
+use crate::Refused;
+
+/// What a trial leaves, a value a sample. Rotations in the rig's sign.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// Targets as strokes, m.
+    pub target_m: Vec<[f64; 2]>,
+    /// Strokes as they were read, m.
+    pub read_m: Vec<[f64; 2]>,
+    /// Strokes as they were, m.
+    pub stroke_m: Vec<[f64; 2]>,
+    /// x (m) and rotation (rad) of the numerical part.
+    pub numerical: Vec<[f64; 2]>,
+    /// x and rotation as the controller's block has them.
+    pub interface: Vec<[f64; 2]>,
+    /// Force (N) and moment (N m) of the frame, in the rig's sign.
+    pub force: Vec<[f64; 2]>,
+    /// x of the second and third storey, m.
+    pub storeys_m: Vec<[f64; 2]>,
+    /// Share of the samples in which a command was at its limit.
+    pub limited: f64,
+}
+
+/// Where the interface is when the strokes are such, m and rad.
+fn interface(stroke_m: [f64; 2]) -> [f64; 2] {
+    COUPLER
+        .interface(&stroke_m.map(|x| x as f32))
+        .map(f64::from)
+}
+
+/// Strokes for an interface.
+fn strokes_m([x, rotation]: [f64; 2]) -> [f64; 2] {
+    COUPLER.strokes_m(x as f32, rotation as f32).map(f64::from)
+}
+
+/// A structure under the ground motion without a rig: everything is computed.
+///
+/// # Errors
+/// A structure that cannot be integrated.
+pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
+    let mut newmark = Newmark::new(matrices)?;
+    let mut trace = Trace::default();
+    for &g in ground {
+        newmark.step(g, [0.0; 2]);
+        trace.see(&newmark);
+    }
+    Ok(trace)
+}
+
+/// The same of a numerical part with a frame that follows it without any error, now.
+///
+/// # Errors
+/// A structure that cannot be integrated.
+pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
+    let [mass, damping, stiffness] = Frame::published().in_structure();
+    let mut newmark = Newmark::new(&numerical.plus(&Part::of_two(&mass, &damping, &stiffness)))?;
+    newmark.shake(numerical);
+    let mut trace = Trace::default();
+    for &g in ground {
+        newmark.step(g, [0.0; 2]);
+        trace.see(&newmark);
+    }
+    Ok(trace)
+}
+
+/// A contestant's trial on a plant; `noise` multiplies the published noise, `seed` draws it.
+///
+/// # Errors
+/// A numerical part that cannot be integrated.
+pub fn run(
+    contestant: Contestant,
+    calibration: &Calibration,
+    numerical: &Matrices,
+    plant: &Parameters,
+    ground: &[f64],
+    (seed, noise): (u64, f64),
+) -> Result<Trace, Refused> {
+    let mut controller = calibration.controller(contestant);
+    let mut newmark = Newmark::new(numerical)?;
+    let mut resistance = Resistance::new(Frame::published());
+    let (mut rig, mut channels) = (Rig::new(plant), Channels::new(seed, noise));
+    let mut trace = Trace::default();
+    let mut limited = 0;
+    for &g in ground {
+        let stroke_m = match &controller {
+            Some(_) => rig.strokes_m(),
+            None => trace.target_m.last().copied().unwrap_or_default(),
+        };
+        let read_m = channels.read(stroke_m);
+        let block_m = controller.as_mut().map_or(read_m, |c| c.observe(read_m));
+        let at = interface(block_m);
+        let force = resistance.step(at);
+        newmark.step(g, [force[0], SIGN * force[1]]);
+        trace.read_m.push(read_m);
+        trace.stroke_m.push(stroke_m);
+        trace.interface.push(at);
+        trace.force.push(force);
+        let target = trace.see(&newmark);
+        if !target.interface.iter().all(|x| x.abs() < LOST) {
+            break;
+        }
+        if let Some(controller) = &mut controller {
+            let (sent, at_limit) = channels.send(controller.command(&Target {
+                ground_m_per_s2: g,
+                ..target
+            }));
+            limited += usize::from(at_limit);
+            rig.step(sent);
+        }
+    }
+    trace.limited = limited as f64 / ground.len().max(1) as f64;
+    Ok(trace)
+}
+
+/// A target beyond it, m or rad, is a loop that ran away.
+const LOST: f64 = 1.0;
+
+impl Trace {
+    /// Takes the state of the numerical part, and gives it as a target.
+    fn see(&mut self, newmark: &Newmark) -> Target {
+        let interface = [newmark.at(X), SIGN * newmark.at(ROTATION)];
+        let stroke_m = strokes_m(interface);
+        self.numerical.push(interface);
+        self.target_m.push(stroke_m);
+        self.storeys_m.push(STOREYS.map(|s| newmark.at(s)));
+        Target {
+            interface,
+            stroke_m,
+            ground_m_per_s2: 0.0,
+        }
+    }
+
+    /// Whether it reached the end of the record.
+    pub fn is_whole(&self, ground: &[f64]) -> bool {
+        self.numerical.len() == ground.len()
+            && self.numerical.iter().flatten().all(|x| x.is_finite())
+    }
+
+    /// How long it is, s.
+    pub fn duration_s(&self) -> f64 {
+        self.numerical.len() as f64 / RATE_HZ
+    }
+}

@@ -1,0 +1,241 @@
+//! `outerloop benchmark marths`: the multi-axial benchmark problem of real-time hybrid simulation.
+
+use super::refused;
+use crate::failure::Failure;
+use crate::files::ground_motion::{Columns, GroundMotionFile};
+use crate::files::output;
+use crate::terminal::{Progress, table};
+use crate::verb::json;
+use benchmarks::marths::bench::{self, Problem, Record, Row};
+use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::criteria::Both;
+use benchmarks::marths::declared::{Floor, Found};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub(super) struct Marths {
+    /// Records, separated by commas: ElCentro, Kobe, Morgan; left out: all three
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
+    records: Vec<String>,
+    /// Controllers, separated by commas; left out: all
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
+    controllers: Vec<String>,
+    /// The folder of data; left out: OUTERLOOP_DATA, else ../shared/data
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Drawn plants for each record
+    #[arg(long, default_value_t = 20)]
+    plants: usize,
+    /// Draw of the sensors' noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// One JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+    /// Write marths.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// The problem's ground motions.
+const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
+
+impl Marths {
+    /// Runs it.
+    ///
+    /// # Errors
+    /// Bad input, or files of the problem that are not there.
+    pub(super) fn go(&self) -> Result<(), Failure> {
+        let begin = std::time::Instant::now();
+        if self.plants > 1000 {
+            return Err(Failure::input(format!(
+                "--plants {}: accepted are 0 to 1000",
+                self.plants
+            )));
+        }
+        let contestants = match &self.controllers[..] {
+            [] => ALL.iter().map(|c| c.0).collect(),
+            names => names
+                .iter()
+                .map(|n| Contestant::named(n).map_err(refused))
+                .collect::<Result<Vec<_>, _>>()?,
+        };
+        let folder = super::data_folder(self.data.as_deref());
+        let problem = load(&folder.join("marths"))?;
+        let records = self
+            .names()?
+            .into_iter()
+            .map(|name| {
+                let file = folder.join(format!("ground-motion/RTHSBENCH_{name}.csv"));
+                let motion = GroundMotionFile::load(&file, Columns::default())?;
+                let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
+                problem
+                    .record(name, &points, motion.interval_s)
+                    .map_err(refused)
+            })
+            .collect::<Result<Vec<Record>, Failure>>()?;
+        let rows = {
+            let drawn = contestants
+                .iter()
+                .filter(|&&c| c != Contestant::Perfect)
+                .count();
+            let trials = records.len() * (contestants.len() + drawn * self.plants);
+            let progress = Progress::over("trials", trials as u64);
+            bench::rows(
+                &problem,
+                &records,
+                &contestants,
+                self.plants,
+                self.seed,
+                || progress.add(1),
+            )
+            .map_err(refused)?
+        };
+        let parts = records
+            .iter()
+            .map(|r| {
+                Ok((
+                    r.name.as_str(),
+                    problem.floors(r, self.seed).map_err(refused)?,
+                ))
+            })
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let answer = serde_json::json!({
+            "rules": "official", "seed": self.seed, "plants": self.plants, "rows": rows,
+            "declared_part": parts.iter().map(|(record, (_, floors))| serde_json::json!({
+                "record": record, "floors": floors,
+            })).collect::<Vec<_>>(),
+            "seconds": begin.elapsed().as_secs_f64(),
+        });
+        if self.json {
+            println!("{}", json(&answer)?);
+        } else {
+            print(&rows);
+            for (record, (found, floors)) in &parts {
+                print_parts(record, found, floors);
+            }
+        }
+        if let Some(folder) = &self.out {
+            output::write_all(folder, &[("marths.json", json(&answer)?)])?;
+        }
+        Ok(())
+    }
+
+    fn names(&self) -> Result<Vec<&'static str>, Failure> {
+        if self.records.is_empty() {
+            return Ok(RECORDS.to_vec());
+        }
+        self.records
+            .iter()
+            .map(|name| {
+                RECORDS.into_iter().find(|r| r == name).ok_or_else(|| {
+                    Failure::input(format!(
+                        "--records {name}: accepted are {}",
+                        RECORDS.join(", ")
+                    ))
+                })
+            })
+            .collect()
+    }
+}
+
+/// The problem from its files.
+fn load(folder: &Path) -> Result<Problem, Failure> {
+    let read = |name: &str| {
+        let path = folder.join(name);
+        std::fs::read_to_string(&path).map_err(|e| {
+            Failure::input(format!(
+                "{}: {e}; the problem's own files are needed (--data DIR, else OUTERLOOP_DATA, else ../shared/data)",
+                path.display()
+            ))
+        })
+    };
+    Problem::parse(
+        &read("K_matrix.csv")?,
+        &read("M_matrix.csv")?,
+        &read("initial_parameters.csv")?,
+    )
+    .map_err(refused)
+}
+
+/// Two figures in a cell.
+fn both([a, b]: Both) -> String {
+    let one = |x: f64| match x {
+        x if x >= 1000.0 => "lost".into(),
+        x if x >= 10.0 => format!("{x:.1}"),
+        x => format!("{x:.2}"),
+    };
+    format!("{} / {}", one(a), one(b))
+}
+
+fn print(rows: &[Row]) {
+    println!(
+        "Standard deviations in per cent, of the nominal plant and the worst of the drawn ones. J2: tracking error of \
+         actuator 1 / 2, as read;\nJ2*: of the true strokes. J5: x / rotation, as the controller's block has them, against the target; \
+         J7: against the reference\nstructure.\n"
+    );
+    let head = [
+        "controller",
+        "J2",
+        "J2*",
+        "J5",
+        "J7",
+        "worst J2*",
+        "worst J5",
+        "worst J7",
+        "lost",
+    ];
+    for group in rows.chunk_by(|a, b| a.record == b.record) {
+        let Some(first) = group.first() else { continue };
+        println!(
+            "{}: the noise of the readings is a J2 of {}; raw readings make the target itself uncertain by {}; a tracker \
+             without error\nor delay has a J7 of {}",
+            first.record,
+            both(first.j2_floor),
+            both(first.j2_true_floor),
+            both(first.j7_floor)
+        );
+        let cells = group.iter().map(|r| {
+            let worst = |x: Both| match r.worst.perturbed {
+                0 => String::new(),
+                _ => both(x),
+            };
+            vec![
+                r.controller.to_owned(),
+                both(r.j.j2),
+                both(r.j.j2_true),
+                both(r.j.j5),
+                both(r.j.j7),
+                worst(r.worst.j2_true),
+                worst(r.worst.j5),
+                worst(r.worst.j7),
+                format!("{} of {}", r.worst.lost, r.worst.perturbed),
+            ]
+        });
+        println!("{}\n", super::named(table(&head), 0, cells));
+    }
+    for (contestant, name, knows) in ALL {
+        if rows.iter().any(|r| r.controller == contestant.name()) {
+            println!("{name:14} knows {knows}");
+        }
+    }
+}
+
+fn print_parts(record: &str, found: &Found, floors: &[Floor]) {
+    let (k, m) = (&found.stiffness, &found.mass);
+    println!(
+        "\n{record}: what stands in the laboratory, from the loop's own record: stiffness {:.3}, {:.3}, {:.3} MN, MN, MN m; \
+         mass {:.1} kg (declared 4.916, -1.561, 1.259; 902.5 kg)",
+        k[(0, 0)] * 1e-6,
+        k[(0, 1)] * 1e-6,
+        k[(1, 1)] * 1e-6,
+        m[(0, 0)],
+    );
+    for floor in floors {
+        println!(
+            "  subtracted {:48} J7 of a tracker without error {}",
+            floor.subtracted,
+            both(floor.j7)
+        );
+    }
+}
