@@ -82,7 +82,7 @@ impl Plant {
         }
         let leads = self.lead_s.iter().chain(&self.path_lead_s).flatten();
         for &lead in leads {
-            if !(lead >= 0.0 && lead < 1e3) {
+            if !(0.0..1e3).contains(&lead) {
                 return refused("plant.lead_s", lead, "0 or a number up to 1000 s");
             }
         }
