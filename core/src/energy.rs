@@ -4,7 +4,7 @@
 //! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
 //! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 
-use crate::order::larger;
+use crate::float::larger;
 use crate::sum::Sum;
 
 /// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.

@@ -22,32 +22,38 @@
 //! | `G_v` | sech gain, Eq 19 | 1 |
 //!
 //! Start reading at [`outer_loop`]. Equation numbers are those of the paper (see the README). Time is that of the model
-//! in [`newmark`], [`energy`] and [`compensate`], that of the laboratory elsewhere; the time scale is between them.
+//! in [`newmark`], [`energy`] and the force laws, that of the laboratory elsewhere; the time scale is between them.
 
 #![no_std]
 #![forbid(unsafe_code)]
 // `!(x <= limit)` is how a NaN fails a limit.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-pub mod compensate;
 pub mod config;
 pub mod coupled;
+mod context;
 pub mod energy;
 pub mod estimate;
+mod float;
+mod force;
 pub mod ground_motion;
 pub mod matrix;
+mod method;
 pub mod newmark;
-mod order;
 pub mod outer_loop;
+mod predict;
 pub mod record;
+mod refusal;
 pub mod rig;
 pub mod signal;
 pub mod structure;
 pub mod sum;
 pub mod supervise;
 
-pub use config::{Config, Design, Method, Refusal};
+pub use config::{Config, Design};
 pub use ground_motion::GroundMotion;
+pub use method::{Accepted, Force, Method, Prediction};
 pub use outer_loop::{OuterLoop, Sample, Step};
 pub use record::Record;
+pub use refusal::Refusal;
 pub use supervise::{Event, Fault, State, Trip};

@@ -6,8 +6,8 @@
 //! `u_{i+1} = u_i + q_i + s_i/2`, `q_{i+1} = q_i + (s_i + s_{i+1})/2`, and the predictor velocity of Eq 16 is
 //! `q_i + s_i`, so that `v_i + v^_{i+1} = 2 (u_{i+1} - u_i) / dt` exactly.
 
-use crate::config::Refusal;
 use crate::matrix;
+use crate::refusal::Refusal;
 use crate::structure::Structure;
 use crate::sum::{Split, Sum};
 

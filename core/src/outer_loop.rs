@@ -18,15 +18,14 @@ mod outside;
 
 pub use outside::Pace;
 
-use crate::compensate::damping::{Motion, VariableDamping};
-use crate::compensate::predict::{Ahead, Followed};
-use crate::compensate::{Compensator, Correction, Stage};
 use crate::config::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Monitor, Observation};
 use crate::estimate::{Estimate, Estimator};
+use crate::float::larger;
+use crate::force::{Acting, Correction, Law, Reached};
 use crate::ground_motion::GroundMotion;
 use crate::newmark::Newmark;
-use crate::order::larger;
+use crate::predict::{Ahead, Followed, Predictor};
 use crate::record::{Record, flag};
 use crate::rig::Rig;
 use crate::signal::{SignalGenerator, Target};
@@ -91,7 +90,7 @@ pub struct OuterLoop<const N: usize> {
     aimed_m: [f32; N],
     target_m: [f32; N],
     monitor: Monitor<N>,
-    damping: VariableDamping<N>,
+    law: Law<N>,
     correction: Correction<N>,
     newmark: Newmark<N>,
     signal: SignalGenerator<N>,
@@ -104,7 +103,7 @@ pub struct OuterLoop<const N: usize> {
     energy: EnergyErrors<N>,
     estimator: Estimator<N>,
     history: History<N>,
-    compensator: Compensator<N>,
+    predictor: Predictor<N>,
     rig: Rig<N>,
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
@@ -122,7 +121,9 @@ impl<const N: usize> OuterLoop<N> {
     pub fn new(design: Design<N>) -> Self {
         let Design {
             step: design,
-            compensator,
+            law,
+            predictor,
+            estimation,
             rig,
         } = design;
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
@@ -141,11 +142,11 @@ impl<const N: usize> OuterLoop<N> {
             standing_m: None,
             returning: false,
             goal_m: None,
-            estimator: Estimator::at_rest(&design.estimation, [0.0; N]),
+            estimator: Estimator::at_rest(&estimation, [0.0; N]),
             energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
             monitor: Monitor::new(diagonal, design.energy_floor_j),
-            damping: VariableDamping::at_rest(),
-            compensator: Compensator::at_rest(compensator),
+            law,
+            predictor,
             rig: Rig::new(rig),
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
@@ -257,36 +258,29 @@ impl<const N: usize> OuterLoop<N> {
         };
         let energy = self.energy.update(&now);
 
-        let motion = Motion {
-            displacement_m: now.command_m,
+        let Acting {
+            force_n,
+            damping,
+            correction,
+        } = self.law.act(&Reached {
+            now: &now,
+            energy: &energy,
             velocity_dt_m: self.newmark.velocity_dt_m(),
             predictor_velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
-        };
-        let k = &self.design;
-        let (mut force_n, mut acting) = (now.force_n, [0.0; N]);
-        self.correction = match k.stage {
-            Stage::Damping => {
-                let correction = self.damping.update(&k.damping, &energy, &motion);
-                acting = correction.damping;
-                correction
-            }
-            Stage::Measured => Correction::NONE,
-            Stage::Force => {
-                let correction;
-                (force_n, correction) = self.compensator.force(now);
-                correction
-            }
-        };
-        (now, force_n, acting)
+        });
+        self.correction = correction;
+        (now, force_n, damping)
     }
 
     /// One integration step: energy, compensation, equation of motion, next target.
     #[inline]
     fn solve(&mut self, estimate: &Estimate<N>, ground_m_per_s2: f32) {
-        let (now, force_n, acting) = self.compensate(estimate);
+        let (now, force_n, damping) = self.compensate(estimate);
         let k = &self.design;
         let load_n = k.newmark.load_n(ground_m_per_s2);
-        let mut correction_n = self.newmark.advance(&k.newmark, &load_n, &force_n, &acting);
+        let mut correction_n = self
+            .newmark
+            .advance(&k.newmark, &load_n, &force_n, &damping);
         for j in 0..N {
             correction_n[j] += force_n[j] - now.force_n[j];
         }
@@ -353,13 +347,9 @@ impl<const N: usize> OuterLoop<N> {
             displacement_m[j] = self.target_m[j];
             force_n[j] = 0.0;
         }
-        let estimate = self.estimator.update(
-            &k.estimation,
-            &self.aimed_m,
-            &displacement_m,
-            &force_n,
-            k.physical,
-        );
+        let estimate = self
+            .estimator
+            .update(&self.aimed_m, &displacement_m, &force_n, k.physical);
         // A model that fits has 1; twice that over a second of samples is no chance.
         if estimate.innovation.iter().any(|&i| !(i <= 2.0)) {
             self.flags |= flag::MODEL_DOUBT;
@@ -425,7 +415,7 @@ impl<const N: usize> OuterLoop<N> {
             acceleration_m: acceleration_m[j],
         });
         let mut send_m = next_m;
-        self.compensator
+        self.predictor
             .command(&followed, &ahead, k.physical, &mut send_m);
         if !live {
             return next_m;

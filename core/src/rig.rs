@@ -7,7 +7,7 @@
 //! the other as well.
 
 use crate::estimate::{Delay, DelayLine};
-use crate::order::{larger, smaller};
+use crate::float::{larger, smaller};
 
 /// The longest skew between the channels, in control steps, and 2.
 pub const MAX_SKEW_STEPS: usize = 12;

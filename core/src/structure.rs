@@ -1,7 +1,7 @@
 //! The structure of the equation of motion, `M a + C v + R + K_n u = -M g a_g`.
 
-use crate::config::Refusal;
 use crate::matrix::{self, Matrix};
+use crate::refusal::Refusal;
 
 /// Mass, damping and stiffness of `N` degrees of freedom, in SI units (configuration, f64).
 ///
@@ -61,6 +61,14 @@ impl<const N: usize> Structure<N> {
             .map(|(omegas, _)| omegas)
             .ok_or(Refusal::matrix("structure.mass_kg"))
     }
+}
+
+/// Storey stiffnesses of a shear frame, from the matrix: minus the entry beside the diagonal, and for the lowest the rest.
+pub(crate) fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
+    core::array::from_fn(|j| match j.checked_sub(1) {
+        Some(below) => -k[j][below],
+        None => k[0].iter().sum(),
+    })
 }
 
 /// The stiffness matrix of storeys `from..N` of a shear frame.

@@ -1,6 +1,10 @@
 //! Validation: the whole configuration, once. Nothing is clamped; what cannot be accepted is refused by name.
 
-use super::{Config, Filter, MAX_DOF, PerFloor, Refusal, accept, between};
+use super::{Config, Filter, MAX_DOF, PerFloor};
+use crate::force::Law;
+use crate::predict::Predictor;
+use crate::predict::adaptation::Learning;
+use crate::refusal::{Refusal, accept, between};
 
 impl Config {
     /// Number of degrees of freedom.
@@ -156,6 +160,33 @@ impl Config {
             omega_dt < 2.0,
             "rates at which the highest natural frequency times the integration step stays below 2",
         )
+    }
+
+    /// What several methods share; each method checks its own.
+    fn check_compensation(&self) -> Result<(), Refusal> {
+        let c = &self.compensation;
+        accept(
+            "compensation.window_steps",
+            f64::from(c.window_steps),
+            (1..=crate::energy::MAX_WINDOW as u16).contains(&c.window_steps),
+            "1 to 64",
+        )?;
+        between(
+            "compensation.delay_ms",
+            c.delay_ms,
+            0.0,
+            1e4,
+            "above 0 and below 10000 ms",
+        )?;
+        accept(
+            "compensation.hold_share",
+            c.hold_share,
+            (0.0..1.0).contains(&c.hold_share),
+            "0 to below 1",
+        )?;
+        Learning::check(&c.adaptation)?;
+        Law::<1>::check(c)?;
+        Predictor::<1>::check(c, &self.timing)
     }
 
     fn check_estimation(&self) -> Result<(), Refusal> {

@@ -1,183 +1,6 @@
-//! `[compensation]`: the methods by name, and their parameters.
+//! `[compensation]`: which method, and the parameters of all.
 
-/// The name of a compensation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Method {
-    /// The measured force goes into the equation of motion as it is.
-    #[cfg_attr(feature = "serde", serde(rename = "none"))]
-    None,
-    /// Eq 14 as the paper published it: hold on a change of sign only.
-    #[cfg_attr(feature = "serde", serde(rename = "eq14-unguarded"))]
-    Eq14Unguarded,
-    /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
-    #[cfg_attr(feature = "serde", serde(rename = "eq14"))]
-    Eq14,
-    /// Eq 20 with the sech gain of Eq 19, and the guards.
-    #[default]
-    #[cfg_attr(feature = "serde", serde(rename = "paper"))]
-    Paper,
-    /// Polynomial extrapolation of the command (Horiuchi).
-    #[cfg_attr(feature = "serde", serde(rename = "lagrange"))]
-    Lagrange,
-    /// The same with the delay estimated on line (Darby).
-    #[cfg_attr(feature = "serde", serde(rename = "darby"))]
-    Darby,
-    /// Prediction by the structure's own model (Carrion and Spencer).
-    #[cfg_attr(feature = "serde", serde(rename = "model-prediction"))]
-    ModelPrediction,
-    /// Force at the time the target was reached, behind `afp` (Ahmadizadeh).
-    #[cfg_attr(feature = "serde", serde(rename = "ahmadizadeh"))]
-    Ahmadizadeh,
-    /// First-order phase lead (Zhao).
-    #[cfg_attr(feature = "serde", serde(rename = "phase-lead"))]
-    PhaseLead,
-    /// Minimal control synthesis with modified demand (Bonnet).
-    #[cfg_attr(feature = "serde", serde(rename = "mcs"))]
-    Mcs,
-    /// Inverse model and feedback of the error (Carrion).
-    #[cfg_attr(feature = "serde", serde(rename = "feedforward-feedback"))]
-    FeedforwardFeedback,
-    /// Adaptive forward prediction (Wallace).
-    #[cfg_attr(feature = "serde", serde(rename = "afp"))]
-    Afp,
-    /// Inverse compensation (Chen and Ricles).
-    #[cfg_attr(feature = "serde", serde(rename = "inverse"))]
-    Inverse,
-    /// The same, adaptive.
-    #[cfg_attr(feature = "serde", serde(rename = "adaptive-inverse"))]
-    AdaptiveInverse,
-    /// Adaptive time series (Chae).
-    #[cfg_attr(feature = "serde", serde(rename = "ats"))]
-    Ats,
-    /// Tangent force behind adaptive forward prediction.
-    #[cfg_attr(feature = "serde", serde(rename = "tangent"))]
-    Tangent,
-}
-
-/// What stands between the target and the command that is sent; each is a method of the same name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Prediction {
-    /// The target is sent as it is.
-    None,
-    /// Polynomial extrapolation of the command (Horiuchi).
-    Lagrange,
-    /// The same with the delay estimated on line (Darby).
-    Darby,
-    /// Prediction by the structure's own model (Carrion and Spencer).
-    ModelPrediction,
-    /// First-order phase lead (Zhao).
-    PhaseLead,
-    /// Minimal control synthesis with modified demand (Bonnet).
-    Mcs,
-    /// Inverse model and feedback of the error (Carrion).
-    FeedforwardFeedback,
-    /// Adaptive forward prediction (Wallace).
-    Afp,
-    /// Inverse compensation (Chen and Ricles).
-    Inverse,
-    /// The same, adaptive.
-    AdaptiveInverse,
-    /// Adaptive time series (Chae).
-    Ats,
-}
-
-impl Prediction {
-    /// Every predictor, in the order of the documentation.
-    pub const ALL: [Self; 11] = [
-        Self::None,
-        Self::Lagrange,
-        Self::Darby,
-        Self::ModelPrediction,
-        Self::PhaseLead,
-        Self::Mcs,
-        Self::FeedforwardFeedback,
-        Self::Afp,
-        Self::Inverse,
-        Self::AdaptiveInverse,
-        Self::Ats,
-    ];
-
-    /// The name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => Method::None.name(),
-            Self::Lagrange => Method::Lagrange.name(),
-            Self::Darby => Method::Darby.name(),
-            Self::ModelPrediction => Method::ModelPrediction.name(),
-            Self::PhaseLead => Method::PhaseLead.name(),
-            Self::Mcs => Method::Mcs.name(),
-            Self::FeedforwardFeedback => Method::FeedforwardFeedback.name(),
-            Self::Afp => Method::Afp.name(),
-            Self::Inverse => Method::Inverse.name(),
-            Self::AdaptiveInverse => Method::AdaptiveInverse.name(),
-            Self::Ats => Method::Ats.name(),
-        }
-    }
-}
-
-impl Method {
-    /// Every method, in the order of the documentation.
-    pub const ALL: [Self; 16] = [
-        Self::None,
-        Self::Eq14Unguarded,
-        Self::Eq14,
-        Self::Paper,
-        Self::Lagrange,
-        Self::Darby,
-        Self::ModelPrediction,
-        Self::Ahmadizadeh,
-        Self::PhaseLead,
-        Self::Mcs,
-        Self::FeedforwardFeedback,
-        Self::Afp,
-        Self::Inverse,
-        Self::AdaptiveInverse,
-        Self::Ats,
-        Self::Tangent,
-    ];
-
-    /// The name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Eq14Unguarded => "eq14-unguarded",
-            Self::Eq14 => "eq14",
-            Self::Paper => "paper",
-            Self::Lagrange => "lagrange",
-            Self::Darby => "darby",
-            Self::ModelPrediction => "model-prediction",
-            Self::Ahmadizadeh => "ahmadizadeh",
-            Self::PhaseLead => "phase-lead",
-            Self::Mcs => "mcs",
-            Self::FeedforwardFeedback => "feedforward-feedback",
-            Self::Afp => "afp",
-            Self::Inverse => "inverse",
-            Self::AdaptiveInverse => "adaptive-inverse",
-            Self::Ats => "ats",
-            Self::Tangent => "tangent",
-        }
-    }
-
-    /// The predictor that belongs to it.
-    pub const fn prediction(self) -> Prediction {
-        match self {
-            Self::None | Self::Eq14Unguarded | Self::Eq14 | Self::Paper => Prediction::None,
-            Self::Darby => Prediction::Darby,
-            Self::Ahmadizadeh | Self::Afp | Self::Tangent => Prediction::Afp,
-            Self::Lagrange => Prediction::Lagrange,
-            Self::ModelPrediction => Prediction::ModelPrediction,
-            Self::PhaseLead => Prediction::PhaseLead,
-            Self::Mcs => Prediction::Mcs,
-            Self::FeedforwardFeedback => Prediction::FeedforwardFeedback,
-            Self::Inverse => Prediction::Inverse,
-            Self::AdaptiveInverse => Prediction::AdaptiveInverse,
-            Self::Ats => Prediction::Ats,
-        }
-    }
-}
+use crate::method::Method;
 
 /// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -216,8 +39,6 @@ pub struct Compensation {
     pub least_mass: f64,
     /// The last C_cor is held while the increment is below this share of its running peak.
     pub hold_share: f64,
-    /// Another predictor than the method's own.
-    pub predictor: Option<Prediction>,
     /// Order of the polynomial of `lagrange` and `darby`, 1 to 3.
     pub order: u8,
     /// Inverse of the actuator for `feedforward-feedback`: factors of velocity (s), acceleration (s^2) and jerk (s^3) of
@@ -286,10 +107,18 @@ impl Default for Tangent {
     }
 }
 
+impl Compensation {
+    /// The inverse of the actuator, in powers of a second: the one that is given, or that of `delay_ms`.
+    pub fn inverse(&self) -> [f64; 3] {
+        let tau_s = self.delay_ms * 1e-3;
+        self.inverse.unwrap_or([tau_s, 0.5 * tau_s * tau_s, 0.0])
+    }
+}
+
 impl Default for Compensation {
     fn default() -> Self {
         Self {
-            kind: Method::Paper,
+            kind: Method::default(),
             secant: Secant::Command,
             gamma: 0.05,
             window_steps: 1,
@@ -298,7 +127,6 @@ impl Default for Compensation {
             clamp_below: None,
             least_mass: 0.5,
             hold_share: 0.05,
-            predictor: None,
             order: 3,
             inverse: None,
             feedback: 0.2,

@@ -1,20 +1,26 @@
 //! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
 
-use super::{Config, Filter, PerFloor, Prediction, Refusal, accept, methods};
-use crate::compensate;
+use super::{Config, Filter, PerFloor};
+use crate::context::Context;
 use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
-use crate::matrix::{self, Matrix};
+use crate::force::Law;
+use crate::matrix;
+use crate::method::Prediction;
 use crate::newmark;
+use crate::predict::Predictor;
+use crate::refusal::{Refusal, accept};
 use crate::rig;
 use crate::signal;
-use crate::structure::Structure;
+use crate::structure::{Structure, storey_stiffness};
 use crate::supervise;
 
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
 pub struct Design<const N: usize> {
     pub(crate) step: StepConstants<N>,
-    pub(crate) compensator: compensate::Constants<N>,
+    pub(crate) law: Law<N>,
+    pub(crate) predictor: Predictor<N>,
+    pub(crate) estimation: estimate::Constants<N>,
     pub(crate) rig: Option<rig::Constants<N>>,
 }
 
@@ -23,15 +29,12 @@ pub struct Design<const N: usize> {
 pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::Constants,
-    pub(crate) stage: compensate::Stage,
     /// What is sent is not the target: there is a predictor, or the actuator is elsewhere than its command.
     pub(crate) predicts: bool,
     /// From command to true displacement.
     pub(crate) command: [rig::Command; N],
     /// Samples are not what they say.
     pub(crate) corrects: bool,
-    pub(crate) damping: compensate::damping::Constants<N>,
-    pub(crate) estimation: estimate::Constants<N>,
     pub(crate) limits: supervise::Limits,
     /// Declared stiffness of the specimen, N/m.
     pub(crate) specimen_stiffness: [[f32; N]; N],
@@ -88,7 +91,15 @@ impl<const N: usize> Design<N> {
         let specimen = matrix::sum(&structure.stiffness, -1.0, &structure.numerical_stiffness);
         let mass: [f64; N] = core::array::from_fn(|j| structure.mass[j][j]);
         let floor = 0.5 * structure.stiffness[0][0] * 1e-6;
-        let compensator = methods::constants(config, structure, &specimen, &omegas)?;
+        let context = Context {
+            parameters: c,
+            structure,
+            specimen_n_per_m: specimen,
+            omega: omegas,
+            rate_hz: t.rate_hz,
+            time_scale: t.time_scale,
+            model_step_s: dt_s,
+        };
         let noise_m = config.estimation.displacement_noise_m;
         let rig = config.rig.constants(t.rate_hz, noise_m);
         let step = StepConstants {
@@ -103,12 +114,9 @@ impl<const N: usize> Design<N> {
                 slow_down: libm::exp(-1.0 / f64::from(t.slow_down_steps)) as f32,
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
-            stage: methods::stage(c.kind),
-            predicts: c.prediction() != Prediction::None || config.rig.moves_commands(),
+            predicts: c.kind.predictor != Prediction::None || config.rig.moves_commands(),
             command: config.rig.command(),
             corrects: rig.is_some(),
-            damping: methods::variable_damping(config, structure, &specimen, omega),
-            estimation: estimation(config, structure, control_step_s)?,
             limits: limits(config),
             specimen_stiffness: specimen.map(|row| row.map(|x| x as f32)),
             window_steps: c.window_steps,
@@ -123,8 +131,10 @@ impl<const N: usize> Design<N> {
             physical: structure.physical.min(N),
         };
         Ok(Self {
+            law: Law::design(&context),
+            predictor: Predictor::design(&context)?,
+            estimation: estimation(config, structure, control_step_s)?,
             step,
-            compensator,
             rig,
         })
     }
@@ -162,14 +172,6 @@ fn estimation<const N: usize>(
                 }),
             }
         }
-    })
-}
-
-/// Storey stiffnesses of a shear frame, from the matrix: minus the entry beside the diagonal, and for the lowest the rest.
-pub(super) fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
-    core::array::from_fn(|j| match j.checked_sub(1) {
-        Some(below) => -k[j][below],
-        None => k[0].iter().sum(),
     })
 }
 

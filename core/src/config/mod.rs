@@ -5,15 +5,11 @@
 mod check;
 mod compensation;
 mod design;
-mod methods;
-mod refusal;
 mod rig;
 
-pub use compensation::{Adaptation, Compensation, Method, Prediction, Secant, Tangent};
+pub use compensation::{Adaptation, Compensation, Secant, Tangent};
 pub use design::Design;
 pub(crate) use design::StepConstants;
-pub use refusal::Refusal;
-pub(crate) use refusal::{accept, between};
 pub use rig::{PerActuator, Rig};
 
 use heapless::Vec;

@@ -1,6 +1,6 @@
 //! What is known of a rig that is not ideal, for example from a diagnosis of its records.
 
-use super::{Refusal, accept, between};
+use crate::refusal::{Refusal, accept, between};
 use crate::rig::{self, MAX_SKEW_STEPS};
 use heapless::Vec;
 

@@ -4,7 +4,8 @@
 //! configuration, from the discrete Riccati equation.
 
 use super::actuator_model::{Delay, DelayLine, Lag, multiply};
-use crate::config::{Estimation, Refusal};
+use crate::config::Estimation;
+use crate::refusal::Refusal;
 
 /// Constants of stage 1.
 #[derive(Clone, Copy, Debug)]

@@ -43,22 +43,31 @@ pub struct Estimate<const N: usize> {
     pub innovation: [f32; 2],
 }
 
-/// The estimator of a loop.
+/// The estimator of a loop, with its constants and its memory.
 #[derive(Clone, Debug)]
 pub enum Estimator<const N: usize> {
     /// Samples as they are.
     Off,
     /// Two-stage Kalman filter.
     Kalman {
-        /// Stage 1.
-        motion: [Kalman; N],
-        /// Stage 2.
-        stiffness: [StiffnessFilter; N],
+        /// Constants of stage 1, the same for every axis.
+        gains: KalmanGains,
+        /// Constants of stage 2, one for each storey.
+        priors: [StiffnessPrior; N],
         /// Running mean of the squared innovations.
         innovation: [f32; 2],
+        /// Stage 2.
+        stiffness: [StiffnessFilter; N],
+        /// Stage 1.
+        motion: [Kalman; N],
     },
     /// Low-pass, displacement and force.
-    LowPass([[LowPass; 2]; N]),
+    LowPass {
+        /// Constants, the same for every channel.
+        biquad: Biquad,
+        /// Both channels of every axis.
+        channels: [[LowPass; 2]; N],
+    },
 }
 
 impl<const N: usize> Estimator<N> {
@@ -66,13 +75,37 @@ impl<const N: usize> Estimator<N> {
     pub fn at_rest(k: &Constants<N>, position_m: [f32; N]) -> Self {
         match k {
             Constants::Off => Self::Off,
-            Constants::Kalman { stiffness, .. } => Self::Kalman {
-                motion: position_m.map(Kalman::at_rest),
-                stiffness: core::array::from_fn(|j| StiffnessFilter::new(&stiffness[j])),
+            Constants::Kalman { motion, stiffness } => Self::Kalman {
+                gains: *motion,
+                priors: *stiffness,
                 innovation: [1.0; 2],
+                stiffness: core::array::from_fn(|j| StiffnessFilter::new(&stiffness[j])),
+                motion: position_m.map(Kalman::at_rest),
             },
-            Constants::LowPass(_) => {
-                Self::LowPass(position_m.map(|x| [LowPass::settled(x), LowPass::settled(0.0)]))
+            Constants::LowPass(biquad) => Self::LowPass {
+                biquad: *biquad,
+                channels: position_m.map(|x| [LowPass::settled(x), LowPass::settled(0.0)]),
+            },
+        }
+    }
+
+    /// Back to rest at `position_m` under no force, in place.
+    pub fn rest(&mut self, position_m: [f32; N]) {
+        match self {
+            Self::Off => {}
+            Self::Kalman {
+                priors,
+                innovation,
+                stiffness,
+                motion,
+                ..
+            } => {
+                *innovation = [1.0; 2];
+                *stiffness = core::array::from_fn(|j| StiffnessFilter::new(&priors[j]));
+                *motion = position_m.map(Kalman::at_rest);
+            }
+            Self::LowPass { channels, .. } => {
+                *channels = position_m.map(|x| [LowPass::settled(x), LowPass::settled(0.0)]);
             }
         }
     }
@@ -82,7 +115,6 @@ impl<const N: usize> Estimator<N> {
     #[inline]
     pub fn update(
         &mut self,
-        k: &Constants<N>,
         sent_m: &[f32; N],
         displacement_m: &[f32; N],
         force_n: &[f32; N],
@@ -93,18 +125,15 @@ impl<const N: usize> Estimator<N> {
             force_n: *force_n,
             innovation: [0.0; 2],
         };
-        match (self, k) {
-            (
-                Self::Kalman {
-                    motion,
-                    stiffness,
-                    innovation,
-                },
-                Constants::Kalman {
-                    motion: gains,
-                    stiffness: priors,
-                },
-            ) => {
+        match self {
+            Self::Off => {}
+            Self::Kalman {
+                gains,
+                priors,
+                innovation,
+                stiffness,
+                motion,
+            } => {
                 let mut squared = [-0.0_f32; 2];
                 for j in 0..N.min(physical) {
                     squared[0] += motion[j].update(gains, sent_m[j], displacement_m[j]);
@@ -136,13 +165,12 @@ impl<const N: usize> Estimator<N> {
                 }
                 out.innovation = *innovation;
             }
-            (Self::LowPass(filters), Constants::LowPass(k)) => {
+            Self::LowPass { biquad, channels } => {
                 for j in 0..N.min(physical) {
-                    out.displacement_m[j] = filters[j][0].update(k, displacement_m[j]);
-                    out.force_n[j] = filters[j][1].update(k, force_n[j]);
+                    out.displacement_m[j] = channels[j][0].update(biquad, displacement_m[j]);
+                    out.force_n[j] = channels[j][1].update(biquad, force_n[j]);
                 }
             }
-            _ => {}
         }
         out
     }

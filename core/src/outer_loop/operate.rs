@@ -1,8 +1,8 @@
 //! What the operator does with a loop, between steps.
 
 use super::{
-    Correction, Design, EnergyErrors, Estimator, Event, LockWatch, Monitor, Newmark, OuterLoop,
-    Record, Rejected, SignalGenerator, StaleWatch, State, Trip, VariableDamping,
+    Correction, Design, EnergyErrors, Event, LockWatch, Monitor, Newmark, OuterLoop, Record,
+    Rejected, SignalGenerator, StaleWatch, State, Trip,
 };
 
 impl<const N: usize> OuterLoop<N> {
@@ -94,7 +94,7 @@ impl<const N: usize> OuterLoop<N> {
             ground_m_per_s2,
             target_m,
             monitor,
-            damping,
+            law,
             correction,
             newmark,
             signal,
@@ -107,7 +107,7 @@ impl<const N: usize> OuterLoop<N> {
             energy,
             estimator,
             history,
-            compensator,
+            predictor,
             rig,
             aimed_step_m,
             blend,
@@ -124,15 +124,15 @@ impl<const N: usize> OuterLoop<N> {
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);
         *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));
-        *estimator = Estimator::at_rest(&design.estimation, *aimed_m);
-        *damping = VariableDamping::at_rest();
+        estimator.rest(*aimed_m);
+        law.rest();
         *correction = Correction::NONE;
         *newmark = Newmark::at_rest();
         *signal = SignalGenerator::standing_at([0.0; N]);
         *stale = StaleWatch::new();
         *lock = LockWatch::default();
         history.clear();
-        compensator.rest();
+        predictor.rest();
         rig.rest();
     }
 }

@@ -5,7 +5,7 @@
 //! natural period does not vibrate any more; no honest correction of a delay does that (it would need
 //! `omega tau` near 2).
 
-use crate::order::smaller;
+use crate::float::smaller;
 
 /// Running mean of the added damping ratio over about a natural period.
 #[derive(Clone, Debug, Default)]

@@ -12,13 +12,15 @@
 //! Where the specimen is not what was declared: a yielding one is predicted as an elastic one. The change of the ground
 //! motion within the delay is left out.
 
-use super::Ahead;
+use super::{Ahead, Followed, Predict};
+use crate::context::Context;
 use crate::matrix::{self, Matrix};
+use crate::refusal::Refusal;
 use crate::structure::Structure;
 
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants<const N: usize> {
+pub(crate) struct Constants<const N: usize> {
     /// A, control steps.
     velocity: [[f32; N]; N],
     /// B, control steps squared.
@@ -65,6 +67,40 @@ impl<const N: usize> Constants<N> {
             }
             command_m[i] += sum;
         }
+    }
+}
+
+/// Without memory: the constants are all there is.
+#[derive(Clone, Debug)]
+pub(crate) struct ModelPrediction;
+
+impl<const N: usize> Predict<N> for ModelPrediction {
+    type Constants = Constants<N>;
+
+    fn design(context: &Context<'_, N>) -> Result<Constants<N>, Refusal> {
+        let step_s = 1.0 / (context.rate_hz * context.time_scale);
+        Constants::new(
+            context.structure,
+            context.omega[N - 1],
+            context.model_delay_s(),
+            step_s,
+        )
+        .ok_or(Refusal::matrix("structure.mass_kg"))
+    }
+
+    fn at_rest(_: &Constants<N>) -> Self {
+        Self
+    }
+
+    fn command(
+        &mut self,
+        k: &Constants<N>,
+        _: &[Followed; N],
+        ahead: &[Ahead; N],
+        physical: usize,
+        command_m: &mut [f32; N],
+    ) {
+        k.ahead(ahead, physical, command_m);
     }
 }
 

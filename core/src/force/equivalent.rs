@@ -1,12 +1,13 @@
 //! A force correction as the damping that it amounts to, for the paper's plot and the watch for locked structures.
 
 use super::Correction;
+use crate::context::Context;
 use crate::energy::Observation;
-use crate::order::larger;
+use crate::float::larger;
 
 /// Constants of the report.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Integration step, s of model time.
     pub dt_s: f32,
     /// Share of the running peak of the increment below which the last value stays.
@@ -15,9 +16,20 @@ pub struct Constants {
     pub peak_memory: f32,
 }
 
+impl Constants {
+    /// For a test.
+    pub fn design<const N: usize>(context: &Context<'_, N>) -> Self {
+        Self {
+            dt_s: context.model_step_s as f32,
+            hold_share: context.parameters.hold_share as f32,
+            peak_memory: context.peak_memory(),
+        }
+    }
+}
+
 /// `F_cor dt / du`, held where du says nothing.
 #[derive(Clone, Debug)]
-pub struct EquivalentDamping<const N: usize> {
+pub(crate) struct EquivalentDamping<const N: usize> {
     last: [f32; N],
     peak_m: [f32; N],
 }

@@ -14,12 +14,13 @@
 //! Beyond `omega tau` of about 1 for the highest mode that moves: the second-order term amplifies it. With an actuator
 //! that is neither a delay nor a lag of second order [`super::ats`] fits more of it.
 
-use super::gate::{Gate, Learning};
-use super::{Ahead, Followed, Predict};
+use super::adaptation::{Gate, Learning};
+use super::{Ahead, Followed, PredictAxis};
+use crate::context::Context;
 
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Delay to start with, control steps.
     pub delay: f32,
     /// How it is learnt.
@@ -28,7 +29,7 @@ pub struct Constants {
 
 /// What has been learnt of one axis.
 #[derive(Clone, Debug)]
-pub struct Afp {
+pub(crate) struct Afp {
     delay: f32,
     gain: f32,
     /// Velocity of the target in force, m per control step.
@@ -36,8 +37,15 @@ pub struct Afp {
     gate: Gate,
 }
 
-impl Predict for Afp {
+impl PredictAxis for Afp {
     type Constants = Constants;
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        Constants {
+            delay: context.delay_steps() as f32,
+            learning: Learning::design(context),
+        }
+    }
 
     fn at_rest(k: &Constants) -> Self {
         Self {
@@ -68,7 +76,7 @@ impl Predict for Afp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn learns_a_delay_and_a_gain_that_it_was_told_wrong() {

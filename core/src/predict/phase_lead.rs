@@ -9,14 +9,15 @@
 //! # When not to use it
 //! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
 
-use super::{Ahead, Followed, Predict};
+use super::{Ahead, Followed, PredictAxis};
+use crate::context::Context;
 
 /// T_2 over the delay.
 const SHARE: f64 = 0.1;
 
 /// Constants of the lead: `y = new x + last x_1 + memory y_1`.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     new: f32,
     last: f32,
     memory: f32,
@@ -36,13 +37,17 @@ impl Constants {
 
 /// The lead on one axis.
 #[derive(Clone, Debug)]
-pub struct PhaseLead {
+pub(crate) struct PhaseLead {
     target_m: f32,
     command_m: f32,
 }
 
-impl Predict for PhaseLead {
+impl PredictAxis for PhaseLead {
     type Constants = Constants;
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        Constants::new(context.delay_steps())
+    }
 
     fn at_rest(_: &Constants) -> Self {
         Self {
@@ -70,7 +75,7 @@ mod tests {
         let (steps, omega) = (8.0_f64, 0.02_f64);
         let k = Constants::new(steps);
         let mut axis = PhaseLead::at_rest(&k);
-        let followed = crate::compensate::predict::checks::AT_REST;
+        let followed = crate::predict::checks::AT_REST;
         let (mut in_phase, mut across, cycles) = (0.0, 0.0, 20.0);
         let length = (cycles * core::f64::consts::TAU / omega) as usize;
         for i in 0..2 * length {

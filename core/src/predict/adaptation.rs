@@ -4,11 +4,14 @@
 //! predictor that we know of is at the start of a test or in its quiet end. So all of them ask this gate: the speed
 //! must be a fair share of its running peak, and that peak above a floor.
 
-use crate::order::{larger, smaller};
+use crate::config::Adaptation;
+use crate::context::Context;
+use crate::float::{larger, smaller};
+use crate::refusal::{Refusal, accept, between};
 
 /// When and how fast adaptive predictors learn. Times in control steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Learning {
+pub(crate) struct Learning {
     /// Running peak of the displacement below which nothing is learnt, m.
     pub floor_m: f32,
     /// What the running peaks keep from one control step to the next.
@@ -29,6 +32,63 @@ pub struct Learning {
 const SHARE: f32 = 0.3;
 
 impl Learning {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// The first that cannot be accepted.
+    pub fn check(a: &Adaptation) -> Result<(), Refusal> {
+        between(
+            "compensation.adaptation.time_s",
+            a.time_s,
+            1e-3,
+            1e3,
+            "above 0.001 and below 1000 s",
+        )?;
+        between(
+            "compensation.adaptation.floor_m",
+            a.floor_m,
+            0.0,
+            10.0,
+            "above 0 and below 10 m",
+        )?;
+        between(
+            "compensation.adaptation.longest_delay_ms",
+            a.longest_delay_ms,
+            0.0,
+            1e3,
+            "above 0 and below 1000 ms",
+        )?;
+        between(
+            "compensation.adaptation.delay_rate_ms_per_s",
+            a.delay_rate_ms_per_s,
+            0.0,
+            1e5,
+            "above 0 and below 100000 ms/s",
+        )?;
+        accept(
+            "compensation.adaptation.gain_tolerance",
+            a.gain_tolerance,
+            (0.0..1.0).contains(&a.gain_tolerance),
+            "0 to below 1",
+        )
+    }
+
+    /// For a test. Running peaks fade within some natural periods of laboratory time.
+    pub fn design<const N: usize>(context: &Context<'_, N>) -> Self {
+        let (c, a) = (context.parameters, &context.parameters.adaptation);
+        let rate_hz = context.rate_hz;
+        let per_step = context.omega[0] / (context.time_scale * rate_hz) / core::f64::consts::TAU;
+        Self {
+            floor_m: a.floor_m as f32,
+            memory: libm::exp(-per_step) as f32,
+            rate: (1.0 / (a.time_s * rate_hz)) as f32,
+            longest: (a.longest_delay_ms.max(c.delay_ms) * 1e-3 * rate_hz) as f32,
+            limit: (a.delay_rate_ms_per_s * 1e-3) as f32,
+            gain_tolerance: a.gain_tolerance as f32,
+            gain_limit: (a.gain_tolerance / rate_hz) as f32,
+        }
+    }
+
     /// The delay after a step of learning.
     #[inline]
     pub fn delay(&self, delay: f32, step: f32) -> f32 {
@@ -45,7 +105,7 @@ impl Learning {
 
 /// Running peaks of the motion of one axis.
 #[derive(Clone, Debug, Default)]
-pub struct Gate {
+pub(crate) struct Gate {
     /// Running peak of the displacement, m.
     pub peak_m: f32,
     /// Running peak of the speed, m per control step.
@@ -78,7 +138,7 @@ mod tests {
 
     #[test]
     fn is_shut_at_rest_below_the_floor_and_at_a_turning_point() {
-        let k = crate::compensate::predict::checks::learning();
+        let k = crate::predict::checks::learning();
         let mut gate = Gate::default();
         assert!(!gate.open(&k, 0.0, 0.0));
         assert!(!gate.open(&k, 0.5e-3, 1e-4), "below the floor");

@@ -1,7 +1,7 @@
 //! An actuator to check predictors on: a pure delay and a gain, outside of any loop.
 
-use super::gate::Learning;
-use super::{Ahead, Followed, Predict};
+use super::adaptation::Learning;
+use super::{Ahead, Followed, PredictAxis};
 
 /// Angular frequency of the motion, 1 per control step: 2 Hz at 2 kHz.
 pub(crate) const OMEGA: f32 = 0.006_283;
@@ -37,12 +37,12 @@ pub(crate) fn learning() -> Learning {
 }
 
 /// Twenty seconds of a swelling sine of two frequencies; the largest tracking error of the last five, relative.
-pub(crate) fn tracking_error<P: Predict>(k: &P::Constants, actuator: Axis) -> f32 {
+pub(crate) fn tracking_error<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> f32 {
     run::<P>(k, actuator).1
 }
 
 /// The same with the predictor as it is in the end.
-pub(crate) fn run<P: Predict>(k: &P::Constants, actuator: Axis) -> (P, f32) {
+pub(crate) fn run<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> (P, f32) {
     let mut axis = P::at_rest(k);
     let mut line = [0.0_f32; 32];
     let (mut followed, mut worst, mut peak) = (AT_REST, 0.0_f32, 0.0_f32);

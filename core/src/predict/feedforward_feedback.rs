@@ -12,11 +12,14 @@
 //! It knows what it was told: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
 //! theorem while its share times the actuator's largest gain stays below 1.
 
-use super::{Ahead, Followed, Predict};
+use super::{Ahead, Followed, PredictAxis};
+use crate::config::{Compensation, Timing};
+use crate::context::Context;
+use crate::refusal::{Refusal, accept};
 
 /// Constants of both parts, in powers of a control step.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Coefficients of velocity, acceleration and jerk.
     pub inverse: [f32; 3],
     /// Share of the filtered error that is sent.
@@ -27,13 +30,42 @@ pub struct Constants {
 
 /// One axis.
 #[derive(Clone, Debug)]
-pub struct FeedforwardFeedback {
+pub(crate) struct FeedforwardFeedback {
     acceleration_m: f32,
     error_m: f32,
 }
 
-impl Predict for FeedforwardFeedback {
+impl PredictAxis for FeedforwardFeedback {
     type Constants = Constants;
+
+    fn check(c: &Compensation, _: &Timing) -> Result<(), Refusal> {
+        accept(
+            "compensation.feedback",
+            c.feedback,
+            (0.0..1.0).contains(&c.feedback),
+            "0 to below 1",
+        )?;
+        for &coefficient in c.inverse.iter().flatten() {
+            accept(
+                "compensation.inverse",
+                coefficient,
+                coefficient.abs() <= 10.0,
+                "factors from -10 to 10, in powers of a second",
+            )?;
+        }
+        Ok(())
+    }
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        let c = context.parameters;
+        let [a1, a2, a3] = c.inverse();
+        let r = context.rate_hz;
+        Constants {
+            inverse: [a1 * r, a2 * r * r, a3 * r * r * r].map(|x| x as f32),
+            feedback: c.feedback as f32,
+            smoothing: (1.0 - libm::exp(-1.0 / context.delay_steps())) as f32,
+        }
+    }
 
     fn at_rest(_: &Constants) -> Self {
         Self {
@@ -64,7 +96,7 @@ impl Predict for FeedforwardFeedback {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn feedback_takes_out_a_part_of_what_the_feedforward_leaves() {

@@ -18,18 +18,19 @@
 //! For a pure delay its two gains are not the right parameters: it trades amplitude for phase. The feedback of m goes
 //! round the actuator; `K_x` is therefore kept within [`MOST`].
 
-use super::gate::{Gate, Learning, learnt};
-use super::{Ahead, Followed, Predict};
+use super::adaptation::{Gate, Learning, learnt};
+use super::{Ahead, Followed, PredictAxis};
+use crate::context::Context;
 
 /// Largest change of either gain.
-pub const MOST: f32 = 0.5;
+const MOST: f32 = 0.5;
 
 /// beta, relative: at the peak of the motion half of the error is fed back, so that an actuator may overdo it twice.
 pub const PROPORTIONAL: f32 = 0.25;
 
 /// Constants of the controller.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Time constant of the reference model, control steps.
     pub delay: f32,
     /// How the gains are learnt.
@@ -38,7 +39,7 @@ pub struct Constants {
 
 /// One axis.
 #[derive(Clone, Debug)]
-pub struct Mcs {
+pub(crate) struct Mcs {
     /// Integral parts of K_r - 1 and K_x.
     gains: [f32; 2],
     /// Modified demand in force, m.
@@ -46,8 +47,15 @@ pub struct Mcs {
     gate: Gate,
 }
 
-impl Predict for Mcs {
+impl PredictAxis for Mcs {
     type Constants = Constants;
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        Constants {
+            delay: context.delay_steps() as f32,
+            learning: Learning::design(context),
+        }
+    }
 
     fn at_rest(_: &Constants) -> Self {
         Self {
@@ -81,7 +89,7 @@ impl Predict for Mcs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn learns_a_gain_that_it_was_not_told() {

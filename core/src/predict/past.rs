@@ -11,7 +11,7 @@ pub const REACH: usize = POINTS - 3;
 
 /// Past targets of one axis.
 #[derive(Clone, Debug)]
-pub struct Past {
+pub(crate) struct Past {
     values: [f32; POINTS],
     newest: u16,
     /// Control steps since the newest point.

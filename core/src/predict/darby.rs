@@ -11,18 +11,19 @@
 //! # When not to use it
 //! A gain error looks like a delay half of the time, and biases it. Otherwise as [`super::lagrange`].
 
-use super::gate::{Gate, Learning};
+use super::adaptation::{Gate, Learning};
 use super::lagrange::Extrapolation;
 use super::past::Past;
-use super::{Ahead, Followed, Predict};
-use crate::order::{larger, smaller};
+use super::{Ahead, Followed, PredictAxis};
+use crate::context::Context;
+use crate::float::{larger, smaller};
 
 /// C_v: at half of the peak speed the law has reached three quarters of its full effect.
 const STEEPNESS: f32 = 2.0;
 
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Delay to start with, control steps.
     pub delay: f32,
     /// How it is learnt.
@@ -33,7 +34,7 @@ pub struct Constants {
 
 /// What has been learnt of one axis.
 #[derive(Clone, Debug)]
-pub struct Darby {
+pub(crate) struct Darby {
     delay: f32,
     /// Velocity of the target in force, m per control step.
     velocity_m: f32,
@@ -41,8 +42,18 @@ pub struct Darby {
     past: Past,
 }
 
-impl Predict for Darby {
+impl PredictAxis for Darby {
     type Constants = Constants;
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        let learning = Learning::design(context);
+        let order = context.parameters.order;
+        Constants {
+            delay: context.delay_steps() as f32,
+            learning,
+            extrapolation: Extrapolation::new(order, f64::from(learning.longest)),
+        }
+    }
 
     fn at_rest(k: &Constants) -> Self {
         Self {
@@ -78,7 +89,7 @@ fn tanh(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn the_short_tangent_is_close() {

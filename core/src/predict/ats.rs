@@ -16,8 +16,12 @@
 //! Where a higher mode is near its limit already with the coefficients of the start: it does not wait for the learning.
 //! Where noise moves more than the test does: the regression has errors in its variables, and they bias it low.
 
-use super::gate::{Gate, Learning, learnt};
-use super::{Ahead, Followed, Predict};
+use super::adaptation::{Gate, Learning, learnt};
+use super::{Ahead, Followed, PredictAxis};
+use crate::config::{Compensation, Timing};
+use crate::context::Context;
+use crate::method::Prediction;
+use crate::refusal::{Refusal, between};
 
 /// Weight of the prior, as a share of the mean square of the three signals.
 const RIDGE: f32 = 1e-4;
@@ -25,7 +29,7 @@ const RIDGE: f32 = 1e-4;
 /// Constants of the compensator. Derivatives are taken in units of the fundamental period, so that the three signals
 /// are of one size.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Second and third coefficient to start with, in units.
     pub start: [f32; 2],
     /// 1 / omega of the fundamental period, control steps.
@@ -61,7 +65,7 @@ impl Smooth {
 
 /// One axis.
 #[derive(Clone, Debug)]
-pub struct Ats {
+pub(crate) struct Ats {
     coefficients: [f32; 3],
     sent: Smooth,
     measured: Smooth,
@@ -71,8 +75,36 @@ pub struct Ats {
     gate: Gate,
 }
 
-impl Predict for Ats {
+impl PredictAxis for Ats {
     type Constants = Constants;
+
+    fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {
+        if c.kind.predictor != Prediction::Ats {
+            return Ok(());
+        }
+        between(
+            "compensation.adaptation.smoothing_hz",
+            c.adaptation.smoothing_hz,
+            0.0,
+            t.rate_hz / 20.0,
+            "above 0 and below a twentieth of loop.rate_hz",
+        )
+    }
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        let (c, a) = (context.parameters, &context.parameters.adaptation);
+        let pass = core::f64::consts::TAU * a.smoothing_hz / context.rate_hz;
+        let unit_s = context.time_scale / context.omega[0];
+        let [first, second, _] = c.inverse();
+        Constants {
+            start: [first / unit_s, second / (unit_s * unit_s)].map(|x| x as f32),
+            unit: (context.rate_hz * unit_s) as f32,
+            stiffness: (pass * pass) as f32,
+            damping: (core::f64::consts::SQRT_2 * pass) as f32,
+            memory: libm::exp(-1.0 / (12.5 * a.time_s * context.rate_hz)) as f32,
+            learning: Learning::design(context),
+        }
+    }
 
     fn at_rest(k: &Constants) -> Self {
         Self {
@@ -151,7 +183,7 @@ fn least_squares(squares: &[f32; 6], p: &[f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn solves_a_system_of_three() {

@@ -10,11 +10,14 @@
 //! tells it that the delay is not what it was said to be, and a gain error stays.
 
 use super::past::{Past, REACH};
-use super::{Ahead, Followed, Predict};
+use super::{Ahead, Followed, PredictAxis};
+use crate::config::{Compensation, Timing};
+use crate::context::Context;
+use crate::refusal::{Refusal, accept};
 
 /// Polynomial extrapolation of past targets.
 #[derive(Clone, Copy, Debug)]
-pub struct Extrapolation {
+pub(crate) struct Extrapolation {
     /// Weights of the target now and one, two and three delays ago.
     weights: [f32; 4],
     order: u8,
@@ -58,7 +61,7 @@ impl Extrapolation {
 
 /// Constants of the extrapolation.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Delay, control steps.
     pub delay: f32,
     /// The polynomial.
@@ -67,12 +70,29 @@ pub struct Constants {
 
 /// Past targets of one axis.
 #[derive(Clone, Debug)]
-pub struct Lagrange {
+pub(crate) struct Lagrange {
     past: Past,
 }
 
-impl Predict for Lagrange {
+impl PredictAxis for Lagrange {
     type Constants = Constants;
+
+    fn check(c: &Compensation, _: &Timing) -> Result<(), Refusal> {
+        accept(
+            "compensation.order",
+            f64::from(c.order),
+            (1..=3).contains(&c.order),
+            "1 to 3",
+        )
+    }
+
+    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+        let steps = context.delay_steps();
+        Constants {
+            delay: steps as f32,
+            extrapolation: Extrapolation::new(context.parameters.order, steps),
+        }
+    }
 
     fn at_rest(_: &Constants) -> Self {
         Self {
@@ -90,7 +110,7 @@ impl Predict for Lagrange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensate::predict::checks::{self, Axis};
+    use crate::predict::checks::{self, Axis};
 
     #[test]
     fn each_order_is_exact_for_its_polynomial_and_removes_the_delay_it_was_told() {

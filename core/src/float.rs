@@ -1,15 +1,15 @@
 //! The larger and the smaller of two numbers, for the step.
 //!
-//! `f32::max` and `f32::min` also say what a NaN gives, which takes a dozen instructions on a processor without an
-//! instruction for it. Here a NaN in the second place is not taken, and one in the first place stays.
+//! `f32::max` and `f32::min` also define the result for a NaN, which takes a dozen instructions on a processor without
+//! an instruction for it. Here a NaN in the second place is ignored, and one in the first place stays.
 
-/// The larger of two numbers; `a` where `b` is none.
+/// The larger of two numbers; `a` where `b` is NaN.
 #[inline]
 pub fn larger(a: f32, b: f32) -> f32 {
     if b > a { b } else { a }
 }
 
-/// The smaller of two numbers; `a` where `b` is none.
+/// The smaller of two numbers; `a` where `b` is NaN.
 #[inline]
 pub fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
@@ -20,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_place_decides_over_a_number_that_is_none() {
+    fn a_nan_counts_in_the_first_place_only() {
         assert_eq!((larger(1.0, 2.0), smaller(1.0, 2.0)), (2.0, 1.0));
         assert_eq!((larger(2.0, 1.0), smaller(2.0, 1.0)), (2.0, 1.0));
         assert_eq!((larger(1.0, f32::NAN), smaller(1.0, f32::NAN)), (1.0, 1.0));

@@ -3,7 +3,7 @@
 //! Quadratics are fitted to the last [`POINTS`] displacements and forces, by least squares. The time at which the fitted
 //! displacement is at the target is found, and the measured force is moved along its own fit from now to that time.
 //! In front of it the same authors send the motion one delay ahead, by the equations of the integration, with a delay and
-//! a command gain that are estimated on line: here [`super::predict::afp`], which does that. They find the delay from
+//! a command gain that are estimated on line: here [`crate::predict::afp`], which does that. They find the delay from
 //! polynomials through desired and measured displacements; here the integration knows the velocity of the desired one,
 //! so that what is left of the delay is the error over that velocity, without a fit.
 //!
@@ -14,18 +14,20 @@
 //! target; at a turning point, where no time belongs to a displacement, it does nothing. The fits are over 4 ms at
 //! 2 kHz, too short against noise: filter first.
 
+use super::Correct;
+use crate::context::Context;
 use crate::energy::Observation;
-use crate::order::{larger, smaller};
+use crate::float::{larger, smaller};
 
 /// Points of a fit.
-pub const POINTS: usize = 8;
+const POINTS: usize = 8;
 
 /// How far from now the target may have been or be reached, integration steps.
-pub const REACH: f32 = 4.0;
+const REACH: f32 = 4.0;
 
 /// Constants of the correction.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub(crate) struct Constants {
     /// Share of the running peak of the velocity below which nothing is corrected.
     pub hold_share: f32,
     /// What the running peak keeps from one integration step to the next.
@@ -82,13 +84,22 @@ struct Past {
 
 /// Fitted forces of all axes.
 #[derive(Clone, Debug)]
-pub struct FittedForce<const N: usize> {
+pub(crate) struct FittedForce<const N: usize> {
     past: [Past; N],
 }
 
-impl<const N: usize> FittedForce<N> {
-    /// At rest at zero.
-    pub const fn at_rest() -> Self {
+impl<const N: usize> Correct<N> for FittedForce<N> {
+    type Constants = Constants;
+
+    fn design(context: &Context<'_, N>) -> Constants {
+        Constants {
+            hold_share: context.parameters.hold_share as f32,
+            peak_memory: context.peak_memory(),
+            physical: context.physical(),
+        }
+    }
+
+    fn at_rest(_: &Constants) -> Self {
         Self {
             past: [Past {
                 displacement_m: [0.0; POINTS],
@@ -98,9 +109,8 @@ impl<const N: usize> FittedForce<N> {
         }
     }
 
-    /// Restoring force at the target, N.
     #[inline]
-    pub fn at_target(&mut self, k: &Constants, now: &Observation<N>) -> [f32; N] {
+    fn at_target(&mut self, k: &Constants, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;
         for j in 0..N.min(k.physical) {
             let past = &mut self.past[j];
@@ -169,7 +179,7 @@ mod tests {
         };
         let spring = |u: f32| 1e5 * u + 1e8 * u * u * u;
         let (mut stage, mut worst, mut uncorrected) =
-            (FittedForce::<1>::at_rest(), 0.0_f32, 0.0_f32);
+            (FittedForce::<1>::at_rest(&k), 0.0_f32, 0.0_f32);
         for i in 0..2000 {
             let at = |steps: f32| 0.02 * libm::sinf(0.0063 * steps);
             let (target, moved) = (at(i as f32), at(i as f32 - 2.0));

@@ -1,0 +1,32 @@
+//! No force law: the measured force goes into the equation of motion as it is.
+//!
+//! # When not to use it
+//! A late actuator then puts energy into the structure: behind a delay `tau` the damping ratio falls by
+//! `omega tau / 2`, and a test whose structure has less runs away. It is what the others are compared with, and what
+//! stands behind a predictor alone.
+
+use super::{Acting, Correction, ForceLaw, Reached};
+use crate::context::Context;
+
+/// Without memory.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured;
+
+impl<const N: usize> ForceLaw<N> for Measured {
+    type Constants = ();
+
+    fn design(_: &Context<'_, N>) {}
+
+    fn at_rest((): &()) -> Self {
+        Self
+    }
+
+    #[inline]
+    fn act(&mut self, (): &(), reached: &Reached<'_, N>) -> Acting<N> {
+        Acting {
+            force_n: reached.now.force_n,
+            damping: [0.0; N],
+            correction: Correction::NONE,
+        }
+    }
+}

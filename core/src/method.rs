@@ -1,0 +1,358 @@
+//! The compensation methods: one list, from which names, enums, files and calls are made.
+//!
+//! A method has two halves. A *force law* acts in the equation of motion: the measured force as it is, with a damping
+//! beside it, or corrected. A *predictor* shapes the command so that the actuator, which is late, is at the target in
+//! time. Every force law goes with every predictor.
+//!
+//! # To add a method
+//! Write `force/NAME.rs` or `predict/NAME.rs` and add its line to [`for_each_method`] below. The line has the variant,
+//! the name in test files, the type and its file; a force law also says behind which predictor it stands where its name
+//! is given alone.
+
+/// Calls a macro with all methods.
+macro_rules! for_each_method {
+    ($then:ident) => {
+        $then! {
+            forces {
+                /// The measured force goes into the equation of motion as it is.
+                None "none" behind None = measured::Measured, file measured;
+                /// Eq 14 as the paper published it: hold on a change of sign only.
+                Eq14Unguarded "eq14-unguarded" behind None = damping::VariableDamping<N, damping::Unguarded>, file damping;
+                /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
+                Eq14 "eq14" behind None = damping::VariableDamping<N, damping::Guarded>;
+                /// Eq 20 with the sech gain of Eq 19, and the guards.
+                Paper "paper" behind None = damping::VariableDamping<N, damping::Gained>;
+                /// Force at the time the target was reached (Ahmadizadeh).
+                Ahmadizadeh "ahmadizadeh" behind Afp = Corrected<fit::FittedForce<N>, N>, file fit;
+                /// Measured force and tangent stiffness times the way that is left.
+                Tangent "tangent" behind Afp = Corrected<tangent::TangentForce<N>, N>, file tangent;
+            }
+            predictors {
+                /// Polynomial extrapolation of the command (Horiuchi).
+                Lagrange "lagrange" = Axes<lagrange::Lagrange, N>, file lagrange;
+                /// The same with the delay estimated on line (Darby).
+                Darby "darby" = Axes<darby::Darby, N>, file darby;
+                /// Prediction by the structure's own model (Carrion and Spencer).
+                ModelPrediction "model-prediction" = model::ModelPrediction, file model;
+                /// First-order phase lead (Zhao).
+                PhaseLead "phase-lead" = Axes<phase_lead::PhaseLead, N>, file phase_lead;
+                /// Minimal control synthesis with modified demand (Bonnet).
+                Mcs "mcs" = Axes<mcs::Mcs, N>, file mcs;
+                /// Inverse model and feedback of the error (Carrion).
+                FeedforwardFeedback "feedforward-feedback" = Axes<feedforward_feedback::FeedforwardFeedback, N>, file feedforward_feedback;
+                /// Adaptive forward prediction (Wallace).
+                Afp "afp" = Axes<afp::Afp, N>, file afp;
+                /// Inverse compensation (Chen and Ricles).
+                Inverse "inverse" = Axes<inverse::Inverse, N>, file inverse;
+                /// The same, adaptive.
+                AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse;
+                /// Adaptive time series (Chae).
+                Ats "ats" = Axes<ats::Ats, N>, file ats;
+            }
+        }
+    };
+}
+pub(crate) use for_each_method;
+
+/// The names of one force law with every predictor.
+macro_rules! with_predictors {
+    ($force:literal {$($(#[$doc:meta])* $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*}) => {
+        [concat!($force, "+none"), $(concat!($force, "+", $name)),*]
+    };
+}
+
+macro_rules! predictor_names {
+    ($($(#[$doc:meta])* $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*) => {
+        /// What stands between the target and the command that is sent; each is a method of the same name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum Prediction {
+            /// The target is sent as it is.
+            None,
+            $($(#[$doc])* $P,)*
+        }
+
+        impl Prediction {
+            /// Every predictor, in the order of the documentation.
+            pub const ALL: &[Self] = &[Self::None, $(Self::$P),*];
+
+            /// The name on the command line and in files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    Self::None => "none",
+                    $(Self::$P => $name,)*
+                }
+            }
+        }
+
+        #[allow(non_upper_case_globals)] // They are read as what they name: `Method::Lagrange`.
+        impl Method {
+            $($(#[$doc])* pub const $P: Self = Self { force: Force::None, predictor: Prediction::$P };)*
+        }
+    };
+}
+
+macro_rules! names {
+    (
+        forces {$($(#[$doc:meta])* $F:ident $name:literal behind $own:ident = $stage:ty $(, file $file:ident)?;)*}
+        predictors {$($predictors:tt)*}
+    ) => {
+        names!(@ [$($(#[$doc])* $F $name $own;)*] {$($predictors)*});
+        predictor_names!{$($predictors)*}
+    };
+    (@ [$($(#[$doc:meta])* $F:ident $name:literal $own:ident;)*] $predictors:tt) => {
+        /// How the restoring force enters the equation of motion.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum Force {
+            $($(#[$doc])* $F,)*
+        }
+
+        impl Force {
+            /// Every force law, in the order of the documentation.
+            pub const ALL: &[Self] = &[$(Self::$F),*];
+
+            /// The name on the command line and in files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$F => $name,)*
+                }
+            }
+
+            /// The predictor behind which it stands where it is named alone.
+            pub const fn own_predictor(self) -> Prediction {
+                match self {
+                    $(Self::$F => Prediction::$own,)*
+                }
+            }
+        }
+
+        #[allow(non_upper_case_globals)] // They are read as what they name: `Method::Paper`.
+        impl Method {
+            $($(#[$doc])* pub const $F: Self = Self { force: Force::$F, predictor: Prediction::$own };)*
+        }
+
+        /// `force+predictor`, by force law and predictor.
+        const PAIRS: [[&str; Prediction::ALL.len()]; Force::ALL.len()] =
+            [$(with_predictors!($name $predictors)),*];
+    };
+}
+
+for_each_method!(names);
+
+/// A compensation: a force law behind a predictor.
+///
+/// Its name is that of the force law where the predictor is the law's own (`paper`, `tangent`), that of the predictor
+/// where the force is used as measured (`ats`), else both (`tangent+ats`, `paper+afp`, `tangent+none`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// What acts in the equation of motion.
+    pub force: Force,
+    /// What acts on the command.
+    pub predictor: Prediction,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Paper
+    }
+}
+
+impl Method {
+    /// Every method that has a name of its own: force laws without a predictor, predictors, force laws behind theirs.
+    pub const ALL: [Self; Force::ALL.len() + Prediction::ALL.len() - 1] = {
+        let mut all = [Self::None; Force::ALL.len() + Prediction::ALL.len() - 1];
+        let (mut place, mut i) = (0, 0);
+        while i < Force::ALL.len() {
+            if matches!(Force::ALL[i].own_predictor(), Prediction::None) {
+                all[place] = Self::alone(Force::ALL[i]);
+                place += 1;
+            }
+            i += 1;
+        }
+        i = 1;
+        while i < Prediction::ALL.len() {
+            all[place] = Self {
+                force: Force::None,
+                predictor: Prediction::ALL[i],
+            };
+            place += 1;
+            i += 1;
+        }
+        i = 0;
+        while i < Force::ALL.len() {
+            if !matches!(Force::ALL[i].own_predictor(), Prediction::None) {
+                all[place] = Self::alone(Force::ALL[i]);
+                place += 1;
+            }
+            i += 1;
+        }
+        all
+    };
+
+    /// A force law behind its own predictor.
+    const fn alone(force: Force) -> Self {
+        Self {
+            force,
+            predictor: force.own_predictor(),
+        }
+    }
+
+    /// The same force law behind another predictor.
+    #[must_use]
+    pub const fn behind(self, predictor: Prediction) -> Self {
+        Self {
+            force: self.force,
+            predictor,
+        }
+    }
+
+    /// The name on the command line, in files and in reports.
+    pub const fn name(self) -> &'static str {
+        if self.predictor as usize == self.force.own_predictor() as usize {
+            self.force.name()
+        } else if matches!(self.force, Force::None) {
+            self.predictor.name()
+        } else {
+            PAIRS[self.force as usize][self.predictor as usize]
+        }
+    }
+
+    /// The method with this name; `None` where there is none: [`Accepted`] says what there is.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let force = |name| Force::ALL.iter().copied().find(|f| f.name() == name);
+        let predictor = |name| Prediction::ALL.iter().copied().find(|p| p.name() == name);
+        match name.split_once('+') {
+            Some((law, behind)) => Some(Self {
+                force: force(law)?,
+                predictor: predictor(behind)?,
+            }),
+            None => force(name)
+                .map(Self::alone)
+                .or_else(|| predictor(name).map(|p| Self::None.behind(p))),
+        }
+    }
+}
+
+impl core::fmt::Display for Method {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What is accepted as the name of a method, for messages.
+#[derive(Clone, Copy, Debug)]
+pub struct Accepted;
+
+impl core::fmt::Display for Accepted {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for method in Method::ALL {
+            write!(f, "{method}, ")?;
+        }
+        f.write_str("and FORCE+PREDICTOR, as in tangent+ats")
+    }
+}
+
+/// By name in files; as two numbers on the link.
+#[cfg(feature = "serde")]
+mod travel {
+    use super::{Accepted, Force, Method, Prediction};
+    use serde::de::{Deserialize, Deserializer, Error, Visitor};
+    use serde::ser::{Serialize, Serializer};
+
+    impl Serialize for Method {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            if serializer.is_human_readable() {
+                serializer.serialize_str(self.name())
+            } else {
+                (self.force, self.predictor).serialize(serializer)
+            }
+        }
+    }
+
+    struct Name;
+
+    impl Visitor<'_> for Name {
+        type Value = Method;
+
+        fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+            write!(f, "the name of a compensation: {Accepted}")
+        }
+
+        fn visit_str<E: Error>(self, name: &str) -> Result<Method, E> {
+            Method::from_name(name).ok_or_else(|| {
+                E::custom(format_args!(
+                    "the compensation `{name}` is unknown: accepted are {Accepted}"
+                ))
+            })
+        }
+    }
+
+    impl<'de> Deserialize<'de> for Method {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            if deserializer.is_human_readable() {
+                deserializer.deserialize_str(Name)
+            } else {
+                <(Force, Prediction)>::deserialize(deserializer)
+                    .map(|(force, predictor)| Self { force, predictor })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Scripts outside the repository call these.
+    #[test]
+    fn the_names_of_the_contract_stay() {
+        let names = "none eq14-unguarded eq14 paper lagrange darby model-prediction phase-lead mcs \
+                     feedforward-feedback afp inverse adaptive-inverse ats ahmadizadeh tangent";
+        let mut found = Method::ALL.into_iter().map(Method::name);
+        for name in names.split_whitespace() {
+            assert!(found.any(|f| f == name), "{name} is gone, or out of order");
+        }
+    }
+
+    #[test]
+    fn every_pair_has_one_name_and_is_found_by_it() {
+        for (i, &force) in Force::ALL.iter().enumerate() {
+            assert_eq!(force as usize, i, "PAIRS goes by number");
+            for (j, &predictor) in Prediction::ALL.iter().enumerate() {
+                assert_eq!(predictor as usize, j, "PAIRS goes by number");
+                let method = Method { force, predictor };
+                assert_eq!(Method::from_name(method.name()), Some(method));
+                // Both names are understood even where one says it.
+                assert_eq!(Method::from_name(PAIRS[i][j]), Some(method));
+            }
+        }
+        let names = [
+            ("tangent+ats", Method::Tangent.behind(Prediction::Ats)),
+            ("tangent", Method::Tangent.behind(Prediction::Afp)),
+            ("tangent+none", Method::Tangent.behind(Prediction::None)),
+            ("ats", Method::Ats),
+        ];
+        for (name, method) in names {
+            assert_eq!(method.name(), name);
+        }
+        for wrong in [
+            "",
+            "magic",
+            "tangent+",
+            "+ats",
+            "ats+tangent",
+            "paper+afp+ats",
+        ] {
+            assert_eq!(Method::from_name(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_named_method_is_listed_once() {
+        for (i, method) in Method::ALL.iter().enumerate() {
+            assert!(!method.name().contains('+'));
+            assert!(!Method::ALL[..i].contains(method), "{method} twice");
+        }
+    }
+}
