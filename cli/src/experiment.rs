@@ -120,7 +120,7 @@ impl Experiment {
     /// The response of `rig` without compensation, filter or limits; every floor moves in it.
     fn response(&self, rig: &RigSpec) -> Result<Response, Failure> {
         let mut config = self.test.config.clone();
-        (config.compensation.kind, config.compensation.predictor) = (Method::None, None);
+        config.compensation.kind = Method::None;
         config.estimation.kind = Filter::Off;
         config.limits = Default::default();
         config.structure.physical_mass_kg.clear();

@@ -152,9 +152,7 @@ fn the_limit_of_a_fixed_predictor_is_its_delay_and_what_the_structure_takes() {
 fn a_method_behind_another_predictor_has_both_names() {
     let output = check(&[
         "--compensation",
-        "tangent",
-        "--set",
-        "compensation.predictor=\"inverse\"",
+        "tangent+inverse",
         "--json",
         "--plants",
         "20",

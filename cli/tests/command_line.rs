@@ -396,13 +396,16 @@ fn every_compensation_answers_to_its_name_in_every_place() {
             assert_eq!(by_option[key], row[key], "{name}: {key}");
         }
     }
-    let behind = ["--set", "compensation.predictor=afp"];
+    let behind = ["--set", "compensation.kind=paper+afp"];
     let paper = json(&[&["run", TABLE1][..], &behind, &duration].concat());
     let alone = rows.iter().find(|r| r["compensation"] == "paper").unwrap();
     let error = |r: &Value| r["eps_rms"].as_f64().unwrap();
     assert!(error(&paper) < 0.5 * error(alone));
     for (assignment, words) in [
-        ("compensation.predictor=magic", ["predictor", "magic"]),
+        (
+            "compensation.kind=paper+magic",
+            ["paper+magic", "tangent+ats"],
+        ),
         ("compensation.adaptation.magic=1", ["adaptation", "magic"]),
         ("compensation.order=4", ["compensation.order", "1 to 3"]),
     ] {

@@ -68,7 +68,6 @@ impl Scenario {
     /// The same integration with an ideal actuator and ideal sensors, without compensation or filter.
     pub fn ideal<const N: usize>(&self, shaking: &Shaking, seconds: f64) -> Trace<N> {
         let mut ideal = self.with(Method::None);
-        ideal.config.compensation.predictor = None;
         ideal.config.estimation.kind = Filter::Off;
         ideal.actuator = "kind = 'ideal'".into();
         ideal.sensors.clear();

@@ -3,8 +3,8 @@
 #![allow(missing_docs)]
 
 use host_tests::{Scenario, data, eps, table1};
-use outerloop_core::Method;
-use outerloop_core::config::{Compensation, Prediction};
+use outerloop_core::config::Compensation;
+use outerloop_core::{Method, Prediction};
 
 const DELAYS_MS: [f64; 5] = [4.0, 8.0, 16.0, 33.5, 60.0];
 
@@ -88,10 +88,7 @@ fn lines() -> [Line; 9] {
             name: "tangent force alone",
             study: [0.0006, 0.0022, 0.0090, 0.048, 0.086],
             told: 1.0,
-            set: |c| {
-                c.kind = Method::Tangent;
-                c.predictor = Some(Prediction::None);
-            },
+            set: |c| kind(c, Method::Tangent.behind(Prediction::None)),
             same: Some((0.15, 1e-3, 60.0)),
             why: "the same but for the way back at a turning point and a shorter secant",
         },

@@ -3,7 +3,7 @@
 
 use host_tests::{Scenario, data, eps, table1};
 use outerloop_core::Method;
-use outerloop_core::config::Prediction;
+use outerloop_core::Prediction;
 
 /// A lag acts on the held command from the beginning of a control period, while the command is counted from its end: on
 /// a motion that goes on it is half a period shorter than its name, at 2 kHz, ms. A delay of whole periods is not.
@@ -165,7 +165,7 @@ fn variable_damping_behind_a_predictor_takes_out_what_that_leaves() {
     for predictor in [Prediction::Lagrange, Prediction::PhaseLead] {
         let rest = |method| {
             let mut s = wrong.with(method);
-            s.config.compensation.predictor = Some(predictor);
+            s.config.compensation.kind = s.config.compensation.kind.behind(predictor);
             worst(&s)
         };
         let (Some(with), Some(without)) = (rest(Method::Paper), rest(Method::None)) else {

@@ -6,7 +6,7 @@ use host_tests::qemu::image::image;
 use host_tests::qemu::machine::Clock;
 use host_tests::{Scenario, table1, whole_pipeline};
 use outerloop_core::Method;
-use outerloop_core::config::Prediction;
+use outerloop_core::Prediction;
 use std::path::Path;
 
 /// Instructions that a method may add to a step.
@@ -27,17 +27,12 @@ fn variants() -> Vec<(String, Scenario)> {
     let alone = Method::ALL
         .into_iter()
         .map(|method| (method.name().to_owned(), base().with(method)));
-    let behind = Prediction::ALL
-        .into_iter()
-        .filter(|&p| p != Prediction::None)
-        .map(|predictor| {
-            let mut scenario = base().with(Method::Paper);
-            scenario.config.compensation.predictor = Some(predictor);
-            (format!("paper behind {}", predictor.name()), scenario)
-        });
-    let mut tangent = base().with(Method::Tangent);
-    tangent.config.compensation.predictor = Some(Prediction::None);
-    let last = ("tangent without predictor".to_owned(), tangent);
+    let behind = Prediction::ALL[1..].iter().map(|&predictor| {
+        let method = Method::Paper.behind(predictor);
+        (method.name().to_owned(), base().with(method))
+    });
+    let tangent = Method::Tangent.behind(Prediction::None);
+    let last = (tangent.name().to_owned(), base().with(tangent));
     alone.chain(behind).chain([last]).collect()
 }
 
@@ -103,7 +98,7 @@ fn what_each_costs() {
         // Assumed: 1.25 cycles an instruction. Loads, taken branches and divisions take more than one.
         let highest_khz = 168e3 / (1.25 * worst);
         println!("{name:62} {worst:5.0} {beyond:8.0} {highest_khz:16.0}");
-        let two = name.contains("behind");
+        let two = name.starts_with("paper+");
         if beyond > if two { MOST_OF_TWO } else { MOST } {
             dear.push(name);
         }

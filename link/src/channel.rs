@@ -2,7 +2,7 @@
 //!
 //! A channel's calibration is a straight line: `quantity = scale * (code - zero)`. The scale's sign is the polarity.
 
-use outerloop_core::config::Refusal;
+use outerloop_core::Refusal;
 use serde::{Deserialize, Serialize};
 
 /// Two conversions of 12 bits, added: 0 to 8190. Ranks displacement, force, force, displacement have the same mean

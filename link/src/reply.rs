@@ -2,7 +2,7 @@
 
 use crate::status::Status;
 use heapless::{String, Vec};
-use outerloop_core::config::Refusal;
+use outerloop_core::Refusal;
 use outerloop_core::supervise::Rejected;
 use outerloop_core::{Event, Fault, State};
 use serde::{Deserialize, Serialize};

@@ -3,8 +3,8 @@
 use super::case::Case;
 use super::transfer::Parameters;
 use crate::Refused;
-use outerloop_core::Method;
-use outerloop_core::config::{Adaptation, Compensation, Prediction, Tangent};
+use outerloop_core::config::{Adaptation, Compensation, Tangent};
+use outerloop_core::{Method, Prediction};
 
 /// A numerical part with a controller.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,8 +100,5 @@ pub fn compensation(case: &Case, method: Method) -> Compensation {
 
 /// The tangent force behind `predictor`.
 pub fn tangent_behind(case: &Case, predictor: Prediction) -> Compensation {
-    Compensation {
-        predictor: Some(predictor),
-        ..compensation(case, Method::Tangent)
-    }
+    compensation(case, Method::Tangent.behind(predictor))
 }

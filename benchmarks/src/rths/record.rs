@@ -8,8 +8,8 @@ use super::transfer::Parameters;
 use super::trial::{self, Shaking, Trace};
 use super::{FLOORS, GROUND_SCALE, RATE_HZ};
 use crate::Refused;
-use outerloop_core::config::{Compensation, Prediction};
-use outerloop_core::{GroundMotion, State};
+use outerloop_core::config::Compensation;
+use outerloop_core::{GroundMotion, Prediction, State};
 
 /// A ground motion with the reference responses of all cases.
 pub struct Record {

@@ -8,54 +8,17 @@ use crate::failure::Failure;
 use crate::summary::Summary;
 use crate::terminal::Progress;
 use condition::{Condition, Family};
-use outerloop_core::Method;
-use outerloop_core::config::Prediction;
+use outerloop_core::{Method, Prediction};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// A method, or a pair of force stage and predictor that has no name of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Contestant {
-    /// Its name in tables.
-    pub name: &'static str,
-    kind: Method,
-    predictor: Option<Prediction>,
-}
-
-impl Contestant {
-    /// Every method, and the two pairs worth knowing.
-    pub fn all() -> Vec<Self> {
-        let alone = Method::ALL.into_iter().map(|kind| Self {
-            name: kind.name(),
-            kind,
-            predictor: None,
-        });
-        let pairs = [
-            ("paper+afp", Method::Paper, Prediction::Afp),
-            ("tangent+ats", Method::Tangent, Prediction::Ats),
-        ];
-        let pairs = pairs.map(|(name, kind, predictor)| Self {
-            name,
-            kind,
-            predictor: Some(predictor),
-        });
-        alone.chain(pairs).collect()
-    }
-
-    /// By its name.
-    ///
-    /// # Errors
-    /// A name that none has.
-    pub fn named(name: &str) -> Result<Self, Failure> {
-        let all = Self::all();
-        all.iter().find(|c| c.name == name).copied().ok_or_else(|| {
-            let names: Vec<_> = all.iter().map(|c| c.name).collect();
-            Failure::input(format!(
-                "the compensation `{name}` is unknown: accepted are {}",
-                names.join(", ")
-            ))
-        })
-    }
+/// Every method that has a name of its own, and the two pairs worth knowing.
+pub fn contestants() -> Vec<Method> {
+    let pairs = [
+        Method::Paper.behind(Prediction::Afp),
+        Method::Tangent.behind(Prediction::Ats),
+    ];
+    Method::ALL.into_iter().chain(pairs).collect()
 }
 
 /// One test of the bench.
@@ -91,7 +54,7 @@ impl Row {
 pub fn run(
     experiments: &[Experiment],
     conditions: &[Condition],
-    contestants: &[Contestant],
+    contestants: &[Method],
     seed: u64,
 ) -> Result<Vec<Row>, Failure> {
     let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
@@ -108,19 +71,14 @@ pub fn run(
             let ideal = experiment.ideal()?;
             contestants
                 .par_iter()
-                .map(|contestant| {
-                    let mut own = experiment.clone();
-                    own.test.config.compensation.predictor = contestant.predictor;
+                .map(|&method| {
                     let witness = progress.witness();
-                    let run = own.run(contestant.kind, &ideal, seed, false, witness)?;
+                    let run = experiment.run(method, &ideal, seed, false, witness)?;
                     Ok(Row {
                         family: condition.family,
                         condition: condition.name.clone(),
                         delay_ms: condition.delay_ms,
-                        summary: Summary {
-                            compensation: contestant.name,
-                            ..run.summary
-                        },
+                        summary: run.summary,
                     })
                 })
                 .collect()

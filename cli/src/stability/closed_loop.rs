@@ -19,7 +19,7 @@ use crate::bench::with_floors;
 use crate::failure::Failure;
 use nalgebra::{Complex, DMatrix, DVector};
 use outerloop_core::structure::Structure;
-use outerloop_core::{Config, Method};
+use outerloop_core::{Config, Force};
 use plant::RigSpec;
 
 /// The structure of a test in plain matrices.
@@ -110,7 +110,7 @@ impl Question<'_> {
         vary: &Variation,
     ) -> Result<Vec<Complex<f64>>, Failure> {
         let learns =
-            self.law == Law::Learnt && predictor::adaptive(self.config.compensation.prediction());
+            self.law == Law::Learnt && predictor::adaptive(self.config.compensation.kind.predictor);
         let mut at = frame.omega[0];
         let mut rounds = if learns { ROUNDS } else { 1 };
         loop {
@@ -347,17 +347,17 @@ fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> 
     let phase = omega * late_s / scale;
     let forces = &specimen * &frame.shape;
     for j in 0..physical {
-        let share = match c.kind {
+        let share = match c.kind.force {
             // A force at the target: the whole way that is left, with the stiffness that the specimen has.
-            Method::Eq14Unguarded | Method::Tangent | Method::Ahmadizadeh => 1.0,
-            Method::Eq14 | Method::Paper => {
+            Force::Eq14Unguarded | Force::Tangent | Force::Ahmadizadeh => 1.0,
+            Force::Eq14 | Force::Paper => {
                 let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;
                 let unit = declared[(j, j)] * 1e-3 * c.delay_ms / scale;
                 let below = if physical > 1 { -c.clamp } else { 0.0 };
                 let allowed = wanted.clamp(unit * c.clamp_below.unwrap_or(below), unit * c.clamp);
                 if wanted == 0.0 { 1.0 } else { allowed / wanted }
             }
-            _ => 0.0,
+            Force::None => 0.0,
         };
         specimen.row_mut(j).scale_mut(share);
     }

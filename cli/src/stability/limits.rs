@@ -4,7 +4,8 @@ use super::closed_loop::{Frame, Question};
 use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;
-use outerloop_core::config::{Filter, Prediction};
+use outerloop_core::Prediction;
+use outerloop_core::config::Filter;
 use serde::Serialize;
 
 /// A quantity, its limit and what is between.
@@ -262,7 +263,7 @@ pub fn budget(
             from: "estimation: low-pass",
         });
     }
-    if config.compensation.prediction() != Prediction::None {
+    if config.compensation.kind.predictor != Prediction::None {
         parts.push(Part {
             part: "predictor",
             ms: question.left(frame, &Variation::NONE)? * 1e3 - limits.delay.present,

@@ -35,8 +35,7 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use closed_loop::{Frame, Question};
 use limits::{Limits, Part};
-use outerloop_core::Method;
-use outerloop_core::config::Compensation;
+use outerloop_core::{Force, Method};
 use perturbed::{Perturbed, Spread};
 use predictor::Law;
 use rayon::prelude::*;
@@ -50,8 +49,8 @@ const ROUNDING: f64 = 1e-9;
 /// The same test under one compensation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Its name, with the predictor's where it is another than the method's own.
-    pub compensation: String,
+    /// Its name.
+    pub compensation: &'static str,
     /// Whether it is stable.
     pub stable: bool,
     /// Largest magnitude of an eigenvalue over an integration step.
@@ -97,14 +96,6 @@ pub struct Answer {
     pub notes: Vec<String>,
 }
 
-/// The name of a compensation, with the predictor's where it is another than the method's own.
-pub fn name(c: &Compensation) -> String {
-    match c.predictor {
-        Some(p) if p != c.kind.prediction() => format!("{}+{}", c.kind.name(), p.name()),
-        _ => c.kind.name().to_owned(),
-    }
-}
-
 /// Eigenvalues of `question` on its rig with `vary`.
 ///
 /// # Errors
@@ -115,7 +106,7 @@ pub fn row(question: &Question<'_>, frame: &Frame, vary: &Variation) -> Result<R
     let radius = z.iter().map(|z| z.norm()).fold(0.0, f64::max);
     let first = spectrum::modes(&z, &frame.omega[..1], step_s);
     Ok(Row {
-        compensation: name(&question.config.compensation),
+        compensation: question.config.compensation.kind.name(),
         stable: radius <= 1.0 + ROUNDING,
         spectral_radius: radius,
         growth_per_s: radius.ln() / step_s,
@@ -147,7 +138,7 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         || perturbed::of(&question, &frame, spread, &tell),
     );
     let limits = limits?;
-    let at_start = predictor::adaptive(config.compensation.prediction())
+    let at_start = predictor::adaptive(config.compensation.kind.predictor)
         .then(|| {
             let told = Question {
                 law: Law::Told,
@@ -161,7 +152,6 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         .map(|kind| {
             let mut config = config.clone();
             config.compensation.kind = kind;
-            config.compensation.predictor = None;
             let question = Question {
                 config: &config,
                 ..question
@@ -209,7 +199,7 @@ fn reason(a: &Answer) -> String {
         .alternatives
         .iter()
         .filter(|r| r.stable)
-        .map(|r| r.compensation.as_str())
+        .map(|r| r.compensation)
         .collect();
     if !stable.is_empty() {
         would.push(format!("the compensations {}", stable.join(", ")));
@@ -246,17 +236,17 @@ fn notes(test: &TestFile, answer: &Answer, at_bounds: bool) -> Vec<String> {
     if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
         notes.push("the specimen is taken at its initial stiffness".into());
     }
-    match c.kind {
-        Method::Eq14Unguarded | Method::Eq14 | Method::Paper => notes.push(
+    match c.kind.force {
+        Force::None => {}
+        Force::Eq14Unguarded | Force::Eq14 | Force::Paper => notes.push(
             "variable damping is taken as what it comes to over a cycle; it is not linear: look at a run as well"
                 .into(),
         ),
-        Method::Tangent | Method::Ahmadizadeh => notes.push(
+        Force::Tangent | Force::Ahmadizadeh => notes.push(
             "the corrected force is taken as the force at the target, with the stiffness that the specimen has; the \
              declared one may be wrong: look at a run as well"
                 .into(),
         ),
-        _ => {}
     }
     if let Some(start) = &answer.at_start {
         notes.push(format!(

@@ -16,9 +16,8 @@ use super::blocks::{Block, Delay, Signal, nothing};
 use super::closed_loop::Frame;
 use super::rig::LinearRig;
 use nalgebra::{Complex, DMatrix};
-use outerloop_core::Config;
-use outerloop_core::compensate::predict::mcs::PROPORTIONAL;
-use outerloop_core::config::{Compensation, Prediction};
+use outerloop_core::config::Compensation;
+use outerloop_core::{Config, Prediction};
 
 /// What adaptive predictors know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +113,7 @@ impl Predictor {
         let omega = at / (config.timing.time_scale * config.timing.rate_hz);
         let mut at_bounds = false;
         let axes = (0..config.physical_storeys())
-            .map(|j| match config.compensation.prediction() {
+            .map(|j| match config.compensation.kind.predictor {
                 Prediction::ModelPrediction => model(config, frame, j),
                 _ => {
                     let wanted = (law == Law::Learnt).then(|| rig.response(j, omega).inv());
@@ -283,7 +282,7 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
     let most = c.adaptation.longest_delay_ms.max(c.delay_ms) * 1e-3 * rate_hz;
     let tolerance = c.adaptation.gain_tolerance;
     let mut within = |value: f64, low: f64, high: f64| bounded(value, low, high, reached);
-    match (c.prediction(), wanted) {
+    match (c.kind.predictor, wanted) {
         (Prediction::None | Prediction::ModelPrediction, _) => Kind::None,
         (Prediction::Darby, Some(wanted)) => {
             extrapolation(c, within(wanted.arg() / omega, 0.0, most))
@@ -293,7 +292,7 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
         (Prediction::Mcs, wanted) => sum(Sum {
             displacement: 1.0,
             velocity: told,
-            error: wanted.map_or(0.0, |_| f64::from(PROPORTIONAL) * SQUARES),
+            error: wanted.map_or(0.0, |_| 0.25 * SQUARES),
             ..Sum::default()
         }),
         (Prediction::FeedforwardFeedback, _) => sum(inverse_and_feedback(c, rate_hz)),

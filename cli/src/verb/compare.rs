@@ -2,7 +2,7 @@
 
 use super::{Common, json, method};
 use crate::comparison::condition::{Condition, yielding};
-use crate::comparison::{self, Contestant, standing};
+use crate::comparison::{self, standing};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
@@ -95,11 +95,8 @@ impl Compare {
     fn on_the_bench(&self) -> Result<(), Failure> {
         let test = self.common.load()?;
         let contestants = match &self.compensations[..] {
-            [] => Contestant::all(),
-            names => names
-                .iter()
-                .map(|n| Contestant::named(n))
-                .collect::<Result<_, _>>()?,
+            [] => comparison::contestants(),
+            names => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
         };
         let experiments = self.experiments(&test)?;
         let conditions = Condition::all(&test.config, &yielding(&test.plant.specimen));

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile, Unit};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
-use outerloop_core::Method;
+use outerloop_core::{Accepted, Method};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -81,16 +81,11 @@ impl Common {
 /// # Errors
 /// A name that no compensation has.
 pub fn method(name: &str) -> Result<Method, Failure> {
-    Method::ALL
-        .into_iter()
-        .find(|m| m.name() == name)
-        .ok_or_else(|| {
-            let names: Vec<_> = Method::ALL.into_iter().map(Method::name).collect();
-            Failure::input(format!(
-                "the compensation `{name}` is unknown: accepted are {}",
-                names.join(", ")
-            ))
-        })
+    Method::from_name(name).ok_or_else(|| {
+        Failure::input(format!(
+            "the compensation `{name}` is unknown: accepted are {Accepted}"
+        ))
+    })
 }
 
 /// The JSON of a result.

@@ -88,7 +88,12 @@ impl Fault {
             Self::Velocity => "m/s",
             Self::Force => "N",
             Self::StaleSample | Self::TargetLate => "steps",
-            _ => "",
+            Self::NonFinite
+            | Self::AdcRail
+            | Self::EnergyRatio
+            | Self::DeadlineMissed
+            | Self::LinkLost
+            | Self::EmergencyStop => "",
         }
     }
 }

@@ -116,7 +116,7 @@ fn part_of(file: &str, function: &str) -> Option<usize> {
     let name = match file.split(['/', '.']).next()? {
         "estimate" => "estimator",
         "energy" => "energy errors",
-        "compensate" => "compensation",
+        "force" | "predict" => "compensation",
         "newmark" => "integration",
         "signal" | "ground_motion" => "signal, ground motion",
         "supervise" => "interlocks, supervisor",
