@@ -30,8 +30,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod config;
-pub mod coupled;
 mod context;
+pub mod coupled;
 pub mod energy;
 pub mod estimate;
 mod float;

@@ -6,7 +6,8 @@ pub use cause::Causes;
 
 use diagnosis::Model;
 use outerloop_core::Config;
-use outerloop_core::config::{PerActuator, Prediction};
+use outerloop_core::Prediction;
+use outerloop_core::config::PerActuator;
 use plant::{Channel, Effect};
 
 /// Lateness, ms, beyond what was expected, from which on a prediction is worth while.
@@ -178,8 +179,8 @@ fn timing(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
     said.push(format!(
         "the displacement is expected {late_ms:.2} ms late: {delay_ms:.2} ms of delay and {lag_ms:.2} ms of lag"
     ));
-    if more_ms > WORTH_PREDICTING_MS && c.prediction() == Prediction::None {
-        c.predictor = Some(Prediction::Afp);
+    if more_ms > WORTH_PREDICTING_MS && c.kind.predictor == Prediction::None {
+        c.kind.predictor = Prediction::Afp;
         said.push(format!(
             "{more_ms:.2} ms of that are new: the command is sent ahead of them by the predictor afp"
         ));
@@ -240,7 +241,7 @@ mod tests {
         let said = apply(&model, &mut config).join("\n");
         // A displacement that waits 1.5 ms for its force is as late again.
         assert!((config.compensation.delay_ms - 11.5).abs() < 1e-9);
-        assert_eq!(config.compensation.predictor, Some(Prediction::Afp));
+        assert_eq!(config.compensation.kind.predictor, Prediction::Afp);
         assert_eq!(config.structure.physical_mass_kg.as_slice(), [60.0]);
         let rig = &config.rig;
         assert_eq!(rig.command_gain.as_slice(), [1.05]);

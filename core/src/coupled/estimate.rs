@@ -7,7 +7,7 @@
 use super::Pair;
 use super::forward::{Forward, Slopes};
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
-use crate::config::Refusal;
+use crate::refusal::Refusal;
 
 /// So many times the sensor's noise counts as noise.
 const CAUTION: f32 = 3.0;

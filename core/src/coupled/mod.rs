@@ -23,7 +23,7 @@
 //! | [`tracker`] | all of them, one call a sample |
 //!
 //! # When not to use it
-//! A single actuator, or actuators that do not feel each other: the predictors in [`crate::compensate`] need a tenth of
+//! A single actuator, or actuators that do not feel each other: the predictors in [`crate::Prediction`] need a tenth of
 //! the instructions. Path zeros in both columns of the plant are refused.
 
 pub mod coupler;

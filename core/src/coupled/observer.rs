@@ -5,7 +5,7 @@
 //! the integration gives; the derivatives are those of the modes.
 
 use super::inverse::Jet;
-use crate::config::Refusal;
+use crate::refusal::Refusal;
 use heapless::Vec;
 
 /// The most modes of a coordinate.

@@ -10,7 +10,7 @@
 //! from stroke to stroke are a gain and at most one zero.
 
 use super::Pair;
-use crate::config::Refusal;
+use crate::refusal::Refusal;
 use heapless::Vec;
 
 /// The transfer function from commands to strokes.

@@ -6,7 +6,7 @@ use super::estimate::{self, Estimator};
 use super::inverse::{Inverse, Jet};
 use super::observer::{self, Observer};
 use super::plant::Plant;
-use crate::config::Refusal;
+use crate::refusal::Refusal;
 
 /// What the tracker is told.
 #[derive(Clone, Debug, PartialEq)]
