@@ -6,15 +6,12 @@ use benchmarks::marths::contestants::Contestant;
 use std::path::{Path, PathBuf};
 
 fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("OUTERLOOP_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
-        PathBuf::from,
-    );
-    if folder.join("marths/K_matrix.csv").is_file() {
-        return Some(folder);
-    }
-    eprintln!("not run: {} has no marths/K_matrix.csv", folder.display());
-    None
+    Some(
+        test_data::file("marths/K_matrix.csv")?
+            .ancestors()
+            .nth(2)?
+            .to_owned(),
+    )
 }
 
 fn problem(folder: &Path) -> (Problem, Record) {

@@ -56,18 +56,12 @@ fn holds_the_targets(answer: &Value) {
 
 const FOUR: &str = "pi-phase-lead,tangent+ats,tangent+inverse-model,feedforward-feedback";
 
-fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
-    let folder = std::env::var_os("OUTERLOOP_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    folder.is_dir().then_some(folder)
-}
-
 #[test]
 fn the_targets_are_reached_on_all_cases_and_records() {
-    let Some(folder) = data() else {
-        println!("not run: the problem's records are missing (set OUTERLOOP_DATA)");
+    let Some(records) = test_data::file("ground-motion/RTHSBENCH_ElCentro.csv") else {
         return;
     };
+    let folder = records.ancestors().nth(2).unwrap().to_owned();
     let folder = folder.to_string_lossy();
     let answer = answer(&[
         "--json",

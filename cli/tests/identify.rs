@@ -2,7 +2,6 @@
 #![allow(missing_docs)]
 
 use serde_json::Value;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn outerloop(arguments: &[&str]) -> Output {
@@ -14,14 +13,11 @@ fn outerloop(arguments: &[&str]) -> Output {
 
 /// The measured data, if they are on this machine.
 fn measured(name: &str) -> Option<String> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let data = std::env::var_os("OUTERLOOP_DATA").map_or(beside, PathBuf::from);
-    let file = data.join("measured").join(name);
-    if !file.is_file() {
-        println!("not run: {} is missing", file.display());
-        return None;
-    }
-    Some(file.display().to_string())
+    Some(
+        test_data::file(&format!("measured/{name}"))?
+            .display()
+            .to_string(),
+    )
 }
 
 fn identified(file: &str) -> Value {

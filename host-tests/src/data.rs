@@ -1,25 +1,10 @@
-//! Third-party records, read where they are: `OUTERLOOP_DATA`, or `../shared/data` beside the repository.
+//! Ground motions by other people, where they are at hand: see the crate `test-data`.
 
 use crate::Shaking;
-use std::path::PathBuf;
-
-/// The folder of the data, where there is one.
-pub fn folder() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
-    let folder = std::env::var_os("OUTERLOOP_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    folder.is_dir().then_some(folder)
-}
 
 /// A ground motion by its file name without ending; `None`, and a line that says so, where the data are missing.
 pub fn ground_motion(name: &str) -> Option<Shaking> {
-    let Some(folder) = folder() else {
-        println!("not run: {name} needs the folder of ground motions (set OUTERLOOP_DATA)");
-        return None;
-    };
-    let path = folder
-        .join("ground-motion")
-        .join(name)
-        .with_extension("csv");
+    let path = test_data::file(&format!("ground-motion/{name}.csv"))?;
     let text = std::fs::read_to_string(&path).ok()?;
     let rows: Vec<(f64, f64)> = text
         .lines()

@@ -4,7 +4,6 @@
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict};
-use host_tests::data;
 use outerloop_cli::files::measured::{Library, Part};
 use outerloop_cli::files::model;
 use plant::Effect;
@@ -17,11 +16,7 @@ const BEAM: &str = "nrc_faster";
 
 /// A record, or the part of it between two times; `None`, and a line that says so, where the data are missing.
 fn record(name: &str, span_s: Option<[f64; 2]>) -> Option<Recording> {
-    let file = data::folder().map(|f| f.join("measured").join(name).with_extension("csv"));
-    let Some(file) = file.filter(|f| f.is_file()) else {
-        println!("not run: {name} needs the folder of measured records (set OUTERLOOP_DATA)");
-        return None;
-    };
+    let file = test_data::file(&format!("measured/{name}.csv"))?;
     let part = Part { file, span_s };
     Some(Library::default().parts(&[part]).unwrap().remove(0))
 }

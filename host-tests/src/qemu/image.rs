@@ -33,7 +33,7 @@ fn cross(verb: &str, what: &[&str], features: &str) -> Option<Result<PathBuf, St
             std::env::var_os(REQUIRED).is_none(),
             "{REQUIRED} is set, but {what}"
         );
-        eprintln!("not run: {what}; scripts/setup installs what is needed");
+        test_data::not_run(&format!("{what}; scripts/setup installs what is needed"));
         None
     };
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/cross");
