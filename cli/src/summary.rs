@@ -164,7 +164,7 @@ impl Summary {
             energy_ratio: score.energy_ratio,
             locked_share: share(score.locked, score.compared),
             model_doubt_share: share(score.doubtful, score.control_steps),
-            stopped_s: (ending.state == State::Running
+            stopped_s: (ending.state.integrates()
                 && score.ran_away()
                 && score.control_steps < e.control_steps())
             .then(|| score.control_steps as f64 / e.test.config.timing.rate_hz),

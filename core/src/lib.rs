@@ -56,4 +56,4 @@ pub use method::{Accepted, Force, Method, Prediction};
 pub use outer_loop::{OuterLoop, Sample, Step};
 pub use record::Record;
 pub use refusal::Refusal;
-pub use supervise::{Event, Fault, State, Trip};
+pub use supervise::{Event, Fault, Mode, Mode as State, Trip};

@@ -30,7 +30,7 @@ use crate::record::{Record, flag};
 use crate::rig::Rig;
 use crate::signal::{SignalGenerator, Target};
 use crate::supervise::{
-    Checked, Event, Fault, Finding, History, LockWatch, Rejected, StaleWatch, State, Trip,
+    Checked, Event, Fault, Finding, History, LockWatch, Mode, Rejected, StaleWatch, Trip,
     first_fault, within,
 };
 
@@ -78,8 +78,7 @@ pub struct Step<'a, const N: usize> {
 #[repr(C)]
 pub struct OuterLoop<const N: usize> {
     design: StepConstants<N>,
-    state: State,
-    returning: bool,
+    mode: Mode,
     tick: u32,
     step: u32,
     flags: u32,
@@ -99,7 +98,8 @@ pub struct OuterLoop<const N: usize> {
     trip: Option<Trip>,
     obstacle: Option<Finding>,
     standing_m: Option<[f32; N]>,
-    goal_m: Option<[f32; N]>,
+    /// While commissioning: the command of the next step, m.
+    goal_m: [f32; N],
     energy: EnergyErrors<N>,
     estimator: Estimator<N>,
     history: History<N>,
@@ -107,8 +107,8 @@ pub struct OuterLoop<const N: usize> {
     rig: Rig<N>,
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
-    /// Share of the prediction that is sent: 1, but for a while after a hold.
-    blend: f32,
+    /// While resuming: the share of the prediction that is sent.
+    share: f32,
     /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
     /// answered with.
     pace: Option<Pace>,
@@ -128,7 +128,7 @@ impl<const N: usize> OuterLoop<N> {
         } = design;
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         Self {
-            state: State::Idle,
+            mode: Mode::Idle,
             trip: None,
             obstacle: None,
             history: History::new(),
@@ -138,10 +138,9 @@ impl<const N: usize> OuterLoop<N> {
             aimed_m: [0.0; N],
             target_m: [0.0; N],
             aimed_step_m: [0.0; N],
-            blend: 1.0,
+            share: 0.0,
             standing_m: None,
-            returning: false,
-            goal_m: None,
+            goal_m: [0.0; N],
             estimator: Estimator::at_rest(&estimation, [0.0; N]),
             energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
             monitor: Monitor::new(diagonal, design.energy_floor_j),
@@ -177,51 +176,49 @@ impl<const N: usize> OuterLoop<N> {
             self.rig.correct(&mut displacement_m, &mut force_n);
         }
         let estimate = self.estimate(displacement_m, force_n);
-        let next_m = match self.state {
-            State::Running => match self.goal_m {
-                Some(goal_m) => self.pursue(goal_m),
-                None => match self.pace {
-                    Some(pace) => self.run_outside(pace, &estimate, stale_steps == 0),
-                    None => self.run(&estimate, ground, stale_steps == 0),
-                },
+        let fit = stale_steps == 0;
+        let next_m = match self.mode {
+            Mode::Idle => self.follow(&displacement_m),
+            Mode::Approaching => self.approach_start(),
+            Mode::Armed => [0.0; N],
+            Mode::Running | Mode::Resuming => match self.pace {
+                None => self.run(&estimate, ground, fit),
+                Some(pace) => self.run_outside(pace, &estimate, fit),
             },
-            State::Idle => self.follow(&displacement_m),
-            State::Armed => self.approach([0.0; N]),
-            State::Holding | State::Finished => self.slow_down(),
-            State::Tripped => self.aimed_m,
+            Mode::Returning => self.return_to_target(),
+            Mode::Commissioning => self.pursue(),
+            Mode::Holding | Mode::Finished => self.slow_down(),
+            Mode::Tripped => self.aimed_m,
         };
         let (mut aim_m, mut send_m) = (next_m, next_m);
         if self.design.predicts {
-            aim_m = self.predict(estimate.displacement_m, next_m, stale_steps == 0);
+            aim_m = self.predict(estimate.displacement_m, next_m, fit);
             send_m = self.commands(&aim_m);
         }
         let finding = self.interlock(sample, &displacement_m, &send_m, stale_steps);
         self.record(sample, &estimate);
         let command_m = self.supervise(finding, next_m, aim_m, send_m);
-        if self.state == State::Running && self.pace.is_none() && self.step > ground.steps() {
+        if self.mode.integrates() && self.pace.is_none() && self.step > ground.steps() {
             self.stop_where_it_is();
-            self.state = State::Finished;
+            self.mode = Mode::Finished;
         }
         self.tick = self.tick.wrapping_add(1);
         Step {
             command_m,
-            permit: self.state.permits_motion(),
+            permit: self.mode.permits_motion(),
             record: self.history.latest(),
         }
     }
 
     /// A commissioning signal in place of the test: the command goes where it is told.
-    fn pursue(&mut self, goal_m: [f32; N]) -> [f32; N] {
-        self.signal.follow(goal_m);
-        goal_m
+    fn pursue(&mut self) -> [f32; N] {
+        self.signal.follow(self.goal_m);
+        self.goal_m
     }
 
     /// The running test: solve when the target has been reached, then go on towards the next.
     #[inline]
     fn run(&mut self, estimate: &Estimate<N>, ground: &GroundMotion<'_>, fit: bool) -> [f32; N] {
-        if let Some(way_back_m) = self.return_to_target() {
-            return way_back_m;
-        }
         if self.signal.at_target() && fit {
             self.solve(estimate, ground.at(self.step));
         }
@@ -232,18 +229,31 @@ impl<const N: usize> OuterLoop<N> {
         *self.signal.command_m()
     }
 
-    /// After a hold: a step of the way back to the target; `None` once it is reached.
-    #[inline]
-    fn return_to_target(&mut self) -> Option<[f32; N]> {
-        if self.returning {
-            let target = self.newmark.displacement_m();
-            if self.target_m != target {
-                return Some(self.approach(target));
-            }
-            self.returning = false;
-            self.signal = SignalGenerator::standing_at(target);
+    /// A step of the slow way to the start position.
+    fn approach_start(&mut self) -> [f32; N] {
+        let next_m = self.approach([0.0; N]);
+        if next_m == [0.0; N] {
+            self.mode = Mode::Armed;
         }
-        None
+        next_m
+    }
+
+    /// After a hold: a step of the slow way back to the target at which the test stands.
+    fn return_to_target(&mut self) -> [f32; N] {
+        let target_m = self.newmark.displacement_m();
+        let next_m = self.approach(target_m);
+        // A hold on the way begins where the command is.
+        self.signal.follow(next_m);
+        if self.target_m == target_m {
+            self.signal = SignalGenerator::standing_at(target_m);
+            self.share = 0.0;
+            self.mode = if self.design.predicts {
+                Mode::Resuming
+            } else {
+                Mode::Running
+            };
+        }
+        next_m
     }
 
     /// Energy errors and compensation at a target that has been reached: what was observed, the force that the equation
@@ -322,9 +332,10 @@ impl<const N: usize> OuterLoop<N> {
     #[inline]
     fn watch(&mut self, sample: &Sample<N>) -> u16 {
         // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
-        let watched = match self.state {
-            State::Idle => 0,
-            _ => self.design.physical,
+        let watched = if self.mode == Mode::Idle {
+            0
+        } else {
+            self.design.physical
         };
         // The target's motion counts: a predictor's command jumps with the noise, and two equal words are a chance then.
         let steps = self.stale.update(
@@ -394,10 +405,7 @@ impl<const N: usize> OuterLoop<N> {
     #[inline(never)]
     fn predict(&mut self, measured_m: [f32; N], next_m: [f32; N], fit: bool) -> [f32; N] {
         let k = &self.design;
-        let live = self.state == State::Running
-            && !self.returning
-            && self.goal_m.is_none()
-            && self.pace != Some(Pace::StopAndGo);
+        let live = self.mode.integrates() && self.pace != Some(Pace::StopAndGo);
         let (mut velocity_m, mut acceleration_m) = ([0.0; N], [0.0; N]);
         if live {
             velocity_m = *self.signal.velocity_m();
@@ -420,11 +428,14 @@ impl<const N: usize> OuterLoop<N> {
         if !live {
             return next_m;
         }
-        if self.blend < 1.0 {
+        if self.mode == Mode::Resuming {
             for j in 0..N {
-                send_m[j] = next_m[j] + self.blend * (send_m[j] - next_m[j]);
+                send_m[j] = next_m[j] + self.share * (send_m[j] - next_m[j]);
             }
-            self.blend += k.blend_step;
+            self.share += k.resume_step;
+            if self.share >= 1.0 {
+                self.mode = Mode::Running;
+            }
         }
         for j in 0..N {
             self.aimed_step_m[j] = send_m[j] - self.aimed_m[j];
@@ -440,7 +451,7 @@ impl<const N: usize> OuterLoop<N> {
 
     /// The ramp to a standstill begins at what was sent and not at the target behind it.
     fn stop_where_it_is(&mut self) {
-        if self.design.predicts && self.goal_m.is_none() {
+        if self.design.predicts && self.mode.integrates() {
             self.signal.go_on_from(self.aimed_m, self.aimed_step_m);
             self.target_m = self.aimed_m;
         }
@@ -473,10 +484,10 @@ impl<const N: usize> OuterLoop<N> {
         // What the board reports comes first, but for a number that is none.
         match sample.fault {
             None => found,
-            Some(fault) => match found {
-                Some(f) if f.fault == Fault::NonFinite => found,
-                _ => Some(Finding::fact(fault)),
-            },
+            Some(fault) => {
+                let not_finite = found.filter(|f| f.fault == Fault::NonFinite);
+                not_finite.or(Some(Finding::fact(fault)))
+            }
         }
     }
 
@@ -490,8 +501,8 @@ impl<const N: usize> OuterLoop<N> {
         send_m: [f32; N],
     ) -> [f32; N] {
         self.obstacle = finding;
-        if let (Some(f), Ok(tripped)) = (finding, self.state.after(Event::Fault)) {
-            self.state = tripped;
+        if let (Some(f), Ok(tripped)) = (finding, self.mode.after(Event::Fault)) {
+            self.mode = tripped;
             self.trip = Some(Trip {
                 fault: f.fault,
                 axis: f.axis,
@@ -523,10 +534,10 @@ impl<const N: usize> OuterLoop<N> {
             self.flags |= flag::CLAMPED;
         }
         let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
-        *self.history.place(self.state != State::Tripped) = Record {
+        *self.history.place(self.mode != Mode::Tripped) = Record {
             tick: self.tick,
             step: self.step,
-            flags: self.state as u32 | fault << 8 | self.flags,
+            flags: self.mode as u32 | fault << 8 | self.flags,
             ground_m_per_s2: self.ground_m_per_s2,
             command_m: self.target_m,
             sent_m: self.sent_m,

@@ -1,7 +1,7 @@
 //! What a control step leaves behind, in a fixed layout of 32-bit words.
 
 use crate::energy::Errors;
-use crate::supervise::State;
+use crate::supervise::Mode;
 
 /// One control step. Quantities of the integration (energies, C_cor, G_v, velocity) belong to the last solved
 /// integration step.
@@ -12,7 +12,7 @@ pub struct Record<const N: usize> {
     pub tick: u32,
     /// Integration steps solved since the start of the test.
     pub step: u32,
-    /// State, fault and [`flag`] bits.
+    /// Mode, fault and [`flag`] bits.
     pub flags: u32,
     /// Ground acceleration, m/s^2.
     pub ground_m_per_s2: f32,
@@ -70,7 +70,7 @@ impl From<Errors> for EnergyWords {
     }
 }
 
-/// Bits of [`Record::flags`] above the state (bits 0 to 3) and the latched fault (bits 8 to 15).
+/// Bits of [`Record::flags`] above the mode (bits 0 to 3) and the latched fault (bits 8 to 15).
 pub mod flag {
     /// An integration step was solved.
     pub const SOLVED: u32 = 1 << 16;
@@ -91,14 +91,19 @@ pub mod flag {
 }
 
 impl<const N: usize> Record<N> {
+    /// What the loop was doing.
+    pub fn mode(&self) -> Option<Mode> {
+        Mode::from_code(self.flags & 0xf)
+    }
+
     /// Number of 32-bit words.
     pub const WORDS: usize = 4 + 10 * N + 10;
 
-    /// Everything zero, in state `Idle`.
+    /// Everything zero, in mode `Idle`.
     pub const EMPTY: Self = Self {
         tick: 0,
         step: 0,
-        flags: State::Idle as u32,
+        flags: Mode::Idle as u32,
         ground_m_per_s2: 0.0,
         command_m: [0.0; N],
         sent_m: [0.0; N],

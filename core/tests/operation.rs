@@ -6,7 +6,7 @@ mod common;
 use common::{Rig, shaking, started, table1};
 use outerloop_core::record::flag;
 use outerloop_core::supervise::HISTORY;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Method, OuterLoop, Sample, State};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Sample};
 
 const RECORD_S: f64 = 6.0;
 
@@ -26,7 +26,10 @@ fn arming_moves_nothing_and_the_approach_is_slow() {
     }
     outer.handle(Event::Arm).unwrap();
     let early = outer.handle(Event::Start).unwrap_err();
-    assert_eq!((early.state, early.event), (State::Armed, Event::Start));
+    assert_eq!(
+        (early.state, early.event),
+        (Mode::Approaching, Event::Start)
+    );
     let mut steps = 0;
     while position != 0.0 {
         let step = outer.step(&Sample::new([position], [0.0]), &ground(&points));
@@ -38,7 +41,7 @@ fn arming_moves_nothing_and_the_approach_is_slow() {
         steps += 1;
         assert!(steps < 5000);
     }
-    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    assert_eq!(outer.handle(Event::Start), Ok(Mode::Running));
 }
 
 #[test]
@@ -68,7 +71,7 @@ fn with_offsets_and_gains_the_actuator_itself_stays_where_it_is_and_then_comes_t
         position = next;
     }
     assert!(position.abs() < 1e-8, "{position} m from the start");
-    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    assert_eq!(outer.handle(Event::Start), Ok(Mode::Running));
     let step = outer.step(&Sample::new([read(position)], [0.0]), &ground(&points));
     assert!((moved(step.command_m[0]) - position).abs() < 1e-5);
 }
@@ -79,13 +82,13 @@ fn a_record_ends_in_a_hold_and_a_clear() {
     let mut rig = Rig::new(8);
     let mut outer = started(&table1(), &mut rig, &ground(&points));
     let mut steps = 0;
-    while outer.state() == State::Running {
+    while outer.state() == Mode::Running {
         rig.step(&mut outer, &ground(&points));
         steps += 1;
     }
     assert_eq!(
         (outer.state(), steps),
-        (State::Finished, ground(&points).steps() + 1)
+        (Mode::Finished, ground(&points).steps() + 1)
     );
     let mut last = [rig.sent; 2];
     for _ in 0..2000 {
@@ -98,7 +101,7 @@ fn a_record_ends_in_a_hold_and_a_clear() {
         last = [last[1], now];
     }
     assert_eq!(last[0], last[1]);
-    assert_eq!(outer.handle(Event::Clear), Ok(State::Idle));
+    assert_eq!(outer.handle(Event::Clear), Ok(Mode::Idle));
 }
 
 #[test]
@@ -119,7 +122,7 @@ fn a_hold_in_mid_test_costs_time_and_nothing_else() {
             if record.has(flag::SOLVED) {
                 solved.push(record.command_m[0]);
             }
-            if outer.state() == State::Finished {
+            if outer.state() == Mode::Finished {
                 return solved;
             }
         }
@@ -130,6 +133,54 @@ fn a_hold_in_mid_test_costs_time_and_nothing_else() {
         straight, held,
         "with an ideal actuator a hold changes no bit of the motion"
     );
+}
+
+/// A second hold on the way back from a first: the ramp begins where the command is, and every mode shows in the record.
+#[test]
+fn the_way_back_after_a_hold_can_be_held_without_a_jump() {
+    let points = shaking(RECORD_S);
+    for method in [Method::Paper, Method::Tangent] {
+        let mut config = table1();
+        config.compensation.kind = method;
+        config.timing.approach_m_per_s = 0.02;
+        let mut rig = Rig::new(8);
+        let mut outer = started(&config, &mut rig, &ground(&points));
+        let mut modes = vec![outer.state()];
+        let (mut last, mut last_step, mut largest) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for i in 0..30_000 {
+            match i {
+                3000 => drop(outer.handle(Event::Hold).unwrap()),
+                5000 => drop(outer.handle(Event::Start).unwrap()),
+                5100 => assert_eq!(outer.handle(Event::Hold), Ok(Mode::Holding)),
+                7000 => drop(outer.handle(Event::Start).unwrap()),
+                _ => {}
+            }
+            let record = rig.step(&mut outer, &ground(&points)).record;
+            let mode = Mode::from_code(record.flags & 0xf).unwrap();
+            if modes.last() != Some(&mode) {
+                modes.push(mode);
+            }
+            let step = rig.sent - last;
+            // Between the two holds: what the ramp of 5 m/s^2 at 2 kHz and the start of the way back change.
+            if (5000..7000).contains(&i) {
+                largest = largest.max((step - last_step).abs());
+            }
+            (last, last_step) = (rig.sent, step);
+        }
+        assert!(largest <= 1.002e-5, "{method}: {largest} m a step and step");
+        let mut expected = vec![
+            Mode::Running,
+            Mode::Holding,
+            Mode::Returning,
+            Mode::Holding,
+            Mode::Returning,
+            Mode::Resuming,
+            Mode::Running,
+            Mode::Finished,
+        ];
+        expected.retain(|&m| m != Mode::Resuming || method == Method::Tangent);
+        assert_eq!(modes, expected, "{method}");
+    }
 }
 
 #[test]
@@ -162,7 +213,7 @@ fn the_first_fault_is_latched_with_the_last_steps_and_needs_a_clear() {
     assert_eq!(last.last(), Some(&trip.tick));
     assert!(last.windows(2).all(|w| w[1] == w[0] + 1));
     assert!(outer.handle(Event::Start).is_err() && outer.handle(Event::Arm).is_err());
-    assert_eq!(outer.handle(Event::Clear), Ok(State::Idle));
+    assert_eq!(outer.handle(Event::Clear), Ok(Mode::Idle));
     assert_eq!(outer.trip(), None);
 }
 
@@ -189,7 +240,7 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
         let good = rig.sample();
         outer.step(&good, &ground(&points));
-        assert_eq!(outer.handle(Event::Arm), Ok(State::Armed));
+        assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
     }
 }
 
@@ -214,7 +265,7 @@ fn a_stale_sample_slows_the_test_down_and_too_many_trip_it() {
         assert!((rig.sent - before).abs() <= speed);
         speed = (rig.sent - before).abs();
     }
-    assert_eq!(outer.state(), State::Running);
+    assert_eq!(outer.state(), Mode::Running);
     outer.step(&stale, &ground(&points));
     assert_eq!(outer.trip().map(|t| t.fault), Some(Fault::StaleSample));
 }
@@ -231,7 +282,7 @@ fn a_late_target_trips_after_its_time() {
     for _ in 0..25 {
         outer.step(&stale, &ground(&points));
     }
-    assert_eq!(outer.state(), State::Running);
+    assert_eq!(outer.state(), Mode::Running);
     outer.step(&stale, &ground(&points));
     assert_eq!(
         outer.trip().map(|t| (t.fault, t.value)),
@@ -254,7 +305,7 @@ fn the_energy_monitor_warns_and_trips_an_uncompensated_test() {
             if warned.is_none() && record.has(flag::ENERGY_WARNING) {
                 warned = Some(i);
             }
-            if outer.state() != State::Running {
+            if outer.state() != Mode::Running {
                 return (warned, outer.trip().map(|t| (t.fault, i)));
             }
         }
@@ -303,7 +354,7 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     }
     // Stopped at speed: the command slows down from the speed it had.
     let (before, last) = (sine(998, 0.005), sine(999, 0.005));
-    assert_eq!(outer.handle(Event::Stop), Ok(State::Finished));
+    assert_eq!(outer.handle(Event::Stop), Ok(Mode::Finished));
     let next = tick(&mut outer, None);
     assert!(
         ((next - last) - (last - before)).abs() < 2e-6,
@@ -316,7 +367,7 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     while tick(&mut outer, None) != 0.0 {}
     outer.handle(Event::Start).unwrap();
     let mut i = 0;
-    while outer.state() == State::Running {
+    while outer.state().permits_motion() {
         assert!(tick(&mut outer, Some(sine(i, 0.02))).abs() <= 0.01);
         i += 1;
     }
@@ -331,5 +382,5 @@ fn a_sensor_that_stands_away_from_zero_does_not_forbid_arming() {
     for _ in 0..100 {
         outer.step(&Sample::new([0.003], [0.0]), &GroundMotion::none());
     }
-    assert_eq!(outer.handle(Event::Arm), Ok(State::Armed));
+    assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
 }

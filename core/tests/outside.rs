@@ -178,7 +178,7 @@ fn stop_and_go_moves_at_the_set_speed_and_stands_at_each_target() {
     for _ in 0..100_000 {
         rig.step(&mut outer, &none);
     }
-    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    assert_eq!(outer.handle(Event::Start), Ok(State::Returning));
     outer.set_next_target([0.001]);
     for _ in 0..1000 {
         rig.step(&mut outer, &none);

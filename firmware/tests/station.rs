@@ -282,7 +282,7 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
         b.step();
     }
     done(&b.event(Event::Start));
-    b.until(State::Running);
+    b.until(State::Commissioning);
     let steps = b.until(State::Finished);
     assert!((5998..=6003).contains(&steps), "{steps}");
     let largest = b.log.iter().rev().take(6000).map(|r| r.step.command_m);

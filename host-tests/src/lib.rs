@@ -174,14 +174,14 @@ fn run<const N: usize>(
             State::Armed => {
                 let _ = outer.handle(Event::Start);
             }
-            State::Running => {
+            now if now.integrates() => {
                 trace.hash = step.record.hash(trace.hash);
                 trace.records.push(*step.record);
             }
             _ => {}
         }
         trace.state = outer.state();
-        let over = !matches!(trace.state, State::Idle | State::Armed | State::Running);
+        let over = matches!(trace.state, State::Finished | State::Tripped);
         if trace.records.len() == steps || over {
             break;
         }

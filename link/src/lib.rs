@@ -48,7 +48,7 @@ pub use status::Status;
 pub use telemetry::Telemetry;
 
 /// Version of everything in this crate; a frame of another version is counted and not looked at.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
 /// ST-LINK that makes a USB port of it.

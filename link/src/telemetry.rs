@@ -75,9 +75,7 @@ impl StepReport {
 
     /// Where the test stands; `None` if the flags hold no state.
     pub fn state(&self) -> Option<State> {
-        State::ALL
-            .into_iter()
-            .find(|&s| s as u32 == self.flags & 0xf)
+        State::from_code(self.flags & 0xf)
     }
 
     /// The latched fault.

@@ -49,7 +49,7 @@ impl Bench for PlantBench<'_> {
             let step = outer.step(&sample, &assignment.ground);
             command_m = step.command_m.map(f64::from);
             match before {
-                State::Running => {
+                State::Running | State::Resuming => {
                     witness.see(step.record);
                     done += 1;
                     let computed = &step.record.command_m;
@@ -67,8 +67,8 @@ impl Bench for PlantBench<'_> {
                         .map_err(|e| Failure::test(e.to_string()))?;
                 }
                 State::Idle => idle += 1,
-                // Refused until the approach has ended, which it does: the distance is finite.
                 State::Armed => drop(outer.handle(Event::Start)),
+                State::Approaching | State::Returning | State::Commissioning => {}
                 State::Holding | State::Finished | State::Tripped => {}
             }
             if matches!(outer.state(), State::Finished | State::Tripped) {

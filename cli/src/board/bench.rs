@@ -4,7 +4,7 @@ use super::connection::Connection;
 use super::mirror::Mirror;
 use super::orders::{clear, done, event, identify, status};
 use super::port::Port;
-use super::wording::{describe_words, state_name};
+use super::wording::describe_words;
 use crate::bench::{Assignment, Bench, Ending, OnBoard};
 use crate::failure::Failure;
 use crate::trace::Witness;
@@ -110,7 +110,7 @@ fn prepare<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
         ))),
         (state, _) => Err(Failure::test(format!(
             "the board is {}: accepted is an idle board",
-            state_name(state)
+            state.name()
         ))),
     }
 }
@@ -239,7 +239,7 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
         // Steps count by their number, not by their coming: some may be lost on the way.
         let mut first = None;
         let mut see = |record: Option<Record<N>>| {
-            let running = |r: &Record<N>| r.flags & 0xf == State::Running as u32;
+            let running = |r: &Record<N>| r.mode().is_some_and(State::integrates);
             if let Some(record) = record.filter(running) {
                 done = record.tick.wrapping_sub(*first.get_or_insert(record.tick)) as usize + 1;
                 if done <= steps {

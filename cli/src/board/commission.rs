@@ -54,7 +54,7 @@ pub fn commission<P: Port>(
             Err(lost) => break Some(lost.to_string()),
         };
         match step.state() {
-            Some(State::Running) => {
+            Some(State::Commissioning) => {
                 let begin = *begin.get_or_insert(tick);
                 let _ = writeln!(
                     text,

@@ -24,4 +24,4 @@ pub use connection::{Connection, Patience};
 pub use mirror::{Mirror, Seen};
 pub use orders::{calibrate, clear, identify, save, status, zero};
 pub use port::{Port, Serial};
-pub use wording::{describe, describe_words, state_name};
+pub use wording::{describe, describe_words};

@@ -2,7 +2,7 @@
 
 use super::connection::Connection;
 use super::port::Port;
-use super::wording::state_name;
+
 use crate::failure::Failure;
 use link::command::Channel;
 use link::reply::{Identity, Obstacle, Reply};
@@ -49,7 +49,7 @@ pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
         State::Finished | State::Tripped => event(board, Event::Clear).map(drop),
         state => Err(Failure::test(format!(
             "clear: the board is {}: accepted are finished and tripped",
-            state_name(state)
+            state.name()
         ))),
     }
 }
@@ -146,7 +146,7 @@ fn refused(what: &str, reply: Reply) -> Failure {
         }),
         Reply::Rejected { state, .. } => Failure::test(format!(
             "{what}: means nothing while the board is {}: accepted is another order first, see `outerloop board status`",
-            state_name(state)
+            state.name()
         )),
         Reply::WrongSum { received } => Failure::test(format!(
             "{what}: the ground motion came to the board with the check sum {received:08x}: accepted is what was sent; try again"

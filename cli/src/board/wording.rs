@@ -2,19 +2,6 @@
 
 use link::reply::Identity;
 use link::status::{Cause, LastWords, Start, Status};
-use outerloop_core::State;
-
-/// A state as people say it.
-pub const fn state_name(state: State) -> &'static str {
-    match state {
-        State::Idle => "idle",
-        State::Armed => "armed",
-        State::Running => "running",
-        State::Holding => "holding",
-        State::Finished => "finished",
-        State::Tripped => "tripped",
-    }
-}
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<String> {
@@ -32,7 +19,7 @@ pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<Strin
     Some(format!(
         "the board {cause} at control step {} while {}: {}",
         words.tick,
-        state_name(words.state),
+        words.state.name(),
         words.text
     ))
 }
@@ -49,7 +36,7 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     let mut lines = vec![
         format!(
             "{}, PERMIT {}, {}, {} points of ground motion loaded",
-            state_name(status.state),
+            status.state.name(),
             if status.permit { "high" } else { "low" },
             if status.configured {
                 "a test is accepted"

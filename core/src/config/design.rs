@@ -49,7 +49,7 @@ pub(crate) struct StepConstants<const N: usize> {
     /// Deceleration of the ramp to hold, m per control step squared.
     pub(crate) deceleration_step_m: f32,
     /// By how much the share of the prediction grows in a control step after a hold.
-    pub(crate) blend_step: f32,
+    pub(crate) resume_step: f32,
     pub(crate) physical: usize,
 }
 
@@ -127,7 +127,7 @@ impl<const N: usize> Design<N> {
             deceleration_step_m: (t.hold_deceleration_m_per_s2 * control_step_s * control_step_s)
                 as f32,
             // Half a second: a bump of 10 mm becomes 20 mm/s.
-            blend_step: (2.0 * control_step_s) as f32,
+            resume_step: (2.0 * control_step_s) as f32,
             physical: structure.physical.min(N),
         };
         Ok(Self {

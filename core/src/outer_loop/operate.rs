@@ -1,14 +1,14 @@
 //! What the operator does with a loop, between steps.
 
 use super::{
-    Correction, Design, EnergyErrors, Event, LockWatch, Monitor, Newmark, OuterLoop, Record,
-    Rejected, SignalGenerator, StaleWatch, State, Trip,
+    Correction, Design, EnergyErrors, Event, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
+    Rejected, SignalGenerator, StaleWatch, Trip,
 };
 
 impl<const N: usize> OuterLoop<N> {
-    /// Where the test stands.
-    pub fn state(&self) -> State {
-        self.state
+    /// What the loop is doing.
+    pub fn state(&self) -> Mode {
+        self.mode
     }
 
     /// The first fault, until it is cleared.
@@ -24,37 +24,46 @@ impl<const N: usize> OuterLoop<N> {
     /// Takes an event from the operator or the link.
     ///
     /// # Errors
-    /// The event means nothing in this state, an interlock stands against arming, or the approach to the start
-    /// position has not ended; nothing has changed then.
-    pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
+    /// The event means nothing in this mode, or an interlock stands against arming; nothing has changed then.
+    pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
         let rejected = Rejected {
-            state: self.state,
+            state: self.mode,
             event,
             obstacle: self.obstacle.map(|f| f.fault),
         };
-        let next = self.state.after(event)?;
-        match (self.state, next) {
-            (State::Idle, State::Armed) if self.obstacle.is_some() => return Err(rejected),
-            (State::Armed, State::Running) if self.target_m != [0.0; N] => return Err(rejected),
-            (State::Idle, State::Armed) => self.reset(),
-            (State::Armed, State::Running) => self.blend = 1.0,
-            (State::Holding, State::Running) => (self.returning, self.blend) = (true, 0.0),
-            (State::Running, State::Holding | State::Finished) => self.stop_where_it_is(),
-            (_, State::Idle) => {
+        let mut next = self.mode.after(event)?;
+        match next {
+            Mode::Approaching if self.obstacle.is_some() => return Err(rejected),
+            Mode::Approaching => {
+                self.reset();
+                if self.target_m == [0.0; N] {
+                    next = Mode::Armed;
+                }
+            }
+            Mode::Holding | Mode::Finished => self.stop_where_it_is(),
+            Mode::Idle => {
                 self.trip = None;
                 self.standing_m = None;
                 self.history.clear();
             }
-            _ => {}
+            Mode::Running | Mode::Returning | Mode::Tripped => {}
+            // These are not come to by an event.
+            Mode::Armed | Mode::Resuming | Mode::Commissioning => {}
         }
-        self.state = next;
+        self.mode = next;
         Ok(next)
     }
 
-    /// Gives the command of the next step while running, in place of the integration: a commissioning signal. All
-    /// interlocks are in force. `None`, and arming, go back to the test.
+    /// Gives the command of the next step in place of the integration, a commissioning signal, or (`None`) goes back to
+    /// the test. All interlocks are in force. Without effect where no test runs.
     pub fn set_goal(&mut self, goal_m: Option<[f32; N]>) {
-        self.goal_m = goal_m;
+        match goal_m {
+            Some(goal_m) if self.mode.integrates() || self.mode == Mode::Commissioning => {
+                (self.mode, self.goal_m) = (Mode::Commissioning, goal_m);
+            }
+            None if self.mode == Mode::Commissioning => self.mode = Mode::Running,
+            Some(_) | None => {}
+        }
     }
 
     /// Exchanges the whole design while idle.
@@ -62,9 +71,9 @@ impl<const N: usize> OuterLoop<N> {
     /// # Errors
     /// The loop is not idle; it goes on as it was.
     pub fn configure(&mut self, design: Design<N>) -> Result<(), Rejected> {
-        if self.state != State::Idle {
+        if self.mode != Mode::Idle {
             return Err(Rejected {
-                state: self.state,
+                state: self.mode,
                 event: Event::Arm,
                 obstacle: None,
             });
@@ -87,8 +96,7 @@ impl<const N: usize> OuterLoop<N> {
             sent_m: _,
             aimed_m,
             // What goes back.
-            state,
-            returning,
+            mode,
             step,
             flags,
             ground_m_per_s2,
@@ -110,16 +118,16 @@ impl<const N: usize> OuterLoop<N> {
             predictor,
             rig,
             aimed_step_m,
-            blend,
+            share,
             pace: _,
             next_target_m,
             answer_n,
         } = self;
-        *state = State::Idle;
-        (*returning, *step, *flags) = (false, 0, 0);
-        (*trip, *obstacle, *standing_m, *goal_m) = (None, None, None, None);
+        *mode = Mode::Idle;
+        (*step, *flags) = (0, 0);
+        (*trip, *obstacle, *standing_m) = (None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
-        (*ground_m_per_s2, *blend) = (0.0, 1.0);
+        (*ground_m_per_s2, *share, *goal_m) = (0.0, 0.0, [0.0; N]);
         (*target_m, *aimed_step_m) = (*aimed_m, [0.0; N]);
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);

@@ -45,9 +45,6 @@ impl<const N: usize> OuterLoop<N> {
         estimate: &Estimate<N>,
         fit: bool,
     ) -> [f32; N] {
-        if let Some(way_back_m) = self.return_to_target() {
-            return way_back_m;
-        }
         match pace {
             Pace::StopAndGo => self.stop_and_go(estimate),
             Pace::Continuous => self.go_continuously(estimate, fit),

@@ -4,7 +4,7 @@ mod fault;
 mod history;
 mod interlock;
 mod locked;
-mod machine;
+mod mode;
 mod stale;
 
 pub use fault::{Fault, Trip};
@@ -12,7 +12,7 @@ pub(crate) use history::History;
 pub use interlock::Limits;
 pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
-pub use machine::{Event, Rejected, State};
+pub use mode::{Event, Mode, Rejected};
 pub(crate) use stale::StaleWatch;
 
 /// Number of steps that are kept from before a fault.

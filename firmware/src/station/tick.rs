@@ -244,13 +244,16 @@ impl Station {
 
     /// The commissioning signal's next command, and the end of the run after its last.
     fn goal_m(&mut self) -> Option<f32> {
-        if self.setup.outer.state() != State::Running {
+        if !matches!(
+            self.setup.outer.state(),
+            State::Running | State::Commissioning
+        ) {
             return None;
         }
         let signal = self.signal.as_mut()?;
         let next_m = signal.next_m();
         if next_m.is_none() {
-            // Running knows Finish: it cannot be refused.
+            // Both know Finish: it cannot be refused.
             let _ = self.setup.outer.handle(Event::Finish);
         }
         next_m

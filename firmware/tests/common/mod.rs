@@ -280,7 +280,7 @@ impl Bench {
             matches!(
                 armed,
                 Reply::Done {
-                    state: State::Armed,
+                    state: State::Approaching | State::Armed,
                     ..
                 }
             ),

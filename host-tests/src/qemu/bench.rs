@@ -158,7 +158,7 @@ pub fn drive<const N: usize>(
 /// The state in a record: bits 0 to 3 of its third word.
 fn state_of(words: &[u32]) -> Result<State> {
     let flags = words.get(2).copied().unwrap_or(u32::MAX);
-    let state = State::ALL.into_iter().find(|&s| s as u32 == flags & 0xf);
+    let state = State::from_code(flags & 0xf);
     state.ok_or_else(|| Error::other("a record without a state"))
 }
 

@@ -53,13 +53,10 @@ pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
         drill::background();
         let flags = FLAGS.load(Relaxed);
         let fault = flags >> 8 & 0xff;
-        let state = State::ALL.into_iter().find(|&s| s as u32 == flags & 0xf);
-        let moving = matches!(
-            state,
-            Some(State::Armed | State::Running | State::Holding | State::Finished)
-        );
+        let state = State::from_code(flags & 0xf);
+        let moving = state.is_some_and(State::permits_motion);
         lamps.green.set_level(Level::from(match state {
-            Some(State::Running) => true,
+            Some(State::Running | State::Resuming | State::Commissioning) => true,
             Some(_) => count % 10 == 0,
             None => false,
         }));
