@@ -6,13 +6,14 @@ use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;
 use crate::numbers::{si, three};
 use crate::score::Score;
+use crate::stability::rig::Variation;
 use crate::summary::Summary;
 use crate::trace::{Response, Trace, Witness};
 use outerloop_core::config::Filter;
 use outerloop_core::structure::Structure;
 use outerloop_core::{Config, Design, GroundMotion, Method};
-use plant::RigSpec;
 use plant::specimen::SpecimenKind;
+use plant::{PerAxis, RigSpec};
 use std::f64::consts::TAU;
 
 /// A test and what shakes it.
@@ -130,6 +131,7 @@ impl Experiment {
             spec: rig,
             seed: 0,
             stop_beyond_m: f64::INFINITY,
+            breaks: None,
         };
         self.on(&bench, &config, &mut response)?;
         let peaks = response.peaks_m();
@@ -162,6 +164,7 @@ impl Experiment {
             spec: &self.test.plant,
             seed,
             stop_beyond_m: ideal.runaway_m(),
+            breaks: None,
         };
         self.run_on(&bench, method, ideal, keep, tell)
     }
@@ -221,6 +224,31 @@ impl Experiment {
             };
             bench.run(&assignment, witness)
         })
+    }
+
+    /// The same on a rig that differs by `vary`, which the loop is not told.
+    pub fn on_rig(&self, vary: &Variation) -> Self {
+        fn times(values: &PerAxis, factor: f64) -> PerAxis {
+            match values {
+                PerAxis::All(x) => PerAxis::All(x * factor),
+                PerAxis::Each(each) => PerAxis::Each(each.iter().map(|x| x * factor).collect()),
+            }
+        }
+        let mut own = self.clone();
+        let config = &self.test.config;
+        let structure = &config.structure.stiffness_n_per_m;
+        let (specimen, actuator) = (&mut own.test.plant.specimen, &mut own.test.plant.actuator);
+        if vary.stiffness != 1.0 {
+            let stiffness = specimen
+                .stiffness_n_per_m
+                .take()
+                .unwrap_or_else(|| PerAxis::Each(structure[..config.physical_storeys()].to_vec()));
+            specimen.stiffness_n_per_m = Some(times(&stiffness, vary.stiffness));
+        }
+        actuator.delay_ms = times(&actuator.delay_ms, vary.delay);
+        actuator.lag_ms = times(&actuator.lag_ms, vary.delay);
+        actuator.gain = times(&actuator.gain, vary.gain);
+        own
     }
 
     /// Control steps of the running test.

@@ -10,6 +10,7 @@
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`comparison`] | one bench for every compensation |
+//! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
 //! | [`declared`](mod@declared) | what the laboratory believes of its rig, apart from the simulated truth |
@@ -38,6 +39,7 @@ pub mod improvement;
 pub mod numbers;
 pub mod report;
 pub mod score;
+pub mod soundness;
 pub mod stability;
 pub mod story;
 pub mod summary;

@@ -9,6 +9,11 @@ pub trait Witness {
     fn see<const N: usize>(&mut self, record: &Record<N>);
 }
 
+impl Witness for () {
+    #[inline]
+    fn see<const N: usize>(&mut self, _: &Record<N>) {}
+}
+
 impl<W: Witness> Witness for Option<W> {
     #[inline]
     fn see<const N: usize>(&mut self, record: &Record<N>) {

@@ -2,7 +2,7 @@
 
 mod plant;
 
-pub use self::plant::PlantBench;
+pub use self::plant::{Breakage, PlantBench};
 
 use crate::failure::Failure;
 use crate::trace::Witness;

@@ -11,6 +11,19 @@ use std::time::Instant;
 /// Idle steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: usize = 256;
 
+/// What breaks in a rig while a test runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Breakage {
+    /// Displacement per command is so many times what it was.
+    ActuatorGain(f64),
+    /// The force is so many times what it was, as of another specimen.
+    Stiffness(f64),
+    /// The displacement reads what it last read, and its noise.
+    DeadDisplacement,
+    /// The force reads nothing but its noise.
+    DeadForce,
+}
+
 /// A simulated rig.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantBench<'a> {
@@ -20,6 +33,8 @@ pub struct PlantBench<'a> {
     pub seed: u64,
     /// A test that computes a larger displacement is stopped, m: a real rig would be at its end by then.
     pub stop_beyond_m: f64,
+    /// What breaks, and after how many control steps of the running test.
+    pub breaks: Option<(usize, Breakage)>,
 }
 
 impl Bench for PlantBench<'_> {
@@ -37,12 +52,32 @@ impl Bench for PlantBench<'_> {
         let mut outer = OuterLoop::new(assignment.design.clone());
         let mut command_m = [0.0; N];
         let (mut idle, mut done) = (0, 0);
+        let mut last_m = [0.0; N];
         while done < assignment.steps {
+            let broken = self.breaks.filter(|(after, _)| done >= *after);
+            let broken = broken.map(|(_, what)| what);
+            if let Some(Breakage::ActuatorGain(gain)) = broken {
+                command_m.iter_mut().for_each(|command| *command *= gain);
+            }
             let reading = rig.step(&command_m[..physical]);
             let mut sample = Sample::new([0.0; N], [0.0; N]);
             for j in 0..physical {
                 sample.displacement_m[j] = reading.displacement_m[j] as f32;
                 sample.force_n[j] = reading.force_n[j] as f32;
+                let noise_m = reading.displacement_m[j] - reading.true_displacement_m[j];
+                let noise_n = reading.force_n[j] - reading.true_force_n[j];
+                match broken {
+                    Some(Breakage::Stiffness(times)) => {
+                        sample.force_n[j] = (times * reading.true_force_n[j] + noise_n) as f32;
+                    }
+                    Some(Breakage::DeadDisplacement) => {
+                        sample.displacement_m[j] = (last_m[j] + noise_m) as f32;
+                    }
+                    Some(Breakage::DeadForce) => sample.force_n[j] = noise_n as f32,
+                    Some(Breakage::ActuatorGain(_)) | None => {
+                        last_m[j] = reading.true_displacement_m[j];
+                    }
+                }
             }
             sample.fault = reading.at_rail.then_some(Fault::AdcRail);
             let before = outer.state();

@@ -90,7 +90,8 @@ pub struct Answer {
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
     pub alternatives: Vec<Row>,
-    /// Why it cannot be stable; null where it can.
+    /// Why it cannot be stable by its eigenvalues; `None` where it can.
+    #[serde(skip)]
     pub reason: Option<String>,
     /// What else is to be known.
     pub notes: Vec<String>,

@@ -1,18 +1,42 @@
-//! `outerloop check`: whether a test can be stable, before the oil is on.
+//! `outerloop check`: whether a test may be run, before the oil is on.
 
 use super::{json, method};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::files::ground_motion::{Columns, GroundMotionFile};
+use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
+use crate::soundness::monitor;
+use crate::soundness::survey::{self, Case, Truth};
+use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Answer, Row};
+use crate::summary::GOOD_EPS_RMS;
 use crate::terminal::{Progress, percent, table};
-use std::path::PathBuf;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
-/// Whether a test can be stable, before the oil is on
+/// Whether a test may be run, before the oil is on: exit status 0 stable, 1 doubtful, 2 unstable
 #[derive(clap::Args, Debug)]
 pub struct Check {
     /// The test file
-    test: PathBuf,
+    #[arg(required_unless_present_any = ["survey", "monitor"])]
+    test: Option<PathBuf>,
+    /// The ground motion: CSV, AT2, or one acceleration a line
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Instead of a test: the verdicts against what the tests then do, over so many drawn rigs
+    #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
+    survey: Option<usize>,
+    /// Instead of a test: the energy monitor over so many sound tests, and a tenth as many in which something breaks
+    #[arg(
+        long,
+        value_name = "TESTS",
+        num_args = 0..=1,
+        default_missing_value = "10000",
+        conflicts_with_all = ["test", "survey"]
+    )]
+    monitor: Option<usize>,
     /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
     #[arg(long = "set", value_name = "PATH=VALUE")]
     overrides: Vec<String>,
@@ -48,8 +72,16 @@ impl Check {
     /// # Errors
     /// Bad input; a test that cannot be stable.
     pub fn go(&self) -> Result<(), Failure> {
+        if let Some(rigs) = self.survey {
+            return self.survey(rigs);
+        }
+        if let Some(tests) = self.monitor {
+            return self.monitor(tests);
+        }
+        // Clap has seen to it that there is one.
+        let path = self.test.as_deref().unwrap_or(Path::new(""));
         let spread = self.spread()?;
-        let mut test = TestFile::load(&self.test, &self.overrides)?;
+        let mut test = TestFile::load(path, &self.overrides)?;
         if let Some(name) = &self.compensation {
             test.config.compensation.kind = method(name)?;
         }
@@ -57,15 +89,169 @@ impl Check {
             let progress = Progress::over("rigs", spread.plants as u64);
             stability::answer(&test, &spread, || progress.add(1))?
         };
+        let judgement = self.judge(&test, &spread, &answer)?;
         if self.json {
-            println!("{}", json(&answer)?);
+            let whole = Whole {
+                judgement: &judgement,
+                answer: &answer,
+            };
+            println!("{}", json(&whole)?);
         } else {
             print(&answer);
+            println!(
+                "\n{}: {}.\nExpected error: {} rms; {} on a rig that differs.",
+                judgement.verdict.name().to_uppercase(),
+                judgement.reason,
+                percent(judgement.expected_eps_rms),
+                percent(judgement.expected_eps_rms_differing),
+            );
         }
-        match answer.reason {
-            Some(reason) => Err(Failure::input(format!("{}: {reason}", self.test.display()))),
-            None => Ok(()),
+        let said = format!("{}: {}", path.display(), judgement.reason);
+        match judgement.verdict {
+            Verdict::Stable => Ok(()),
+            Verdict::Doubtful => Err(Failure::test(said)),
+            Verdict::Unstable => Err(Failure::input(said)),
         }
+    }
+
+    /// The verdict, and what would be better.
+    fn judge(
+        &self,
+        test: &TestFile,
+        spread: &Spread,
+        answer: &Answer,
+    ) -> Result<Judgement, Failure> {
+        let shaking = match self.record.as_deref().or(test.excitation.record.as_deref()) {
+            Some(path) => GroundMotionFile::load(path, Columns::default())?,
+            None => near_fault(),
+        };
+        let experiment = Experiment::new(test.clone(), &shaking, None)?;
+        let eigenvalues = Eigenvalues::of(test)?;
+        let progress = Progress::over("tests", 3);
+        let mut judgement =
+            soundness::judge(&experiment, &eigenvalues, spread, || progress.add(1))?;
+        if judgement.verdict == Verdict::Stable {
+            return Ok(judgement);
+        }
+        if let Some(reason) = answer.reason.as_ref().filter(|_| soundness::fixed(test)) {
+            judgement.reason = reason.clone();
+        }
+        let others: Vec<String> = soundness::alternatives(&experiment, GOOD_EPS_RMS)?
+            .into_iter()
+            .take(3)
+            .map(|(name, eps)| format!("{name} ({})", percent(eps)))
+            .collect();
+        if !others.is_empty() {
+            judgement.reason += &format!(
+                "; the planned motion is good with the compensations {}",
+                others.join(", ")
+            );
+        }
+        Ok(judgement)
+    }
+
+    /// The monitor over many tests.
+    fn monitor(&self, sound: usize) -> Result<(), Failure> {
+        if !(10..=1_000_000).contains(&sound) {
+            return Err(Failure::input(format!(
+                "--monitor {sound}: accepted are 10 to 1000000"
+            )));
+        }
+        let plans = monitor::draw(sound, sound / 10, self.seed);
+        let cases = {
+            let progress = Progress::over("tests", plans.len() as u64);
+            monitor::run(&plans, || progress.add(1))?
+        };
+        let rows = monitor::table(&cases);
+        if self.json {
+            println!(
+                "{}",
+                json(&Watched {
+                    rows: &rows,
+                    cases: &cases
+                })?
+            );
+        } else {
+            let [energy, hsem, displacement] = monitor::INDICATORS;
+            let mut t = table(&[
+                "tests",
+                "",
+                "not counted",
+                energy,
+                displacement,
+                "either of the two",
+                hsem,
+            ]);
+            for r in &rows {
+                let [energy, hsem, displacement] = r.stopped.map(|n| n.to_string());
+                t.add_row([
+                    r.kind.name().to_owned(),
+                    r.count.to_string(),
+                    r.others.to_string(),
+                    energy,
+                    displacement,
+                    r.together.to_string(),
+                    hsem,
+                ]);
+            }
+            println!("{t}");
+            let [energy, hsem, displacement] = rows.first().map_or([0.0; 3], |r| r.largest);
+            println!(
+                "Stopped at an energy error of {} of the energy in the test, or at {} of the planned peak; broken tests \
+                 before {} of it.\nSound tests came to {energy:.3} by core's indicator, {hsem:.3} by the published one, \
+                 {displacement:.3} of the planned peak.",
+                monitor::ENERGY_TRIP,
+                monitor::DISPLACEMENT,
+                monitor::TOO_FAR,
+            );
+        }
+        Ok(())
+    }
+
+    /// The verdicts over many rigs.
+    fn survey(&self, rigs: usize) -> Result<(), Failure> {
+        if !(1..=1_000_000).contains(&rigs) {
+            return Err(Failure::input(format!(
+                "--survey {rigs}: accepted are 1 to 1000000"
+            )));
+        }
+        let tests = survey::draw(rigs, self.seed);
+        let cases = {
+            let progress = Progress::over("rigs", rigs as u64);
+            survey::run(&tests, || progress.add(1))?
+        };
+        let rows = survey::table(&cases);
+        if self.json {
+            println!(
+                "{}",
+                json(&Survey {
+                    rows: &rows,
+                    cases: &cases
+                })?
+            );
+        } else {
+            let mut t = table(&["tests", "which", "", "stable", "doubtful", "unstable"]);
+            for r in rows.iter().filter(|r| r.count > 0) {
+                let [stable, doubtful, unstable] = r.called.map(|n| n.to_string());
+                t.add_row([
+                    r.tests.clone(),
+                    r.truth.words().to_owned(),
+                    r.count.to_string(),
+                    stable,
+                    doubtful,
+                    unstable,
+                ]);
+            }
+            println!("{t}");
+        }
+        let all = |truth: Truth| rows.iter().find(|r| r.tests == "all" && r.truth == truth);
+        let missed = all(Truth::RanAway).map_or(0, |r| r.called[0]);
+        if missed > 0 {
+            return Err(Failure::test(format!(
+                "{missed} tests were called stable and ran away"
+            )));
+        }
+        Ok(())
     }
 
     fn spread(&self) -> Result<Spread, Failure> {
@@ -94,6 +280,29 @@ impl Check {
             damping: share("damping-spread", self.damping_spread)?,
         })
     }
+}
+
+/// All that is found out, as JSON.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    judgement: &'a Judgement,
+    #[serde(flatten)]
+    answer: &'a Answer,
+}
+
+/// What the monitor did, as JSON.
+#[derive(Serialize)]
+struct Watched<'a> {
+    rows: &'a [monitor::Row],
+    cases: &'a [monitor::Case],
+}
+
+/// A survey as JSON.
+#[derive(Serialize)]
+struct Survey<'a> {
+    rows: &'a [survey::Row],
+    cases: &'a [Case],
 }
 
 fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {

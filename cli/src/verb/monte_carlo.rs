@@ -1,13 +1,10 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
 use super::{Common, json, method};
-use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::stability::perturbed::Spread;
-use crate::stability::rig::Variation;
 use crate::summary::{Summary, Verdict};
 use crate::terminal::{Progress, percent, table};
-use plant::PerAxis;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -84,7 +81,7 @@ impl MonteCarlo {
             .par_iter()
             .enumerate()
             .map(|(i, rig)| {
-                let own = on(&experiment, rig);
+                let own = experiment.on_rig(rig);
                 // What is wrong with a specimen is no error of the test: it is in the ideal as well.
                 let ideal = own.ideal()?;
                 let seed = self.common.seed.wrapping_add(i as u64);
@@ -101,32 +98,6 @@ impl MonteCarlo {
             print(&outcome, kind.name());
         }
         Ok(())
-    }
-}
-
-/// `experiment` on a rig that differs by `vary`.
-fn on(experiment: &Experiment, vary: &Variation) -> Experiment {
-    let mut own = experiment.clone();
-    let declared = &own.test.config.structure.stiffness_n_per_m;
-    let physical = own.test.config.physical_storeys();
-    let plant = &mut own.test.plant;
-    let stiffness = plant
-        .specimen
-        .stiffness_n_per_m
-        .take()
-        .unwrap_or_else(|| PerAxis::Each(declared[..physical].to_vec()));
-    plant.specimen.stiffness_n_per_m = Some(times(&stiffness, vary.stiffness));
-    let actuator = &mut plant.actuator;
-    actuator.delay_ms = times(&actuator.delay_ms, vary.delay);
-    actuator.lag_ms = times(&actuator.lag_ms, vary.delay);
-    actuator.gain = times(&actuator.gain, vary.gain);
-    own
-}
-
-fn times(values: &PerAxis, factor: f64) -> PerAxis {
-    match values {
-        PerAxis::All(x) => PerAxis::All(x * factor),
-        PerAxis::Each(each) => PerAxis::Each(each.iter().map(|x| x * factor).collect()),
     }
 }
 

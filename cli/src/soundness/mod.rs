@@ -1,0 +1,285 @@
+//! Whether a test may be run, before the oil is on: eigenvalues where they are the truth, and the planned motion itself on
+//! the simulated rig where they are not.
+//!
+//! | loop | decided by |
+//! |---|---|
+//! | fixed force and predictor, linear specimen | eigenvalues, and the planned motion |
+//! | the same, and a specimen that yields | both have to agree |
+//! | variable damping, corrected force, a predictor that learns | the planned motion |
+//!
+//! The planned motion runs with the noise, the bits, the yielding and the effects of the test file, on the rig as it is
+//! and on two that differ from it by a standard deviation, later and stronger, sooner and weaker.
+//!
+//! # Limitations
+//! The rig is the simulated one. What is not in `[plant]` is in no verdict.
+
+pub mod monitor;
+pub mod survey;
+
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use crate::numbers::percent;
+use crate::stability;
+use crate::stability::closed_loop::{Frame, Question};
+use crate::stability::perturbed::Spread;
+use crate::stability::predictor::{Law, adaptive};
+use crate::stability::rig::Variation;
+use crate::summary::{POOR_EPS_RMS, Summary, Verdict as Ending};
+use crate::trace::Response;
+use outerloop_core::Method;
+use outerloop_core::config::{Compensation, Prediction};
+use plant::actuator::ActuatorKind;
+use plant::specimen::SpecimenKind;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The answer. In this order the exit status is 0, 1 and 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It may be run; its error is the expected one.
+    Stable,
+    /// It may run away, or its result would not be the structure's.
+    Doubtful,
+    /// It runs away.
+    Unstable,
+}
+
+impl Verdict {
+    /// The word in JSON and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Doubtful => "doubtful",
+            Self::Unstable => "unstable",
+        }
+    }
+}
+
+/// A verdict with what it stands on.
+#[derive(Clone, Debug, Serialize)]
+pub struct Judgement {
+    /// The answer.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+    /// eps_rms of the planned motion on the rig as it is.
+    pub expected_eps_rms: f64,
+    /// The larger of those on the two rigs that differ from it.
+    pub expected_eps_rms_differing: f64,
+}
+
+/// What the eigenvalues of a loop say.
+#[derive(Clone, Copy, Debug)]
+pub struct Eigenvalues {
+    /// All of them decay.
+    pub stable: bool,
+    /// 1/s of model time.
+    pub growth_per_s: f64,
+    /// First natural frequency times lateness, rad.
+    pub phase_rad: f64,
+}
+
+impl Eigenvalues {
+    /// Those of a test on its rig.
+    ///
+    /// # Errors
+    /// A test or rig that cannot be written down.
+    pub fn of(test: &TestFile) -> Result<Self, Failure> {
+        let question = Question {
+            config: &test.config,
+            rig: &test.plant,
+            law: Law::Learnt,
+        };
+        let frame = Frame::of(&test.config)?;
+        let row = stability::row(&question, &frame, &Variation::NONE)?;
+        let (late_s, _) = question.lateness(&frame, &Variation::NONE)?;
+        Ok(Self {
+            stable: row.stable,
+            growth_per_s: row.growth_per_s,
+            phase_rad: frame.omega[0] / test.config.timing.time_scale * late_s,
+        })
+    }
+}
+
+/// Largest `omega tau` for which variable damping makes up for a lateness: it takes the lost energy out again but leaves
+/// the error of stiffness, which grows with the square of it.
+const LARGEST_PHASE_RAD: f64 = 0.2;
+
+/// True where the force is damped by what the energies say.
+fn damps(c: &Compensation) -> bool {
+    matches!(c.kind, Method::Eq14Unguarded | Method::Eq14 | Method::Paper)
+}
+
+/// True where the loop is linear but for its specimen.
+pub fn fixed(test: &TestFile) -> bool {
+    let c = &test.config.compensation;
+    let corrects = matches!(c.kind, Method::Tangent | Method::Ahmadizadeh);
+    let random = test.plant.actuator.kind == ActuatorKind::RandomMultiplier;
+    !(damps(c) || corrects || adaptive(c.prediction()) || random)
+}
+
+/// The test on the rig as it is, and on two others.
+struct Runs {
+    own: Summary,
+    later: Summary,
+    sooner: Summary,
+}
+
+fn runs(e: &Experiment, spread: &Spread, tell: impl Fn() + Sync) -> Result<Runs, Failure> {
+    let ideal = e.ideal()?;
+    let by = |sign: f64| Variation {
+        delay: 1.0 + sign * spread.delay,
+        gain: 1.0 + sign * spread.gain,
+        ..Variation::NONE
+    };
+    let rigs = [Variation::NONE, by(1.0), by(-1.0)];
+    let run = |(i, vary): (usize, &Variation)| {
+        let seed = spread.seed.wrapping_add(i as u64);
+        let summary = planned(&e.on_rig(vary), &ideal, seed);
+        tell();
+        summary
+    };
+    let summaries: Result<Vec<_>, _> = rigs.par_iter().enumerate().map(run).collect();
+    let [own, later, sooner] = <[Summary; 3]>::try_from(summaries?)
+        .map_err(|_| Failure::test("three rigs gave another number of tests".to_owned()))?;
+    Ok(Runs { own, later, sooner })
+}
+
+/// The figures of the planned motion.
+fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failure> {
+    let method = e.test.config.compensation.kind;
+    Ok(e.run(method, ideal, seed, false, ())?.summary)
+}
+
+/// True where a test ran away or was stopped when it did.
+pub(crate) fn ran_away(s: &Summary) -> bool {
+    match s.verdict {
+        Ending::Diverged => true,
+        // A limit that stops a sound test is a matter of the limit.
+        Ending::Tripped => !(s.eps_max <= 1.0),
+        Ending::Completed => false,
+    }
+}
+
+/// Judges a test. `tell` hears of every test that has run, of three.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn judge(
+    e: &Experiment,
+    eigenvalues: &Eigenvalues,
+    spread: &Spread,
+    tell: impl Fn() + Sync,
+) -> Result<Judgement, Failure> {
+    let runs = runs(e, spread, tell)?;
+    let (verdict, reason) = decide(e, eigenvalues, spread, &runs);
+    Ok(Judgement {
+        verdict,
+        reason,
+        expected_eps_rms: runs.own.eps_rms,
+        expected_eps_rms_differing: runs.later.eps_rms.max(runs.sooner.eps_rms),
+    })
+}
+
+fn decide(e: &Experiment, z: &Eigenvalues, spread: &Spread, runs: &Runs) -> (Verdict, String) {
+    use Verdict::{Doubtful, Stable, Unstable};
+    let own = &runs.own;
+    let fixed = fixed(&e.test);
+    let elastic = e.test.plant.specimen.kind == SpecimenKind::Linear;
+    let grows = format!(
+        "the response grows by {} a second by its eigenvalues",
+        percent(z.growth_per_s.exp_m1())
+    );
+    if ran_away(own) {
+        let grows = if z.stable {
+            String::new()
+        } else {
+            format!(", and {grows}")
+        };
+        let said = format!(
+            "the planned motion runs away on the simulated rig: the error grows to {} of the largest ideal \
+             displacement{grows}",
+            percent(own.eps_max)
+        );
+        return (Unstable, said);
+    }
+    if fixed && elastic && !z.stable {
+        return (Unstable, grows);
+    }
+    if let (Ending::Tripped, Some(fault)) = (own.verdict, own.trip) {
+        let said = format!("the planned motion trips on {fault} on the simulated rig");
+        return (Doubtful, said);
+    }
+    if own.eps_rms > POOR_EPS_RMS {
+        let said = format!(
+            "the planned motion stays bounded, but its error is {} rms: that is not the structure's response",
+            percent(own.eps_rms)
+        );
+        return (Doubtful, said);
+    }
+    if fixed && !z.stable {
+        let said = format!(
+            "{grows} while the specimen is elastic; the planned motion ran to its end with {} rms only because it yields",
+            percent(own.eps_rms)
+        );
+        return (Doubtful, said);
+    }
+    let c = &e.test.config.compensation;
+    if damps(c) && c.prediction() == Prediction::None && z.phase_rad > LARGEST_PHASE_RAD {
+        let said = format!(
+            "omega tau is {:.2}, and damping makes up for a lateness to about {LARGEST_PHASE_RAD}: the planned motion has \
+             an error of {} rms, another one may not",
+            z.phase_rad,
+            percent(own.eps_rms)
+        );
+        return (Doubtful, said);
+    }
+    for (run, sign, how) in [
+        (&runs.later, '+', "later and stronger"),
+        (&runs.sooner, '-', "sooner and weaker"),
+    ] {
+        if ran_away(run) {
+            let said = format!(
+                "the planned motion runs away on a rig that is {how} (delay {sign}{}, gain {sign}{})",
+                percent(spread.delay),
+                percent(spread.gain)
+            );
+            return (Doubtful, said);
+        }
+    }
+    let by = if fixed && elastic {
+        "its eigenvalues decay, and the planned motion"
+    } else {
+        "eigenvalues do not decide over such a loop; the planned motion"
+    };
+    let said = format!(
+        "{by} ran to its end on the simulated rig, and on two that differ from it, with an error of {} rms",
+        percent(own.eps_rms)
+    );
+    (Stable, said)
+}
+
+/// The other compensations with which the planned motion has an error of at most `eps_rms`, the best first.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn alternatives(e: &Experiment, eps_rms: f64) -> Result<Vec<(&'static str, f64)>, Failure> {
+    let ideal = e.ideal()?;
+    let own = e.test.config.compensation.kind;
+    let others: Vec<Method> = Method::ALL.into_iter().filter(|m| *m != own).collect();
+    let mut good = others
+        .into_par_iter()
+        .map(|method| {
+            let mut other = e.clone();
+            let c = &mut other.test.config.compensation;
+            (c.kind, c.predictor) = (method, None);
+            let summary = planned(&other, &ideal, 1)?;
+            Ok((method.name(), summary.eps_rms, !ran_away(&summary)))
+        })
+        .collect::<Result<Vec<_>, Failure>>()?;
+    good.retain(|(_, eps, sound)| *sound && *eps <= eps_rms);
+    good.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Ok(good.into_iter().map(|(name, eps, _)| (name, eps)).collect())
+}

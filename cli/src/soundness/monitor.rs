@@ -1,0 +1,309 @@
+//! The promise of the monitor: it never stops a sound test, and it stops one that runs away in time.
+//!
+//! Sound tests: every method and predictor, delays within 20 % of what was told, specimens that yield, noise, converters,
+//! ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
+//! counts where its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time where an indicator
+//! passes its threshold no later than in the step in which that happens.
+//!
+//! | indicator | what it is |
+//! |---|---|
+//! | energy | core's: HSEM error and work of the correction over the energy in the test (`limits.energy_trip`) |
+//! | hsem | the published one: Mosqueda, Stojadinovic and Mahin, J. Struct. Eng. 133 (2007): HSEM error alone |
+//! | displacement | the command over the planned peak (`limits.displacement_m`) |
+
+use super::survey::{Dice, Range, test_file};
+use crate::bench::{Breakage, PlantBench};
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::files::near_fault::near_fault;
+use crate::files::test::TestFile;
+use crate::score::Score;
+use crate::summary::POOR_EPS_RMS;
+use crate::trace::{Response, Witness};
+use outerloop_core::record::flag;
+use outerloop_core::{Method, Record};
+use plant::actuator::DelayJump;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::Path;
+
+/// Motion over the planned peak before which a test has to be stopped.
+pub const TOO_FAR: f64 = 1.2;
+/// `limits.energy_trip` that no sound test reaches.
+pub const ENERGY_TRIP: f64 = 0.5;
+/// `limits.displacement_m` over the planned peak that no sound test reaches.
+pub const DISPLACEMENT: f64 = 1.15;
+/// Length of a test, s of model time.
+const SECONDS: f64 = 12.0;
+/// Largest first natural frequency times delay of a sound test, rad.
+const SOUND_PHASE_RAD: f64 = 0.15;
+
+/// Indicators, in the order of the table above.
+pub const INDICATORS: [&str; 3] = ["energy", "hsem", "displacement"];
+
+/// What breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Nothing.
+    Sound,
+    /// The delay jumps.
+    DelayJump,
+    /// The actuator's gain jumps.
+    Gain,
+    /// The specimen is not as stiff as was declared, from the start.
+    Stiffness,
+    /// A transducer dies.
+    DeadSensor,
+}
+
+impl Kind {
+    /// What breaks, one after the other.
+    pub const BROKEN: [Self; 4] = [
+        Self::DelayJump,
+        Self::Gain,
+        Self::Stiffness,
+        Self::DeadSensor,
+    ];
+
+    /// In tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "sound",
+            Self::DelayJump => "delay jump",
+            Self::Gain => "gain",
+            Self::Stiffness => "wrong stiffness",
+            Self::DeadSensor => "dead sensor",
+        }
+    }
+}
+
+/// A test, and what the indicators came to.
+#[derive(Clone, Debug, Serialize)]
+pub struct Case {
+    /// What breaks.
+    pub kind: Kind,
+    /// True where the test counts: a sound one whose result is good, a broken one that goes too far.
+    pub counts: bool,
+    /// The largest of each indicator: of a sound test in all of it, of a broken one until it has gone too far.
+    pub largest: [f64; 3],
+    /// The test file.
+    pub test: String,
+}
+
+/// Watches indicators and motion.
+struct Gauge<'a> {
+    peaks_m: &'a [f64],
+    stiffness_n_per_m: &'a [f64],
+    largest_strain_j: f64,
+    largest: [f64; 3],
+    largest_in_time: [f64; 3],
+    gone: bool,
+    floor_j: f64,
+}
+
+impl Witness for Gauge<'_> {
+    fn see<const N: usize>(&mut self, r: &Record<N>) {
+        let mut motion = 0.0_f64;
+        let mut command = 0.0_f64;
+        for (j, peak_m) in self.peaks_m.iter().enumerate() {
+            let [target, read] = [r.command_m[j], r.displacement_m[j]].map(f64::from);
+            command = command.max(target.abs() / peak_m);
+            motion = motion.max(target.abs().max(read.abs()) / peak_m);
+        }
+        if r.has(flag::SOLVED) {
+            let strain_j: f64 = self
+                .stiffness_n_per_m
+                .iter()
+                .enumerate()
+                .map(|(j, k)| 0.5 * k * f64::from(r.displacement_m[j]).powi(2))
+                .sum();
+            self.largest_strain_j = self.largest_strain_j.max(strain_j);
+        }
+        let scale_j = f64::from(r.energy_input_j).max(0.0) + self.largest_strain_j;
+        let hsem = if scale_j > self.floor_j {
+            f64::from(r.energy_sum.hsem_j).abs() / scale_j
+        } else {
+            0.0
+        };
+        let now = [f64::from(r.energy_ratio), hsem, command];
+        for (largest, now) in self.largest.iter_mut().zip(now) {
+            // What is no number is beyond every threshold.
+            *largest = if now.is_nan() {
+                f64::INFINITY
+            } else {
+                largest.max(now)
+            };
+        }
+        if !self.gone {
+            self.largest_in_time = self.largest;
+            self.gone = !(motion <= TOO_FAR);
+        }
+    }
+}
+
+/// What is run: a test file, what breaks in it, and a stretch of the ground motion.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    kind: Kind,
+    text: String,
+    stretch: f64,
+    /// When, as a share of the test.
+    at: f64,
+    /// How much, 0 to 1.
+    much: f64,
+    seed: u64,
+}
+
+/// So many sound and so many broken tests.
+pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
+    let mut dice = Dice::new(seed);
+    let range = Range {
+        seconds: SECONDS,
+        latest: |hz| SOUND_PHASE_RAD / (std::f64::consts::TAU * hz) * 1e3,
+        rightly_told: 0.0,
+    };
+    let kinds = std::iter::repeat_n(Kind::Sound, sound)
+        .chain(Kind::BROKEN.into_iter().cycle().take(broken));
+    kinds
+        .zip(Method::ALL.into_iter().cycle())
+        .zip(seed..)
+        .map(|((kind, method), seed)| Plan {
+            kind,
+            text: test_file(method.name(), &mut dice, &range),
+            stretch: dice.one_of(&[0.7, 1.0, 1.4]),
+            // The strong part of the built-in ground motion is around 5 s of 30.
+            at: dice.between(0.2, 0.6),
+            much: dice.between(0.0, 1.0),
+            seed,
+        })
+        .collect()
+}
+
+impl Plan {
+    fn run(&self) -> Result<Case, Failure> {
+        let mut shaking = near_fault();
+        shaking.interval_s *= self.stretch;
+        let test = TestFile::parse(&self.text, "monitor", Path::new(""), &[])?;
+        let mut e = Experiment::new(test, &shaking, None)?;
+        let ideal = e.ideal()?;
+        let after = (self.at * e.control_steps() as f64) as usize;
+        let between = |low: f64, high: f64| low + self.much * (high - low);
+        let breaks = match self.kind {
+            Kind::Sound => None,
+            Kind::DelayJump => {
+                let t = &e.test.config.timing;
+                e.test.plant.actuator.delay_jump = Some(DelayJump {
+                    at_s: after as f64 / t.rate_hz,
+                    delay_ms: between(20.0, 100.0),
+                });
+                None
+            }
+            Kind::Gain if self.much < 0.5 => Some((after, Breakage::ActuatorGain(0.3 + self.much))),
+            Kind::Gain => Some((after, Breakage::ActuatorGain(0.7 + self.much))),
+            Kind::Stiffness if self.much < 0.5 => Some((0, Breakage::Stiffness(0.3 + self.much))),
+            Kind::Stiffness => Some((0, Breakage::Stiffness(1.0 + 3.0 * (self.much - 0.4)))),
+            Kind::DeadSensor if self.much < 0.5 => Some((after, Breakage::DeadDisplacement)),
+            Kind::DeadSensor => Some((after, Breakage::DeadForce)),
+        };
+        self.watch(&e, &ideal, breaks)
+    }
+
+    fn watch(
+        &self,
+        e: &Experiment,
+        ideal: &Response,
+        breaks: Option<(usize, Breakage)>,
+    ) -> Result<Case, Failure> {
+        let config = &e.test.config;
+        let physical = config.physical_storeys();
+        let bench = PlantBench {
+            spec: &e.test.plant,
+            seed: self.seed,
+            stop_beyond_m: ideal.runaway_m(),
+            breaks,
+        };
+        let stiffness = &config.structure.stiffness_n_per_m;
+        let peaks_m = ideal.peaks_m();
+        let gauge = Gauge {
+            peaks_m: &peaks_m[..physical],
+            stiffness_n_per_m: &stiffness[..physical],
+            largest_strain_j: 0.0,
+            largest: [0.0; 3],
+            largest_in_time: [0.0; 3],
+            gone: false,
+            floor_j: 0.5 * stiffness[0] * 1e-6,
+        };
+        let mut witnesses = (Score::against(ideal), gauge, ());
+        e.on(&bench, config, &mut witnesses)?;
+        let (score, gauge, ()) = witnesses;
+        let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
+        let (counts, largest) = match self.kind {
+            Kind::Sound => (eps_rms <= POOR_EPS_RMS, gauge.largest),
+            _ => (gauge.gone, gauge.largest_in_time),
+        };
+        Ok(Case {
+            kind: self.kind,
+            counts,
+            largest,
+            test: self.text.clone(),
+        })
+    }
+}
+
+/// All of `plans`, on all cores. `tell` hears of each.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn run(plans: &[Plan], tell: impl Fn() + Sync) -> Result<Vec<Case>, Failure> {
+    plans
+        .par_iter()
+        .map(|plan| {
+            let case = plan.run();
+            tell();
+            case
+        })
+        .collect()
+}
+
+/// How often an indicator stops the tests of a kind.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// What breaks.
+    pub kind: Kind,
+    /// Tests that count.
+    pub count: usize,
+    /// Tests that were drawn and do not count: sound ones with a poor result, broken ones that go nowhere.
+    pub others: usize,
+    /// Stopped by each indicator at its threshold.
+    pub stopped: [usize; 3],
+    /// Stopped by energy or displacement: what a test runs with.
+    pub together: usize,
+    /// The largest value of each indicator over sound tests.
+    pub largest: [f64; 3],
+}
+
+/// Thresholds of the indicators. The published one has that of core's, so that they are compared at the same.
+pub const THRESHOLDS: [f64; 3] = [ENERGY_TRIP, ENERGY_TRIP, DISPLACEMENT];
+
+/// Every kind's row, sound tests first.
+pub fn table(cases: &[Case]) -> Vec<Row> {
+    let kinds = std::iter::once(Kind::Sound).chain(Kind::BROKEN);
+    kinds
+        .map(|kind| {
+            let own = cases.iter().filter(|case| case.kind == kind);
+            let (count, others): (Vec<&Case>, Vec<&Case>) = own.partition(|case| case.counts);
+            let stops = |case: &Case, i: usize| case.largest[i] >= THRESHOLDS[i];
+            Row {
+                kind,
+                count: count.len(),
+                others: others.len(),
+                stopped: std::array::from_fn(|i| count.iter().filter(|c| stops(c, i)).count()),
+                together: count.iter().filter(|c| stops(c, 0) || stops(c, 2)).count(),
+                largest: std::array::from_fn(|i| {
+                    count.iter().map(|c| c.largest[i]).fold(0.0, f64::max)
+                }),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,295 @@
+//! The verdicts against what the tests then do, over many rigs: every method and predictor, delays of 0 to 80 ms, one to
+//! three storeys, specimens that yield, noise, converters, and compensations that were told a wrong delay.
+//!
+//! The test that counts is not the one that was looked at: it has other noise, twice.
+
+use super::{Eigenvalues, Verdict, judge, planned, ran_away};
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::files::near_fault::near_fault;
+use crate::files::test::TestFile;
+use crate::stability::perturbed::Spread;
+use crate::summary::POOR_EPS_RMS;
+use outerloop_core::Method;
+use outerloop_core::config::Prediction;
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Longest delay, ms.
+const LONGEST_MS: f64 = 80.0;
+/// Of a test, s of model time.
+const SECONDS: f64 = 20.0;
+/// Of each storey, kg.
+const MASS_KG: f64 = 1000.0;
+/// How the rigs differ on which the verdict tries the planned motion.
+const SPREAD: Spread = Spread {
+    plants: 0,
+    seed: 1,
+    delay: 0.10,
+    gain: 0.02,
+    stiffness: 0.05,
+    damping: 0.2,
+};
+
+/// What a test did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Truth {
+    /// It ran to its end, and its result is the structure's to 10 % rms.
+    Sound,
+    /// It ran to its end with another result.
+    Wrong,
+    /// It ran away.
+    RanAway,
+}
+
+impl Truth {
+    /// What such tests did, in tables.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Sound => "were sound",
+            Self::Wrong => "were wrong",
+            Self::RanAway => "ran away",
+        }
+    }
+}
+
+/// A rig, what was said of it, and what it did.
+#[derive(Clone, Debug, Serialize)]
+pub struct Case {
+    /// Compensation, and predictor where it has another than its own.
+    pub compensation: String,
+    /// The test file.
+    pub test: String,
+    /// What was said.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+    /// The error that was expected.
+    pub expected_eps_rms: f64,
+    /// What it did, the worse of two.
+    pub truth: Truth,
+    /// Its error.
+    pub eps_rms: f64,
+}
+
+/// Draws uniformly.
+pub(super) struct Dice(Xoshiro256PlusPlus);
+
+impl Dice {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        let unit: f64 = StandardUniform.sample(&mut self.0);
+        low + unit * (high - low)
+    }
+
+    pub(super) fn chance(&mut self, share: f64) -> bool {
+        self.between(0.0, 1.0) < share
+    }
+
+    pub(super) fn one_of<T: Copy>(&mut self, among: &[T]) -> T {
+        let place = self.between(0.0, among.len() as f64) as usize;
+        among[place.min(among.len() - 1)]
+    }
+}
+
+/// So many test files; each method has its turn.
+pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
+    let mut dice = Dice::new(seed);
+    let range = Range {
+        seconds: SECONDS,
+        latest: |_| LONGEST_MS,
+        rightly_told: 0.6,
+    };
+    let methods = Method::ALL.into_iter().cycle();
+    methods
+        .take(rigs)
+        .map(|method| test_file(method.name(), &mut dice, &range))
+        .collect()
+}
+
+/// What is drawn from.
+pub(super) struct Range {
+    /// Length of the tests, s of model time.
+    pub(super) seconds: f64,
+    /// Longest delay, ms, on a structure of so many Hz.
+    pub(super) latest: fn(f64) -> f64,
+    /// Share of compensations that are told the right delay; the others are told one that is up to 20 % off.
+    pub(super) rightly_told: f64,
+}
+
+pub(super) fn test_file(method: &str, dice: &mut Dice, range: &Range) -> String {
+    let storeys = dice.one_of(&[1_usize, 1, 2, 3]);
+    let first_hz = dice.between(0.5, 4.0);
+    // Equal storeys: omega_1 = 2 sqrt(k/m) sin(pi / (4 n + 2)).
+    let sine = (std::f64::consts::PI / (4 * storeys + 2) as f64).sin();
+    let root = std::f64::consts::TAU * first_hz / (2.0 * sine);
+    let stiffness = MASS_KG * root * root;
+    let list = |x: f64| format!("{:?}", vec![x; storeys]);
+    let damping = dice.between(0.01, 0.05);
+    let physical = dice.one_of(&[1, storeys]);
+    let mut text = format!(
+        "[structure]\nmass_kg = {}\nstiffness_n_per_m = {}\ndamping_ratio = {}\nphysical_storeys = {physical}\n",
+        list(MASS_KG),
+        list(stiffness),
+        list(damping)
+    );
+    let rate_hz = dice.one_of(&[1000, 2000]);
+    let peak_mm = dice.between(10.0, 50.0);
+    let _ = write!(
+        text,
+        "[loop]\nrate_hz = {rate_hz}\n[excitation]\npeak_response_mm = {peak_mm}\nduration_s = {}\n",
+        range.seconds
+    );
+
+    // Short delays more often than long ones, of which few tests are sound.
+    let delay_ms = (range.latest)(first_hz) * dice.between(0.0, 1.0).powi(2);
+    let kind = dice.one_of(&["delay", "first_order", "second_order", "lag_delay"]);
+    let (delay_ms, lag_ms) = match kind {
+        "lag_delay" => (0.6 * delay_ms, 0.4 * delay_ms),
+        _ => (delay_ms, 0.0),
+    };
+    let _ = writeln!(
+        text,
+        "[plant.actuator]\nkind = '{kind}'\ndelay_ms = {delay_ms}"
+    );
+    if lag_ms > 0.0 {
+        let _ = writeln!(text, "lag_ms = {lag_ms}");
+    }
+
+    if dice.chance(0.5) {
+        let kind = dice.one_of(&["bilinear", "bouc_wen"]);
+        let yield_mm = peak_mm * dice.between(0.3, 1.0) / storeys as f64;
+        let hardening = dice.between(0.03, 0.3);
+        let _ = writeln!(
+            text,
+            "[plant.specimen]\nkind = '{kind}'\nyield_mm = {yield_mm}\nhardening_ratio = {hardening}"
+        );
+    }
+
+    let noisy = dice.chance(0.7);
+    if noisy {
+        let noise_mm = dice.between(0.001, 0.03);
+        let noise_n = 0.5 * stiffness * noise_mm * 1e-3;
+        let _ = writeln!(
+            text,
+            "[plant.sensors]\ndisplacement_noise_mm = {noise_mm}\nforce_noise_n = {noise_n}"
+        );
+        if dice.chance(0.5) {
+            let _ = writeln!(text, "bits = 16\ndisplacement_range_mm = 250");
+        }
+    }
+
+    let _ = writeln!(text, "[compensation]\nkind = '{method}'");
+    if dice.chance(0.5) {
+        let predictor = dice.one_of(&Prediction::ALL).name();
+        let _ = writeln!(text, "predictor = '{predictor}'");
+    }
+    if noisy {
+        text.push_str("window_steps = 10\n");
+    }
+    let told = if dice.chance(range.rightly_told) {
+        1.0
+    } else {
+        dice.between(0.8, 1.2)
+    };
+    let told_ms = (told * (delay_ms + lag_ms)).max(0.01);
+    let _ = writeln!(text, "delay_ms = {told_ms}");
+    text
+}
+
+/// Judges `text` and runs it.
+fn case(text: &str) -> Result<Case, Failure> {
+    let test = TestFile::parse(text, "survey", Path::new(""), &[])?;
+    let eigenvalues = Eigenvalues::of(&test)?;
+    let e = Experiment::new(test, &near_fault(), None)?;
+    let said = judge(&e, &eigenvalues, &SPREAD, || ())?;
+    let ideal = e.ideal()?;
+    let (mut truth, mut eps_rms) = (Truth::Sound, 0.0_f64);
+    for seed in [101, 102] {
+        let did = planned(&e, &ideal, seed)?;
+        eps_rms = eps_rms.max(did.eps_rms);
+        if ran_away(&did) {
+            truth = Truth::RanAway;
+        } else if truth == Truth::Sound && !(did.eps_rms <= POOR_EPS_RMS) {
+            truth = Truth::Wrong;
+        }
+    }
+    Ok(Case {
+        compensation: crate::stability::name(&e.test.config.compensation),
+        test: text.to_owned(),
+        verdict: said.verdict,
+        reason: said.reason,
+        expected_eps_rms: said.expected_eps_rms,
+        truth,
+        eps_rms,
+    })
+}
+
+/// All of `tests`, on all cores. `tell` hears of each.
+///
+/// # Errors
+/// A test that cannot be judged.
+pub fn run(tests: &[String], tell: impl Fn() + Sync) -> Result<Vec<Case>, Failure> {
+    tests
+        .par_iter()
+        .map(|text| {
+            let case = case(text);
+            tell();
+            case
+        })
+        .collect()
+}
+
+/// How often each verdict was given to tests that did the same.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Which tests.
+    pub tests: String,
+    /// What they did.
+    pub truth: Truth,
+    /// How many.
+    pub count: usize,
+    /// Called stable, doubtful, unstable.
+    pub called: [usize; 3],
+}
+
+impl Row {
+    fn of<'a>(tests: &str, truth: Truth, cases: impl Iterator<Item = &'a Case>) -> Self {
+        let mut called = [0; 3];
+        for case in cases.filter(|case| case.truth == truth) {
+            called[case.verdict as usize] += 1;
+        }
+        Self {
+            tests: tests.to_owned(),
+            truth,
+            count: called.iter().sum(),
+            called,
+        }
+    }
+}
+
+/// All tests, then each method's.
+pub fn table(cases: &[Case]) -> Vec<Row> {
+    const TRUTHS: [Truth; 3] = [Truth::Sound, Truth::Wrong, Truth::RanAway];
+    let all = TRUTHS.map(|truth| Row::of("all", truth, cases.iter()));
+    let each = Method::ALL.into_iter().flat_map(|method| {
+        let own = |case: &&Case| {
+            let (kind, _) = case
+                .compensation
+                .split_once('+')
+                .unwrap_or((&case.compensation, ""));
+            kind == method.name()
+        };
+        TRUTHS.map(|truth| Row::of(method.name(), truth, cases.iter().filter(own)))
+    });
+    all.into_iter().chain(each).collect()
+}
