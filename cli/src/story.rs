@@ -110,7 +110,8 @@ impl Story {
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
-        let after = site.run(&improved, method, &ideal, seed, true, progress.witness())?;
+        let better = improved.test.config.compensation.kind;
+        let after = site.run(&improved, better, &ideal, seed, true, progress.witness())?;
         let remains = diagnose(&improved, &after, &found.improved)?;
         let possible = if undeclared(&experiment).is_empty() {
             None

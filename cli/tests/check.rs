@@ -29,12 +29,13 @@ fn a_test_that_cannot_be_stable_is_refused_with_the_published_limit() {
         "cannot be stable",
         "4.00 ms late",
         "a delay below 3.18",
-        "paper",
+        "the planned motion is good with the compensations",
     ] {
         assert!(said.contains(word), "{word} is not in: {said}");
     }
     let answer = json(&output);
     assert_eq!(answer["stable"], false);
+    assert_eq!(answer["verdict"], "unstable");
     // Growth and limit of the audit: 6.65 % a second, 2 zeta / omega = 3.18 ms, by the time scale as well.
     let growth = answer["growth_per_s"].as_f64().unwrap().exp_m1();
     assert!((growth - 0.0665).abs() < 2e-4, "{growth}");
@@ -51,7 +52,9 @@ fn the_default_compensation_is_stable_and_its_budget_adds_up() {
     assert!(output.status.success() && output.stderr.is_empty());
     let answer = json(&output);
     assert_eq!(answer["stable"], true);
-    assert_eq!(answer["reason"], Value::Null);
+    assert_eq!(answer["verdict"], "stable");
+    let expected = answer["expected_eps_rms"].as_f64().unwrap();
+    assert!((0.005..0.02).contains(&expected), "{expected}");
     let parts = answer["delay_budget"].as_array().unwrap();
     let sum: f64 = parts
         .iter()
@@ -66,6 +69,45 @@ fn the_default_compensation_is_stable_and_its_budget_adds_up() {
     assert!((sum - 4.0).abs() < 1e-6, "{sum}");
     assert_eq!(answer["perturbed"]["spread"]["plants"], 20);
     assert_eq!(json(&check(&["--json", "--plants", "20"])), answer);
+}
+
+#[test]
+fn a_runaway_is_never_called_stable_and_a_wrong_result_is_doubtful() {
+    // What `run` shows of the default method, which is told the true delay: 8.5 %, 12 %, and a runaway.
+    for (delay_ms, verdict, status, said) in [
+        ("12", "stable", 0, "ran to its end"),
+        ("15", "doubtful", 1, "not the structure's response"),
+        ("40", "unstable", 2, "the planned motion runs away"),
+    ] {
+        let delay = format!("plant.actuator.delay_ms={delay_ms}");
+        let output = check(&["--json", "--plants", "1", "--set", &delay]);
+        let answer = json(&output);
+        assert_eq!(answer["verdict"], verdict, "{delay_ms} ms");
+        assert_eq!(output.status.code(), Some(status), "{delay_ms} ms");
+        let reason = answer["reason"].as_str().unwrap();
+        assert!(reason.contains(said), "{reason}");
+    }
+}
+
+#[test]
+fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
+    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(["check", "--survey", "51", "--json"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let answer = json(&output);
+    let row = |truth: &str| {
+        let rows = answer["rows"].as_array().unwrap().iter();
+        let mut own = rows.filter(|r| r["tests"] == "all" && r["truth"] == truth);
+        own.next().unwrap()["called"].clone()
+    };
+    let called = |truth: &str, i: usize| row(truth)[i].as_u64().unwrap();
+    assert_eq!(called("ran_away", 0), 0);
+    let sound: u64 = (0..3).map(|i| called("sound", i)).sum();
+    assert!(sound > 15, "{sound} of 51 are sound");
+    assert!(called("sound", 1) + called("sound", 2) <= 1 + sound / 20);
+    assert!((0..3).map(|i| called("ran_away", i)).sum::<u64>() > 3);
 }
 
 #[test]
@@ -127,6 +169,7 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
     assert_eq!(bounded.status.code(), Some(2));
     let answer = json(&bounded);
     assert_eq!(answer["stable"], false);
+    assert_eq!(answer["verdict"], "unstable");
     assert!(notes(&answer).contains("beyond the bounds"));
 }
 

@@ -11,10 +11,13 @@ use std::time::Instant;
 /// Idle steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: usize = 256;
 
+/// Control steps in which a gain changes: hydraulics have no jumps.
+pub const GAIN_STEPS: usize = 100;
+
 /// What breaks in a rig while a test runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakage {
-    /// Displacement per command is so many times what it was.
+    /// Displacement per command goes to so many times what it was, over [`GAIN_STEPS`] control steps.
     ActuatorGain(f64),
     /// The force is so many times what it was, as of another specimen.
     Stiffness(f64),
@@ -57,6 +60,9 @@ impl Bench for PlantBench<'_> {
             let broken = self.breaks.filter(|(after, _)| done >= *after);
             let broken = broken.map(|(_, what)| what);
             if let Some(Breakage::ActuatorGain(gain)) = broken {
+                let since = done - self.breaks.map_or(0, |(after, _)| after);
+                let share = (since as f64 / GAIN_STEPS as f64).min(1.0);
+                let gain = 1.0 + share * (gain - 1.0);
                 command_m.iter_mut().for_each(|command| *command *= gain);
             }
             let reading = rig.step(&command_m[..physical]);

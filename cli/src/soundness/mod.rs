@@ -5,7 +5,7 @@
 //! |---|---|
 //! | fixed force and predictor, linear specimen | eigenvalues, and the planned motion |
 //! | the same, and a specimen that yields | both have to agree |
-//! | variable damping, corrected force, a predictor that learns | the planned motion |
+//! | variable damping, corrected force, a predictor that learns | the planned motion, and `omega tau` for damping |
 //!
 //! The planned motion runs with the noise, the bits, the yielding and the effects of the test file, on the rig as it is
 //! and on two that differ from it by a standard deviation, later and stronger, sooner and weaker.
@@ -27,8 +27,7 @@ use crate::stability::predictor::{Law, adaptive};
 use crate::stability::rig::Variation;
 use crate::summary::{POOR_EPS_RMS, Summary, Verdict as Ending};
 use crate::trace::Response;
-use outerloop_core::Method;
-use outerloop_core::config::{Compensation, Prediction};
+use outerloop_core::{Force, Method, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
 use rayon::prelude::*;
@@ -108,16 +107,18 @@ impl Eigenvalues {
 const LARGEST_PHASE_RAD: f64 = 0.2;
 
 /// True where the force is damped by what the energies say.
-fn damps(c: &Compensation) -> bool {
-    matches!(c.kind, Method::Eq14Unguarded | Method::Eq14 | Method::Paper)
+fn damps(method: Method) -> bool {
+    matches!(
+        method.force,
+        Force::Eq14Unguarded | Force::Eq14 | Force::Paper
+    )
 }
 
 /// True where the loop is linear but for its specimen.
 pub fn fixed(test: &TestFile) -> bool {
-    let c = &test.config.compensation;
-    let corrects = matches!(c.kind, Method::Tangent | Method::Ahmadizadeh);
+    let method = test.config.compensation.kind;
     let random = test.plant.actuator.kind == ActuatorKind::RandomMultiplier;
-    !(damps(c) || corrects || adaptive(c.prediction()) || random)
+    method.force == Force::None && !adaptive(method.predictor) && !random
 }
 
 /// The test on the rig as it is, and on two others.
@@ -158,7 +159,7 @@ pub(crate) fn ran_away(s: &Summary) -> bool {
     match s.verdict {
         Ending::Diverged => true,
         // A limit that stops a sound test is a matter of the limit.
-        Ending::Tripped => !(s.eps_max <= 1.0),
+        Ending::Tripped => s.eps_max.is_nan() || s.eps_max > 1.0,
         Ending::Completed => false,
     }
 }
@@ -226,13 +227,17 @@ fn decide(e: &Experiment, z: &Eigenvalues, spread: &Spread, runs: &Runs) -> (Ver
         );
         return (Doubtful, said);
     }
-    let c = &e.test.config.compensation;
-    if damps(c) && c.prediction() == Prediction::None && z.phase_rad > LARGEST_PHASE_RAD {
+    let method = e.test.config.compensation.kind;
+    let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
+    let damped_only = damps(method) && method.predictor == Prediction::None;
+    if damped_only && z.phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
         let said = format!(
             "omega tau is {:.2}, and damping makes up for a lateness to about {LARGEST_PHASE_RAD}: the planned motion has \
-             an error of {} rms, another one may not",
+             an error of {} rms, and of {} on a rig that differs by {} of its delay",
             z.phase_rad,
-            percent(own.eps_rms)
+            percent(own.eps_rms),
+            percent(differing),
+            percent(spread.delay)
         );
         return (Doubtful, said);
     }
@@ -273,8 +278,7 @@ pub fn alternatives(e: &Experiment, eps_rms: f64) -> Result<Vec<(&'static str, f
         .into_par_iter()
         .map(|method| {
             let mut other = e.clone();
-            let c = &mut other.test.config.compensation;
-            (c.kind, c.predictor) = (method, None);
+            other.test.config.compensation.kind = method;
             let summary = planned(&other, &ideal, 1)?;
             Ok((method.name(), summary.eps_rms, !ran_away(&summary)))
         })

@@ -10,8 +10,7 @@ use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::stability::perturbed::Spread;
 use crate::summary::POOR_EPS_RMS;
-use outerloop_core::Method;
-use outerloop_core::config::Prediction;
+use outerloop_core::{Force, Method, Prediction};
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -62,8 +61,8 @@ impl Truth {
 /// A rig, what was said of it, and what it did.
 #[derive(Clone, Debug, Serialize)]
 pub struct Case {
-    /// Compensation, and predictor where it has another than its own.
-    pub compensation: String,
+    /// Compensation.
+    pub compensation: Method,
     /// The test file.
     pub test: String,
     /// What was said.
@@ -112,7 +111,7 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let methods = Method::ALL.into_iter().cycle();
     methods
         .take(rigs)
-        .map(|method| test_file(method.name(), &mut dice, &range))
+        .map(|method| test_file(method, &mut dice, &range))
         .collect()
 }
 
@@ -126,7 +125,7 @@ pub(super) struct Range {
     pub(super) rightly_told: f64,
 }
 
-pub(super) fn test_file(method: &str, dice: &mut Dice, range: &Range) -> String {
+pub(super) fn test_file(method: Method, dice: &mut Dice, range: &Range) -> String {
     let storeys = dice.one_of(&[1_usize, 1, 2, 3]);
     let first_hz = dice.between(0.5, 4.0);
     // Equal storeys: omega_1 = 2 sqrt(k/m) sin(pi / (4 n + 2)).
@@ -188,11 +187,12 @@ pub(super) fn test_file(method: &str, dice: &mut Dice, range: &Range) -> String 
         }
     }
 
-    let _ = writeln!(text, "[compensation]\nkind = '{method}'");
-    if dice.chance(0.5) {
-        let predictor = dice.one_of(&Prediction::ALL).name();
-        let _ = writeln!(text, "predictor = '{predictor}'");
-    }
+    let method = if dice.chance(0.5) {
+        method.behind(dice.one_of(Prediction::ALL))
+    } else {
+        method
+    };
+    let _ = writeln!(text, "[compensation]\nkind = '{}'", method.name());
     if noisy {
         text.push_str("window_steps = 10\n");
     }
@@ -219,12 +219,12 @@ fn case(text: &str) -> Result<Case, Failure> {
         eps_rms = eps_rms.max(did.eps_rms);
         if ran_away(&did) {
             truth = Truth::RanAway;
-        } else if truth == Truth::Sound && !(did.eps_rms <= POOR_EPS_RMS) {
+        } else if truth == Truth::Sound && (did.eps_rms.is_nan() || did.eps_rms > POOR_EPS_RMS) {
             truth = Truth::Wrong;
         }
     }
     Ok(Case {
-        compensation: crate::stability::name(&e.test.config.compensation),
+        compensation: e.test.config.compensation.kind,
         test: text.to_owned(),
         verdict: said.verdict,
         reason: said.reason,
@@ -277,19 +277,19 @@ impl Row {
     }
 }
 
-/// All tests, then each method's.
+/// All tests, then those of each force law and of each predictor.
 pub fn table(cases: &[Case]) -> Vec<Row> {
     const TRUTHS: [Truth; 3] = [Truth::Sound, Truth::Wrong, Truth::RanAway];
     let all = TRUTHS.map(|truth| Row::of("all", truth, cases.iter()));
-    let each = Method::ALL.into_iter().flat_map(|method| {
-        let own = |case: &&Case| {
-            let (kind, _) = case
-                .compensation
-                .split_once('+')
-                .unwrap_or((&case.compensation, ""));
-            kind == method.name()
-        };
-        TRUTHS.map(|truth| Row::of(method.name(), truth, cases.iter().filter(own)))
+    let forces = Force::ALL.iter().flat_map(|force| {
+        let own = |case: &&Case| case.compensation.force == *force;
+        let name = format!("force {}", force.name());
+        TRUTHS.map(|truth| Row::of(&name, truth, cases.iter().filter(own)))
     });
-    all.into_iter().chain(each).collect()
+    let predictors = Prediction::ALL.iter().flat_map(|predictor| {
+        let own = |case: &&Case| case.compensation.predictor == *predictor;
+        let name = format!("predictor {}", predictor.name());
+        TRUTHS.map(|truth| Row::of(&name, truth, cases.iter().filter(own)))
+    });
+    all.into_iter().chain(forces).chain(predictors).collect()
 }

@@ -28,7 +28,7 @@ pub struct Check {
     /// Instead of a test: the verdicts against what the tests then do, over so many drawn rigs
     #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
     survey: Option<usize>,
-    /// Instead of a test: the energy monitor over so many sound tests, and a tenth as many in which something breaks
+    /// Instead of a test: the energy monitor over so many sound tests, and a quarter as many in which something breaks
     #[arg(
         long,
         value_name = "TESTS",
@@ -157,7 +157,7 @@ impl Check {
                 "--monitor {sound}: accepted are 10 to 1000000"
             )));
         }
-        let plans = monitor::draw(sound, sound / 10, self.seed);
+        let plans = monitor::draw(sound, sound / 4, self.seed);
         let cases = {
             let progress = Progress::over("tests", plans.len() as u64);
             monitor::run(&plans, || progress.add(1))?
@@ -172,36 +172,40 @@ impl Check {
                 })?
             );
         } else {
-            let [energy, hsem, displacement] = monitor::INDICATORS;
+            let [energy, hsem, displacement, tracking] = monitor::INDICATORS;
             let mut t = table(&[
                 "tests",
                 "",
                 "not counted",
                 energy,
                 displacement,
-                "either of the two",
+                tracking,
+                "any of the three",
                 hsem,
             ]);
             for r in &rows {
-                let [energy, hsem, displacement] = r.stopped.map(|n| n.to_string());
+                let [energy, hsem, displacement, tracking] = r.stopped.map(|n| n.to_string());
                 t.add_row([
                     r.kind.name().to_owned(),
                     r.count.to_string(),
                     r.others.to_string(),
                     energy,
                     displacement,
+                    tracking,
                     r.together.to_string(),
                     hsem,
                 ]);
             }
             println!("{t}");
-            let [energy, hsem, displacement] = rows.first().map_or([0.0; 3], |r| r.largest);
+            let [energy, hsem, displacement, tracking] =
+                rows.first().map_or([0.0; 4], |r| r.largest);
             println!(
-                "Stopped at an energy error of {} of the energy in the test, or at {} of the planned peak; broken tests \
+                "Stopped at an energy error of {} of the energy in the test, or at {} of the planned peak, or at {} of the planned tracking; broken tests \
                  before {} of it.\nSound tests came to {energy:.3} by core's indicator, {hsem:.3} by the published one, \
-                 {displacement:.3} of the planned peak.",
+                 {displacement:.3} of the planned peak, {tracking:.3} of the planned tracking.",
                 monitor::ENERGY_TRIP,
                 monitor::DISPLACEMENT,
+                monitor::TRACKING,
                 monitor::TOO_FAR,
             );
         }
