@@ -150,7 +150,7 @@ impl<const N: usize> OuterLoop<N> {
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
             signal: SignalGenerator::standing_at([0.0; N]),
-            stale: StaleWatch::new(),
+            stale: StaleWatch::new(design.frozen_m),
             lock: LockWatch::default(),
             flags: 0,
             ground_m_per_s2: 0.0,

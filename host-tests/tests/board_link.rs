@@ -1,9 +1,10 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 #![allow(missing_docs)]
 
-use host_tests::loopback::Loopback;
+use host_tests::loopback::{Loopback, Mishap};
 use link::command::{Shape, Signal};
-use outerloop_cli::board::{self, BoardBench, Connection, Patience, Port};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{self, BoardBench, Connection, Operator, Patience, Port};
 use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
@@ -13,10 +14,12 @@ use outerloop_cli::summary::Verdict;
 use plant::Rig;
 use std::io;
 use std::path::Path;
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 const QUICK: Patience = Patience {
     answer: Duration::from_millis(200),
+    stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
 };
 
@@ -33,10 +36,31 @@ fn loopback(t: &TestFile) -> Loopback {
     Loopback::new(Rig::new(&t.plant, storeys, t.config.timing.rate_hz, 1).unwrap())
 }
 
-fn run_on(t: &TestFile, board: impl Port) -> Result<Run, Failure> {
+/// A connection to a board that has been calibrated as it is wired.
+fn connect(board: Loopback) -> Connection<Loopback> {
+    let wired = board.board.hardware.board.wired;
+    let mut connection = Connection::new(board, QUICK);
+    board::calibrate(&mut connection, wired).unwrap();
+    connection
+}
+
+fn run_on(t: &TestFile, board: Loopback) -> Result<Run, Failure> {
+    run_over(t, connect(board))
+}
+
+fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<Run, Failure> {
+    run_by(t, connection, Operator::nobody())
+}
+
+fn run_by(
+    t: &TestFile,
+    connection: Connection<impl Port>,
+    operator: Operator,
+) -> Result<Run, Failure> {
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let bench = BoardBench::new(Connection::new(board, QUICK));
+    let plan = Plan::of(&experiment, &ideal);
+    let bench = BoardBench::new(connection, plan, operator).expecting(t.board.calibration.clone());
     let method = t.config.compensation.kind;
     experiment.run_on(
         &bench,
@@ -91,7 +115,7 @@ fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_p
 fn a_cut_link_keeps_what_was_received_and_says_so() {
     let t = test(&[]);
     let mut board = loopback(&t);
-    board.mishap = Some((9000, Box::new(|b| b.cut = true)));
+    board.mishaps.push_back((9000, Box::new(|b| b.cut = true)));
     let run = run_on(&t, board).unwrap();
     assert_eq!(run.summary.trip, Some("link_lost"));
     let kept = run.trace.unwrap().len();
@@ -107,7 +131,9 @@ fn a_cut_link_keeps_what_was_received_and_says_so() {
 fn lost_steps_are_counted_and_the_rest_is_kept() {
     let t = test(&[]);
     let mut board = loopback(&t);
-    board.mishap = Some((9000, Box::new(|b| b.drop_frames = 3)));
+    board
+        .mishaps
+        .push_back((9000, Box::new(|b| b.drop_frames = 3)));
     let run = run_on(&t, board).unwrap();
     let board = run.summary.board.as_ref().unwrap();
     assert_eq!(board.steps_lost, 24);
@@ -127,13 +153,22 @@ fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit()
         &'static [&'static str],
         Option<fn(&mut Loopback)>,
     );
-    let cases: [Case; 5] = [
+    let cases: [Case; 6] = [
         (
             "emergency_stop",
             &[],
-            Some(|b| b.laboratory.stop_pressed = true),
+            Some(|b| b.board.hardware.broken.stop_pressed = true),
         ),
-        ("adc_rail", &[], Some(|b| b.laboratory.broken_wire = true)),
+        (
+            "adc_rail",
+            &[],
+            Some(|b| b.board.hardware.broken.codes = Some([8190, 4095])),
+        ),
+        (
+            "permit_chain",
+            &[],
+            Some(|b| b.board.hardware.broken.chain = Some(false)),
+        ),
         ("displacement", &["limits.displacement_m=0.012"], None),
         ("force", &["limits.force_n=1500"], None),
         ("tracking", &["limits.tracking_m=0.0005"], None),
@@ -142,7 +177,7 @@ fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit()
         let t = test(overrides);
         let mut board = loopback(&t);
         if let Some(happen) = mishap {
-            board.mishap = Some((9000, Box::new(happen)));
+            board.mishaps.push_back((9000, Box::new(happen)));
         }
         let run = run_on(&t, board).unwrap();
         assert_eq!(run.summary.trip, Some(name), "{}", run.summary.sentence());
@@ -201,7 +236,7 @@ fn another_version_and_silence_are_told_apart() {
     wire.insert(0, wire.len() as u8 + 1);
     wire.push(0);
     let t = test(&[]);
-    let Err(Failure::Input(said)) = run_on(&t, Stranger(wire)) else {
+    let Err(Failure::Input(said)) = run_over(&t, Connection::new(Stranger(wire), QUICK)) else {
         panic!("accepted");
     };
     assert!(
@@ -211,7 +246,8 @@ fn another_version_and_silence_are_told_apart() {
         )),
         "{said}"
     );
-    let Err(Failure::Test(said)) = run_on(&t, Stranger(Vec::new())) else {
+    let Err(Failure::Test(said)) = run_over(&t, Connection::new(Stranger(Vec::new()), QUICK))
+    else {
         panic!("accepted");
     };
     assert!(
@@ -225,7 +261,8 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     let t = test(&["limits.displacement_m=0.012"]);
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let bench = BoardBench::new(Connection::new(loopback(&t), QUICK));
+    let plan = Plan::of(&experiment, &ideal);
+    let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::nobody());
     let method = t.config.compensation.kind;
     let none = || None::<outerloop_cli::trace::Trace>;
     let first = experiment
@@ -238,14 +275,15 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     assert!(said.contains("stands tripped on displacement"), "{said}");
     let mut connection = bench.into_connection();
     board::clear(&mut connection).unwrap();
-    let again = experiment.run_on(&BoardBench::new(connection), method, &ideal, false, none());
+    let bench = BoardBench::new(connection, plan, Operator::nobody());
+    let again = experiment.run_on(&bench, method, &ideal, false, none());
     assert_eq!(again.unwrap().summary.trip, Some("displacement"));
 }
 
 #[test]
 fn a_commissioning_chirp_is_recorded_and_reads_back() {
-    let t = test(&["limits.displacement_m=0.045"]);
-    let mut connection = Connection::new(loopback(&t), QUICK);
+    let t = test(&[]);
+    let mut connection = connect(loopback(&t));
     let signal = Signal {
         shape: Shape::Chirp {
             from_hz: 0.5,
@@ -254,7 +292,8 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         amplitude_m: 0.01,
         seconds: 10.0,
     };
-    let (text, early) = board::commission(&mut connection, &t.config, signal).unwrap();
+    let (text, early) =
+        board::commission(&mut connection, &t, signal, &Operator::nobody()).unwrap();
     assert_eq!(early, None);
     let recording = Recording::parse("chirp.csv", &text).unwrap();
     let command = recording.command_m().unwrap();
@@ -276,4 +315,75 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         .min_by(|a, b| error(*a).total_cmp(&error(*b)))
         .unwrap();
     assert!((8..=9).contains(&best), "{best}");
+}
+
+#[test]
+fn a_board_that_nobody_has_calibrated_runs_nothing_and_one_calibrated_otherwise_runs_no_test_that_names_it()
+ {
+    let t = test(&[]);
+    let Err(Failure::Test(said)) = run_over(&t, Connection::new(loopback(&t), QUICK)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("arm: nobody has calibrated the board"),
+        "{said}"
+    );
+
+    let number = format!("{:08x}", loopback(&t).board.hardware.board.wired.number());
+    let named = test(&[&format!("board.calibration='{number}'")]);
+    assert_eq!(
+        run_on(&named, loopback(&named)).unwrap().summary.verdict,
+        Verdict::Completed
+    );
+    let other = test(&["board.calibration='00c0ffee'"]);
+    let Err(Failure::Input(said)) = run_on(&other, loopback(&other)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("00c0ffee") && said.contains(&number),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_limit_that_the_calibration_cannot_show_is_refused_with_what_it_can() {
+    let t = test(&["limits.displacement_m=0.049"]);
+    let Err(Failure::Input(said)) = run_on(&t, loopback(&t)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("limits.displacement_m = 0.0490") && said.contains("+-42.7 mm"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let (person, go) = channel();
+    let enter = || -> Mishap {
+        let person = person.clone();
+        Box::new(move |_| person.send(()).unwrap())
+    };
+    let press = |down| -> Mishap { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
+    // Steps of the board: nothing begins before the first Enter, nothing goes on before the second.
+    board.mishaps.extend([
+        (3000, enter()),
+        (8000, press(true)),
+        (8200, press(false)),
+        (9000, enter()),
+    ]);
+    let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
+    assert_eq!(
+        run.summary.verdict,
+        Verdict::Completed,
+        "{}",
+        run.summary.sentence()
+    );
+    assert_eq!(run.summary.steps, 12_000);
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    // 3000 before the start, the test, and the hold.
+    assert!(board.steps_received > 15_700, "{}", board.steps_received);
 }

@@ -2,69 +2,31 @@
 //!
 //! A channel's calibration is a straight line: `quantity = scale * (code - zero)`. The scale's sign is the polarity.
 
+use crate::frame::checksum;
 use outerloop_core::Refusal;
 use serde::{Deserialize, Serialize};
 
-/// Two conversions of 12 bits, added: 0 to 8190. Ranks displacement, force, force, displacement have the same mean
-/// instant, so each channel's code is the sum of its pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct AdcCode(u16);
-
-impl AdcCode {
-    /// The highest code.
-    pub const MAX: u16 = 2 * 4095;
-
-    /// Codes this near an end are the rail: an open wire, a short, or a signal outside the range.
-    pub const RAIL: u16 = 8;
-
-    /// The sum of two 12-bit conversions; `None` above what two such can be.
-    pub const fn from_pair(first: u16, second: u16) -> Option<Self> {
-        if first > 4095 || second > 4095 {
-            return None;
-        }
-        Some(Self(first + second))
-    }
-
-    /// From its value; `None` above [`AdcCode::MAX`].
-    pub const fn new(code: u16) -> Option<Self> {
-        if code > Self::MAX {
-            None
-        } else {
-            Some(Self(code))
-        }
-    }
-
-    /// The value.
-    pub const fn value(self) -> u16 {
-        self.0
-    }
-
-    /// The converter stands at an end of its range.
-    pub const fn at_rail(self) -> bool {
-        self.0 < Self::RAIL || self.0 > Self::MAX - Self::RAIL
-    }
+/// The codes of a board's converters. They are the board's own; here are their widths, which travel in its identity.
+/// Codes count from the lower end of the range, 0, whatever the converter's own coding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CodeRange {
+    /// Highest code of a sensor.
+    pub sensor_top: u16,
+    /// Codes of a sensor this near an end are its rail: an open wire, a short, or a signal outside the range.
+    pub sensor_rail: u16,
+    /// Codes of a sensor at each end that limits must leave free, so that a fault is seen before the range ends.
+    pub sensor_spare: u16,
+    /// Highest code of the command.
+    pub command_top: u16,
+    /// Codes of the command at each end that limits must leave free.
+    pub command_spare: u16,
 }
 
-/// What the digital-to-analogue converter takes: 0 to 4095.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct DacCode(u16);
-
-impl DacCode {
-    /// The highest code.
-    pub const MAX: u16 = 4095;
-
-    /// From its value; `None` above [`DacCode::MAX`].
-    pub const fn new(code: u16) -> Option<Self> {
-        if code > Self::MAX {
-            None
-        } else {
-            Some(Self(code))
-        }
-    }
-
-    /// The value.
-    pub const fn value(self) -> u16 {
-        self.0
+impl CodeRange {
+    /// A sensor's converter stands at an end of its range.
+    #[inline]
+    pub const fn at_rail(&self, code: u16) -> bool {
+        code < self.sensor_rail || code > self.sensor_top - self.sensor_rail
     }
 }
 
@@ -78,53 +40,121 @@ pub struct Line {
 }
 
 impl Line {
-    /// A range of `-half..half` over codes 0 to `codes`.
-    pub const fn over(half: f32, codes: u16) -> Self {
-        let codes = codes as f32;
+    /// A range of `-half..half` over codes 0 to `top`.
+    pub const fn over(half: f32, top: u16) -> Self {
+        let top = top as f32;
         Self {
-            per_code: 2.0 * half / codes,
-            zero_code: 0.5 * codes,
+            per_code: 2.0 * half / top,
+            zero_code: 0.5 * top,
         }
     }
 
     /// The quantity at `code`, m or N.
     #[inline]
-    pub fn quantity(&self, code: AdcCode) -> f32 {
-        (f32::from(code.0) - self.zero_code) * self.per_code
+    pub fn quantity(&self, code: u16) -> f32 {
+        (f32::from(code) - self.zero_code) * self.per_code
+    }
+
+    /// The largest quantity that is shown on both sides of zero with `spare` codes left free at each end of `0..=top`;
+    /// negative if zero itself lies there.
+    pub fn shows(&self, top: u16, spare: u16) -> f32 {
+        let below = self.zero_code - f32::from(spare);
+        let above = f32::from(top) - f32::from(spare) - self.zero_code;
+        below.min(above) * self.per_code.abs()
     }
 }
 
 /// A board's three channels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Displacement, m, from [`AdcCode`]s.
+    /// Displacement, m, from a sensor's codes.
     pub displacement: Line,
-    /// Restoring force, N, from [`AdcCode`]s.
+    /// Restoring force, N, from a sensor's codes.
     pub force: Line,
-    /// Command, m, to [`DacCode`]s.
+    /// Command, m, to the command's codes.
     pub command: Line,
+    /// Whether the command's codes toggle so that their mean is finer than a code ([`ErrorFeedback`]); off for a specimen
+    /// so stiff that a code is a force that matters.
+    #[serde(default = "yes")]
+    pub command_feedback: bool,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 impl Calibration {
-    /// A board that nobody has calibrated: +-50 mm and +-10 kN over the full range of every converter.
-    pub const UNCALIBRATED: Self = Self {
-        displacement: Line::over(0.05, AdcCode::MAX),
-        force: Line::over(1e4, AdcCode::MAX),
-        command: Line::over(0.05, DacCode::MAX),
-    };
+    /// The same range for all boards of a kind: `half_m` and `half_n` over the whole of every converter.
+    pub const fn over(half_m: f32, half_n: f32, codes: &CodeRange) -> Self {
+        Self {
+            displacement: Line::over(half_m, codes.sensor_top),
+            force: Line::over(half_n, codes.sensor_top),
+            command: Line::over(half_m, codes.command_top),
+            command_feedback: true,
+        }
+    }
+
+    /// What a board reads by that nobody has calibrated: +-50 mm and +-10 kN. It cannot be armed with it.
+    pub const fn placeholder(codes: &CodeRange) -> Self {
+        Self::over(0.05, 1e4, codes)
+    }
+
+    /// The calibration's number: the check sum of its bytes. Two calibrations with one number are the same.
+    pub fn number(&self) -> u32 {
+        checksum(self.to_bytes())
+    }
+
+    /// As bytes, for its number and for a memory that outlives versions of this crate: scale and zero of displacement,
+    /// force and command as little-endian `f32`, then 1 where the command's codes toggle.
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let lines = [self.displacement, self.force, self.command];
+        let numbers = lines.into_iter().flat_map(|l| [l.per_code, l.zero_code]);
+        for (place, number) in bytes.chunks_exact_mut(4).zip(numbers) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+        bytes[Self::BYTES - 1] = u8::from(self.command_feedback);
+        bytes
+    }
+
+    /// From [`to_bytes`](Self::to_bytes).
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let number = |i: usize| {
+            let word = bytes.get(4 * i..).and_then(|b| b.first_chunk());
+            word.map_or(f32::NAN, |w| f32::from_le_bytes(*w))
+        };
+        let line = |i: usize| Line {
+            per_code: number(2 * i),
+            zero_code: number(2 * i + 1),
+        };
+        Self {
+            displacement: line(0),
+            force: line(1),
+            command: line(2),
+            command_feedback: bytes[Self::BYTES - 1] != 0,
+        }
+    }
+
+    /// Bytes of a calibration.
+    pub const BYTES: usize = 25;
 
     /// Checks the three lines.
     ///
     /// # Errors
     /// A scale that is not a finite number other than zero, or a zero outside the converter's codes.
-    pub fn check(&self) -> Result<(), Refusal> {
+    pub fn check(&self, codes: &CodeRange) -> Result<(), Refusal> {
         let lines = [
-            ("calibration.displacement", self.displacement, AdcCode::MAX),
-            ("calibration.force", self.force, AdcCode::MAX),
-            ("calibration.command", self.command, DacCode::MAX),
+            (
+                "calibration.displacement",
+                self.displacement,
+                codes.sensor_top,
+            ),
+            ("calibration.force", self.force, codes.sensor_top),
+            ("calibration.command", self.command, codes.command_top),
         ];
-        for (name, line, codes) in lines {
-            let range = line.per_code * f32::from(codes);
+        for (name, line, top) in lines {
+            let range = line.per_code * f32::from(top);
             if !(range.is_finite() && range.abs() > 1e-9) {
                 return Err(Refusal {
                     name,
@@ -132,7 +162,7 @@ impl Calibration {
                     accepted: "a finite scale per code, other than zero",
                 });
             }
-            if !(line.zero_code >= 0.0 && line.zero_code <= f32::from(codes)) {
+            if !(line.zero_code >= 0.0 && line.zero_code <= f32::from(top)) {
                 return Err(Refusal {
                     name,
                     value: f64::from(line.zero_code),
@@ -150,7 +180,7 @@ impl Calibration {
 pub struct ErrorFeedback {
     owed: f32,
     /// The last command that had a code, m, and its code.
-    last: Option<(f32, DacCode)>,
+    last: Option<(f32, u16)>,
 }
 
 impl ErrorFeedback {
@@ -162,131 +192,176 @@ impl ErrorFeedback {
         }
     }
 
-    /// The code for `command_m`; `None` if the command is no number or lies outside the converter's range: the
-    /// converter then stays where it is, and nothing is owed.
+    /// The code for `command_m`; `None` if the command is NaN or lies outside the converter's range: the converter then
+    /// stays where it is, and nothing is owed.
     #[inline]
-    pub fn code(&mut self, line: &Line, command_m: f32) -> Option<DacCode> {
+    pub fn code(&mut self, calibration: &Calibration, top: u16, command_m: f32) -> Option<u16> {
+        let line = &calibration.command;
         let exact = command_m / line.per_code + line.zero_code;
-        let top = f32::from(DacCode::MAX);
+        let top = f32::from(top);
         if !(exact >= 0.0 && exact <= top) {
             self.owed = 0.0;
             return None;
         }
         let wanted = exact + self.owed;
         let code = (wanted + 0.5).clamp(0.0, top) as u16;
-        // At the ends the debt cannot be paid and must not grow.
-        self.owed = (wanted - f32::from(code)).clamp(-0.5, 0.5);
-        self.last = Some((command_m, DacCode(code)));
-        Some(DacCode(code))
+        if calibration.command_feedback {
+            // At the ends the debt cannot be paid and must not grow.
+            self.owed = (wanted - f32::from(code)).clamp(-0.5, 0.5);
+        }
+        self.last = Some((command_m, code));
+        Some(code)
     }
 
     /// The code for a command on which nothing may move: while the command stands, so does its code, whatever is owed.
     /// Errors as of [`code`](Self::code).
     #[inline]
-    pub fn standing(&mut self, line: &Line, command_m: f32) -> Option<DacCode> {
+    pub fn standing(&mut self, calibration: &Calibration, top: u16, command_m: f32) -> Option<u16> {
         match self.last {
             Some((last_m, code)) if last_m.to_bits() == command_m.to_bits() => Some(code),
             _ => {
                 self.owed = 0.0;
-                self.code(line, command_m)
+                self.code(calibration, top, command_m)
             }
         }
     }
 }
 
 #[cfg(test)]
+pub(crate) const TWELVE_BITS: CodeRange = CodeRange {
+    sensor_top: 8190,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const PLACEHOLDER: Calibration = Calibration::placeholder(&TWELVE_BITS);
+    const TOP: u16 = TWELVE_BITS.command_top;
+
     #[test]
-    fn a_code_is_never_outside_its_converter() {
-        assert_eq!(
-            AdcCode::from_pair(4095, 4095).map(AdcCode::value),
-            Some(8190)
-        );
-        assert_eq!(AdcCode::from_pair(4096, 0), None);
-        assert_eq!(AdcCode::new(8191), None);
-        assert_eq!(DacCode::new(4096), None);
-        assert!(AdcCode(7).at_rail() && AdcCode(8183).at_rail());
-        assert!(!AdcCode(8).at_rail() && !AdcCode(8182).at_rail());
+    fn a_sensor_is_at_its_rail_within_some_codes_of_either_end() {
+        let at = |code| TWELVE_BITS.at_rail(code);
+        assert!(at(7) && at(8183) && !at(8) && !at(8182));
     }
 
     #[test]
     fn the_ends_of_the_range_are_the_ends_of_the_codes() {
-        let line = Line::over(0.05, AdcCode::MAX);
-        assert!((line.quantity(AdcCode(0)) + 0.05).abs() < 1e-8);
-        assert!((line.quantity(AdcCode(8190)) - 0.05).abs() < 1e-8);
-        assert!(line.quantity(AdcCode(4095)).abs() < 1e-9);
+        let line = PLACEHOLDER.displacement;
+        assert!((line.quantity(0) + 0.05).abs() < 1e-8);
+        assert!((line.quantity(8190) - 0.05).abs() < 1e-8);
+        assert!(line.quantity(4095).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_a_line_shows_is_what_is_left_on_the_shorter_side() {
+        let mut line = Line::over(0.05, 8190);
+        assert!((line.shows(8190, 0) - 0.05).abs() < 1e-7);
+        assert!((line.shows(8190, 819) - 0.04).abs() < 1e-7);
+        line.zero_code += 1638.0;
+        assert!((line.shows(8190, 819) - 0.02).abs() < 1e-7);
+        line.per_code = -line.per_code;
+        assert!((line.shows(8190, 819) - 0.02).abs() < 1e-7);
+        line.zero_code = 8000.0;
+        assert!(line.shows(8190, 819) < 0.0);
+    }
+
+    #[test]
+    fn a_calibration_comes_back_from_its_bytes_and_has_a_number_of_its_own() {
+        let mut other = PLACEHOLDER;
+        other.force.zero_code += 1.0;
+        other.command_feedback = false;
+        for c in [PLACEHOLDER, other] {
+            assert_eq!(Calibration::from_bytes(&c.to_bytes()), c);
+        }
+        assert_ne!(PLACEHOLDER.number(), other.number());
+        // For ever: boards have it in their flash, laboratories in their test files.
+        assert_eq!(PLACEHOLDER.number(), 2_878_218_281);
     }
 
     #[test]
     fn a_calibration_that_means_nothing_is_refused() {
-        let good = Calibration::UNCALIBRATED;
-        assert_eq!(good.check(), Ok(()));
+        let good = PLACEHOLDER;
+        assert_eq!(good.check(&TWELVE_BITS), Ok(()));
+        let refused = |c: Calibration| c.check(&TWELVE_BITS).map_err(|r| r.name);
         for bad in [0.0, f32::NAN, f32::INFINITY] {
             let mut c = good;
             c.force.per_code = bad;
-            assert_eq!(c.check().map_err(|r| r.name), Err("calibration.force"));
+            assert_eq!(refused(c), Err("calibration.force"));
         }
         for bad in [-1.0, 4096.0, f32::NAN] {
             let mut c = good;
             c.command.zero_code = bad;
-            assert_eq!(c.check().map_err(|r| r.name), Err("calibration.command"));
+            assert_eq!(refused(c), Err("calibration.command"));
         }
     }
 
     #[test]
-    fn the_mean_of_many_codes_is_finer_than_a_code() {
-        let line = Calibration::UNCALIBRATED.command;
+    fn the_mean_of_many_codes_is_finer_than_a_code_unless_it_is_switched_off() {
+        let line = PLACEHOLDER.command;
         for part in [0.1_f32, 0.25, 0.37, 0.5, 0.93] {
             let command_m = (100.0 + part) * line.per_code;
             let mut feedback = ErrorFeedback::new();
             let sum: u32 = (0..1000)
-                .map(|_| u32::from(feedback.code(&line, command_m).unwrap().value()))
+                .map(|_| u32::from(feedback.code(&PLACEHOLDER, TOP, command_m).unwrap()))
                 .sum();
             let exact = command_m / line.per_code + line.zero_code;
             assert!((sum as f32 / 1000.0 - exact).abs() < 2e-3, "{part}");
+            let plain = Calibration {
+                command_feedback: false,
+                ..PLACEHOLDER
+            };
+            let mut codes = (0..1000).map(|_| feedback.code(&plain, TOP, command_m));
+            codes.next();
+            let first = codes.next();
+            assert!(codes.all(|c| Some(c) == first));
         }
     }
 
     #[test]
     fn a_command_that_stands_keeps_its_code_whatever_is_owed() {
-        let line = Calibration::UNCALIBRATED.command;
+        let line = PLACEHOLDER.command;
         let of = |code: f32| (code - line.zero_code) * line.per_code;
         let mut feedback = ErrorFeedback::new();
         // Two in five of these are shown a code higher.
-        let shown: [_; 8] = core::array::from_fn(|_| feedback.code(&line, of(2100.4)).unwrap());
-        let high = shown.iter().position(|c| c.value() == 2101).unwrap();
+        let shown: [_; 8] =
+            core::array::from_fn(|_| feedback.code(&PLACEHOLDER, TOP, of(2100.4)).unwrap());
+        let high = shown.iter().position(|&c| c == 2101).unwrap();
         let mut feedback = ErrorFeedback::new();
         for _ in 0..=high {
-            feedback.code(&line, of(2100.4));
+            feedback.code(&PLACEHOLDER, TOP, of(2100.4));
         }
+        let mut standing = |m| feedback.standing(&PLACEHOLDER, TOP, m);
         for _ in 0..8 {
-            assert_eq!(feedback.standing(&line, of(2100.4)), DacCode::new(2101));
+            assert_eq!(standing(of(2100.4)), Some(2101));
         }
-        assert_eq!(feedback.standing(&line, of(2200.4)), DacCode::new(2200));
-        assert_eq!(feedback.standing(&line, f32::NAN), None);
+        assert_eq!(standing(of(2200.4)), Some(2200));
+        assert_eq!(standing(f32::NAN), None);
     }
 
     proptest! {
         #[test]
         fn a_command_in_range_is_at_most_one_code_away(command_m in -0.05_f32..0.05, before in proptest::collection::vec(-0.05_f32..0.05, 0..20)) {
-            let line = Calibration::UNCALIBRATED.command;
+            let line = PLACEHOLDER.command;
             let mut feedback = ErrorFeedback::new();
             for c in before {
-                feedback.code(&line, c);
+                feedback.code(&PLACEHOLDER, TOP, c);
             }
-            let code = feedback.code(&line, command_m).unwrap();
+            let code = feedback.code(&PLACEHOLDER, TOP, command_m).unwrap();
             let exact = command_m / line.per_code + line.zero_code;
-            prop_assert!((f32::from(code.value()) - exact).abs() <= 1.001);
+            prop_assert!((f32::from(code) - exact).abs() <= 1.001);
         }
 
         #[test]
-        fn what_is_outside_or_no_number_gets_no_code(bits: u32) {
+        fn what_is_outside_or_nan_gets_no_code(bits: u32) {
             let command_m = f32::from_bits(bits);
             let mut feedback = ErrorFeedback::new();
-            let code = feedback.code(&Calibration::UNCALIBRATED.command, command_m);
+            let code = feedback.code(&PLACEHOLDER, TOP, command_m);
             prop_assert_eq!(code.is_some(), command_m.abs() <= 0.05);
             prop_assert!(feedback.owed.abs() <= 0.5);
         }

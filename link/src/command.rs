@@ -34,7 +34,7 @@ pub enum Command {
         /// What the reading is to be: m or N.
         value: f32,
     },
-    /// Write test and calibration where they survive power-off, while idle.
+    /// Write the calibration, and the test if there is one, where they survive power-off, while idle.
     Save,
     /// A ground motion of so many points follows, while idle; what was loaded is gone.
     Motion {

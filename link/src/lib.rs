@@ -23,6 +23,7 @@
 //! | [`command`], [`reply`], [`status`] | what is asked and answered |
 //! | [`telemetry`] | the record of a step as it travels |
 //! | [`channel`] | converter codes and what they mean in SI units |
+//! | [`limits`] | the limits without which no test is armed |
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -34,12 +35,13 @@ pub mod channel;
 pub mod command;
 pub mod continuity;
 pub mod frame;
+pub mod limits;
 pub mod message;
 pub mod reply;
 pub mod status;
 pub mod telemetry;
 
-pub use channel::{AdcCode, Calibration, DacCode};
+pub use channel::{Calibration, CodeRange};
 pub use command::Command;
 pub use continuity::Continuity;
 pub use frame::{Decoder, Frame, Kind};
@@ -48,7 +50,7 @@ pub use status::Status;
 pub use telemetry::Telemetry;
 
 /// Version of everything in this crate; a frame of another version is counted and not looked at.
-pub const VERSION: u8 = 6;
+pub const VERSION: u8 = 7;
 
 /// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
 /// ST-LINK that makes a USB port of it.

@@ -49,7 +49,7 @@ impl Message for Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::channel::Calibration;
+    use crate::channel::{Calibration, TWELVE_BITS};
     use crate::command::{CHUNK, Channel, Shape, Signal};
     use crate::frame::{Decoder, Seen};
     use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
@@ -102,6 +102,7 @@ mod tests {
                 energy_trip: limit,
                 energy_floor_j: limit,
                 stale_steps: Some(u16::MAX),
+                frozen_m: limit,
                 locked_damping_ratio: limit,
             },
             rig: Rig {
@@ -134,7 +135,7 @@ mod tests {
             Command::Identify,
             Command::Status,
             Command::Configure(largest_config()),
-            Command::Calibrate(Calibration::UNCALIBRATED),
+            Command::Calibrate(Calibration::placeholder(&TWELVE_BITS)),
             Command::Zero {
                 channel: Channel::Force,
                 value: -1.5
@@ -178,7 +179,9 @@ mod tests {
                 output_delay_us: 50.0,
                 max_points: 16_384,
                 max_dof: 3,
-                calibration: Calibration::UNCALIBRATED,
+                deadline_cycles: 4200,
+                codes: TWELVE_BITS,
+                calibration: Calibration::placeholder(&TWELVE_BITS),
             }),
             Reply::Status(Status {
                 tick: u32::MAX,
@@ -192,6 +195,7 @@ mod tests {
                 }),
                 permit: true,
                 configured: true,
+                calibrated: true,
                 points: 16_384,
                 crystal_ok: true,
                 codes: [8190; 2],

@@ -1,5 +1,6 @@
 //! What the board answers.
 
+use crate::channel::{Calibration, CodeRange};
 use crate::status::Status;
 use heapless::{String, Vec};
 use outerloop_core::Refusal;
@@ -69,6 +70,8 @@ pub enum Reply {
 pub enum Obstacle {
     /// An interlock of the loop.
     Fault(Fault),
+    /// Nobody has calibrated the board's channels.
+    NotCalibrated,
     /// No configuration has been accepted since power-up and none was kept.
     NotConfigured,
     /// No ground motion is loaded and no commissioning signal is set.
@@ -169,6 +172,10 @@ pub struct Identity {
     pub max_points: u32,
     /// Most degrees of freedom.
     pub max_dof: u8,
+    /// Cycles of the processor that a step may take up to its command.
+    pub deadline_cycles: u32,
+    /// Widths of the converters' codes.
+    pub codes: CodeRange,
     /// The calibration in force.
-    pub calibration: crate::channel::Calibration,
+    pub calibration: Calibration,
 }

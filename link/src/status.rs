@@ -18,6 +18,8 @@ pub struct Status {
     pub permit: bool,
     /// A test has been accepted.
     pub configured: bool,
+    /// Somebody has calibrated the channels.
+    pub calibrated: bool,
     /// Points of the ground motion that is loaded and checked.
     pub points: u32,
     /// The crystal has the right frequency.
@@ -96,4 +98,8 @@ pub enum Cause {
     Starved,
     /// The control interrupt itself had stopped: the watchdog bit with no word left.
     Silent,
+    /// The external clock stopped.
+    ClockStopped,
+    /// The supply fell below what the chip needs at its clock.
+    LowSupply,
 }

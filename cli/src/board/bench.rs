@@ -1,7 +1,9 @@
 //! A whole test on a board.
 
 use super::connection::Connection;
+use super::limits::{self, Plan};
 use super::mirror::Mirror;
+use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, identify, status};
 use super::port::Port;
 use super::wording::describe_words;
@@ -11,31 +13,86 @@ use crate::trace::Witness;
 use link::Command;
 use link::command::{CHUNK, MAX_POINTS};
 use link::frame::checksum;
+use link::limits::Shown;
 use link::reply::Identity;
 use link::telemetry::StepReport;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Record, State, Trip};
+use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Record, State, Trip};
 use std::cell::RefCell;
 use std::time::Instant;
 
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
 
+/// Steps for which the command has to stand after the end.
+const REST_STEPS: u32 = 40;
+
 /// A board at the other end of a connection.
 pub struct BoardBench<P> {
     connection: RefCell<Connection<P>>,
+    plan: Plan,
+    operator: Operator,
+    /// The number that the board's calibration has to have.
+    calibration: Option<String>,
 }
 
 impl<P: Port> BoardBench<P> {
-    /// Over `connection`.
-    pub fn new(connection: Connection<P>) -> Self {
+    /// Over `connection`, for tests that are planned as `plan` says; `operator` is asked before each starts.
+    pub fn new(connection: Connection<P>, plan: Plan, operator: Operator) -> Self {
         Self {
             connection: RefCell::new(connection),
+            plan,
+            operator,
+            calibration: None,
         }
+    }
+
+    /// On a board whose calibration has this number, eight hexadecimal digits.
+    pub fn expecting(mut self, calibration: Option<String>) -> Self {
+        self.calibration = calibration;
+        self
     }
 
     /// The connection back.
     pub fn into_connection(self) -> Connection<P> {
         self.connection.into_inner()
+    }
+
+    /// The board's calibration is the one that the test names.
+    fn check_calibration(&self, identity: &Identity) -> Result<(), Failure> {
+        let number = format!("{:08x}", identity.calibration.number());
+        match &self.calibration {
+            Some(wanted) if !wanted.eq_ignore_ascii_case(&number) => Err(Failure::input(format!(
+                "board.calibration = \"{wanted}\": the board's calibration has the number {number}: accepted is the board as it was calibrated for this test; `outerloop board calibrate` shows its lines"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// The configuration with all limits that a board asks for; those that were worked out are shown to the person.
+    fn with_limits(&self, config: &Config, identity: &Identity) -> Result<Config, Failure> {
+        let shown = Shown::by(&identity.calibration, &identity.codes);
+        let mut limited = config.clone();
+        limited.limits = self.plan.limits(&config.limits, &shown);
+        if limited.limits != config.limits {
+            eprintln!(
+                "outerloop: limits in force:\n{}",
+                limits::describe(&config.limits, &limited.limits)
+            );
+        }
+        shown.check(&limited).map_err(|refusal| {
+            let value = match refusal.value {
+                value if value.is_nan() => String::new(),
+                value => format!(" = {value:.4}"),
+            };
+            Failure::input(format!(
+                "{}{value} cannot act on this board: accepted is {}; it shows +-{:.1} mm and +-{:.2} kN with the spare codes left free",
+                refusal.name,
+                refusal.accepted,
+                shown.displacement_m * 1e3,
+                shown.force_n * 1e-3
+            ))
+        })?;
+        Ok(limited)
     }
 }
 
@@ -45,37 +102,37 @@ impl<P: Port> Bench for BoardBench<P> {
         assignment: &Assignment<'_, N>,
         witness: &mut impl Witness,
     ) -> Result<Ending, Failure> {
+        let points = points(assignment)?;
         let board = &mut *self.connection.borrow_mut();
         let identity = identify(board)?;
-        let points = points(assignment)?;
         prepare(board)?;
-        let since = done(
-            board,
-            "configure",
-            &Command::Configure(assignment.config.clone()),
-        )?;
+        self.check_calibration(&identity)?;
+        let config = self.with_limits(assignment.config, &identity)?;
+        let design = Design::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+        let since = done(board, "configure", &Command::Configure(config.clone()))?;
         load(board, points, assignment.interval_s)?;
         done(board, "signal", &Command::Signal(None))?;
 
-        let step_s = assignment.config.model_step_s();
+        let step_s = config.model_step_s();
         let ground = GroundMotion::new(points, assignment.interval_s, step_s).ok_or_else(|| {
             Failure::input("the ground motion cannot be laid over the integration steps")
         })?;
-        let substeps = u32::from(assignment.config.timing.substeps);
-        let mut session = Session::<P, N>::new(
-            board,
-            &identity,
-            assignment.design.clone(),
-            substeps,
+        let mirror = Mirror::new(
+            design,
+            u32::from(config.timing.substeps),
             ground,
+            (identity.calibration, identity.codes),
             since,
         );
+        catch_ctrl_c();
+        let mut session = Session::<P, N>::new(board, mirror, since);
         session.wait_idle()?;
         session.send(Event::Arm)?;
         session.wait_for_start()?;
+        session.wait_for_go(&self.operator)?;
         let began = Instant::now();
         session.send(Event::Start)?;
-        session.run(assignment.steps, witness, began, &identity)
+        session.run(assignment.steps, witness, began, &identity, &self.operator)
     }
 }
 
@@ -148,18 +205,11 @@ struct Session<'a, 'b, P, const N: usize> {
 }
 
 impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
-    fn new(
-        board: &'b mut Connection<P>,
-        identity: &Identity,
-        design: Design<N>,
-        substeps: u32,
-        ground: GroundMotion<'a>,
-        since: u32,
-    ) -> Self {
+    fn new(board: &'b mut Connection<P>, mirror: Mirror<'a, N>, since: u32) -> Self {
         Self {
             lost_before: board.counted().1,
             board,
-            mirror: Mirror::new(design, substeps, ground, identity.calibration, since),
+            mirror,
             since,
             state: State::Idle,
             command_m: f32::NAN,
@@ -174,8 +224,8 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
     }
 
     /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse.
-    fn finish(&mut self) -> Result<(), Failure> {
-        match self.send(Event::Finish) {
+    fn end(&mut self, by: Event) -> Result<(), Failure> {
+        match self.send(by) {
             Err(refused) => match status(self.board)?.state {
                 State::Finished | State::Tripped => Ok(()),
                 _ => Err(refused),
@@ -214,6 +264,12 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
             self.mirror.take(tick, step);
             match self.state {
                 State::Armed if self.command_m == 0.0 => return Ok(()),
+                // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
+                State::Idle if self.mirror.has_armed() => {
+                    return Err(Failure::test(
+                        "the approach to the start was ended by the board's button, and the board is idle",
+                    ));
+                }
                 State::Tripped => {
                     let trip = status(self.board)?.trip;
                     let fault = trip.map_or("an unknown fault", |t| t.fault.name());
@@ -226,22 +282,81 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
         }
     }
 
+    /// The rig stands at the start, armed. It moves when the person says so.
+    fn wait_for_go(&mut self, operator: &Operator) -> Result<(), Failure> {
+        operator
+            .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
+        while !operator.agrees() {
+            if stop_is_asked() {
+                self.send(Event::Stop)?;
+                self.until_still()?;
+                return Err(Failure::test("the test was given up before its start"));
+            }
+            let (tick, step) = self.next()?;
+            self.mirror.take(tick, step);
+            if self.state == State::Tripped {
+                let fault = status(self.board)?
+                    .trip
+                    .map_or("a fault", |t| t.fault.name());
+                return Err(Failure::test(format!(
+                    "the board tripped on {fault} before the start: see `outerloop board status`"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Until the command stands: the test has ended, and the deceleration ramp with it. Only then may permission go.
+    fn wait_for_rest(&mut self) -> Result<(), Failure> {
+        let (mut standing, mut last_m) = (0, f32::NAN);
+        while standing < REST_STEPS && self.state == State::Finished {
+            self.next()?;
+            standing = if self.command_m == last_m {
+                standing + 1
+            } else {
+                0
+            };
+            last_m = self.command_m;
+        }
+        Ok(())
+    }
+
+    /// Until the board has come to rest by itself, and is idle then.
+    fn until_still(&mut self) -> Result<(), Failure> {
+        while !matches!(self.state, State::Idle | State::Finished | State::Tripped) {
+            let (tick, step) = self.next()?;
+            self.mirror.take(tick, step);
+        }
+        if self.state == State::Finished {
+            clear(self.board)?;
+        }
+        Ok(())
+    }
+
     fn run(
         mut self,
         steps: usize,
         witness: &mut impl Witness,
         began: Instant,
         identity: &Identity,
+        operator: &Operator,
     ) -> Result<Ending, Failure> {
         let mut done = 0;
         let mut lost = None;
-        let mut stopped = false;
-        // Steps count by their number, not by their coming: some may be lost on the way.
-        let mut first = None;
+        let (mut stopped, mut held, mut by_hand) = (false, false, false);
+        // Steps count by their number, not by their coming: some may be lost on the way. Those of a hold do not count.
+        let (mut first, mut last_running, mut in_hold) = (None, 0, 0);
         let mut see = |record: Option<Record<N>>| {
             let running = |r: &Record<N>| r.mode().is_some_and(State::integrates);
+            let held = |r: &Record<N>| matches!(r.mode(), Some(State::Holding | State::Returning));
+            if let Some(record) = record.filter(held) {
+                in_hold = record.tick.wrapping_sub(last_running);
+            }
             if let Some(record) = record.filter(running) {
-                done = record.tick.wrapping_sub(*first.get_or_insert(record.tick)) as usize + 1;
+                let first = first.get_or_insert(record.tick);
+                *first = first.wrapping_add(std::mem::take(&mut in_hold));
+                last_running = record.tick;
+                done = record.tick.wrapping_sub(*first) as usize + 1;
                 if done <= steps {
                     witness.see(&record);
                 }
@@ -253,9 +368,9 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
                 Ok((tick, step)) => {
                     let done = see(self.mirror.take(tick, step));
                     // The record on the board is at most some steps longer than the test.
-                    if done >= steps && self.state == State::Running && !stopped {
+                    if done >= steps && self.state.integrates() && !stopped {
                         stopped = true;
-                        self.finish()?;
+                        self.end(Event::Finish)?;
                     }
                 }
                 Err(failure) => {
@@ -266,8 +381,22 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
             if matches!(self.state, State::Finished | State::Tripped) {
                 break self.state;
             }
+            if stop_is_asked() && !stopped {
+                stopped = true;
+                self.end(Event::Stop)?;
+                by_hand = true;
+            }
+            // The board's button has held the test.
+            let holds = self.state == State::Holding && !stopped;
+            if holds && !std::mem::replace(&mut held, holds) {
+                operator.ask("the test is held: Enter goes on, Ctrl-C stops");
+            }
+            if holds && operator.is_asked() && operator.agrees() {
+                self.send(Event::Start)?;
+            }
+            held = holds;
         };
-        see(self.mirror.last());
+        let done_steps = see(self.mirror.last());
         let wall_s = began.elapsed().as_secs_f64();
         let vitals = match &lost {
             None => Some(status(self.board)?),
@@ -285,7 +414,13 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
             _ => None,
         };
         if ended == State::Finished {
+            self.wait_for_rest()?;
             clear(self.board)?;
+        }
+        if by_hand && done_steps < steps {
+            return Err(Failure::test(format!(
+                "the test was stopped by hand after {done_steps} of {steps} control steps: it came to rest on its deceleration ramp, and the board is idle"
+            )));
         }
         let seen = self.mirror.seen();
         Ok(Ending {

@@ -1,29 +1,45 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
 use super::connection::Connection;
+use super::limits::{self, Plan};
+use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, identify, status};
 use super::port::Port;
 use crate::failure::Failure;
+use crate::files::test::TestFile;
 use link::Command;
 use link::command::Signal;
-use outerloop_core::{Config, Event, State};
+use link::limits::Shown;
+use outerloop_core::{Event, State};
 use std::fmt::Write as _;
+
+/// Steps for which the command has to stand after the end.
+const REST_STEPS: u32 = 40;
 
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Runs `signal` under the limits of `config`; returns the recording in the format of recorded data, and why it ended
+/// Runs `signal` under the limits of `test`, or those that follow from the signal; returns the recording in the format of recorded data, and why it ended
 /// early, if it did.
 ///
 /// # Errors
 /// A board that is refused or not idle; a signal that is refused; a link that is lost before the start.
 pub fn commission<P: Port>(
     board: &mut Connection<P>,
-    config: &Config,
+    test: &TestFile,
     signal: Signal,
+    operator: &Operator,
 ) -> Result<(String, Option<String>), Failure> {
     let identity = identify(board)?;
     clear(board)?;
+    let plan = Plan::of_signal(test, &signal);
+    let shown = Shown::by(&identity.calibration, &identity.codes);
+    let mut config = test.config.clone();
+    config.limits = plan.limits(&test.config.limits, &shown);
+    eprintln!(
+        "outerloop: limits in force:\n{}",
+        limits::describe(&test.config.limits, &config.limits)
+    );
     done(board, "configure", &Command::Configure(config.clone()))?;
     done(board, "signal", &Command::Signal(Some(signal)))?;
     board.forget_steps();
@@ -44,10 +60,30 @@ pub fn commission<P: Port>(
             _ => {}
         }
     }
+    catch_ctrl_c();
+    operator.ask("the rig stands at zero, armed: Enter starts the signal, Ctrl-C gives it up");
+    while !operator.agrees() {
+        if stop_is_asked() {
+            event(board, Event::Stop)?;
+            return Err(Failure::test("the signal was given up before its start"));
+        }
+        if board
+            .step()?
+            .is_some_and(|(_, s)| s.state() == Some(State::Tripped))
+        {
+            return Err(Failure::test(
+                "the board tripped before the start: see `outerloop board status`",
+            ));
+        }
+    }
     event(board, Event::Start)?;
+    let mut stopped = false;
     let mut text = String::from("time_s,command_m,displacement_m,force_n\n");
     let mut begin = None;
     let early = loop {
+        if stop_is_asked() && !std::mem::replace(&mut stopped, true) {
+            event(board, Event::Stop)?;
+        }
         let (tick, step) = match board.step() {
             Ok(Some(step)) => step,
             Ok(None) => continue,
@@ -68,7 +104,7 @@ pub fn commission<P: Port>(
                     identity.calibration.force.quantity(step.force)
                 );
             }
-            Some(State::Finished) => break None,
+            Some(State::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
             Some(State::Tripped) => {
                 let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
                 break Some(format!("the board tripped on {fault}"));
@@ -76,7 +112,23 @@ pub fn commission<P: Port>(
             _ => {}
         }
     };
-    if early.is_none() {
+    if early.is_none() || stopped {
+        // Permission goes when the command stands.
+        let (mut standing, mut last_m) = (0, f32::NAN);
+        while standing < REST_STEPS {
+            let Some((_, step)) = board.step()? else {
+                continue;
+            };
+            if step.state() != Some(State::Finished) {
+                break;
+            }
+            standing = if step.command_m == last_m {
+                standing + 1
+            } else {
+                0
+            };
+            last_m = step.command_m;
+        }
         clear(board)?;
     }
     Ok((text, early))

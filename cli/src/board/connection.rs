@@ -8,6 +8,7 @@ use link::message::Message;
 use link::reply::{Answer, Reply};
 use link::telemetry::StepReport;
 use link::{Command, Telemetry, VERSION};
+use outerloop_core::Event;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,8 @@ const ATTEMPTS: u32 = 4;
 pub struct Patience {
     /// For the answer to a command, before it is sent again.
     pub answer: Duration,
+    /// For the answer to an order that stops or holds, before it is sent again.
+    pub stop: Duration,
     /// For any byte at all, before the link counts as lost.
     pub silence: Duration,
 }
@@ -33,12 +36,14 @@ impl Patience {
     /// For a board.
     pub const BOARD: Self = Self {
         answer: Duration::from_secs(1),
+        stop: Duration::from_millis(40),
         silence: Duration::from_secs(1),
     };
 
     /// For an emulator, whose seconds are longer than the wall's.
     pub const EMULATED: Self = Self {
         answer: Duration::from_secs(30),
+        stop: Duration::from_secs(1),
         silence: Duration::from_secs(30),
     };
 }
@@ -87,12 +92,23 @@ impl<P: Port> Connection<P> {
         let wire = command.encode(request).map_err(|_| {
             Failure::input("the command does not fit a frame of the link: accepted are tests of up to 8 floors")
         })?;
-        for _ in 0..ATTEMPTS {
+        let urgent = matches!(
+            command,
+            Command::Event(Event::Stop | Event::Hold | Event::Finish | Event::Fault)
+        );
+        // What stops is repeated soon; in all it is given as long as any other.
+        let patience = if urgent {
+            self.patience.stop
+        } else {
+            self.patience.answer
+        };
+        let given_up = Instant::now() + self.patience.answer * ATTEMPTS;
+        while Instant::now() < given_up {
             // The zero ends whatever stood on the line before.
             self.send(&[0])?;
             self.send(&wire)?;
             let began = Instant::now();
-            while began.elapsed() < self.patience.answer {
+            while began.elapsed() < patience {
                 self.receive()?;
                 while let Some(answer) = self.answers.pop_front() {
                     if answer.request == request {

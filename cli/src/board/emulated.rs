@@ -1,18 +1,64 @@
 //! The flashed image on an emulated board: both are built, and the link runs over the emulator's pipes.
 
+use super::build::{built_emulator, built_image};
+use super::limits::Plan;
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::trace::Response;
-use link::channel::{Calibration, Line};
-use link::{AdcCode, DacCode};
+use link::{Calibration, CodeRange};
+use outerloop_core::Config;
+use outerloop_core::config::Limits;
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
+
+/// Widths of the image's converters; the board says so itself once it runs.
+const IMAGE_CODES: CodeRange = CodeRange {
+    sensor_top: 8190,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+/// Floors, actuators and sampling clock of the image.
+const IMAGE_FLOORS: usize = 3;
+const IMAGE_ACTUATORS: usize = 1;
+const IMAGE_TIMER_HZ: f64 = 84e6;
+const IMAGE_SLOWEST_HZ: f64 = 100.0;
+
+/// Says no to a test that the image cannot run, before anything is built.
+///
+/// # Errors
+/// What of the test the image does not have.
+pub fn can_run(config: &Config) -> Result<(), Failure> {
+    let floors = config.degrees_of_freedom();
+    let actuators = config.physical_storeys().min(floors);
+    let rate_hz = config.timing.rate_hz;
+    let refuse = |what: String| Err(Failure::input(format!("--emulated: {what}")));
+    if actuators != IMAGE_ACTUATORS {
+        return refuse(format!(
+            "the test has {actuators} storeys in the laboratory, each with an actuator: accepted on the image for the NUCLEO-F429ZI is {IMAGE_ACTUATORS} (structure.physical_storeys = 1); the simulated rig runs all of them without --emulated"
+        ));
+    }
+    if floors > IMAGE_FLOORS {
+        return refuse(format!(
+            "the test has {floors} floors: accepted on the image for the NUCLEO-F429ZI are up to {IMAGE_FLOORS}"
+        ));
+    }
+    let fastest_hz = f64::from(link::fastest_rate_hz(link::BAUD));
+    let divides = (IMAGE_TIMER_HZ / rate_hz).fract() == 0.0;
+    if !(divides && (IMAGE_SLOWEST_HZ..=fastest_hz).contains(&rate_hz)) {
+        return refuse(format!(
+            "loop.rate_hz = {rate_hz}: accepted on the image for the NUCLEO-F429ZI are whole divisors of 84 MHz from {IMAGE_SLOWEST_HZ} to {fastest_hz} Hz"
+        ));
+    }
+    Ok(())
+}
 
 /// How long a read waits for the first byte.
 const WAIT: Duration = Duration::from_millis(5);
@@ -32,9 +78,6 @@ pub struct Laboratory {
     pub calibration: Calibration,
 }
 
-/// Ranges of sensors and actuator over the peaks of the ideal test, at least: room for errors.
-const ROOM: f64 = 1.5;
-
 impl Laboratory {
     /// The laboratory of a test file.
     pub fn of(test: &TestFile, seed: u64) -> Self {
@@ -51,26 +94,22 @@ impl Laboratory {
                 .collect(),
             rate_hz: config.timing.rate_hz,
             seed,
-            calibration: Calibration::UNCALIBRATED,
+            calibration: Calibration::placeholder(&IMAGE_CODES),
         }
     }
 
-    /// With sensors and an actuator of the size that is right for a test whose floors move as in `ideal`: ranges of 1, 2
-    /// or 5 times a power of ten that leave half as much again above its peaks. Forces are those of the elastic storeys.
-    pub fn sized_for(mut self, ideal: &Response) -> Self {
-        let peaks = ideal.peaks_m();
-        let below = std::iter::once(&0.0).chain(&peaks);
-        let (mut stroke_m, mut force_n) = (0.0_f64, 0.0_f64);
-        for ((peak, below), k) in peaks.iter().zip(below).zip(&self.storey_n_per_m) {
-            stroke_m = stroke_m.max(ROOM * peak);
-            force_n = force_n.max(ROOM * k * (peak + below));
-        }
-        let (stroke_m, force_n) = (size_above(stroke_m), size_above(force_n));
-        self.calibration = Calibration {
-            displacement: Line::over(stroke_m, AdcCode::MAX),
-            force: Line::over(force_n, AdcCode::MAX),
-            command: Line::over(stroke_m, DacCode::MAX),
-        };
+    /// With sensors and an actuator of the size that is right for a test with these limits: ranges of 1, 2 or 5 times a
+    /// power of ten in which the limits can act and the noise at the plan's peaks meets no rail.
+    pub fn sized_for(mut self, limits: &Limits, plan: &Plan) -> Self {
+        let of = |top: u16, spare: u16| 1.0 - 2.0 * f64::from(spare) / f64::from(top);
+        let codes = &IMAGE_CODES;
+        let free = of(codes.sensor_top, codes.sensor_spare)
+            .min(of(codes.command_top, codes.command_spare));
+        let room = |limit: Option<f64>, peak: f64| (limit.unwrap_or(0.0) / free).max(peak);
+        let (peak_m, peak_n) = plan.noisy_peaks();
+        let stroke_m = size_above(room(limits.displacement_m, peak_m));
+        let force_n = size_above(room(limits.force_n, peak_n));
+        self.calibration = Calibration::over(stroke_m, force_n, codes);
         self
     }
 }
@@ -96,7 +135,7 @@ impl Emulated {
     /// # Errors
     /// A checkout that cannot be found, or a build that fails: its last words.
     pub fn start(laboratory: &Laboratory) -> Result<Self, Failure> {
-        Self::with(&build_emulator(&checkout()?)?, laboratory)
+        Self::with(&built_emulator()?, laboratory)
     }
 
     /// The same with an emulator that has been built.
@@ -111,7 +150,7 @@ impl Emulated {
         let text = toml::to_string(laboratory).map_err(|e| cannot("the rig", &e))?;
         std::fs::write(file.path(), text).map_err(|e| cannot("the rig", &e))?;
         let mut child = Command::new(emulator)
-            .arg(image()?)
+            .arg(built_image()?)
             .arg(file.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -169,83 +208,6 @@ fn listen(mut out: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
         }
     });
     receiver
-}
-
-/// The folder with `firmware` and `emu` in it: here or above.
-fn checkout() -> Result<PathBuf, Failure> {
-    let here = std::env::current_dir().unwrap_or_default();
-    let is_root =
-        |p: &&Path| p.join("emu/Cargo.toml").is_file() && p.join("scripts/cross").is_file();
-    here.ancestors()
-        .find(is_root)
-        .or_else(|| Some(Path::new(env!("CARGO_MANIFEST_DIR")).parent()?).filter(is_root))
-        .map(Path::to_path_buf)
-        .ok_or_else(|| {
-            Failure::input(format!(
-                "--emulated: {} is in no checkout of this project: accepted is one, with its folders firmware and emu",
-                here.display()
-            ))
-        })
-}
-
-/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else it is built.
-fn image() -> Result<PathBuf, Failure> {
-    if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
-        return Ok(built.into());
-    }
-    let root = checkout()?;
-    let target = target_folder(&root);
-    let mut build = Command::new(root.join("scripts/cross"));
-    build.args([
-        "build",
-        "-p",
-        "firmware",
-        "--bin",
-        "nucleo_f429zi",
-        "--release",
-    ]);
-    run(build.current_dir(&root).env("CARGO_TARGET_DIR", &target))?;
-    Ok(target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi"))
-}
-
-/// The emulator.
-fn build_emulator(root: &Path) -> Result<PathBuf, Failure> {
-    let target = target_folder(root).join("emu");
-    let mut build = Command::new("cargo");
-    // The emulator's crate asks for a newer compiler than it needs.
-    build.args(["build", "--release", "--ignore-rust-version"]);
-    run(build
-        .current_dir(root.join("emu"))
-        .env("CARGO_TARGET_DIR", &target))?;
-    Ok(target.join("release/emu"))
-}
-
-fn target_folder(root: &Path) -> PathBuf {
-    let named = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    root.join(named.unwrap_or_else(|| "target".into()))
-}
-
-fn run(build: &mut Command) -> Result<(), Failure> {
-    eprintln!("outerloop: {}", shown(build));
-    // Its own account goes to standard error: standard output belongs to the result.
-    let out = build
-        .stdout(Stdio::null())
-        .status()
-        .map_err(|e| Failure::test(format!("--emulated: {}: {e}", shown(build))))?;
-    if out.success() {
-        Ok(())
-    } else {
-        Err(Failure::test(format!(
-            "--emulated: `{}` failed ({out}); scripts/setup installs what it needs",
-            shown(build)
-        )))
-    }
-}
-
-fn shown(build: &Command) -> String {
-    let words = std::iter::once(build.get_program()).chain(build.get_args());
-    let words: Vec<_> = words.map(|w| w.to_string_lossy()).collect();
-    words.join(" ")
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use link::channel::ErrorFeedback;
 use link::telemetry::{StepReport, digest};
-use link::{AdcCode, Calibration};
+use link::{Calibration, CodeRange};
 use outerloop_core::record::flag;
 use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State};
 use std::collections::VecDeque;
@@ -27,6 +27,7 @@ pub struct Mirror<'a, const N: usize> {
     outer: OuterLoop<N>,
     ground: GroundMotion<'a>,
     calibration: Calibration,
+    codes: CodeRange,
     feedback: ErrorFeedback,
     out_of_range: bool,
     /// The next step; before the first one, the step at which the test was put in force.
@@ -45,18 +46,20 @@ pub struct Mirror<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Mirror<'a, N> {
-    /// The loop that is in force on the board from step `since` on, `substeps` control steps to an integration step.
+    /// The loop that is in force on the board from step `since` on, `substeps` control steps to an integration step. The
+    /// board's converters are `codes` wide.
     pub fn new(
         design: Design<N>,
         substeps: u32,
         ground: GroundMotion<'a>,
-        calibration: Calibration,
+        (calibration, codes): (Calibration, CodeRange),
         since: u32,
     ) -> Self {
         Self {
             outer: OuterLoop::new(design),
             ground,
             calibration,
+            codes,
             feedback: ErrorFeedback::new(),
             out_of_range: false,
             next: since,
@@ -74,6 +77,11 @@ impl<'a, const N: usize> Mirror<'a, N> {
     /// The board took `event`; step `tick` is the first with it.
     pub fn event(&mut self, tick: u32, event: Event) {
         self.events.push_back((tick, event));
+    }
+
+    /// The board has shown the step at which it was armed.
+    pub fn has_armed(&self) -> bool {
+        self.events.is_empty()
     }
 
     /// What has been seen.
@@ -123,6 +131,17 @@ impl<'a, const N: usize> Mirror<'a, N> {
             // The board took it; if the loop here does not, the digests will say so.
             let _ = self.outer.handle(event);
         }
+        // The board's own button: nothing else tells of it.
+        let own = match (report.state(), self.outer.state()) {
+            (Some(State::Holding), State::Running | State::Resuming | State::Returning) => {
+                Some(Event::Hold)
+            }
+            (Some(State::Idle), State::Approaching) => Some(Event::Stop),
+            _ => None,
+        };
+        if let Some(event) = own {
+            let _ = self.outer.handle(event);
+        }
         if self.in_step {
             let record = self.step(&report, after);
             if digest(&record) == report.digest {
@@ -154,11 +173,11 @@ impl<'a, const N: usize> Mirror<'a, N> {
             sample.fresh = false;
             step = self.outer.step(&sample, &self.ground);
         }
-        let line = &self.calibration.command;
+        let (calibration, top) = (&self.calibration, self.codes.command_top);
         let code = if step.permit {
-            self.feedback.code(line, step.command_m[0])
+            self.feedback.code(calibration, top, step.command_m[0])
         } else {
-            self.feedback.standing(line, step.command_m[0])
+            self.feedback.standing(calibration, top, step.command_m[0])
         };
         self.out_of_range = code.is_none();
         *step.record
@@ -166,15 +185,13 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// What the board reported to its loop with this sample.
     fn fault(&self, report: &StepReport, after: Option<&StepReport>) -> Option<Fault> {
-        let rail = |code: AdcCode| code.at_rail();
+        let rail = |code| self.codes.at_rail(code);
         let latched = after.and_then(StepReport::fault);
         match latched {
             // The board's own knowledge; nothing in its codes shows it.
-            Some(Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed)
-                if report.state() != Some(State::Tripped) =>
-            {
-                latched
-            }
+            Some(
+                Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed | Fault::PermitChain,
+            ) if report.state() != Some(State::Tripped) => latched,
             _ if rail(report.displacement) || rail(report.force) => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),
             _ => None,

@@ -5,15 +5,20 @@
 //!  connection   commands and their answers, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
 //!  bench        a whole test: configure, load, arm, start, receive
+//!  limits       those that a board asks for, worked out from the planned test
+//!  operator     the person at the bench: go, go on, stop
 //!  orders       what a person asks of a board, and how a refusal is said
 //!  wording      what a board says, in words
 //! ```
 
 mod bench;
+mod build;
 mod commission;
 mod connection;
 pub mod emulated;
+pub mod limits;
 mod mirror;
+pub mod operator;
 mod orders;
 mod port;
 mod wording;
@@ -22,6 +27,7 @@ pub use bench::BoardBench;
 pub use commission::commission;
 pub use connection::{Connection, Patience};
 pub use mirror::{Mirror, Seen};
+pub use operator::Operator;
 pub use orders::{calibrate, clear, identify, save, status, zero};
 pub use port::{Port, Serial};
 pub use wording::{describe, describe_words};

@@ -80,10 +80,10 @@ pub fn zero<P: Port>(
     }
 }
 
-/// Keeps test and calibration across power-off.
+/// Keeps the calibration, and the test if there is one, across power-off.
 ///
 /// # Errors
-/// As [`Connection::ask`]; a board that is not idle or has accepted no test; a memory that does not take them.
+/// As [`Connection::ask`]; a board that is not idle or has neither; a memory that does not take them.
 pub fn save<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     done(board, "save", &Command::Save).map(drop)
 }
@@ -131,6 +131,9 @@ fn refused(what: &str, reply: Reply) -> Failure {
             Obstacle::Fault(fault) => format!(
                 "{what}: the interlock {} stands against it: accepted is a rig at rest within its limits",
                 fault.name()
+            ),
+            Obstacle::NotCalibrated => format!(
+                "{what}: nobody has calibrated the board: accepted is one with a calibration, see `outerloop board calibrate --help`"
             ),
             Obstacle::NotConfigured => {
                 format!(

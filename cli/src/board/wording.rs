@@ -14,6 +14,8 @@ pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<Strin
         Cause::HardFault => "took a hard fault",
         Cause::StackOverflow => "ran out of stack",
         Cause::Starved => "was reset because a task starved",
+        Cause::ClockStopped => "lost its clock",
+        Cause::LowSupply => "lost its supply",
         Cause::Silent => "was reset because its control interrupt had stopped",
     };
     Some(format!(
@@ -35,13 +37,18 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     let timing = status.timing;
     let mut lines = vec![
         format!(
-            "{}, PERMIT {}, {}, {} points of ground motion loaded",
+            "{}, PERMIT {}, {}, {}, {} points of ground motion loaded",
             status.state.name(),
             if status.permit { "high" } else { "low" },
             if status.configured {
                 "a test is accepted"
             } else {
                 "no test is accepted"
+            },
+            if status.calibrated {
+                format!("calibration {:08x}", calibration.number())
+            } else {
+                "not calibrated".into()
             },
             status.points
         ),

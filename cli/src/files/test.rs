@@ -24,8 +24,31 @@ pub struct TestFile {
     pub expected: Expected,
     /// What shakes the structure.
     pub excitation: Excitation,
+    /// What a board has to be to run it.
+    pub board: BoardWanted,
     /// The file as it was used, overrides and all.
     pub text: String,
+}
+
+/// `[board]`: what a board has to be to run the test.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BoardWanted {
+    /// Number of its calibration, eight hexadecimal digits as `outerloop board calibrate` shows it.
+    pub calibration: Option<String>,
+}
+
+impl BoardWanted {
+    fn check(&self) -> Result<(), String> {
+        match &self.calibration {
+            Some(number) if number.len() != 8 || u32::from_str_radix(number, 16).is_err() => {
+                Err(format!(
+                    "board.calibration = \"{number}\" is refused: accepted are eight hexadecimal digits as `outerloop board calibrate` shows them"
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// `[excitation]`: which ground motion, how strong, how long.
@@ -150,6 +173,8 @@ impl TestFile {
         let plant: RigSpec = part("plant", table.remove("plant"))?;
         let mut excitation: Excitation = part("excitation", table.remove("excitation"))?;
         excitation.check()?;
+        let board: BoardWanted = part("board", table.remove("board"))?;
+        board.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
         lists_of_one(&mut table);
         let declared: Option<Model> = table
@@ -171,6 +196,7 @@ impl TestFile {
             declared,
             expected,
             excitation,
+            board,
             text,
         })
     }
@@ -328,6 +354,10 @@ mod tests {
             ("excitation.scale=0", &["excitation.scale = 0"]),
             ("excitation.scale=nan", &["excitation.scale = NaN"]),
             ("excitation.peak_response_mm=-1", &["peak_response_mm = -1"]),
+            (
+                "board.calibration=12",
+                &["board.calibration", "eight hexadecimal"],
+            ),
             ("excitation.rest_s=-1", &["rest_s = -1", "0 to 60 s"]),
         ] {
             let e = with(&[assignment]).unwrap_err();

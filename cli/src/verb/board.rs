@@ -1,8 +1,9 @@
 //! `outerloop board`: what a person asks of a board at a serial port.
 
 use super::json;
-use crate::board::emulated::{Emulated, Laboratory};
-use crate::board::{self, Connection, Patience, Port, Serial};
+use crate::board::emulated::{self, Emulated, Laboratory};
+use crate::board::limits::Plan;
+use crate::board::{self, Connection, Operator, Patience, Port, Serial};
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
@@ -120,7 +121,7 @@ struct Calibrate {
     /// Make the present reading this value, m or N, e.g. displacement=0 or force=0
     #[arg(long, value_name = "CHANNEL=VALUE")]
     zero: Vec<Zero>,
-    /// Keep test and calibration across power-off
+    /// Keep the calibration, and the test if there is one, across power-off
     #[arg(long)]
     save: bool,
 }
@@ -171,11 +172,15 @@ impl Calibrate {
         if self.save {
             board::save(board)?;
         }
-        let calibration = board::identify(board)?.calibration;
+        let identity = board::identify(board)?;
+        let calibration = identity.calibration;
         let text = toml::to_string(&calibration)
             .map_err(|e| Failure::test(format!("the calibration cannot be shown: {e}")))?;
         println!(
-            "# quantity = per_code * (code - zero_code), in m and N; the sensors' codes are sums of two conversions, 0 to 8190"
+            "# number {:08x}; quantity = per_code * (code - zero_code), in m and N; the sensors' codes are 0 to {}, the command's 0 to {}",
+            calibration.number(),
+            identity.codes.sensor_top,
+            identity.codes.command_top
         );
         print!("{text}");
         Ok(())
@@ -214,6 +219,9 @@ struct Commission {
     /// On an emulated board, with the test's simulated rig behind its converters
     #[arg(long)]
     emulated: bool,
+    /// Ask nobody between the approach and the start
+    #[arg(long, conflicts_with = "emulated")]
+    yes: bool,
     /// Seed of everything random in that rig
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -261,18 +269,28 @@ impl Commission {
             amplitude_m: self.amplitude_mm / 1e3,
             seconds: self.seconds,
         };
-        let mut connection = match &self.port {
+        let (mut connection, operator) = match &self.port {
             Some(device) => {
+                let operator = if self.yes {
+                    Operator::nobody()
+                } else {
+                    Operator::person()?
+                };
                 let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-                Connection::new(port, Patience::BOARD)
+                (Connection::new(port, Patience::BOARD), operator)
             }
             None => {
-                let port: Box<dyn Port> =
-                    Box::new(Emulated::start(&Laboratory::of(&test, self.seed))?);
-                Connection::new(port, Patience::EMULATED)
+                emulated::can_run(&test.config)?;
+                let plan = Plan::of_signal(&test, &signal);
+                let limits = plan.without_board(&test.config.limits);
+                let laboratory = Laboratory::of(&test, self.seed).sized_for(&limits, &plan);
+                let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
+                let mut connection = Connection::new(port, Patience::EMULATED);
+                board::calibrate(&mut connection, laboratory.calibration)?;
+                (connection, Operator::nobody())
             }
         };
-        let (text, early) = board::commission(&mut connection, &test.config, signal)?;
+        let (text, early) = board::commission(&mut connection, &test, signal, &operator)?;
         let steps = text.lines().skip(1).count();
         output::write(&self.out, &text)?;
         println!("{steps} steps are in {}.", self.out.display());

@@ -1,7 +1,8 @@
 //! Where a test runs.
 
-use crate::board::emulated::{Emulated, Laboratory};
-use crate::board::{BoardBench, Connection, Patience, Port, Serial, calibrate};
+use crate::board::emulated::{self, Emulated, Laboratory};
+use crate::board::limits::Plan;
+use crate::board::{BoardBench, Connection, Operator, Patience, Port, Serial, calibrate};
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::story::Site;
@@ -14,9 +15,13 @@ pub struct Place {
     /// Run on the board at this serial port instead of the simulated rig
     #[arg(long, value_name = "DEV", conflicts_with = "emulated")]
     port: Option<String>,
-    /// Run on an emulated board: the image as it is flashed, with the simulated rig behind its converters
+    /// Run on an emulated board: the image as it is flashed, with the simulated rig behind its converters. Builds both
+    /// the first time, some minutes
     #[arg(long)]
     emulated: bool,
+    /// Ask nobody between the approach and the start of a test on a board
+    #[arg(long, requires = "port")]
+    yes: bool,
 }
 
 impl Site for Place {
@@ -29,18 +34,29 @@ impl Site for Place {
         keep: bool,
         tell: impl Witness,
     ) -> Result<Run, Failure> {
-        let connection = if let Some(device) = &self.port {
+        let plan = Plan::of(experiment, ideal);
+        let (connection, operator) = if let Some(device) = &self.port {
+            let operator = if self.yes {
+                Operator::nobody()
+            } else {
+                Operator::person()?
+            };
             let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-            Connection::new(port, Patience::BOARD)
+            (Connection::new(port, Patience::BOARD), operator)
         } else if self.emulated {
-            let laboratory = Laboratory::of(&experiment.test, seed).sized_for(ideal);
+            let config = &experiment.test.config;
+            emulated::can_run(config)?;
+            let limits = plan.without_board(&config.limits);
+            let laboratory = Laboratory::of(&experiment.test, seed).sized_for(&limits, &plan);
             let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
             let mut connection = Connection::new(port, Patience::EMULATED);
             calibrate(&mut connection, laboratory.calibration)?;
-            connection
+            (connection, Operator::nobody())
         } else {
             return experiment.run(method, ideal, seed, keep, tell);
         };
-        experiment.run_on(&BoardBench::new(connection), method, ideal, keep, tell)
+        let bench = BoardBench::new(connection, plan, operator)
+            .expecting(experiment.test.board.calibration.clone());
+        experiment.run_on(&bench, method, ideal, keep, tell)
     }
 }

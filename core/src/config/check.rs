@@ -271,6 +271,7 @@ impl Config {
         positive("limits.energy_trip", l.energy_trip)?;
         positive("limits.energy_floor_j", l.energy_floor_j)?;
         positive("limits.locked_damping_ratio", l.locked_damping_ratio)?;
+        positive("limits.frozen_m", l.frozen_m)?;
         positive("limits.stale_steps", l.stale_steps.map(f64::from))
     }
 

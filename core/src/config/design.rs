@@ -36,6 +36,7 @@ pub(crate) struct StepConstants<const N: usize> {
     /// Samples are not what they say.
     pub(crate) corrects: bool,
     pub(crate) limits: supervise::Limits,
+    pub(crate) frozen_m: f32,
     /// Declared stiffness of the specimen, N/m.
     pub(crate) specimen_stiffness: [[f32; N]; N],
     pub(crate) window_steps: u16,
@@ -118,6 +119,7 @@ impl<const N: usize> Design<N> {
             command: config.rig.command(),
             corrects: rig.is_some(),
             limits: limits(config),
+            frozen_m: config.limits.hidden_motion_m() as f32,
             specimen_stiffness: specimen.map(|row| row.map(|x| x as f32)),
             window_steps: c.window_steps,
             energy_floor_j: config.limits.energy_floor_j.unwrap_or(floor) as f32,

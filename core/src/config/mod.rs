@@ -210,6 +210,16 @@ pub struct Limits {
     pub energy_floor_j: Option<f64>,
     /// Control steps for which a sample may be stale (not fresh, or frozen while the command moves).
     pub stale_steps: Option<u16>,
+    /// Motion of the target, m, that a sensor standing still may hide before its samples count as frozen: some codes of
+    /// its converter. Left out: 0.1 mm.
+    pub frozen_m: Option<f64>,
     /// Added damping ratio, averaged over a natural period, above which the structure counts as locked.
     pub locked_damping_ratio: Option<f64>,
+}
+
+impl Limits {
+    /// [`frozen_m`](Self::frozen_m), or what it is where it is left out: 0.1 mm.
+    pub fn hidden_motion_m(&self) -> f64 {
+        self.frozen_m.unwrap_or(1e-4)
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Correction, Design, EnergyErrors, Event, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
-    Rejected, SignalGenerator, StaleWatch, Trip,
+    Rejected, SignalGenerator, Trip,
 };
 
 impl<const N: usize> OuterLoop<N> {
@@ -86,6 +86,12 @@ impl<const N: usize> OuterLoop<N> {
 
     /// Everything back to the start, standing at the present command.
     ///
+    /// Back to where [`OuterLoop::new`] left the loop, steps counted from 0: what has run was a rehearsal.
+    pub fn restart(&mut self) {
+        (self.tick, self.sent_m, self.aimed_m) = (0, [0.0; N], [0.0; N]);
+        self.reset();
+    }
+
     /// Part by part: a loop that is built anew stands on the stack before it is moved here, and a board resets its loop in
     /// the control interrupt.
     fn reset(&mut self) {
@@ -137,7 +143,7 @@ impl<const N: usize> OuterLoop<N> {
         *correction = Correction::NONE;
         *newmark = Newmark::at_rest();
         *signal = SignalGenerator::standing_at([0.0; N]);
-        *stale = StaleWatch::new();
+        stale.reset();
         *lock = LockWatch::default();
         history.clear();
         predictor.rest();

@@ -32,11 +32,13 @@ pub enum Fault {
     LinkLost = 12,
     /// The emergency stop was pressed.
     EmergencyStop = 13,
+    /// The contact of the actuator's permission did not follow the PERMIT line.
+    PermitChain = 14,
 }
 
 impl Fault {
     /// Every fault, by number.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::NonFinite,
         Self::AdcRail,
         Self::StaleSample,
@@ -50,9 +52,10 @@ impl Fault {
         Self::DeadlineMissed,
         Self::LinkLost,
         Self::EmergencyStop,
+        Self::PermitChain,
     ];
 
-    /// The number, 1 to 13; 0 is no fault.
+    /// The number, 1 to 14; 0 is no fault.
     pub const fn code(self) -> u8 {
         self as u8
     }
@@ -78,6 +81,7 @@ impl Fault {
             Self::DeadlineMissed => "deadline_missed",
             Self::LinkLost => "link_lost",
             Self::EmergencyStop => "emergency_stop",
+            Self::PermitChain => "permit_chain",
         }
     }
 
@@ -93,7 +97,8 @@ impl Fault {
             | Self::EnergyRatio
             | Self::DeadlineMissed
             | Self::LinkLost
-            | Self::EmergencyStop => "",
+            | Self::EmergencyStop
+            | Self::PermitChain => "",
         }
     }
 }
@@ -130,6 +135,6 @@ mod tests {
             );
         }
         assert_eq!(Fault::from_code(0), None);
-        assert_eq!(Fault::EmergencyStop.code(), 13);
+        assert_eq!(Fault::PermitChain.code(), 14);
     }
 }

@@ -8,20 +8,24 @@
 pub struct StaleWatch<const N: usize> {
     displacement_m: [f32; N],
     target_m: [f32; N],
+    hidden_motion_m: f32,
     steps: u16,
 }
 
-/// Motion, m, that a frozen sensor may hide: 0.1 mm, four steps of a 12-bit converter over +-50 mm.
-const HIDDEN_MOTION_M: f32 = 1e-4;
-
 impl<const N: usize> StaleWatch<N> {
-    /// Nothing seen yet.
-    pub const fn new() -> Self {
+    /// Nothing seen yet. A standing reading may hide a motion of `hidden_motion_m`: some codes of the converter.
+    pub const fn new(hidden_motion_m: f32) -> Self {
         Self {
             displacement_m: [f32::NAN; N],
             target_m: [0.0; N],
+            hidden_motion_m,
             steps: 0,
         }
+    }
+
+    /// As at the start.
+    pub const fn reset(&mut self) {
+        *self = Self::new(self.hidden_motion_m);
     }
 
     /// Takes in a sample; returns for how many control steps samples have been stale.
@@ -36,7 +40,7 @@ impl<const N: usize> StaleWatch<N> {
         let mut frozen = false;
         for j in 0..N.min(physical) {
             if displacement_m[j].to_bits() == self.displacement_m[j].to_bits() {
-                frozen |= (target_m[j] - self.target_m[j]).abs() > HIDDEN_MOTION_M;
+                frozen |= (target_m[j] - self.target_m[j]).abs() > self.hidden_motion_m;
             } else {
                 self.displacement_m[j] = displacement_m[j];
                 self.target_m[j] = target_m[j];
@@ -57,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_standing_specimen_is_not_frozen_but_a_standing_sensor_is() {
-        let mut watch = StaleWatch::<1>::new();
+        let mut watch = StaleWatch::<1>::new(1e-4);
         for _ in 0..100 {
             assert_eq!(watch.update(true, &[0.0], &[0.0], 1), 0);
         }

@@ -8,9 +8,8 @@
 
 use core::hint::black_box;
 use core::mem::MaybeUninit;
-use firmware::control_loop::ControlLoop;
-use firmware::converters::{Converters, Stopwatch};
-use outerloop_core::{Event, GroundMotion, Sample};
+use firmware as _;
+use outerloop_core::{Event, GroundMotion, OuterLoop, Sample};
 
 unsafe extern "C" {
     /// Does not exist.
@@ -23,40 +22,19 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe { a_control_period_can_panic() }
 }
 
-/// A board of which the compiler knows nothing.
-struct Unknown;
-
-impl<const N: usize> Converters<N> for Unknown {
-    fn sample(&mut self) -> Sample<N> {
-        black_box(Sample::new([0.0; N], [0.0; N]))
-    }
-
-    fn command(&mut self, command_m: &[f32; N], permit: bool) {
-        black_box((command_m, permit));
-    }
-}
-
-impl Stopwatch for Unknown {
-    fn between(earlier: u32, later: u32) -> u32 {
-        later.wrapping_sub(earlier)
-    }
-
-    fn now(&self) -> u32 {
-        black_box(0)
-    }
-}
-
 #[inline(never)]
-fn period<const N: usize>(control: &mut ControlLoop<N>) {
-    let _ = black_box(control.handle(black_box(Event::Start)));
-    black_box(control.tick(&mut Unknown, &Unknown, &black_box(GroundMotion::none())));
+fn period<const N: usize>(outer: &mut OuterLoop<N>) {
+    let _ = black_box(outer.handle(black_box(Event::Start)));
+    outer.set_goal(black_box(None));
+    let sample = black_box(Sample::new([0.0; N], [0.0; N]));
+    black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static mut ONE: MaybeUninit<ControlLoop<1>> = MaybeUninit::uninit();
-    static mut THREE: MaybeUninit<ControlLoop<3>> = MaybeUninit::uninit();
-    static mut EIGHT: MaybeUninit<ControlLoop<8>> = MaybeUninit::uninit();
+    static mut ONE: MaybeUninit<OuterLoop<1>> = MaybeUninit::uninit();
+    static mut THREE: MaybeUninit<OuterLoop<3>> = MaybeUninit::uninit();
+    static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
         // SAFETY: none is claimed: the image is linked and looked at, not run.
         unsafe {

@@ -9,10 +9,10 @@ use core::fmt::Write;
 use cortex_m::Peripherals;
 use firmware::board::qemu::{Exchange, Lost, SysTick, exit};
 use firmware::board::stack::HighWater;
-use firmware::control_loop::ControlLoop;
-use firmware::session::{Header, MAX_POINTS, MAX_REFUSAL, Summary};
+use firmware::session::{Answer, Header, MAX_POINTS, MAX_REFUSAL, Summary};
+use firmware::step_time::StepTime;
 use heapless::String;
-use outerloop_core::{Config, Design, GroundMotion, OuterLoop, Record};
+use outerloop_core::{Config, Design, Fault, GroundMotion, OuterLoop, Record};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -66,7 +66,8 @@ fn run<const N: usize>(
             ),
         );
     };
-    let mut control = ControlLoop::new(design, header.deadline_ticks);
+    let mut outer = OuterLoop::new(design);
+    let (mut time, mut late) = (StepTime::new(header.deadline_ticks), false);
     let watch = SysTick::start(Peripherals::take().ok_or(Lost)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
     pc.reply(&String::new())?;
@@ -74,23 +75,34 @@ fn run<const N: usize>(
     let mut hash = Record::<N>::HASH_START;
     let (mut period_stack, mut event_stack) = (0, 0);
     let mut stack = HighWater::paint();
-    while let Some((event, mut period)) = pc.period::<N>()? {
+    while let Some((event, mut sample)) = pc.period::<N>()? {
+        let mut rejected = false;
         if let Some(event) = event {
             period_stack = stack.bytes().max(period_stack);
             stack = HighWater::paint();
-            period.answer.rejected = control.handle(event).is_err();
+            rejected = outer.handle(event).is_err();
             event_stack = stack.bytes().max(event_stack);
             stack = HighWater::paint();
         }
-        let record = control.tick(&mut period, &watch, &ground);
-        hash = record.hash(hash);
-        pc.answer(&period.answer, &record)?;
+        if late {
+            sample.fault = sample.fault.or(Some(Fault::DeadlineMissed));
+        }
+        let begin = watch.now();
+        let step = outer.step(&sample, &ground);
+        late = !time.add(SysTick::between(begin, watch.now()));
+        let answer = Answer {
+            rejected,
+            permit: step.permit,
+            command_m: step.command_m,
+        };
+        hash = step.record.hash(hash);
+        pc.answer(&answer, step.record)?;
     }
     pc.end(&Summary {
         hash,
-        total_ticks: control.time().total_ticks(),
-        steps: control.time().steps(),
-        worst_ticks: control.time().worst_ticks(),
+        total_ticks: time.total_ticks(),
+        steps: time.steps(),
+        worst_ticks: time.worst_ticks(),
         ticks_per_1024_instructions,
         overhead_ticks,
         period_stack_bytes: stack.bytes().max(period_stack) as u32,

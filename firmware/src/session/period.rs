@@ -156,7 +156,7 @@ mod tests {
             sample,
         }
         .encode();
-        for (byte, value) in [(0, 8), (0, 255), (1, 14)] {
+        for (byte, value) in [(0, 8), (0, 255), (1, 15)] {
             let mut bad = good.clone();
             bad[byte] = value;
             assert_eq!(Order::<1>::decode(&bad), Err(Malformed));

@@ -1,47 +1,46 @@
-//! The control loop for the number of degrees of freedom that a test has.
+//! The outer loop for the number of degrees of freedom that a test has.
 
-use super::tick::{Front, Hardware};
-use crate::control_loop::ControlLoop;
-use link::telemetry::StepReport;
+use outerloop_core::record::flag;
 use outerloop_core::supervise::{Rejected, Trip};
-use outerloop_core::{Config, Design, Event, GroundMotion, Refusal, State};
+use outerloop_core::{Config, Design, Event, GroundMotion, OuterLoop, Refusal, Sample, State};
 
 /// The most degrees of freedom of a test on a board: one with the actuator, the others calculated.
 pub const MAX_DOF: usize = 3;
 
-/// A control loop.
+/// An outer loop.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // There is no heap, and a test of one storey leaves the room of the others unused.
 pub enum AnyLoop {
     /// One degree of freedom.
-    One(ControlLoop<1>),
+    One(OuterLoop<1>),
     /// Two.
-    Two(ControlLoop<2>),
+    Two(OuterLoop<2>),
     /// Three.
-    Three(ControlLoop<3>),
+    Three(OuterLoop<3>),
 }
 
 /// Does `$body` with the loop, of whatever size.
-macro_rules! each {
-    ($any:expr, $control:ident => $body:expr) => {
+macro_rules! each_loop {
+    ($any:expr, $outer:ident => $body:expr) => {
         match $any {
-            AnyLoop::One($control) => $body,
-            AnyLoop::Two($control) => $body,
-            AnyLoop::Three($control) => $body,
+            $crate::station::AnyLoop::One($outer) => $body,
+            $crate::station::AnyLoop::Two($outer) => $body,
+            $crate::station::AnyLoop::Three($outer) => $body,
         }
     };
 }
+pub(super) use each_loop;
 
 impl AnyLoop {
     /// The loop of a test.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
-    pub fn new(config: &Config, deadline_ticks: u32) -> Result<Self, Refusal> {
+    pub fn new(config: &Config) -> Result<Self, Refusal> {
         match config.structure.mass_kg.len() {
-            1 => Self::of(config, deadline_ticks, Self::One),
-            2 => Self::of(config, deadline_ticks, Self::Two),
-            3 => Self::of(config, deadline_ticks, Self::Three),
+            1 => Self::of(config, Self::One),
+            2 => Self::of(config, Self::Two),
+            3 => Self::of(config, Self::Three),
             floors => Err(Refusal {
                 name: "structure.mass_kg",
                 value: floors as f64,
@@ -54,73 +53,76 @@ impl AnyLoop {
     #[inline(never)]
     fn of<const N: usize>(
         config: &Config,
-        deadline_ticks: u32,
-        wrap: fn(ControlLoop<N>) -> Self,
+        wrap: fn(OuterLoop<N>) -> Self,
     ) -> Result<Self, Refusal> {
-        let design = Design::new(config)?;
-        Ok(wrap(ControlLoop::new(design, deadline_ticks)))
-    }
-
-    /// One control step. `goal_m` is a commissioning signal's, for the axis with the actuator.
-    #[inline]
-    pub(super) fn tick(
-        &mut self,
-        front: &mut Front<'_, impl Hardware>,
-        ground: &GroundMotion<'_>,
-        goal_m: Option<f32>,
-    ) -> StepReport {
-        let watch = front.watch();
-        each!(self, control => {
-            control.set_goal(goal_m.map(on_first_axis));
-            let record = control.tick(front, &watch, ground);
-            let (displacement, force) = front.codes();
-            StepReport::of(record, displacement, force)
-        })
+        Ok(wrap(OuterLoop::new(Design::new(config)?)))
     }
 
     /// Takes an event.
     ///
     /// # Errors
-    /// As [`ControlLoop::handle`].
+    /// As [`OuterLoop::handle`].
+    #[inline(never)] // Inlined for every number of floors, the stack would hold what each of them needs.
     pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
-        each!(self, control => control.handle(event))
+        each_loop!(self, outer => outer.handle(event))
     }
 
     /// Where the test stands.
     pub fn state(&self) -> State {
-        each!(self, control => control.outer().state())
+        each_loop!(self, outer => outer.state())
     }
 
     /// The first fault.
     pub fn trip(&self) -> Option<Trip> {
-        each!(self, control => control.outer().trip())
-    }
-
-    /// Worst step, all steps together, in ticks of the stopwatch; how many steps; how many too long.
-    pub fn times(&self) -> (u32, u64, u32, u32) {
-        let time = each!(self, control => control.time());
-        (
-            time.worst_ticks(),
-            time.total_ticks(),
-            time.steps(),
-            time.overruns(),
-        )
+        each_loop!(self, outer => outer.trip())
     }
 
     /// The words of one of the records from before a fault, 0 the oldest.
     pub fn history(&self, index: usize, mut each_word: impl FnMut(u32)) {
-        each!(self, control => {
-            if let Some(record) = control.outer().history().nth(index) {
+        each_loop!(self, outer => {
+            if let Some(record) = outer.history().nth(index) {
                 record.for_each_word(&mut each_word);
             }
         });
     }
+
+    /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was
+    /// built. Interrupts may fall into some of them: a quarter of the longest is left out.
+    #[inline(never)]
+    pub fn rehearse(&mut self, now: fn() -> u32) -> u32 {
+        each_loop!(self, outer => rehearse(outer, now))
+    }
 }
 
-fn on_first_axis<const N: usize>(goal_m: f32) -> [f32; N] {
-    let mut goals = [0.0; N];
-    if let Some(first) = goals.first_mut() {
-        *first = goal_m;
+/// Solved steps that are timed.
+const REHEARSED: usize = 16;
+
+/// Steps of a rehearsal at most, 10 ms of them: the task that rehearses has to show signs of life.
+const REHEARSAL_STEPS: usize = 400;
+
+fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
+    let ground = GroundMotion::none();
+    let mut ticks = heapless::Vec::<u32, REHEARSED>::new();
+    let (mut longest, mut at_m) = (0, 0.0_f32);
+    for step in 0..REHEARSAL_STEPS {
+        // As soon as each means something; before that it is refused, and nothing has changed.
+        for event in [Event::Arm, Event::Start] {
+            let _ = outer.handle(event);
+        }
+        // A motion that turns and a force that is none of its stiffness: all that a step can have to do.
+        let swing = [1.0_f32, 0.5, -0.5, -1.0][step / 8 % 4];
+        at_m += 1e-6 * swing;
+        let mut sample = Sample::new([0.0; N], [0.0; N]);
+        (sample.displacement_m[0], sample.force_n[0]) = (at_m, 10.0 * swing);
+        let begin = now();
+        let record = outer.step(&sample, &ground).record;
+        let took = now().wrapping_sub(begin);
+        longest = longest.max(took);
+        if record.flags & flag::SOLVED != 0 && step > REHEARSED && ticks.push(took).is_err() {
+            break;
+        }
     }
-    goals
+    outer.restart();
+    ticks.sort_unstable();
+    ticks.get(ticks.len() * 3 / 4).copied().unwrap_or(longest)
 }

@@ -4,6 +4,7 @@
 //! [`TASK_PATIENCE_S`]. So the watchdog bites when the interrupt stops, when a task starves, and when the program hangs
 //! with interrupts off.
 
+use super::chain::CHAIN_PATIENCE_S;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Who has to show signs of life.
@@ -30,6 +31,8 @@ pub struct Patience {
     pub task_steps: u32,
     /// With the PC.
     pub pc_steps: u32,
+    /// With the contact behind PERMIT.
+    pub chain_steps: u32,
 }
 
 impl Patience {
@@ -38,6 +41,7 @@ impl Patience {
         Self {
             task_steps: (TASK_PATIENCE_S * rate_hz) as u32,
             pc_steps: (PC_PATIENCE_S * rate_hz) as u32,
+            chain_steps: (CHAIN_PATIENCE_S * rate_hz) as u32,
         }
     }
 }

@@ -1,55 +1,289 @@
-//! Distance between the beginnings of control steps, in ticks of the stopwatch.
+//! The control period: what the control interrupt does, without its registers.
 
-/// Shortest and longest distance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Period {
-    last: Option<u32>,
-    shortest: Option<u32>,
-    longest: u32,
+use super::any_loop::each_loop;
+use super::chain::ChainWatch;
+use super::evidence::{Evidence, Sign};
+use super::motion::Loaded;
+use super::order::{Order, Outcome};
+use super::setup::Setup;
+use super::spacing::Spacing;
+use crate::hardware::Hardware;
+use crate::station::commission::Generator;
+use heapless::spsc::{Consumer, Producer};
+use link::channel::{Calibration, ErrorFeedback};
+use link::telemetry::StepReport;
+use outerloop_core::{Event, Fault, GroundMotion, Sample, State};
+
+/// A step's report with its number.
+#[derive(Clone, Copy, Debug)]
+pub struct Report {
+    /// Control step since power-up.
+    pub tick: u32,
+    /// What happened in it.
+    pub step: StepReport,
 }
 
-impl Period {
-    /// Nothing seen.
-    pub const fn new() -> Self {
+/// What the interrupt owns.
+pub struct Station {
+    pub(super) setup: &'static mut Setup,
+    pub(super) motion: Option<Loaded>,
+    pub(super) signal: Option<Generator>,
+    pub(super) calibration: Calibration,
+    pub(super) output: Output,
+    pub(super) tick: u32,
+    pub(super) spacing: Spacing,
+    pub(super) dropped_steps: u32,
+    pub(super) stopwatch_per_timer_tick: u32,
+    codes: [u16; 2],
+    late: bool,
+    held: bool,
+    chain: ChainWatch,
+    evidence: &'static Evidence,
+    orders: Consumer<'static, Order>,
+    outcomes: Producer<'static, Outcome>,
+    reports: Producer<'static, Report>,
+}
+
+/// What the converter and the PERMIT line were last told.
+pub(super) struct Output {
+    feedback: ErrorFeedback,
+    /// The last command could not be shown.
+    pub(super) out_of_range: bool,
+    pub(super) permit: bool,
+}
+
+impl Output {
+    pub(super) const fn new() -> Self {
         Self {
-            last: None,
-            shortest: None,
-            longest: 0,
+            feedback: ErrorFeedback::new(),
+            out_of_range: false,
+            permit: false,
         }
-    }
-
-    /// A step begins at `now`; the counter may turn over.
-    #[inline]
-    pub fn begin(&mut self, now: u32) {
-        if let Some(last) = self.last {
-            let distance = now.wrapping_sub(last);
-            self.shortest = Some(self.shortest.unwrap_or(distance).min(distance));
-            self.longest = self.longest.max(distance);
-        }
-        self.last = Some(now);
-    }
-
-    /// Shortest distance; 0 before the second step.
-    pub fn shortest(&self) -> u32 {
-        self.shortest.unwrap_or(0)
-    }
-
-    /// Longest distance.
-    pub const fn longest(&self) -> u32 {
-        self.longest
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The interrupt's ends of the queues.
+pub struct Ends {
+    /// Orders to it.
+    pub orders: Consumer<'static, Order>,
+    /// What became of them.
+    pub outcomes: Producer<'static, Outcome>,
+    /// Reports of the steps.
+    pub reports: Producer<'static, Report>,
+}
 
-    #[test]
-    fn keeps_the_shortest_and_the_longest() {
-        let mut period = Period::new();
-        for now in [u32::MAX - 50, 49, 150, 249] {
-            period.begin(now);
+impl Station {
+    /// Idle. `first` are the codes of a first sample.
+    pub fn new(
+        setup: &'static mut Setup,
+        calibration: Calibration,
+        first: [u16; 2],
+        evidence: &'static Evidence,
+        ends: Ends,
+        stopwatch_per_timer_tick: u32,
+    ) -> Self {
+        Self {
+            setup,
+            motion: None,
+            signal: None,
+            calibration,
+            output: Output::new(),
+            tick: 0,
+            spacing: Spacing::new(),
+            dropped_steps: 0,
+            stopwatch_per_timer_tick,
+            codes: first,
+            late: false,
+            held: false,
+            chain: ChainWatch::new(),
+            evidence,
+            orders: ends.orders,
+            outcomes: ends.outcomes,
+            reports: ends.reports,
         }
-        assert_eq!((period.shortest(), period.longest()), (99, 101));
     }
+
+    /// Where the test stands.
+    pub fn state(&self) -> State {
+        self.setup.outer.state()
+    }
+
+    /// One control period: sample, faults, step, command; then the report, one order from the tasks, and the watchdog.
+    ///
+    /// # Deadline
+    /// From here to the command the board has [`Clock::deadline_ticks`](super::Clock::deadline_ticks), less than from the
+    /// sample to the instant at which its output converter takes the command over. A command that is later is shown a
+    /// period late: the step counts as an overrun and the test trips on `deadline_missed` with the next sample. So does a
+    /// step that begins later than it can (the period before it took too long). What follows the command delays nothing
+    /// but the tasks.
+    #[inline]
+    pub fn period<H: Hardware>(&mut self, hardware: &mut H) {
+        let begin = hardware.now();
+        self.spacing.begin(begin);
+        let late = self.late || hardware.began_late();
+        let starved = self.evidence.starved(self.setup.patience);
+        self.hold_by_button(hardware.hold_pressed());
+
+        // Sample. A converter that does not answer shows its last codes, and they are not fresh.
+        let codes = hardware.codes();
+        self.codes = codes.unwrap_or(self.codes);
+        let mut sample = Sample::new(
+            [self.calibration.displacement.quantity(self.codes[0])],
+            [self.calibration.force.quantity(self.codes[1])],
+        );
+        sample.fresh = codes.is_some();
+        sample.fault = self.fault(hardware, starved, late);
+
+        // Step and command.
+        let goal_m = self.goal_m();
+        let nothing = GroundMotion::none();
+        let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
+        let (calibration, output) = (&self.calibration, &mut self.output);
+        let time = &mut self.setup.time;
+        let codes = self.codes;
+        let step = each_loop!(&mut self.setup.outer, outer => {
+            outer.set_goal(goal_m.map(on_first_axis));
+            let step = outer.step(&on_first_floor(sample), ground);
+            output.show(hardware, calibration, step.command_m[0], step.permit);
+            self.late = !time.add(hardware.now().wrapping_sub(begin));
+            StepReport::of(step.record, codes[0], codes[1])
+        });
+
+        // The command is out: report, one order, watchdog.
+        let report = Report {
+            tick: self.tick,
+            step,
+        };
+        if self.reports.enqueue(report).is_err() {
+            self.dropped_steps = self.dropped_steps.saturating_add(1);
+        }
+        self.tick = self.tick.wrapping_add(1);
+        self.evidence.advance(self.tick);
+        self.obey(hardware);
+        match starved {
+            None => hardware.feed(),
+            Some(task) => hardware.starving(task, self.tick, self.state()),
+        }
+    }
+
+    /// What the station has to report with the sample. A starved task means that the PC is not heard any more.
+    fn fault<H: Hardware>(
+        &mut self,
+        hardware: &H,
+        starved: Option<Sign>,
+        late: bool,
+    ) -> Option<Fault> {
+        let patience = self.setup.patience;
+        let chain = self.chain.disagrees(
+            self.output.permit,
+            hardware.permit_chain_closed(),
+            patience.chain_steps,
+        );
+        let rail = self.codes.iter().any(|&code| H::CODES.at_rail(code));
+        if hardware.emergency_stop() {
+            Some(Fault::EmergencyStop)
+        } else if chain {
+            Some(Fault::PermitChain)
+        } else if starved.is_some() || self.evidence.pc_is_lost(patience) {
+            Some(Fault::LinkLost)
+        } else if rail {
+            Some(Fault::AdcRail)
+        } else if self.output.out_of_range {
+            Some(Fault::Displacement)
+        } else if late {
+            Some(Fault::DeadlineMissed)
+        } else {
+            None
+        }
+    }
+
+    /// The button, when it goes down, holds a test and ends an approach.
+    fn hold_by_button(&mut self, pressed: bool) {
+        let was_down = core::mem::replace(&mut self.held, pressed);
+        if pressed && !was_down {
+            let event = match self.state() {
+                State::Approaching => Event::Stop,
+                _ => Event::Hold,
+            };
+            // Where nothing is to be held it means nothing.
+            let _ = self.setup.outer.handle(event);
+        }
+    }
+
+    /// The commissioning signal's next command, and the end of the run after its last.
+    fn goal_m(&mut self) -> Option<f32> {
+        if !matches!(self.state(), State::Running | State::Commissioning) {
+            return None;
+        }
+        let signal = self.signal.as_mut()?;
+        let next_m = signal.next_m();
+        if next_m.is_none() {
+            // Both know Finish: it cannot be refused.
+            let _ = self.setup.outer.handle(Event::Finish);
+        }
+        next_m
+    }
+
+    /// Takes one order.
+    fn obey(&mut self, hardware: &mut impl Hardware) {
+        if !self.outcomes.ready() {
+            return;
+        }
+        let Some(order) = self.orders.dequeue() else {
+            return;
+        };
+        let result = self.carry_out(order, hardware);
+        let outcome = Outcome {
+            tick: self.tick,
+            state: self.state(),
+            result,
+        };
+        // There is room: nobody else puts anything in.
+        let _ = self.outcomes.enqueue(outcome);
+    }
+}
+
+impl Output {
+    /// Shows a command. Permission goes before the command and is given after it.
+    #[inline]
+    fn show<H: Hardware>(
+        &mut self,
+        hardware: &mut H,
+        calibration: &Calibration,
+        command_m: f32,
+        permit: bool,
+    ) {
+        let top = H::CODES.command_top;
+        let code = if permit {
+            self.feedback.code(calibration, top, command_m)
+        } else {
+            hardware.permit(false);
+            self.feedback.standing(calibration, top, command_m)
+        };
+        if let Some(code) = code {
+            hardware.output(code);
+        }
+        // Outside its range the converter stays where it is, and the test trips with the next sample.
+        self.out_of_range = code.is_none();
+        if permit {
+            hardware.permit(true);
+        }
+        self.permit = permit;
+    }
+}
+
+/// The actuator stands at the first floor; the others are calculated.
+#[inline]
+fn on_first_floor<const N: usize>(sample: Sample<1>) -> Sample<N> {
+    let mut all = Sample::new(
+        on_first_axis(sample.displacement_m[0]),
+        on_first_axis(sample.force_n[0]),
+    );
+    (all.fresh, all.fault) = (sample.fresh, sample.fault);
+    all
+}
+
+#[inline]
+fn on_first_axis<const N: usize>(first: f32) -> [f32; N] {
+    core::array::from_fn(|axis| if axis == 0 { first } else { 0.0 })
 }

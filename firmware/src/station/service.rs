@@ -7,18 +7,20 @@
 use super::commission::Generator;
 use super::motion::Writable;
 use super::order::{Order, Outcome, Refused, Returned, Vitals};
-use super::settings::Settings;
+use super::period::Report;
+use super::settings::Wiring;
 use super::setup::{Clock, Setup};
-use super::tick::Report;
 use super::upload::{Upload, Uploaded};
 use super::window::Window;
 use heapless::spsc::Producer;
+use link::CodeRange;
 use link::channel::{Calibration, Line};
 use link::command::{Channel, Command, MAX_POINTS};
 use link::frame::Seen;
+use link::limits::Shown;
 use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{LastWords, Start, Status};
-use outerloop_core::{Config, Event, State};
+use outerloop_core::{Config, Event, Refusal, State};
 
 /// What does not change while the board runs.
 #[derive(Clone, Debug)]
@@ -29,6 +31,10 @@ pub struct Board {
     pub commit: &'static str,
     /// Its clocks.
     pub clock: Clock,
+    /// Its stopwatch.
+    pub now: fn() -> u32,
+    /// Widths of its converters' codes.
+    pub codes: CodeRange,
     /// From the sampling trigger to the output of the command, us.
     pub output_delay_us: f32,
     /// The crystal has the right frequency.
@@ -47,8 +53,8 @@ pub enum Asked {
     Reply(Answer),
     /// The interrupt has an order; its outcome goes to [`Service::finish`].
     Wait,
-    /// These settings are to be written; then [`Service::saved`].
-    Save(Settings),
+    /// These are to be written; then [`Service::saved`].
+    Save(Option<Config>, Option<Wiring>),
 }
 
 /// What the outcome of the order is for.
@@ -74,6 +80,7 @@ pub struct Service {
     rate_hz: f32,
     model_step_s: f64,
     calibration: Calibration,
+    calibrated: bool,
     windows: [Window; 2],
     state: State,
     tick: u32,
@@ -92,15 +99,14 @@ pub struct Parts {
     pub writable: Writable,
     /// The test in force, if somebody has asked for it.
     pub config: Option<Config>,
-    /// The calibration in force.
-    pub calibration: Calibration,
+    /// The calibration, if somebody has made one.
+    pub calibration: Option<Calibration>,
 }
 
 impl Service {
     /// Nothing asked yet. `in_force` is the test that the interrupt begins with.
     pub fn new(board: Board, parts: Parts, in_force: (f32, f64)) -> Self {
         Self {
-            board,
             orders: parts.orders,
             spare: Some(parts.spare),
             writable: Some(parts.writable),
@@ -108,7 +114,11 @@ impl Service {
             config: parts.config,
             rate_hz: in_force.0,
             model_step_s: in_force.1,
-            calibration: parts.calibration,
+            calibration: parts
+                .calibration
+                .unwrap_or(Calibration::placeholder(&board.codes)),
+            calibrated: parts.calibration.is_some(),
+            board,
             windows: [Window::new(), Window::new()],
             state: State::Idle,
             tick: 0,
@@ -154,9 +164,7 @@ impl Service {
                     Err(refusal) => self.reply(refusal.into()),
                 },
             },
-            Command::Event(Event::Arm) if !self.board.crystal_ok => {
-                self.reply(self.rejected(Some(Event::Arm), Some(Obstacle::Crystal)))
-            }
+            Command::Event(Event::Arm) => self.arm(),
             Command::Event(event) => self.order(Order::Event(event), Pending::Done),
             Command::History(index) => self.order(Order::History(index), Pending::Done),
         }
@@ -203,7 +211,7 @@ impl Service {
             }
             (Pending::Reload(since), Returned::Motion(_)) => self.done(since, state),
             (Pending::Calibrate(calibration, zeroed), _) => {
-                self.calibration = calibration;
+                (self.calibration, self.calibrated) = (calibration, true);
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),
                     None => self.done(tick, state),
@@ -302,6 +310,8 @@ impl Service {
             output_delay_us: board.output_delay_us,
             max_points: MAX_POINTS as u32,
             max_dof: super::any_loop::MAX_DOF as u8,
+            deadline_cycles: board.clock.deadline_ticks,
+            codes: board.codes,
             calibration: self.calibration,
         })
     }
@@ -313,6 +323,7 @@ impl Service {
             trip: vitals.trip,
             permit: vitals.permit,
             configured: vitals.configured,
+            calibrated: self.calibrated,
             points: vitals.points,
             crystal_ok: self.board.crystal_ok,
             codes: [self.windows[0].last(), self.windows[1].last()],
@@ -325,15 +336,42 @@ impl Service {
         })
     }
 
+    /// Arming asks for a clock, a calibration, and limits that can act.
+    fn arm(&mut self) -> Asked {
+        let obstacle = if !self.board.crystal_ok {
+            Some(Obstacle::Crystal)
+        } else if !self.calibrated {
+            Some(Obstacle::NotCalibrated)
+        } else {
+            None
+        };
+        if obstacle.is_some() {
+            return self.reply(self.rejected(Some(Event::Arm), obstacle));
+        }
+        // The calibration may be another one than when the test came.
+        match self
+            .config
+            .as_ref()
+            .map(|config| self.shown().check(config))
+        {
+            Some(Err(refusal)) => self.reply(refusal.into()),
+            _ => self.order(Order::Event(Event::Arm), Pending::Done),
+        }
+    }
+
+    fn shown(&self) -> Shown {
+        Shown::by(&self.calibration, &self.board.codes)
+    }
+
     fn configure(&mut self, config: Config) -> Asked {
+        if let Err(refusal) = self.shown().check(&config) {
+            return self.reply(refusal.into());
+        }
         let Some(spare) = self.spare.take() else {
             return self.reply(self.rejected(None, None));
         };
-        match Setup::new(&config, &self.board.clock) {
-            Ok(setup) => {
-                *spare = setup;
-                self.order(Order::Exchange(spare), Pending::Configure(config))
-            }
+        match self.work_out(&config, spare) {
+            Ok(()) => self.order(Order::Exchange(spare), Pending::Configure(config)),
             Err(refusal) => {
                 self.spare = Some(spare);
                 self.reply(refusal.into())
@@ -341,8 +379,24 @@ impl Service {
         }
     }
 
+    /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
+    fn work_out(&self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
+        let clock = &self.board.clock;
+        *place = Setup::new(config, clock)?;
+        let step = place.outer.rehearse(self.board.now);
+        let ticks = step.saturating_add(clock.around_step_ticks);
+        if ticks > clock.deadline_ticks {
+            return Err(Refusal {
+                name: "step_cycles",
+                value: f64::from(ticks),
+                accepted: "a test whose step, timed on this board, keeps its deadline (see identify): fewer floors, a cheaper compensation, or a loop.solve_substeps above 1",
+            });
+        }
+        Ok(())
+    }
+
     fn calibrate(&mut self, calibration: Calibration, zeroed: Option<(f32, u16)>) -> Asked {
-        match calibration.check() {
+        match calibration.check(&self.board.codes) {
             Ok(()) => self.order(
                 Order::Calibrate(calibration),
                 Pending::Calibrate(calibration, zeroed),
@@ -352,6 +406,9 @@ impl Service {
     }
 
     fn zero(&mut self, channel: Channel, value: f32) -> Asked {
+        if !self.calibrated {
+            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
+        }
         let [displacement, force] = &self.windows;
         let window = match channel {
             Channel::Displacement => displacement,
@@ -374,14 +431,14 @@ impl Service {
     }
 
     fn save(&mut self) -> Asked {
-        match &self.config {
-            None => self.reply(self.rejected(None, Some(Obstacle::NotConfigured))),
-            Some(_) if self.state != State::Idle => self.reply(self.rejected(None, None)),
-            Some(config) => Asked::Save(Settings {
-                config: config.clone(),
-                calibration: self.calibration,
-            }),
+        if self.state != State::Idle {
+            return self.reply(self.rejected(None, None));
         }
+        if self.config.is_none() && !self.calibrated {
+            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
+        }
+        let wiring = Wiring::new(self.calibration, &self.board.codes);
+        Asked::Save(self.config.clone(), self.calibrated.then_some(wiring))
     }
 
     fn begin_motion(&mut self, points: u32, interval_s: f64, checksum: u32) -> Asked {
@@ -392,8 +449,11 @@ impl Service {
     }
 
     fn take_points(&mut self, first: u32, points: &[f32]) -> Asked {
-        let (Some(mut upload), Some(mut writable)) = (self.upload.take(), self.writable.take())
-        else {
+        // The memory is taken only for an upload that was announced: what is taken in vain would be lost.
+        let Some(mut upload) = self.upload.take() else {
+            return self.reply(Reply::Expected(0));
+        };
+        let Some(mut writable) = self.writable.take() else {
             return self.reply(Reply::Expected(0));
         };
         let uploaded = upload.take(writable.points(), first, points);

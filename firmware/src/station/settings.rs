@@ -1,95 +1,189 @@
-//! What survives power-off: test and calibration, with a check sum.
+//! What survives power-off: the calibration and the test, each a record of its own with its own version.
+//!
+//! A calibration belongs to the wiring. It outlives the test, and new versions of the link: its bytes are fixed here, not
+//! by what serde makes of a type. A test is of the link's version that it came with; of another it is passed over.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0..3 | which record |
+//! | 3 | version of its body |
+//! | 4..8 | sequence number: the largest counts |
+//! | 8..10 | bytes of the body |
+//! | 10.. | body, then CRC-32 of all before |
 
-use link::VERSION;
 use link::channel::Calibration;
 use link::frame::{MAX_BODY, checksum};
+use link::{CodeRange, VERSION};
 use outerloop_core::Config;
-use serde::{Deserialize, Serialize};
 
-/// Bytes that settings take at most: head, body, check sum.
-pub const SETTINGS_BYTES: usize = 8 + MAX_BODY + 4;
+const HEAD: usize = 10;
+const TAIL: usize = 4;
 
-const MAGIC: [u8; 4] = *b"OLS\0";
+/// Bytes of a slot for a test: head, body, check sum, in whole words.
+pub const TEST_BYTES: usize = (HEAD + MAX_BODY + TAIL).next_multiple_of(4);
 
-/// What survives power-off.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// The test.
-    pub config: Config,
-    /// The channels' lines.
-    pub calibration: Calibration,
-}
+/// Bytes of a slot for a calibration.
+pub const CALIBRATION_BYTES: usize = 64;
 
-impl Settings {
-    /// As bytes, written to the beginning of `room`; all of `room` behind them is erased flash's 0xff.
-    ///
-    /// Returns how many bytes count, or `None` if they do not fit.
-    pub fn encode(&self, room: &mut [u8; SETTINGS_BYTES]) -> Option<usize> {
-        room.fill(0xff);
-        let body = room.get_mut(8..SETTINGS_BYTES - 4)?;
-        let length = postcard::to_slice(self, body).ok()?.len();
-        let length_bytes = u16::try_from(length).ok()?.to_le_bytes();
-        let head = [
-            MAGIC[0],
-            MAGIC[1],
-            MAGIC[2],
-            VERSION,
-            length_bytes[0],
-            length_bytes[1],
-            0,
-            0,
-        ];
-        room.get_mut(..8)?.copy_from_slice(&head);
-        let end = 8 + length;
-        let sum = checksum(room.get(..end)?.iter().copied());
-        room.get_mut(end..end + 4)?
+/// What can be kept in a slot of `BYTES`.
+pub trait Keep<const BYTES: usize>: Sized {
+    /// Which record, and the version of its body.
+    const KIND: [u8; 4];
+
+    /// Writes the body; returns its length.
+    fn body(&self, room: &mut [u8]) -> Option<usize>;
+
+    /// From the body.
+    fn from_body(body: &[u8]) -> Option<Self>;
+
+    /// As bytes of a slot, erased flash's 0xff behind them; `None` if it does not fit.
+    fn encode(&self, sequence: u32) -> Option<[u8; BYTES]> {
+        let mut slot = [0xff; BYTES];
+        let length = self.body(slot.get_mut(HEAD..BYTES - TAIL)?)?;
+        let end = HEAD + length;
+        slot.get_mut(..4)?.copy_from_slice(&Self::KIND);
+        slot.get_mut(4..8)?.copy_from_slice(&sequence.to_le_bytes());
+        let length = u16::try_from(length).ok()?;
+        slot.get_mut(8..HEAD)?
+            .copy_from_slice(&length.to_le_bytes());
+        let sum = checksum(slot.get(..end)?.iter().copied());
+        slot.get_mut(end..end + TAIL)?
             .copy_from_slice(&sum.to_le_bytes());
-        Some(end + 4)
+        Some(slot)
     }
 
-    /// From bytes; `None` if they are empty, damaged or of another version.
-    pub fn decode(bytes: &[u8]) -> Option<Self> {
-        let head: &[u8; 8] = bytes.first_chunk()?;
-        let [m0, m1, m2, version, low, high, ..] = *head;
-        if [m0, m1, m2] != [MAGIC[0], MAGIC[1], MAGIC[2]] || version != VERSION {
+    /// From a slot, with its sequence number; `None` if it is empty, damaged, or of another version.
+    fn decode(slot: &[u8]) -> Option<(u32, Self)> {
+        let (kind, rest) = slot.split_first_chunk::<4>()?;
+        if *kind != Self::KIND {
             return None;
         }
-        let end = 8 + usize::from(u16::from_le_bytes([low, high]));
-        let sum = u32::from_le_bytes(*bytes.get(end..)?.first_chunk()?);
-        if checksum(bytes.get(..end)?.iter().copied()) != sum {
+        let (sequence, rest) = rest.split_first_chunk::<4>()?;
+        let length = usize::from(u16::from_le_bytes(*rest.first_chunk()?));
+        let body = rest.get(2..2 + length)?;
+        let sum = u32::from_le_bytes(*rest.get(2 + length..)?.first_chunk()?);
+        if checksum(slot.get(..HEAD + length)?.iter().copied()) != sum {
             return None;
         }
-        match postcard::take_from_bytes(bytes.get(8..end)?) {
-            Ok((settings, [])) => Some(settings),
+        Some((u32::from_le_bytes(*sequence), Self::from_body(body)?))
+    }
+}
+
+impl Keep<TEST_BYTES> for Config {
+    const KIND: [u8; 4] = [b'O', b'L', b'T', VERSION];
+
+    fn body(&self, room: &mut [u8]) -> Option<usize> {
+        Some(postcard::to_slice(self, room).ok()?.len())
+    }
+
+    fn from_body(body: &[u8]) -> Option<Self> {
+        match postcard::take_from_bytes(body) {
+            Ok((config, [])) => Some(config),
             _ => None,
         }
+    }
+}
+
+/// A calibration and the converters that it is of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wiring {
+    /// The lines.
+    pub calibration: Calibration,
+    /// The highest codes of sensors and command: a calibration of other converters means nothing.
+    pub tops: [u16; 2],
+}
+
+impl Wiring {
+    /// A calibration of converters with `codes`.
+    pub const fn new(calibration: Calibration, codes: &CodeRange) -> Self {
+        Self {
+            calibration,
+            tops: [codes.sensor_top, codes.command_top],
+        }
+    }
+
+    /// The calibration, if it is of converters with `codes` and means something.
+    pub fn of(&self, codes: &CodeRange) -> Option<Calibration> {
+        let fits = self.tops == [codes.sensor_top, codes.command_top];
+        (fits && self.calibration.check(codes).is_ok()).then_some(self.calibration)
+    }
+}
+
+impl Keep<CALIBRATION_BYTES> for Wiring {
+    const KIND: [u8; 4] = [b'O', b'L', b'C', 1];
+
+    fn body(&self, room: &mut [u8]) -> Option<usize> {
+        let (tops, rest) = room.split_first_chunk_mut::<4>()?;
+        let [sensor, command] = self.tops.map(u16::to_le_bytes);
+        *tops = [sensor[0], sensor[1], command[0], command[1]];
+        let lines = self.calibration.to_bytes();
+        rest.get_mut(..lines.len())?.copy_from_slice(&lines);
+        Some(4 + lines.len())
+    }
+
+    fn from_body(body: &[u8]) -> Option<Self> {
+        let (&[s0, s1, c0, c1], lines) = body.split_first_chunk::<4>()?;
+        Some(Self {
+            calibration: Calibration::from_bytes(lines.try_into().ok()?),
+            tops: [u16::from_le_bytes([s0, s1]), u16::from_le_bytes([c0, c1])],
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::CODES;
 
-    fn settings() -> Settings {
+    fn config() -> Config {
         let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
         config.structure.physical_storeys = Some(1);
-        Settings {
-            config,
-            calibration: Calibration::UNCALIBRATED,
+        config
+    }
+
+    fn wiring() -> Wiring {
+        Wiring::new(Calibration::placeholder(&CODES), &CODES)
+    }
+
+    fn comes_back<const BYTES: usize, T: Keep<BYTES> + PartialEq + core::fmt::Debug>(kept: T) {
+        let slot = kept.encode(7).unwrap();
+        assert_eq!(T::decode(&slot), Some((7, kept)));
+        let end = slot.iter().rposition(|&b| b != 0xff).unwrap() + 1;
+        for bit in 0..end * 8 {
+            let mut bad = slot;
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(T::decode(&bad), None, "bit {bit}");
         }
+        assert_eq!(T::decode(&[0xff; BYTES]), None);
+        assert_eq!(T::decode(&[]), None);
     }
 
     #[test]
-    fn come_back_as_they_were_and_not_when_a_bit_has_turned() {
-        let mut room = [0; SETTINGS_BYTES];
-        let length = settings().encode(&mut room).unwrap();
-        assert_eq!(Settings::decode(&room), Some(settings()));
-        for bit in 0..length * 8 {
-            let mut bad = room;
-            bad[bit / 8] ^= 1 << (bit % 8);
-            assert_eq!(Settings::decode(&bad), None, "bit {bit}");
-        }
-        assert_eq!(Settings::decode(&[0xff; SETTINGS_BYTES]), None);
-        assert_eq!(Settings::decode(&[]), None);
+    fn both_come_back_as_they_were_and_not_when_a_bit_has_turned() {
+        comes_back(config());
+        comes_back(wiring());
+    }
+
+    #[test]
+    fn a_calibration_is_kept_in_bytes_that_do_not_change_with_the_link() {
+        let slot = wiring().encode(1).unwrap();
+        // Not a version of the link in it; what a board has in its flash is read by every later firmware.
+        assert_eq!(
+            slot[..14],
+            [
+                b'O', b'L', b'C', 1, 1, 0, 0, 0, 29, 0, 0xfe, 0x1f, 0xff, 0x0f
+            ]
+        );
+    }
+
+    #[test]
+    fn a_calibration_of_other_converters_is_none() {
+        let sixteen = CodeRange {
+            sensor_top: 65_535,
+            command_top: 65_535,
+            ..CODES
+        };
+        assert!(wiring().of(&CODES).is_some());
+        assert_eq!(wiring().of(&sixteen), None);
     }
 }

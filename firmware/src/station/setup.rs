@@ -2,6 +2,7 @@
 
 use super::any_loop::AnyLoop;
 use super::evidence::Patience;
+use crate::step_time::StepTime;
 use outerloop_core::{Config, Refusal};
 
 /// What the board's clocks allow.
@@ -13,8 +14,10 @@ pub struct Clock {
     pub slowest_rate_hz: u32,
     /// The fastest control rate, Hz; each step is reported over the link.
     pub fastest_rate_hz: u32,
-    /// Ticks of the stopwatch that a step may take.
+    /// Ticks of the stopwatch from the beginning of a step to its command, at most.
     pub deadline_ticks: u32,
+    /// Those of them that the board takes around the outer loop's own step: sample, calibration, code.
+    pub around_step_ticks: u32,
     /// Ticks of the stopwatch in a second.
     pub stopwatch_hz: u32,
 }
@@ -23,6 +26,8 @@ pub struct Clock {
 pub struct Setup {
     /// The loop.
     pub outer: AnyLoop,
+    /// How long its steps took.
+    pub time: StepTime,
     /// Period of the sampling timer, in its ticks.
     pub period_ticks: u32,
     /// Control rate, Hz.
@@ -70,7 +75,8 @@ impl Setup {
             });
         }
         Ok(Self {
-            outer: AnyLoop::new(config, clock.deadline_ticks)?,
+            outer: AnyLoop::new(config)?,
+            time: StepTime::new(clock.deadline_ticks),
             period_ticks,
             rate_hz: rate_hz as f32,
             model_step_s: config.model_step_s(),
@@ -98,6 +104,7 @@ mod tests {
         slowest_rate_hz: 100,
         fastest_rate_hz: 3400,
         deadline_ticks: 5000,
+        around_step_ticks: 0,
         stopwatch_hz: 168_000_000,
     };
 

@@ -34,7 +34,9 @@ pub fn begin(control: Control) {
 fn ADC() {
     // SAFETY: this interrupt does not interrupt itself, and nobody else reaches it.
     if let Some(control) = unsafe { &mut *CONTROL.0.get() } {
-        control.station.tick(&mut control.metal);
+        control.station.period(&mut control.metal);
         kept::note_state(control.station.state());
     }
+    // ARM erratum 838869: a store just before the return could make the processor take the wrong vector.
+    cortex_m::asm::dsb();
 }

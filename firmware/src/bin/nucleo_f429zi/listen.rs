@@ -7,12 +7,13 @@ use embassy_stm32::usart::RingBufferedUartRx;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
 use firmware::board::nucleo_f429zi::store::Store;
 use firmware::board::stack::HighWater;
-use firmware::station::{Asked, Evidence, Outcome, Service, Settings, Sign};
+use firmware::station::{Asked, Evidence, Outcome, Service, Sign, Wiring};
 use heapless::spsc::Consumer;
 use link::Command;
 use link::frame::{Decoder, Kind, Seen};
 use link::message::Message;
 use link::reply::Answer;
+use outerloop_core::Config;
 
 /// How often the task shows a sign of life, at least.
 const BEAT: Duration = Duration::from_millis(1);
@@ -73,8 +74,8 @@ impl Listener {
         loop {
             asked = match asked {
                 Asked::Reply(answer) => return answer,
-                Asked::Save(settings) => {
-                    let written = self.save(&settings).await;
+                Asked::Save(test, wiring) => {
+                    let written = self.save(test.as_ref(), wiring.as_ref()).await;
                     return self.service.borrow_mut().saved(written);
                 }
                 Asked::Wait => {
@@ -96,7 +97,7 @@ impl Listener {
     }
 
     /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
-    async fn save(&mut self, settings: &Settings) -> bool {
+    async fn save(&mut self, test: Option<&Config>, wiring: Option<&Wiring>) -> bool {
         let evidence = self.evidence;
         let alive = async {
             let mut beat = Ticker::every(BEAT);
@@ -105,7 +106,7 @@ impl Listener {
                 beat.next().await;
             }
         };
-        match select(self.store.save(settings), alive).await {
+        match select(self.store.save(test, wiring), alive).await {
             Either::First(written) => written,
             Either::Second(never) => never,
         }

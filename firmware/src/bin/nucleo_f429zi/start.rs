@@ -10,17 +10,16 @@ use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::usart::{Config as Serial, Uart};
 use embassy_stm32::wdg::IndependentWatchdog;
-use firmware::board::nucleo_f429zi::metal::{Metal, WATCHDOG_US};
-use firmware::board::nucleo_f429zi::sampling::{Command, OUTPUT_DELAY_US, Period, Sensors};
-use firmware::board::nucleo_f429zi::store::{self, Store};
-use firmware::board::nucleo_f429zi::{Irqs, clocks, fatal, kept, lower_priorities};
+use firmware::board::nucleo_f429zi::metal::{Metal, WATCHDOG_US, cycles};
+use firmware::board::nucleo_f429zi::sampling::{CODES, Command, OUTPUT_DELAY_US, Period, Sensors};
+use firmware::board::nucleo_f429zi::store::{Memory, Store};
+use firmware::board::nucleo_f429zi::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities};
 use firmware::board::stack::HighWater;
 use firmware::station::{
     Board, Clock, Ends, Evidence, Order, Outcome, Parts, Points, Report, Service, Setup, Station,
 };
 use heapless::spsc::Queue;
 use link::channel::{Calibration, ErrorFeedback};
-use link::{AdcCode, DacCode};
 use outerloop_core::{Config, Refusal};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -32,6 +31,8 @@ const CLOCK: Clock = Clock {
     slowest_rate_hz: 100,
     fastest_rate_hz: link::fastest_rate_hz(link::BAUD),
     deadline_ticks: (OUTPUT_DELAY_US - 15) * (clocks::CORE_HZ / 1_000_000),
+    // Some 110 instructions and two divisions, from a flash that is not in the cache.
+    around_step_ticks: 400,
     stopwatch_hz: clocks::CORE_HZ,
 };
 
@@ -61,7 +62,12 @@ fn main() -> ! {
     let p = embassy_stm32::init(clocks::tree(crystal_ok));
     clocks::finish(crystal_ok);
 
+    guard_supply();
+
     let permit = Output::new(p.PE9, Level::Low, Speed::Low);
+    let pulse = Output::new(p.PE14, Level::Low, Speed::Low);
+    let chain = Input::new(p.PE15, Pull::Down);
+    let button = Input::new(p.PC13, Pull::Down);
     let stop = Input::new(p.PE11, Pull::Up);
     let step = Output::new(p.PE13, Level::Low, Speed::Medium);
     // See the wiring: what reading the second bank of the flash needs on early chips.
@@ -73,10 +79,11 @@ fn main() -> ! {
         crystal_ok
     );
 
-    let (setup, config, calibration) = settings();
+    let (setup, config, saved) = settings();
+    let calibration = saved.unwrap_or(Calibration::placeholder(&CODES));
     let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
     let first = sensors.first().unwrap_or_else(middle);
-    let command = Command::new(p.DAC1, p.PA4, standing(&calibration, first.0));
+    let command = Command::new(p.DAC1, p.PA4, standing(&calibration, first[0]));
     let mut period = Period::new(p.TIM2, p.TIM4, setup.period_ticks);
 
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
@@ -87,6 +94,8 @@ fn main() -> ! {
         name: "NUCLEO-F429ZI",
         commit: env!("OUTERLOOP_COMMIT"),
         clock: CLOCK,
+        now: cycles,
+        codes: CODES,
         output_delay_us: OUTPUT_DELAY_US as f32,
         crystal_ok,
         started,
@@ -98,7 +107,7 @@ fn main() -> ! {
         spare: spare(),
         writable: POINTS.take().claim(),
         config,
-        calibration,
+        calibration: saved,
     };
     let service: &'static RefCell<Service> =
         SERVICE.init(RefCell::new(Service::new(board, parts, in_force)));
@@ -127,6 +136,9 @@ fn main() -> ! {
             command,
             period,
             permit,
+            pulse,
+            chain,
+            button,
             stop,
             step,
             watchdog,
@@ -156,16 +168,17 @@ fn main() -> ! {
 
 /// The test to begin with: the saved one, else one that cannot be armed.
 #[inline(never)]
-fn settings() -> (&'static mut Setup, Option<Config>, Calibration) {
+fn settings() -> (&'static mut Setup, Option<Config>, Option<Calibration>) {
     static FIRST: StaticCell<Setup> = StaticCell::new();
-    let Some(saved) = store::load() else {
-        return (unconfigured(&FIRST), None, Calibration::UNCALIBRATED);
+    let calibration = Memory.calibration().and_then(|wiring| wiring.of(&CODES));
+    let Some(config) = Memory.test() else {
+        return (unconfigured(&FIRST), None, calibration);
     };
-    match place(&FIRST, Some(&saved.config)) {
-        Ok(setup) => (setup, Some(saved.config), saved.calibration),
+    match place(&FIRST, Some(&config)) {
+        Ok(setup) => (setup, Some(config), calibration),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
-            (unconfigured(&FIRST), None, saved.calibration)
+            (unconfigured(&FIRST), None, calibration)
         }
     }
 }
@@ -195,21 +208,20 @@ fn place(
 }
 
 /// Codes of a converter that does not answer: the first step will find its samples stale.
-fn middle() -> (AdcCode, AdcCode) {
-    let code = defmt::unwrap!(AdcCode::new(AdcCode::MAX / 2));
-    (code, code)
+fn middle() -> [u16; 2] {
+    [CODES.sensor_top / 2; 2]
 }
 
 /// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
 /// that is further out, and there PERMIT cannot be given.
-fn standing(calibration: &Calibration, displacement: AdcCode) -> DacCode {
+fn standing(calibration: &Calibration, displacement: u16) -> u16 {
     let position_m = calibration.displacement.quantity(displacement);
     let line = &calibration.command;
     ErrorFeedback::new()
-        .code(line, position_m)
+        .code(calibration, CODES.command_top, position_m)
         .unwrap_or_else(|| {
             let above = position_m / line.per_code + line.zero_code > 0.0;
-            defmt::unwrap!(DacCode::new(if above { DacCode::MAX } else { 0 }))
+            if above { CODES.command_top } else { 0 }
         })
 }
 

@@ -1,15 +1,21 @@
 //! Faults on demand, to see on the very image that runs a test that each ends safely.
 //!
-//! A debugger, or the emulator, writes a number into [`DRILL`]; nothing on the link can. The background task looks at it
+//! A debugger, or the emulator, writes [`MAGIC`] and a number into [`DRILL`]; nothing on the link can, and a stray write of
+//! a small number does nothing. The background task looks at it
 //! ten times a second, the control interrupt in every step.
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use cortex_m::peripheral::DWT;
+use cortex_m::peripheral::{DWT, SCB};
+use embassy_stm32::interrupt;
+use embassy_stm32::interrupt::InterruptExt;
 
 /// The drill that is asked for; its symbol is `DRILL`.
 #[unsafe(no_mangle)]
 pub static DRILL: AtomicU32 = AtomicU32::new(0);
+
+/// Added to a drill's number.
+pub const MAGIC: u32 = 0x4452_4c00;
 
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +34,14 @@ pub enum Drill {
     Hang = 5,
     /// One step that takes too long.
     Overrun = 6,
+    /// The external clock's guard.
+    ClockStopped = 7,
+    /// The supply's guard.
+    LowSupply = 8,
 }
+
+/// NMIPENDSET of the interrupt control and state register.
+const NMI_PENDING: u32 = 1 << 31;
 
 /// Cycles of an overrun: 300 us.
 const OVERRUN_CYCLES: u32 = 50_400;
@@ -36,13 +49,15 @@ const OVERRUN_CYCLES: u32 = 50_400;
 /// What is asked for.
 #[inline]
 pub fn asked() -> Drill {
-    match DRILL.load(Relaxed) {
+    match DRILL.load(Relaxed).wrapping_sub(MAGIC) {
         1 => Drill::Panic,
         2 => Drill::HardFault,
         3 => Drill::Stack,
         4 => Drill::Starve,
         5 => Drill::Hang,
         6 => Drill::Overrun,
+        7 => Drill::ClockStopped,
+        8 => Drill::LowSupply,
         _ => Drill::None,
     }
 }
@@ -51,6 +66,11 @@ pub fn asked() -> Drill {
 pub fn background() {
     match asked() {
         Drill::None | Drill::Overrun => {}
+        Drill::ClockStopped => {
+            // SAFETY: pends the exception, as the clock's guard does.
+            unsafe { (*SCB::PTR).icsr.write(NMI_PENDING) };
+        }
+        Drill::LowSupply => interrupt::PVD.pend(),
         Drill::Panic => panic!("a drill"),
         Drill::HardFault => cortex_m::asm::udf(),
         Drill::Stack => {

@@ -1,5 +1,5 @@
-//! The end of a program that cannot go on: PERMIT low, the DAC stays where it is, the reason is kept, and the watchdog
-//! resets the chip.
+//! The end of a program that cannot go on: PERMIT low before anything else, the DAC stays where it is, the reason is
+//! kept, and the watchdog resets the chip.
 //!
 //! # Stack
 //! The stack lies below all other memory (`memory.x`), so one that overflows runs into addresses where nothing is, and
@@ -8,11 +8,11 @@
 
 use super::kept;
 use crate::station::Evidence;
-use core::arch::naked_asm;
+use core::arch::{asm, naked_asm};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
-use embassy_stm32::pac;
+use embassy_stm32::{interrupt, pac};
 use heapless::String;
 use link::status::{Cause, LastWords};
 
@@ -26,11 +26,29 @@ pub fn note_evidence(evidence: &'static Evidence) {
     EVIDENCE.store(core::ptr::from_ref(evidence).cast_mut(), Relaxed);
 }
 
-/// The end.
-pub fn die(cause: Cause, text: String<96>) -> ! {
+/// PERMIT low, whoever owns the pin, in four instructions that read no memory and call nothing. Every way out begins with
+/// them, before a word is put together: what ends the program may have damaged what that needs. Before the pins were set
+/// up this writes to a port without a clock, and nothing happens.
+macro_rules! drop_permit {
+    () => {
+        concat!(
+            "movw r1, #0x1018\n", // GPIOE's BSRR, 0x4002_1018
+            "movt r1, #0x4002\n",
+            "mov.w r2, #0x2000000\n", // reset bit 9
+            "str r2, [r1]\n",
+        )
+    };
+}
+
+#[inline(always)]
+fn drop_permit() {
+    // SAFETY: a write to the port's register, which resets the one pin.
+    unsafe { asm!(drop_permit!(), out("r1") _, out("r2") _, options(nostack, preserves_flags)) };
+}
+
+/// The end, with PERMIT low: the reason is kept, and the watchdog resets the chip.
+fn die(cause: Cause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
-    // PERMIT, whoever owns the pin. Before the pins were set up this writes to a port without a clock: nothing happens.
-    pac::GPIOE.bsrr().write(|w| w.set_br(9, true));
     pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
     // SAFETY: null or what `note_evidence` was given.
     let tick = unsafe { EVIDENCE.load(Relaxed).as_ref() }.map_or(0, Evidence::tick);
@@ -46,8 +64,15 @@ pub fn die(cause: Cause, text: String<96>) -> ! {
 }
 
 /// The end by a panic. What does not fit of its message is cut.
+#[inline(always)]
 pub fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
+    drop_permit();
     cortex_m::interrupt::disable();
+    told(info)
+}
+
+#[inline(never)]
+fn told(info: &core::panic::PanicInfo<'_>) -> ! {
     let mut text = Cut(String::new());
     if let Some(at) = info.location() {
         let file = at.file().rsplit('/').next().unwrap_or_default();
@@ -74,11 +99,15 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// A fault of the processor: finds a stack that can be used.
+/// Stack that is left for telling of a fault, at least; a test holds the call graph to it.
+pub const ROOM_TO_TELL: u32 = 2048;
+
+/// A fault of the processor: drops PERMIT, then finds a stack that can be used.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 unsafe extern "C" fn HardFault() -> ! {
     naked_asm!(
+        drop_permit!(),
         "mrs r0, msp",
         "ldr r1, =_stack_end",
         "add r1, r1, {room}",
@@ -87,7 +116,7 @@ unsafe extern "C" fn HardFault() -> ! {
         "ldr r2, =_stack_start",
         "msr msp, r2",
         "1: b {faulted}",
-        room = const 512,
+        room = const ROOM_TO_TELL,
         faulted = sym faulted,
     )
 }
@@ -112,8 +141,19 @@ extern "C" fn faulted(frame: u32) -> ! {
 /// The external clock has stopped.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() -> ! {
+    drop_permit();
     die(
-        Cause::HardFault,
+        Cause::ClockStopped,
         link::reply::cut("the external clock stopped"),
+    )
+}
+
+/// The supply is below 2.9 V: at 168 MHz the chip needs 2.7.
+#[interrupt]
+fn PVD() {
+    drop_permit();
+    die(
+        Cause::LowSupply,
+        link::reply::cut("the supply fell below 2.9 V"),
     )
 }

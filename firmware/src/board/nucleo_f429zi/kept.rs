@@ -53,6 +53,13 @@ pub fn keep(words: &LastWords) {
     }
 }
 
+/// Forgets what was kept: it has not come to the end that was announced.
+#[cold]
+pub fn forget() {
+    // SAFETY: a plain store, by the control interrupt, which nobody interrupts.
+    unsafe { (&raw mut (*(&raw mut KEPT).cast::<Kept>()).length).write_volatile(0) };
+}
+
 /// What was kept; it is forgotten. To be called once, before the control interrupt runs.
 pub fn take() -> Option<LastWords> {
     let place = (&raw mut KEPT).cast::<Kept>();

@@ -1,35 +1,25 @@
 //! The hands of the control interrupt.
 
 use super::kept;
-use super::sampling::{Command, Period, Sensors};
+use super::sampling::{CODES, Command, Period, Sensors};
 use super::{drill, drill::Drill};
-use crate::converters::Stopwatch;
-use crate::station::{Hardware, Sign};
+use crate::hardware::Hardware;
+use crate::station::Sign;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{Input, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
+use link::CodeRange;
 use link::status::{Cause, LastWords};
-use link::{AdcCode, DacCode};
 use outerloop_core::State;
 
 /// The watchdog bites so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
 pub const WATCHDOG_US: u32 = 25_000;
 
 /// The processor's cycles.
-#[derive(Clone, Copy)]
-pub struct Cycles;
-
-impl Stopwatch for Cycles {
-    #[inline]
-    fn between(earlier: u32, later: u32) -> u32 {
-        later.wrapping_sub(earlier)
-    }
-
-    #[inline]
-    fn now(&self) -> u32 {
-        DWT::cycle_count()
-    }
+#[inline]
+pub fn cycles() -> u32 {
+    DWT::cycle_count()
 }
 
 /// What the control interrupt owns of the board.
@@ -42,6 +32,12 @@ pub struct Metal {
     pub period: Period,
     /// The PERMIT line.
     pub permit: Output<'static>,
+    /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
+    pub pulse: Output<'static>,
+    /// The contact of what hangs on PERMIT.
+    pub chain: Input<'static>,
+    /// The blue button.
+    pub button: Input<'static>,
     /// The emergency stop's contact.
     pub stop: Input<'static>,
     /// High while the step runs.
@@ -53,15 +49,15 @@ pub struct Metal {
 }
 
 impl Hardware for Metal {
-    type Watch = Cycles;
+    const CODES: CodeRange = CODES;
 
     #[inline]
-    fn watch(&self) -> Cycles {
-        Cycles
+    fn now(&self) -> u32 {
+        cycles()
     }
 
     #[inline]
-    fn codes(&mut self) -> Option<(AdcCode, AdcCode)> {
+    fn codes(&mut self) -> Option<[u16; 2]> {
         self.step.set_high();
         if drill::asked() == Drill::Overrun {
             drill::overrun();
@@ -70,7 +66,12 @@ impl Hardware for Metal {
     }
 
     #[inline]
-    fn output(&mut self, code: DacCode) {
+    fn began_late(&self) -> bool {
+        self.period.step_began_late()
+    }
+
+    #[inline]
+    fn output(&mut self, code: u16) {
         self.command.write(code);
         self.step.set_low();
     }
@@ -79,14 +80,25 @@ impl Hardware for Metal {
     fn permit(&mut self, on: bool) {
         if on {
             self.permit.set_high();
+            self.pulse.toggle();
         } else {
             self.permit.set_low();
         }
     }
 
     #[inline]
+    fn permit_chain_closed(&self) -> bool {
+        self.chain.is_high()
+    }
+
+    #[inline]
     fn emergency_stop(&self) -> bool {
         self.stop.is_high()
+    }
+
+    #[inline]
+    fn hold_pressed(&self) -> bool {
+        self.button.is_high()
     }
 
     fn set_period(&mut self, ticks: u32) {
@@ -95,7 +107,9 @@ impl Hardware for Metal {
 
     #[inline]
     fn feed(&mut self) {
-        self.starving = false;
+        if core::mem::take(&mut self.starving) {
+            kept::forget();
+        }
         self.watchdog.pet();
     }
 

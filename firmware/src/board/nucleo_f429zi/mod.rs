@@ -7,8 +7,11 @@
 //! | restoring force | PC0 | CN9-3, A1 | ADC1 channel 10, ranks 2 and 3 | 0 to 3.3 V |
 //! | command | PA4 | CN7-17, D24 | DAC channel 1, buffered | 0.2 to 3.1 V into 5 kOhm and more |
 //! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
+//! | PERMIT pulse | PE14 | CN10-28, D38 | output | turns over in every step with PERMIT: for a relay that falls when the pulses stop |
+//! | permit chain | PE15 | CN10-30, D39 | input with pull-down | high: the contact of what hangs on PERMIT is closed; without one, a bridge to PE9 |
 //! | emergency stop | PE11 | CN10-6, D5 | input with pull-up | low: closed contact to ground; high: pressed, or a broken wire |
 //! | step | PE13 | CN10-10, D3 | output | high from the interrupt's begin until the command is in the converter: for a scope |
+//! | hold | PC13 | on the board | input | the blue button: high while pressed; holds a running test |
 //! | LD1 green | PB0 | on the board | output | see `docs/wiring.md` |
 //! | LD2 blue | PB7 | on the board | output | PERMIT |
 //! | LD3 red | PB14 | on the board | output | fault |
@@ -37,7 +40,7 @@
 //! critical section: no embassy, no defmt.
 
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::{bind_interrupts, dma, flash, interrupt, peripherals, usart};
+use embassy_stm32::{bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
 
 pub mod clocks;
 mod critical;
@@ -70,11 +73,36 @@ pub fn lower_priorities() {
     interrupt::FLASH.set_priority(BACKGROUND);
 }
 
+/// Watches the supply: below 2.9 V the program ends while it still can. It needs 2.7 V at 168 MHz, and the chip's own reset
+/// waits for 1.8.
+pub fn guard_supply() {
+    pac::RCC.apb1enr().modify(|w| w.set_pwren(true));
+    pac::PWR.cr1().modify(|w| {
+        w.set_pls(SUPPLY_2_9_V);
+        w.set_pvde(true);
+    });
+    pac::EXTI.rtsr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
+    pac::EXTI.pr(0).write(|w| w.set_line(SUPPLY_LINE, true));
+    pac::EXTI.imr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
+    interrupt::PVD.set_priority(Priority::P0);
+    // SAFETY: its handler uses nothing that has to be put in place.
+    unsafe { interrupt::PVD.enable() };
+}
+
+/// The supply's threshold, PLS = 111.
+const SUPPLY_2_9_V: u8 = 7;
+
+/// The supply's line among the external interrupts.
+const SUPPLY_LINE: usize = 16;
+
 /// Starts the control interrupt, with the highest priority.
 ///
 /// # Safety
 /// What its handler uses has been put in place.
 pub unsafe fn start_control_interrupt() {
+    // No conversion has been asked for: one that stands here is none of the timer's.
+    pac::ADC1.sr().modify(|w| w.set_jeoc(false));
+    interrupt::ADC.unpend();
     interrupt::ADC.set_priority(Priority::P0);
     // SAFETY: by the caller.
     unsafe { interrupt::ADC.enable() };

@@ -13,10 +13,23 @@ use embassy_stm32::timer::low_level::{
 };
 use embassy_stm32::triggers::TIM2_TRGO;
 use embassy_stm32::{Peri, interrupt::InterruptExt};
-use link::{AdcCode, DacCode};
+use link::CodeRange;
 
 /// From the start of the conversions to the instant at which the DAC takes the command over, us.
 pub const OUTPUT_DELAY_US: u32 = 40;
+
+/// The codes of this board: sensors are two conversions of 12 bits, added; ranks displacement, force, force, displacement
+/// have the same mean instant, so each channel's code is the sum of its pair.
+pub const CODES: CodeRange = CodeRange {
+    sensor_top: 2 * 4095,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+/// A step begins so many ticks of TIM2 behind its trigger at the latest: 13 us of conversions, and room for the entry.
+const LATEST_BEGIN_TICKS: u32 = 20 * (TIMER_HZ / 1_000_000);
 
 /// The DAC's trigger for which TIM4 stands.
 const DAC_TRIGGER_TIM4: u8 = 5;
@@ -50,7 +63,7 @@ impl Sensors {
     }
 
     /// A sample by request, before the timer runs. `None`: the converter does not answer.
-    pub fn first(&mut self) -> Option<(AdcCode, AdcCode)> {
+    pub fn first(&mut self) -> Option<[u16; 2]> {
         pac::ADC1.cr2().modify(|w| w.set_jswstart(true));
         let begin = DWT::cycle_count();
         while !pac::ADC1.sr().read().jeoc() {
@@ -65,12 +78,10 @@ impl Sensors {
 
     /// The sample that has just been converted; `None` if there is none.
     #[inline]
-    pub fn codes(&mut self) -> Option<(AdcCode, AdcCode)> {
+    pub fn codes(&mut self) -> Option<[u16; 2]> {
         let fresh = pac::ADC1.sr().read().jeoc();
         let [d1, f1, f2, d2] = self.0.read_injected_samples();
-        let displacement = AdcCode::from_pair(d1, d2)?;
-        let force = AdcCode::from_pair(f1, f2)?;
-        fresh.then_some((displacement, force))
+        fresh.then_some([d1 + d2, f1 + f2])
     }
 }
 
@@ -79,7 +90,7 @@ pub struct Command;
 
 impl Command {
     /// Puts the pin at `code` at once, then leaves it to TIM4.
-    pub fn new(_dac: Peri<'static, DAC1>, pin: Peri<'static, PA4>, code: DacCode) -> Self {
+    pub fn new(_dac: Peri<'static, DAC1>, pin: Peri<'static, PA4>, code: u16) -> Self {
         rcc::enable_and_reset::<DAC1>();
         let mut pin = Flex::new(pin);
         pin.set_as_analog();
@@ -98,8 +109,8 @@ impl Command {
 
     /// The code that the pin shows from TIM4's next pulse on.
     #[inline]
-    pub fn write(&self, code: DacCode) {
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code.value()));
+    pub fn write(&self, code: u16) {
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
     }
 }
 
@@ -115,15 +126,16 @@ impl Period {
         output.set_slave_mode(SlaveMode::TRIGGER_MODE);
         output.set_output_compare_mode(Channel::Ch1, OutputCompareMode::PwmMode2);
         output.set_compare_value(Channel::Ch1, delay);
-        output.set_max_compare_value(delay + delay / 8);
+        pac::TIM4.arr().write(|w| w.set_arr(delay + delay / 8));
         output.regs_core().cr1().modify(|w| w.set_opm(true));
         output.set_master_mode(MasterMode::COMPARE_OC1);
         core::mem::forget(output);
 
+        // Registers are written, not embassy's ways: those end in an update event, which is a trigger. Without preload the
+        // period is in force at once; from then on a new one waits for the update.
         let period = Timer::new(tim2);
+        pac::TIM2.arr().write_value(ticks - 1);
         period.set_autoreload_preload(true);
-        period.set_max_compare_value(ticks - 1);
-        period.generate_update_event();
         period.set_master_mode(MasterMode::UPDATE);
         Self(period)
     }
@@ -136,6 +148,12 @@ impl Period {
     /// Another period, from the end of the present one on.
     #[inline]
     pub fn set(&mut self, ticks: u32) {
-        self.0.set_max_compare_value(ticks - 1);
+        pac::TIM2.arr().write_value(ticks - 1);
+    }
+
+    /// Asked at the beginning of a step: the timer has run on further since its trigger than it can have.
+    #[inline]
+    pub fn step_began_late(&self) -> bool {
+        pac::TIM2.cnt().read() > LATEST_BEGIN_TICKS
     }
 }

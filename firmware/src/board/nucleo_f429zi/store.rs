@@ -1,64 +1,92 @@
-//! Test and calibration in the last sector of the flash.
+//! Calibration and test in the second bank of the flash.
 //!
 //! The chip's flash has two banks: the program runs in the first while the second is written, so the control interrupt is
-//! not held up. The sector is a row of slots; each saving takes the next, and the last good one counts, so power that
-//! fails during a saving costs no more than that saving. Only when all 128 slots are used is the sector erased, some 2 s in
-//! which losing power loses the settings; the board then starts unconfigured and says so.
+//! not held up. Each record has two sectors of its own, see [`Ring`].
 
-use crate::station::{SETTINGS_BYTES, Settings};
-use embassy_stm32::flash::{Async, FLASH_BASE, Flash};
+use crate::station::{CALIBRATION_BYTES, Flash, Ring, TEST_BYTES, Wiring};
+use embassy_stm32::flash::{self, Async, FLASH_BASE};
+use outerloop_core::Config;
 
-/// Beginning of the last sector, from the beginning of the flash.
-const SECTOR: u32 = 0x1E_0000;
+/// Sectors 12 and 13.
+const CALIBRATIONS: Ring<CALIBRATION_BYTES> = Ring {
+    sectors: [0x10_0000, 0x10_4000],
+    sector_bytes: 16 * 1024,
+    slot_bytes: 64,
+};
 
-/// Its length.
-const SECTOR_BYTES: u32 = 128 * 1024;
+/// Sectors 22 and 23.
+const TESTS: Ring<TEST_BYTES> = Ring {
+    sectors: [0x1c_0000, 0x1e_0000],
+    sector_bytes: 128 * 1024,
+    slot_bytes: 1024,
+};
+const _: () = assert!(TEST_BYTES <= 1024 && CALIBRATION_BYTES <= 64);
 
-/// Bytes of a slot.
-const SLOT: u32 = 1024;
-const _: () = assert!(SETTINGS_BYTES <= SLOT as usize && SETTINGS_BYTES.is_multiple_of(4));
+/// The flash, to be read.
+pub struct Memory;
 
-/// Writes settings.
-pub struct Store(Flash<'static, Async>);
+impl Memory {
+    /// The calibration that was saved last.
+    pub fn calibration(&self) -> Option<Wiring> {
+        CALIBRATIONS.load(self)
+    }
+
+    /// The test that was saved last.
+    pub fn test(&self) -> Option<Config> {
+        TESTS.load(self)
+    }
+}
+
+impl Flash for Memory {
+    fn read(&self, offset: u32, bytes: &mut [u8]) {
+        let begin = (FLASH_BASE as u32 + offset) as *const u8;
+        for (i, byte) in bytes.iter_mut().enumerate() {
+            // SAFETY: flash of this chip, which can always be read; volatile, since it changes by other means than stores.
+            *byte = unsafe { begin.add(i).read_volatile() };
+        }
+    }
+
+    async fn write(&mut self, _: u32, _: &[u8]) -> bool {
+        false
+    }
+
+    async fn erase(&mut self, _: u32, _: u32) -> bool {
+        false
+    }
+}
+
+/// The flash, to be written.
+pub struct Store(flash::Flash<'static, Async>);
 
 impl Store {
     /// With the flash.
-    pub fn new(flash: Flash<'static, Async>) -> Self {
+    pub fn new(flash: flash::Flash<'static, Async>) -> Self {
         Self(flash)
     }
 
-    /// Writes `settings` into the next slot; returns whether they read back as they were.
-    pub async fn save(&mut self, settings: &Settings) -> bool {
-        let mut bytes = [0xff; SETTINGS_BYTES];
-        if settings.encode(&mut bytes).is_none() {
-            return false;
+    /// Writes what there is; returns whether all of it reads back as it was.
+    pub async fn save(&mut self, test: Option<&Config>, wiring: Option<&Wiring>) -> bool {
+        let mut saved = true;
+        if let Some(wiring) = wiring {
+            saved &= CALIBRATIONS.save(self, wiring).await;
         }
-        let free = slots().find(|&slot| read(slot).iter().all(|&b| b == 0xff));
-        let slot = match free {
-            Some(slot) => slot,
-            None => {
-                if self.0.erase(SECTOR, SECTOR + SECTOR_BYTES).await.is_err() {
-                    return false;
-                }
-                SECTOR
-            }
-        };
-        self.0.write(slot, &bytes).await.is_ok() && read(slot) == bytes
+        if let Some(test) = test {
+            saved &= TESTS.save(self, test).await;
+        }
+        saved
     }
 }
 
-/// The settings that were saved last.
-pub fn load() -> Option<Settings> {
-    slots().rev().find_map(|slot| Settings::decode(&read(slot)))
-}
+impl Flash for Store {
+    fn read(&self, offset: u32, bytes: &mut [u8]) {
+        Memory.read(offset, bytes);
+    }
 
-fn slots() -> impl DoubleEndedIterator<Item = u32> {
-    (SECTOR..SECTOR + SECTOR_BYTES).step_by(SLOT as usize)
-}
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> bool {
+        self.0.write(offset, bytes).await.is_ok()
+    }
 
-/// A slot as it is in the flash now.
-fn read(slot: u32) -> [u8; SETTINGS_BYTES] {
-    let begin = (FLASH_BASE as u32 + slot) as *const u8;
-    // SAFETY: flash of this chip, which can always be read; volatile, since it changes by other means than stores.
-    core::array::from_fn(|i| unsafe { begin.add(i).read_volatile() })
+    async fn erase(&mut self, offset: u32, bytes: u32) -> bool {
+        self.0.erase(offset, offset + bytes).await.is_ok()
+    }
 }

@@ -1,7 +1,6 @@
 //! The PC as the board's converters: samples come from its pipe, commands go into it.
 
 use super::semihosting::{File, Mode};
-use crate::converters::Converters;
 use crate::session::{Answer, Header, MAX_CONFIG, MAX_REFUSAL, Malformed, Message, Order, Summary};
 use outerloop_core::{Config, Event, Record, Sample};
 
@@ -65,20 +64,13 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone or the order means nothing.
-    pub fn period<const N: usize>(&mut self) -> Result<Option<(Option<Event>, Period<N>)>, Lost> {
+    pub fn period<const N: usize>(&mut self) -> Result<Option<(Option<Event>, Sample<N>)>, Lost> {
         let mut bytes = Message::new();
         bytes.resize_default(Order::<N>::BYTES).map_err(|_| Lost)?;
         self.from_pc.read(&mut bytes)?;
         Ok(match Order::decode(&bytes)? {
             Order::End => None,
-            Order::Step { event, sample } => {
-                let answer = Answer {
-                    rejected: false,
-                    permit: false,
-                    command_m: [0.0; N],
-                };
-                Some((event, Period { sample, answer }))
-            }
+            Order::Step { event, sample } => Some((event, sample)),
         })
     }
 
@@ -100,25 +92,5 @@ impl Exchange {
     /// The PC has gone.
     pub fn end(&mut self, summary: &Summary) -> Result<(), Lost> {
         self.to_pc.write(&summary.encode())
-    }
-}
-
-/// The converters of one control period: the sample is there before it begins, the command leaves after it.
-pub struct Period<const N: usize> {
-    sample: Sample<N>,
-    /// What goes back to the PC.
-    pub answer: Answer<N>,
-}
-
-impl<const N: usize> Converters<N> for Period<N> {
-    #[inline]
-    fn sample(&mut self) -> Sample<N> {
-        self.sample
-    }
-
-    #[inline]
-    fn command(&mut self, command_m: &[f32; N], permit: bool) {
-        self.answer.command_m = *command_m;
-        self.answer.permit = permit;
     }
 }

@@ -3,7 +3,6 @@
 //! Under `-icount` the emulated clock advances by a fixed time with every instruction, so that this counts
 //! instructions; [`SysTick::ticks_per_1024_instructions`] measures by how much.
 
-use crate::converters::Stopwatch;
 use core::arch::asm;
 use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
@@ -35,16 +34,16 @@ impl SysTick {
         let overhead = Self::between(begin, nothing);
         (Self::between(nothing, end) - overhead, overhead)
     }
-}
 
-impl Stopwatch for SysTick {
+    /// Ticks from `earlier` to `later`, less than a turn of the counter.
     #[inline]
-    fn between(earlier: u32, later: u32) -> u32 {
+    pub fn between(earlier: u32, later: u32) -> u32 {
         earlier.wrapping_sub(later) & TURN
     }
 
+    /// The counter.
     #[inline]
-    fn now(&self) -> u32 {
+    pub fn now(&self) -> u32 {
         // What was written before is done before the clock is read, and the other way round.
         compiler_fence(Ordering::SeqCst);
         let ticks = SYST::get_current();

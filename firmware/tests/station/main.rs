@@ -1,12 +1,17 @@
 //! Station and service together, as the board runs them, on the host.
 #![allow(missing_docs)]
 
+mod any_order;
 mod common;
 
-use common::{Bench, bench, config, pulse};
+use common::{Bench, bench, config, fresh, pulse};
+use firmware::sim::CODES;
+use firmware::station::Sign;
+use link::Calibration;
 use link::command::{Channel, Command, Shape, Signal};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
+use outerloop_core::config::Limits;
 use outerloop_core::supervise::HISTORY;
 use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
 
@@ -58,7 +63,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
     let config = config();
     let motion = GroundMotion::new(&points, 0.01, config.model_step_s()).unwrap();
     let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
-    let calibration = link::channel::Calibration::UNCALIBRATED;
+    let calibration = Calibration::placeholder(&CODES);
     let mut moved = 0.0_f32;
     for report in b.log.iter().filter(|r| r.tick >= configured) {
         for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
@@ -88,11 +93,11 @@ fn arming_needs_a_test_and_something_to_run() {
     done(&b.ask(Command::Configure(config())));
     assert_eq!(obstacle(b.event(Event::Arm)), Some(Obstacle::NothingToRun));
     b.upload(&pulse(), 0.01);
-    b.rig.stop_pressed = true;
+    b.hardware.broken.stop_pressed = true;
     b.step();
     let pressed = Some(Obstacle::Fault(Fault::EmergencyStop));
     assert_eq!(obstacle(b.event(Event::Arm)), pressed);
-    b.rig.stop_pressed = false;
+    b.hardware.broken.stop_pressed = false;
     b.step();
     done(&b.event(Event::Arm));
 }
@@ -104,7 +109,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     done(&b.event(Event::Start));
     for command in [
         Command::Configure(config()),
-        Command::Calibrate(link::channel::Calibration::UNCALIBRATED),
+        Command::Calibrate(Calibration::placeholder(&CODES)),
         Command::Save,
         Command::Signal(None),
         Command::Motion {
@@ -169,28 +174,28 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
     for _ in 0..200 {
         b.step();
     }
-    assert!(b.rig.permit);
+    assert!(b.permit());
     harm(&mut b);
-    let mut last = b.rig.code;
+    let mut last = b.code();
     for step in 0.. {
         b.step();
-        if !b.rig.permit {
+        if !b.permit() {
             break;
         }
         assert!(step < steps, "{fault:?} after {step} steps");
-        assert!(b.rig.code.abs_diff(last) < 40, "the converter jumped");
-        last = b.rig.code;
+        assert!(b.code().abs_diff(last) < 40, "the converter jumped");
+        last = b.code();
     }
     // The last code may have been rounded the other way by the error feedback.
     assert!(
-        b.rig.code.abs_diff(last) <= 1,
+        b.code().abs_diff(last) <= 1,
         "{fault:?}: the converter jumped"
     );
-    let held = b.rig.code;
+    let held = b.code();
     for _ in 0..100 {
         b.step();
-        assert!(!b.rig.permit);
-        assert_eq!(b.rig.code, held, "{fault:?}: the converter holds");
+        assert!(!b.permit());
+        assert_eq!(b.code(), held, "{fault:?}: the converter holds");
         assert_eq!((b.state(), b.fault()), (State::Tripped, Some(fault)));
     }
     let Reply::Status(status) = b.ask(Command::Status) else {
@@ -205,37 +210,55 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
 
 #[test]
 fn every_fault_drops_the_permission_and_holds_the_converter() {
-    trips(Fault::EmergencyStop, 1, |b| b.rig.stop_pressed = true);
-    trips(Fault::AdcRail, 1, |b| b.rig.broken = Some((8190, 4095)));
-    trips(Fault::AdcRail, 1, |b| b.rig.broken = Some((4095, 0)));
+    trips(Fault::EmergencyStop, 1, |b| {
+        b.hardware.broken.stop_pressed = true
+    });
+    trips(Fault::AdcRail, 1, |b| {
+        b.hardware.broken.codes = Some([8190, 4095])
+    });
+    trips(Fault::AdcRail, 1, |b| {
+        b.hardware.broken.codes = Some([4095, 0])
+    });
     trips(Fault::StaleSample, 200, |b| {
         let last = b.log.last().unwrap().step;
-        b.rig.broken = Some((last.displacement.value(), last.force.value()));
+        b.hardware.broken.codes = Some([last.displacement, last.force]);
     });
-    trips(Fault::LinkLost, 1002, |b| b.heard = false);
+    trips(Fault::StaleSample, 30, |b| {
+        b.hardware.broken.no_sample = true
+    });
+    trips(Fault::DeadlineMissed, 1, |b| {
+        b.hardware.broken.begins_late = true
+    });
+    trips(Fault::PermitChain, 202, |b| {
+        b.hardware.broken.chain = Some(false)
+    });
+    trips(Fault::LinkLost, 1002, |b| b.alive[2] = Sign::Listen);
 }
 
 #[test]
 fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
-    trips(Fault::LinkLost, 202, |b| b.listening = false);
+    trips(Fault::LinkLost, 202, |b| b.alive[0] = Sign::Heard);
     let mut b = bench();
+    let fed = b.hardware.board.fed;
     for _ in 0..500 {
         b.step();
     }
-    assert_eq!((b.rig.fed, b.rig.starving), (500, None));
-    b.reporting = false;
+    let board = &b.hardware.board;
+    assert_eq!((board.fed - fed, board.starving), (500, None));
+    let fed = board.fed;
+    b.alive[1] = Sign::Heard;
     for _ in 0..500 {
         b.step();
     }
     let patience = firmware::station::Patience::at(2000.0).task_steps;
-    assert!((patience..patience + 3).contains(&(b.rig.fed - 500)));
-    assert_eq!(b.rig.starving, Some(firmware::station::Sign::Report));
+    assert!((patience..patience + 3).contains(&(b.hardware.board.fed - fed)));
+    assert_eq!(b.hardware.board.starving, Some(Sign::Report));
 }
 
 #[test]
 fn zeroing_moves_the_zero_and_not_the_scale() {
     let mut b = bench();
-    b.rig.broken = Some((5000, 3000));
+    b.hardware.broken.codes = Some([5000, 3000]);
     for _ in 0..300 {
         b.step();
     }
@@ -255,13 +278,11 @@ fn zeroing_moves_the_zero_and_not_the_scale() {
         panic!("no identity");
     };
     let line = identity.calibration.displacement;
-    let reading = line.quantity(link::AdcCode::new(5000).unwrap());
+    let reading = line.quantity(5000);
     assert!((reading - 0.001).abs() < 1e-7);
     assert_eq!(
         line.per_code,
-        link::channel::Calibration::UNCALIBRATED
-            .displacement
-            .per_code
+        Calibration::placeholder(&CODES).displacement.per_code
     );
 }
 
@@ -288,4 +309,114 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
     let largest = b.log.iter().rev().take(6000).map(|r| r.step.command_m);
     let largest = largest.fold(0.0_f32, |a, x| a.max(x.abs()));
     assert!((largest - 0.01).abs() < 1e-4, "{largest}");
+}
+
+#[test]
+fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the_limits_name() {
+    let mut b = bench();
+    type LeaveOut = fn(&mut Limits);
+    let leave_out: [(&str, LeaveOut); 5] = [
+        ("limits.displacement_m", |l| l.displacement_m = None),
+        ("limits.velocity_m_per_s", |l| l.velocity_m_per_s = None),
+        ("limits.force_n", |l| l.force_n = None),
+        ("limits.tracking_m", |l| l.tracking_m = None),
+        ("limits.stale_steps", |l| l.stale_steps = None),
+    ];
+    for (name, leave_out) in leave_out {
+        let mut open = config();
+        leave_out(&mut open.limits);
+        let reply = b.ask(Command::Configure(open));
+        assert!(
+            matches!(&reply, Reply::Refused(r) if r.name == name && r.value.is_nan()),
+            "{reply:?}"
+        );
+    }
+    // What was inside the range when the test came is not when another calibration has come since.
+    done(&b.ask(Command::Configure(config())));
+    b.upload(&pulse(), 0.01);
+    let narrow = Calibration::over(0.02, 1e4, &CODES);
+    done(&b.ask(Command::Calibrate(narrow)));
+    let reply = b.event(Event::Arm);
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "limits.displacement_m"),
+        "{reply:?}"
+    );
+    assert_eq!(b.board.state(), State::Idle);
+}
+
+#[test]
+fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
+    let mut b = fresh();
+    let status = |b: &mut Bench| match b.ask(Command::Status) {
+        Reply::Status(status) => status,
+        other => panic!("{other:?}"),
+    };
+    assert!(!status(&mut b).calibrated);
+    done(&b.ask(Command::Configure(config())));
+    b.upload(&pulse(), 0.01);
+    for command in [
+        Command::Event(Event::Arm),
+        Command::Zero {
+            channel: Channel::Force,
+            value: 0.0,
+        },
+    ] {
+        assert_eq!(obstacle(b.ask(command)), Some(Obstacle::NotCalibrated));
+    }
+    done(&b.ask(Command::Calibrate(Calibration::placeholder(&CODES))));
+    assert!(status(&mut b).calibrated);
+    done(&b.event(Event::Arm));
+}
+
+#[test]
+fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
+    let mut b = fresh();
+    assert_eq!(
+        obstacle(b.ask(Command::Save)),
+        Some(Obstacle::NotCalibrated)
+    );
+    done(&b.ask(Command::Calibrate(Calibration::placeholder(&CODES))));
+    done(&b.ask(Command::Save));
+    assert_eq!(b.saved, [None, Some(firmware::station::CALIBRATION_BYTES)]);
+    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Save));
+    assert!(b.saved[0].is_some());
+}
+
+#[test]
+fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    b.hardware.broken.hold_pressed = true;
+    b.step();
+    assert_eq!(b.state(), State::Armed, "there is nothing to hold yet");
+    b.hardware.broken.hold_pressed = false;
+    b.step();
+    done(&b.event(Event::Start));
+    for _ in 0..100 {
+        b.step();
+    }
+    b.hardware.broken.hold_pressed = true;
+    b.step();
+    assert_eq!(b.state(), State::Holding);
+    done(&b.event(Event::Start));
+    for _ in 0..20 {
+        b.step();
+        assert_ne!(b.state(), State::Holding, "the button has not come up");
+    }
+}
+
+#[test]
+fn a_welded_contact_stands_against_arming() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    b.upload(&pulse(), 0.01);
+    b.hardware.broken.chain = Some(true);
+    for _ in 0..300 {
+        b.step();
+    }
+    assert_eq!(
+        obstacle(b.event(Event::Arm)),
+        Some(Obstacle::Fault(Fault::PermitChain))
+    );
 }

@@ -1,0 +1,104 @@
+//! The image and the emulator, built where they are not there yet.
+
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else that of the present checkout.
+///
+/// # Errors
+/// No checkout here, or a build that fails.
+pub fn built_image() -> Result<PathBuf, Failure> {
+    if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
+        return Ok(built.into());
+    }
+    let root = checkout()?;
+    let target = target_folder(&root);
+    let built = target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi");
+    let mut build = Command::new(root.join("scripts/cross"));
+    build.args([
+        "build",
+        "-p",
+        "firmware",
+        "--bin",
+        "nucleo_f429zi",
+        "--release",
+    ]);
+    announce(&built, "the board's image", "1 to 3 minutes");
+    run(build.current_dir(&root).env("CARGO_TARGET_DIR", &target))?;
+    Ok(built)
+}
+
+/// The emulator: the one that OUTERLOOP_EMULATOR names, else that of the present checkout.
+///
+/// # Errors
+/// No checkout here, or a build that fails.
+pub fn built_emulator() -> Result<PathBuf, Failure> {
+    if let Some(built) = std::env::var_os("OUTERLOOP_EMULATOR") {
+        return Ok(built.into());
+    }
+    let root = checkout()?;
+    let target = target_folder(&root).join("emu");
+    let built = target.join("release/emu");
+    let mut build = Command::new("cargo");
+    // The emulator's crate asks for a newer compiler than it needs.
+    build.args(["build", "--release", "--ignore-rust-version"]);
+    announce(&built, "the emulator", "3 to 10 minutes and 1 GiB");
+    run(build
+        .current_dir(root.join("emu"))
+        .env("CARGO_TARGET_DIR", &target))?;
+    Ok(built)
+}
+
+/// Says before a long build what is built and how long that takes; a build that only looks whether something has changed
+/// is not worth a word.
+fn announce(built: &Path, what: &str, takes: &str) {
+    if !built.is_file() {
+        eprintln!(
+            "outerloop: --emulated: {what} has not been built yet: on two cores this takes {takes}, once"
+        );
+    }
+}
+
+/// The folder with `firmware` and `emu` in it: here or above. Nothing is built anywhere else.
+fn checkout() -> Result<PathBuf, Failure> {
+    let here = std::env::current_dir().unwrap_or_default();
+    let is_root =
+        |p: &&Path| p.join("emu/Cargo.toml").is_file() && p.join("scripts/cross").is_file();
+    here.ancestors()
+        .find(is_root)
+        .map(Path::to_path_buf)
+        .ok_or_else(|| {
+            Failure::input(format!(
+                "--emulated: {} is in no checkout of this project: accepted is one, with its folders firmware and emu, or OUTERLOOP_IMAGE and OUTERLOOP_EMULATOR with what was built of them",
+                here.display()
+            ))
+        })
+}
+
+fn target_folder(root: &Path) -> PathBuf {
+    let named = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    root.join(named.unwrap_or_else(|| "target".into()))
+}
+
+fn run(build: &mut Command) -> Result<(), Failure> {
+    // Its own account goes to standard error: standard output belongs to the result.
+    let out = build
+        .stdout(Stdio::null())
+        .status()
+        .map_err(|e| Failure::test(format!("--emulated: {}: {e}", shown(build))))?;
+    if out.success() {
+        Ok(())
+    } else {
+        Err(Failure::test(format!(
+            "--emulated: `{}` failed ({out}); scripts/setup installs what it needs",
+            shown(build)
+        )))
+    }
+}
+
+fn shown(build: &Command) -> String {
+    let words = std::iter::once(build.get_program()).chain(build.get_args());
+    let words: Vec<_> = words.map(|w| w.to_string_lossy()).collect();
+    words.join(" ")
+}

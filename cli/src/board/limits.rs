@@ -1,0 +1,267 @@
+//! The limits that a board asks for, worked out from the planned test where the test file leaves them out.
+//!
+//! | limit | is |
+//! |---|---|
+//! | `displacement_m` | 1.5 times the largest displacement of the ideal test |
+//! | `velocity_m_per_s` | 3 times its largest velocity in the laboratory, at least twice that of the approach |
+//! | `force_n` | 1.5 times the elastic storey's force at its largest displacement, and 7 standard deviations of the noise |
+//! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
+//! | `stale_steps` | the declared delay and 20 ms |
+//! | `frozen_m` | 8 codes of the board's displacement |
+//!
+//! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
+
+use crate::experiment::Experiment;
+use crate::files::test::TestFile;
+use crate::trace::Response;
+use link::command::{Shape, Signal};
+use link::limits::Shown;
+use outerloop_core::config::{Filter, Limits};
+
+/// Over the ideal test's largest displacement and force.
+const MARGIN: f64 = 1.5;
+/// Over its largest velocity: a compensation may hurry.
+const VELOCITY_MARGIN: f64 = 3.0;
+/// Standard deviations of noise that are no fault.
+const DEVIATIONS: f64 = 7.0;
+/// Over the declared delay, s.
+const STALE_S: f64 = 0.02;
+
+/// Rise of a constant signal, s.
+const RISE_S: f64 = 0.5;
+
+/// What the planned test will do where the actuator is, if all goes well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Largest displacement, m.
+    pub displacement_m: f64,
+    /// Largest velocity of the command, m/s of laboratory time.
+    pub velocity_m_per_s: f64,
+    /// Largest force of the elastic storey, N.
+    pub force_n: f64,
+    /// Noise of the displacement, m, one standard deviation.
+    pub noise_m: f64,
+    /// Noise of the force, N.
+    pub noise_n: f64,
+    /// Declared delay of the actuator, s.
+    pub delay_s: f64,
+    /// Speed of the approach, m/s.
+    pub approach_m_per_s: f64,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+}
+
+impl Plan {
+    /// Of `experiment`, whose ideal response is known.
+    pub fn of(experiment: &Experiment, ideal: &Response) -> Self {
+        let config = &experiment.test.config;
+        let timing = &config.timing;
+        let step_s = config.model_step_s() * timing.time_scale;
+        let (mut last, mut fastest) = (None, 0.0_f64);
+        for now in ideal.floor(0).map(f64::from) {
+            fastest = fastest.max(last.map_or(0.0, |last: f64| (now - last).abs() / step_s));
+            last = Some(now);
+        }
+        let peak_m = ideal.peaks_m().first().copied().unwrap_or(0.0);
+        Self::with(&experiment.test, peak_m, fastest)
+    }
+
+    fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64) -> Self {
+        let TestFile { config, plant, .. } = test;
+        let storey_n_per_m = config.structure.stiffness_n_per_m.first();
+        let sensors = &plant.sensors;
+        // What the file declares to a filter, or else simulates.
+        let (filter_m, filter_n) = match config.estimation.kind {
+            Filter::Off => (0.0, 0.0),
+            _ => (
+                config.estimation.displacement_noise_m,
+                config.estimation.force_noise_n,
+            ),
+        };
+        Self {
+            displacement_m,
+            velocity_m_per_s,
+            force_n: storey_n_per_m.copied().unwrap_or(0.0) * displacement_m,
+            noise_m: (sensors.displacement_noise_mm * 1e-3).max(filter_m),
+            noise_n: sensors.force_noise_n.max(filter_n),
+            delay_s: config.compensation.delay_ms * 1e-3,
+            approach_m_per_s: config.timing.approach_m_per_s,
+            rate_hz: config.timing.rate_hz,
+        }
+    }
+
+    /// Largest displacement and force that the sensors may have to show: half as much again as planned, and the noise.
+    pub fn noisy_peaks(&self) -> (f64, f64) {
+        (
+            MARGIN * self.displacement_m + DEVIATIONS * self.noise_m,
+            MARGIN * self.force_n + DEVIATIONS * self.noise_n,
+        )
+    }
+
+    /// Of a commissioning signal under a test's limits.
+    pub fn of_signal(test: &TestFile, signal: &Signal) -> Self {
+        let top_hz = match signal.shape {
+            Shape::Constant => 1.0 / RISE_S,
+            Shape::Sine { frequency_hz } => f64::from(frequency_hz),
+            Shape::Chirp { from_hz, to_hz } => f64::from(from_hz.max(to_hz)),
+        };
+        let amplitude_m = f64::from(signal.amplitude_m);
+        Self::with(
+            test,
+            amplitude_m,
+            std::f64::consts::TAU * top_hz * amplitude_m,
+        )
+    }
+
+    /// All limits; what `stated` says stands. `shown` is the board's calibrated range.
+    pub fn limits(&self, stated: &Limits, shown: &Shown) -> Limits {
+        let mut limits = self.without_board(stated);
+        limits.frozen_m = stated.frozen_m.or(Some(shown.frozen_m));
+        limits
+    }
+
+    /// The limits that follow from the test alone.
+    pub fn without_board(&self, stated: &Limits) -> Limits {
+        let speed = (VELOCITY_MARGIN * self.velocity_m_per_s).max(2.0 * self.approach_m_per_s);
+        let has_speed = stated.increment_m.is_some() || stated.velocity_m_per_s.is_some();
+        let noise_m = DEVIATIONS * self.noise_m;
+        let late_m = 2.0 * self.velocity_m_per_s * self.delay_s;
+        let stale = (self.delay_s + STALE_S) * self.rate_hz;
+        Limits {
+            displacement_m: stated.displacement_m.or(Some(MARGIN * self.displacement_m)),
+            velocity_m_per_s: stated.velocity_m_per_s.or((!has_speed).then_some(speed)),
+            force_n: stated
+                .force_n
+                .or(Some(MARGIN * self.force_n + DEVIATIONS * self.noise_n)),
+            tracking_m: stated
+                .tracking_m
+                .or(Some(late_m + 0.1 * self.displacement_m + noise_m)),
+            stale_steps: stated
+                .stale_steps
+                .or(Some(stale.ceil().min(f64::from(u16::MAX)) as u16)),
+            ..stated.clone()
+        }
+    }
+}
+
+/// The limits in force, a line each, with a mark at those that were worked out.
+pub fn describe(stated: &Limits, limits: &Limits) -> String {
+    let line = |name: &str, stated: bool, value: Option<f64>, per_unit: f64, unit: &str| {
+        let value = value? * per_unit;
+        let origin = if stated { "" } else { "  worked out" };
+        Some(format!("  {name:<17}{value:>10.4} {unit:<5}{origin}"))
+    };
+    let steps = |n: Option<u16>| n.map(f64::from);
+    let lines = [
+        line(
+            "displacement_m",
+            stated.displacement_m.is_some(),
+            limits.displacement_m,
+            1e3,
+            "mm",
+        ),
+        line(
+            "velocity_m_per_s",
+            stated.velocity_m_per_s.is_some(),
+            limits.velocity_m_per_s,
+            1e3,
+            "mm/s",
+        ),
+        line(
+            "increment_m",
+            stated.increment_m.is_some(),
+            limits.increment_m,
+            1e3,
+            "mm",
+        ),
+        line(
+            "force_n",
+            stated.force_n.is_some(),
+            limits.force_n,
+            1e-3,
+            "kN",
+        ),
+        line(
+            "tracking_m",
+            stated.tracking_m.is_some(),
+            limits.tracking_m,
+            1e3,
+            "mm",
+        ),
+        line(
+            "stale_steps",
+            stated.stale_steps.is_some(),
+            steps(limits.stale_steps),
+            1.0,
+            "steps",
+        ),
+        line(
+            "frozen_m",
+            stated.frozen_m.is_some(),
+            limits.frozen_m,
+            1e3,
+            "mm",
+        ),
+    ];
+    let lines: Vec<String> = lines.into_iter().flatten().collect();
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAN: Plan = Plan {
+        displacement_m: 0.02,
+        velocity_m_per_s: 0.1,
+        force_n: 3000.0,
+        noise_m: 1e-5,
+        noise_n: 5.0,
+        delay_s: 0.004,
+        approach_m_per_s: 0.01,
+        rate_hz: 2000.0,
+    };
+
+    const SHOWN: Shown = Shown {
+        displacement_m: 0.0426,
+        force_n: 8500.0,
+        frozen_m: 1e-4,
+    };
+
+    #[test]
+    fn what_the_test_says_stands_and_the_rest_is_worked_out() {
+        let stated = Limits {
+            force_n: Some(4000.0),
+            ..Limits::default()
+        };
+        let limits = PLAN.limits(&stated, &SHOWN);
+        assert_eq!(limits.force_n, Some(4000.0));
+        assert!((limits.displacement_m.unwrap() - 0.03).abs() < 1e-12);
+        assert!((limits.velocity_m_per_s.unwrap() - 0.3).abs() < 1e-12);
+        assert!((limits.tracking_m.unwrap() - 0.00287).abs() < 1e-12);
+        assert_eq!(limits.stale_steps, Some(48));
+        assert_eq!(limits.frozen_m, Some(1e-4));
+        let shown = describe(&stated, &limits);
+        assert!(
+            shown.contains("displacement_m      30.0000 mm     worked out"),
+            "{shown}"
+        );
+        assert!(shown.contains("force_n              4.0000 kN"), "{shown}");
+    }
+
+    #[test]
+    fn an_increment_stands_for_a_velocity() {
+        let stated = Limits {
+            increment_m: Some(1e-4),
+            ..Limits::default()
+        };
+        assert_eq!(PLAN.limits(&stated, &SHOWN).velocity_m_per_s, None);
+    }
+
+    #[test]
+    fn a_board_takes_what_is_worked_out_for_a_test_that_fits_it() {
+        let mut config = outerloop_core::Config::shear_frame([1000.0], [158e3], [0.02]);
+        config.limits = PLAN.limits(&Limits::default(), &SHOWN);
+        assert_eq!(SHOWN.check(&config), Ok(()));
+    }
+}

@@ -1,0 +1,44 @@
+//! What the control period wants from a board. Nothing of it waits.
+
+use crate::station::Sign;
+use link::CodeRange;
+use outerloop_core::State;
+
+/// A board's hands. Codes are the board's own; how wide they are, it says.
+pub trait Hardware {
+    /// Widths of the converters' codes.
+    const CODES: CodeRange;
+
+    /// The stopwatch: ticks of the processor, turning over at 2^32.
+    fn now(&self) -> u32;
+
+    /// The codes of displacement and force of this step; `None` if there are no new ones.
+    fn codes(&mut self) -> Option<[u16; 2]>;
+
+    /// This step began later after its sample than anything that runs on the board explains.
+    fn began_late(&self) -> bool;
+
+    /// What the output converter is to show from its next instant on.
+    fn output(&mut self, code: u16);
+
+    /// The PERMIT line; called in every step, so that a pulse can be made of it.
+    fn permit(&mut self, on: bool);
+
+    /// The contact of the permission's chain is closed: the actuator could move.
+    fn permit_chain_closed(&self) -> bool;
+
+    /// The emergency stop is pressed, or its wire is broken.
+    fn emergency_stop(&self) -> bool;
+
+    /// The hold button is pressed.
+    fn hold_pressed(&self) -> bool;
+
+    /// The period of sampling, in ticks of the sampling timer, from the next step on.
+    fn set_period(&mut self, ticks: u32);
+
+    /// Feeds the watchdog.
+    fn feed(&mut self);
+
+    /// A task has starved: the watchdog will act. What is to be known afterwards is kept now.
+    fn starving(&mut self, task: Sign, tick: u32, state: State);
+}

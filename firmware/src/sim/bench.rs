@@ -1,0 +1,146 @@
+//! A board with its tasks, all in one thread.
+
+use super::{CLOCK, CODES, Faulty, Plant, SimBoard};
+use crate::hardware::Hardware;
+use crate::station::{
+    Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,
+    Sign, Station,
+};
+use heapless::spsc::{Consumer, Queue};
+use link::command::Command;
+use link::frame::Seen;
+use link::reply::Answer;
+use link::status::Start;
+use outerloop_core::State;
+
+/// A board that has just got power. What it leaks is some hundred KiB a board.
+pub struct Bench<P> {
+    /// The control interrupt's part.
+    pub station: Station,
+    /// The tasks' part.
+    pub service: Service,
+    /// The board itself, and what is broken in it.
+    pub hardware: Faulty<SimBoard<P>>,
+    /// Signs of life.
+    pub evidence: &'static Evidence,
+    /// Which signs are shown after each step.
+    pub alive: [Sign; 3],
+    /// How long the saved records were, test and calibration.
+    pub saved: [Option<usize>; 2],
+    outcomes: Consumer<'static, Outcome>,
+    reports: Consumer<'static, Report>,
+    waiting: bool,
+}
+
+fn leak<T>(x: T) -> &'static mut T {
+    Box::leak(Box::new(x))
+}
+
+impl<P: Plant> Bench<P> {
+    /// Nobody has calibrated it.
+    pub fn new(plant: P) -> Self {
+        let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
+        let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
+        let (reports_in, reports) = leak(Queue::<Report, 128>::new()).split();
+        let evidence = leak(Evidence::new());
+        let mut hardware = Faulty::new(SimBoard::new(plant));
+        // The clock allows 2 kHz.
+        let setup = || leak(Setup::unconfigured(&CLOCK).unwrap_or_else(|r| panic!("{r}")));
+        let first = setup();
+        let in_force = (first.rate_hz, first.model_step_s);
+        let ends = Ends {
+            orders: orders_out,
+            outcomes: outcomes_in,
+            reports: reports_in,
+        };
+        let codes = hardware.codes().unwrap_or_default();
+        let placeholder = hardware.board.wired;
+        Self {
+            station: Station::new(first, placeholder, codes, evidence, ends, 2),
+            service: Service::new(
+                Board {
+                    name: "sim",
+                    commit: "none",
+                    clock: CLOCK,
+                    now: || 0,
+                    codes: CODES,
+                    output_delay_us: 40.0,
+                    crystal_ok: true,
+                    started: Start::Power,
+                    last_words: None,
+                },
+                Parts {
+                    orders,
+                    spare: setup(),
+                    writable: leak(Points::new()).claim(),
+                    config: None,
+                    calibration: None,
+                },
+                in_force,
+            ),
+            hardware,
+            evidence,
+            alive: [Sign::Listen, Sign::Report, Sign::Heard],
+            saved: [None; 2],
+            outcomes,
+            reports,
+            waiting: false,
+        }
+    }
+
+    /// One control period; its report.
+    pub fn step(&mut self) -> Report {
+        self.station.period(&mut self.hardware);
+        for sign in self.alive {
+            self.evidence.show(sign);
+        }
+        let report = self
+            .reports
+            .dequeue()
+            .unwrap_or_else(|| panic!("a report a step"));
+        self.service.see(&report);
+        report
+    }
+
+    /// Hands a command to the service; `None`: the answer comes after the next step, by [`go_on`](Self::go_on).
+    pub fn hear(&mut self, request: u16, command: Command, seen: Seen) -> Option<Answer> {
+        let asked = self.service.hear(request, command, seen, 0);
+        self.answer(asked)
+    }
+
+    /// The command that waited for a step.
+    pub fn go_on(&mut self) -> Option<Answer> {
+        if !self.waiting {
+            return None;
+        }
+        let outcome = self.outcomes.dequeue()?;
+        let asked = self.service.finish(outcome);
+        self.answer(asked)
+    }
+
+    /// A command waits for a step.
+    pub fn is_waiting(&self) -> bool {
+        self.waiting
+    }
+
+    fn answer(&mut self, asked: Asked) -> Option<Answer> {
+        self.waiting = matches!(asked, Asked::Wait);
+        match asked {
+            Asked::Reply(answer) => Some(answer),
+            Asked::Wait => None,
+            Asked::Save(config, wiring) => {
+                let length = |slot: &[u8]| slot.len();
+                self.saved = [
+                    config.and_then(|c| c.encode(0)).map(|slot| length(&slot)),
+                    wiring.and_then(|w| w.encode(0)).map(|slot| length(&slot)),
+                ];
+                Some(self.service.saved(self.saved != [None; 2]))
+            }
+        }
+    }
+
+    /// Where the test stands.
+    pub fn state(&self) -> State {
+        self.station.state()
+    }
+}

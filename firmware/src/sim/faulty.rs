@@ -1,0 +1,91 @@
+//! Bad weather around any board.
+
+use crate::hardware::Hardware;
+use crate::station::Sign;
+use link::CodeRange;
+use outerloop_core::State;
+
+/// What is broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Broken {
+    /// The sensors show these codes, whatever moves.
+    pub codes: Option<[u16; 2]>,
+    /// The converter gives nothing new.
+    pub no_sample: bool,
+    /// The emergency stop is pressed.
+    pub stop_pressed: bool,
+    /// The hold button is pressed.
+    pub hold_pressed: bool,
+    /// The contact of the permission's chain stands like this.
+    pub chain: Option<bool>,
+    /// Steps begin later than they can.
+    pub begins_late: bool,
+}
+
+/// A board with something broken.
+pub struct Faulty<H> {
+    /// The board.
+    pub board: H,
+    /// What is broken in it.
+    pub broken: Broken,
+}
+
+impl<H> Faulty<H> {
+    /// Nothing is broken yet.
+    pub fn new(board: H) -> Self {
+        Self {
+            board,
+            broken: Broken::default(),
+        }
+    }
+}
+
+impl<H: Hardware> Hardware for Faulty<H> {
+    const CODES: CodeRange = H::CODES;
+
+    fn now(&self) -> u32 {
+        self.board.now()
+    }
+
+    fn codes(&mut self) -> Option<[u16; 2]> {
+        let codes = self.board.codes()?;
+        (!self.broken.no_sample).then_some(self.broken.codes.unwrap_or(codes))
+    }
+
+    fn began_late(&self) -> bool {
+        self.broken.begins_late || self.board.began_late()
+    }
+
+    fn output(&mut self, code: u16) {
+        self.board.output(code);
+    }
+
+    fn permit(&mut self, on: bool) {
+        self.board.permit(on);
+    }
+
+    fn permit_chain_closed(&self) -> bool {
+        let closed = self.board.permit_chain_closed();
+        self.broken.chain.unwrap_or(closed)
+    }
+
+    fn emergency_stop(&self) -> bool {
+        self.broken.stop_pressed || self.board.emergency_stop()
+    }
+
+    fn hold_pressed(&self) -> bool {
+        self.broken.hold_pressed || self.board.hold_pressed()
+    }
+
+    fn set_period(&mut self, ticks: u32) {
+        self.board.set_period(ticks);
+    }
+
+    fn feed(&mut self) {
+        self.board.feed();
+    }
+
+    fn starving(&mut self, task: Sign, tick: u32, state: State) {
+        self.board.starving(task, tick, state);
+    }
+}

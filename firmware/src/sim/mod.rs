@@ -1,0 +1,128 @@
+//! The board that the tests on this machine share: station and service as on the metal, a plant behind converters of 12
+//! bits, and what can go wrong as a wrapper around any board.
+
+mod bench;
+mod faulty;
+
+pub use bench::Bench;
+pub use faulty::{Broken, Faulty};
+
+use crate::hardware::Hardware;
+use crate::station::{Clock, Sign};
+use link::channel::Line;
+use link::{Calibration, CodeRange};
+use outerloop_core::State;
+
+/// The converters of the NUCLEO-F429ZI.
+pub const CODES: CodeRange = CodeRange {
+    sensor_top: 8190,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+/// Its clocks, without a deadline: here a step takes no time.
+pub const CLOCK: Clock = Clock {
+    timer_hz: 84_000_000,
+    slowest_rate_hz: 100,
+    fastest_rate_hz: 3400,
+    deadline_ticks: u32::MAX,
+    around_step_ticks: 0,
+    stopwatch_hz: 168_000_000,
+};
+
+/// What stands behind the converters.
+pub trait Plant {
+    /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N.
+    fn step(&mut self, command_m: f64, permit: bool) -> [f64; 2];
+}
+
+/// A board in memory.
+pub struct SimBoard<P> {
+    /// What stands behind the converters.
+    pub plant: P,
+    /// What its sensors and its actuator are really wired for.
+    pub wired: Calibration,
+    /// Code of the output converter.
+    pub code: u16,
+    /// The PERMIT line.
+    pub permit: bool,
+    /// How often the watchdog was fed.
+    pub fed: u32,
+    /// The task that starved.
+    pub starving: Option<Sign>,
+    /// Ticks of the stopwatch, which stands unless somebody moves it.
+    pub ticks: u32,
+}
+
+impl<P: Plant> SimBoard<P> {
+    /// With `plant` behind converters of the placeholder's ranges.
+    pub fn new(plant: P) -> Self {
+        Self {
+            plant,
+            wired: Calibration::placeholder(&CODES),
+            code: CODES.command_top / 2,
+            permit: false,
+            fed: 0,
+            starving: None,
+            ticks: 0,
+        }
+    }
+}
+
+/// The code of a sensor: two conversions of the same voltage, added.
+fn code(line: Line, quantity: f64) -> u16 {
+    let one = (quantity / f64::from(line.per_code) + f64::from(line.zero_code)) / 2.0;
+    2 * one.round().clamp(0.0, f64::from(CODES.sensor_top / 2)) as u16
+}
+
+impl<P: Plant> Hardware for SimBoard<P> {
+    const CODES: CodeRange = CODES;
+
+    fn now(&self) -> u32 {
+        self.ticks
+    }
+
+    fn codes(&mut self) -> Option<[u16; 2]> {
+        let line = self.wired.command;
+        let command_m =
+            (f64::from(self.code) - f64::from(line.zero_code)) * f64::from(line.per_code);
+        let [m, n] = self.plant.step(command_m, self.permit);
+        Some([code(self.wired.displacement, m), code(self.wired.force, n)])
+    }
+
+    fn began_late(&self) -> bool {
+        false
+    }
+
+    fn output(&mut self, code: u16) {
+        self.code = code;
+    }
+
+    fn permit(&mut self, on: bool) {
+        self.permit = on;
+    }
+
+    fn permit_chain_closed(&self) -> bool {
+        self.permit
+    }
+
+    fn emergency_stop(&self) -> bool {
+        false
+    }
+
+    fn hold_pressed(&self) -> bool {
+        false
+    }
+
+    fn set_period(&mut self, _: u32) {}
+
+    fn feed(&mut self) {
+        self.fed += 1;
+    }
+
+    fn starving(&mut self, task: Sign, _: u32, _: State) {
+        self.starving = Some(task);
+    }
+}

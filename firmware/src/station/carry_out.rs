@@ -1,0 +1,88 @@
+//! Orders from the tasks, carried out in the control interrupt, one a period.
+
+use super::order::{Order, Refused, Returned, Vitals};
+use super::period::{Output, Station};
+use super::spacing::Spacing;
+use crate::hardware::Hardware;
+use link::status::Timing;
+use outerloop_core::{Event, State};
+
+impl Station {
+    pub(super) fn carry_out(
+        &mut self,
+        order: Order,
+        hardware: &mut impl Hardware,
+    ) -> Result<Returned, Refused> {
+        let idle = self.state() == State::Idle;
+        match order {
+            Order::Event(event) => self.event(event),
+            Order::History(index) => {
+                let mut words = heapless::Vec::new();
+                // There is room for a record of every size of loop.
+                self.setup.outer.history(usize::from(index), |word| {
+                    let _ = words.push(word);
+                });
+                Ok(Returned::Record(words))
+            }
+            Order::Vitals => Ok(Returned::Vitals(self.vitals())),
+            order if !idle => Err(Refused::NotIdle(Some(order))),
+            Order::Exchange(setup) => {
+                let old = core::mem::replace(&mut self.setup, setup);
+                hardware.set_period(self.setup.period_ticks);
+                self.signal = None;
+                self.spacing = Spacing::new();
+                Ok(Returned::Setup(old, self.motion.take()))
+            }
+            Order::Unload => Ok(Returned::Motion(self.motion.take())),
+            Order::Load(motion) => Ok(Returned::Motion(self.motion.replace(motion))),
+            Order::Signal(signal) => {
+                self.signal = signal;
+                Ok(Returned::Nothing)
+            }
+            Order::Calibrate(calibration) => {
+                self.calibration = calibration;
+                self.output = Output::new();
+                Ok(Returned::Nothing)
+            }
+        }
+    }
+
+    fn event(&mut self, event: Event) -> Result<Returned, Refused> {
+        if event == Event::Arm && !self.setup.configured {
+            return Err(Refused::NotConfigured);
+        }
+        let something = self.motion.is_some() || self.signal.is_some();
+        if event == Event::Arm && !something {
+            return Err(Refused::NothingToRun);
+        }
+        let state = self.setup.outer.handle(event);
+        if state == Ok(State::Idle) {
+            self.output.out_of_range = false;
+            self.signal = None;
+        }
+        state.map(|_| Returned::Nothing).map_err(Refused::Event)
+    }
+
+    fn vitals(&self) -> Vitals {
+        let time = &self.setup.time;
+        let mean = time.total_ticks().checked_div(u64::from(time.steps()));
+        Vitals {
+            trip: self.setup.outer.trip(),
+            permit: self.output.permit,
+            configured: self.setup.configured,
+            points: self.motion.as_ref().map_or(0, |m| m.count() as u32),
+            timing: Timing {
+                period_cycles: self
+                    .setup
+                    .period_ticks
+                    .wrapping_mul(self.stopwatch_per_timer_tick),
+                shortest_period_cycles: self.spacing.shortest(),
+                longest_period_cycles: self.spacing.longest(),
+                worst_step_cycles: time.worst_ticks(),
+                mean_step_cycles: mean.and_then(|m| u32::try_from(m).ok()).unwrap_or(0),
+                overruns: time.overruns(),
+            },
+            dropped_steps: self.dropped_steps,
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Slots in flash: each saving takes the next, and the one with the largest sequence number counts.
+//!
+//! There are two sectors. When one is full the other is erased and goes on, so the last good record is never the one that
+//! is erased: power that fails at any moment costs no more than the saving during which it failed.
+
+use super::settings::Keep;
+
+/// Flash as the slots see it.
+pub trait Flash {
+    /// Reads from `offset` on.
+    fn read(&self, offset: u32, bytes: &mut [u8]);
+
+    /// Writes at `offset`; what is written has been erased.
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> impl Future<Output = bool>;
+
+    /// Erases the sector that begins at `offset`.
+    fn erase(&mut self, offset: u32, bytes: u32) -> impl Future<Output = bool>;
+}
+
+/// Two sectors of slots of `BYTES`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ring<const BYTES: usize> {
+    /// Where the sectors begin.
+    pub sectors: [u32; 2],
+    /// Their length.
+    pub sector_bytes: u32,
+    /// Distance of two slots, at least `BYTES`.
+    pub slot_bytes: u32,
+}
+
+impl<const BYTES: usize> Ring<BYTES> {
+    /// What was saved last.
+    pub fn load<T: Keep<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
+        self.newest(flash).map(|(_, _, kept)| kept)
+    }
+
+    /// Saves `kept` in the next slot; returns whether it reads back as it was written.
+    pub async fn save<T: Keep<BYTES>>(&self, flash: &mut impl Flash, kept: &T) -> bool {
+        let last = self.newest::<T>(flash);
+        let sequence = last
+            .as_ref()
+            .map_or(0, |(_, sequence, _)| sequence.wrapping_add(1));
+        let Some(bytes) = kept.encode(sequence) else {
+            return false;
+        };
+        let [one, other] = self.sectors;
+        // Whether the last one lies in the second sector.
+        let second = last
+            .as_ref()
+            .is_some_and(|(slot, _, _)| (other..other + self.sector_bytes).contains(slot));
+        let (here, there) = if second { (other, one) } else { (one, other) };
+        let behind = last.map_or(here, |(slot, _, _)| slot + self.slot_bytes);
+        let free = self
+            .slots(here)
+            .find(|&slot| slot >= behind && self.is_erased(flash, slot));
+        let slot = match free {
+            Some(slot) => slot,
+            None => {
+                if !flash.erase(there, self.sector_bytes).await {
+                    return false;
+                }
+                there
+            }
+        };
+        flash.write(slot, &bytes).await && self.read(flash, slot) == bytes
+    }
+
+    fn newest<T: Keep<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
+        let mut newest: Option<(u32, u32, T)> = None;
+        for slot in self
+            .sectors
+            .into_iter()
+            .flat_map(|sector| self.slots(sector))
+        {
+            let Some((sequence, kept)) = T::decode(&self.read(flash, slot)) else {
+                continue;
+            };
+            if newest.as_ref().is_none_or(|(_, last, _)| sequence > *last) {
+                newest = Some((slot, sequence, kept));
+            }
+        }
+        newest
+    }
+
+    fn slots(&self, sector: u32) -> impl Iterator<Item = u32> + use<BYTES> {
+        (sector..sector + self.sector_bytes).step_by(self.slot_bytes as usize)
+    }
+
+    fn read(&self, flash: &impl Flash, slot: u32) -> [u8; BYTES] {
+        let mut bytes = [0; BYTES];
+        flash.read(slot, &mut bytes);
+        bytes
+    }
+
+    fn is_erased(&self, flash: &impl Flash, slot: u32) -> bool {
+        self.read(flash, slot).iter().all(|&b| b == 0xff)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::settings::{CALIBRATION_BYTES, Wiring};
+    use super::*;
+    use crate::sim::CODES;
+    use core::pin::pin;
+    use core::task::{Context, Poll, Waker};
+    use link::Calibration;
+
+    /// Flash whose power fails after some words have been written or erased; bits only fall, until they are erased.
+    #[derive(Clone)]
+    struct Array {
+        bytes: Vec<u8>,
+        words_left: usize,
+    }
+
+    impl Flash for Array {
+        fn read(&self, offset: u32, bytes: &mut [u8]) {
+            bytes.copy_from_slice(&self.bytes[offset as usize..][..bytes.len()]);
+        }
+
+        async fn write(&mut self, offset: u32, bytes: &[u8]) -> bool {
+            for (place, word) in self.bytes[offset as usize..]
+                .chunks_exact_mut(4)
+                .zip(bytes.chunks(4))
+            {
+                if self.words_left == 0 {
+                    return false;
+                }
+                self.words_left -= 1;
+                for (b, new) in place.iter_mut().zip(word) {
+                    *b &= new;
+                }
+            }
+            true
+        }
+
+        async fn erase(&mut self, offset: u32, bytes: u32) -> bool {
+            for word in self.bytes[offset as usize..][..bytes as usize].chunks_exact_mut(4) {
+                if self.words_left == 0 {
+                    return false;
+                }
+                self.words_left -= 1;
+                word.fill(0xff);
+            }
+            true
+        }
+    }
+
+    const RING: Ring<CALIBRATION_BYTES> = Ring {
+        sectors: [0, 512],
+        sector_bytes: 512,
+        slot_bytes: 64,
+    };
+
+    fn wiring(number: u16) -> Wiring {
+        let mut calibration = Calibration::placeholder(&CODES);
+        calibration.force.zero_code = f32::from(number);
+        Wiring::new(calibration, &CODES)
+    }
+
+    /// Saves; nothing here ever waits.
+    fn save(flash: &mut Array, number: u16) -> bool {
+        let wiring = wiring(number);
+        let mut saving = pin!(RING.save(flash, &wiring));
+        match saving
+            .as_mut()
+            .poll(&mut Context::from_waker(Waker::noop()))
+        {
+            Poll::Ready(saved) => saved,
+            Poll::Pending => panic!("it waits"),
+        }
+    }
+
+    fn blank() -> Array {
+        Array {
+            bytes: vec![0xff; 1024],
+            words_left: usize::MAX,
+        }
+    }
+
+    #[test]
+    fn the_last_one_counts_through_many_turns_of_both_sectors() {
+        let mut flash = blank();
+        assert_eq!(RING.load::<Wiring>(&flash), None);
+        for number in 0..100 {
+            assert!(save(&mut flash, number));
+            assert_eq!(RING.load(&flash), Some(wiring(number)));
+        }
+    }
+
+    #[test]
+    fn power_that_fails_at_any_word_leaves_the_old_one_or_the_new_and_the_next_saving_works() {
+        let mut flash = blank();
+        for number in 0..40 {
+            // A saving with an erasure takes 128 + 16 words at most.
+            for words in 0..150 {
+                let mut cut = flash.clone();
+                cut.words_left = words;
+                let saved = save(&mut cut, number + 1);
+                let kept = RING.load(&cut);
+                let old = (number > 0).then(|| wiring(number));
+                assert!(
+                    kept == Some(wiring(number + 1)) || (!saved && kept == old),
+                    "{words} words: {kept:?}"
+                );
+                cut.words_left = usize::MAX;
+                assert!(save(&mut cut, 999), "after a cut at word {words}");
+                assert_eq!(RING.load(&cut), Some(wiring(999)));
+            }
+            assert!(save(&mut flash, number + 1));
+        }
+    }
+}

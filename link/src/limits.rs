@@ -1,0 +1,230 @@
+//! The limits without which no test is armed on a board, and what they may be at most.
+//!
+//! A limit that lies beyond what the converters show is none: the range would end first. So each has to lie inside the
+//! calibrated range, some codes from its ends ([`CodeRange::sensor_spare`]). The PC asks the same question before it sends
+//! a test, with the figures of [`Shown`] in its sentence.
+
+use crate::channel::{Calibration, CodeRange};
+use outerloop_core::{Config, Refusal};
+
+/// Codes of the displacement that a motion has to pass before a standing reading counts as frozen, at least: coarser
+/// than the converter's own steps and their noise.
+pub const FROZEN_CODES: u16 = 8;
+
+/// The longest time for which samples may be stale, s.
+pub const STALE_S: f64 = 0.25;
+
+/// The largest change of the command in a control step, as a share of the stroke that is shown. More is no limit.
+pub const STEP_SHARE: f64 = 0.25;
+
+/// What a calibrated board shows, both ways from zero, with the spare codes left free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Largest displacement that both the sensor and the command show, m.
+    pub displacement_m: f64,
+    /// Largest force, N.
+    pub force_n: f64,
+    /// Motion that a standing reading hides, m: [`FROZEN_CODES`].
+    pub frozen_m: f64,
+}
+
+impl Shown {
+    /// By a calibration.
+    pub fn by(calibration: &Calibration, codes: &CodeRange) -> Self {
+        let sensor = |line: crate::channel::Line| line.shows(codes.sensor_top, codes.sensor_spare);
+        let command = calibration
+            .command
+            .shows(codes.command_top, codes.command_spare);
+        let displacement = calibration.displacement;
+        Self {
+            displacement_m: f64::from(sensor(displacement).min(command)),
+            force_n: f64::from(sensor(calibration.force)),
+            frozen_m: f64::from(displacement.per_code.abs() * f32::from(FROZEN_CODES)),
+        }
+    }
+
+    /// Checks that the test has all limits that arming asks for, and that each can act.
+    ///
+    /// # Errors
+    /// The first limit that is left out (its value is NaN then) or cannot act.
+    pub fn check(&self, config: &Config) -> Result<(), Refusal> {
+        let limits = &config.limits;
+        let rate_hz = config.timing.rate_hz;
+        let stroke_m = self.displacement_m;
+        let step_m = STEP_SHARE * stroke_m;
+        at_most(
+            "limits.displacement_m",
+            limits.displacement_m,
+            stroke_m,
+            "a limit inside what the calibrated sensor and command show, less the spare codes at the ends",
+        )?;
+        at_most(
+            "limits.force_n",
+            limits.force_n,
+            self.force_n,
+            "a limit inside what the calibrated sensor shows, less the spare codes at the ends",
+        )?;
+        at_most(
+            "limits.tracking_m",
+            limits.tracking_m,
+            stroke_m,
+            "a limit inside what the calibrated sensor shows, less the spare codes at the ends",
+        )?;
+        if limits.increment_m.is_none() || limits.velocity_m_per_s.is_some() {
+            at_most(
+                "limits.velocity_m_per_s",
+                limits.velocity_m_per_s,
+                step_m * rate_hz,
+                "a limit (or limits.increment_m) of at most a quarter of the stroke in a control step",
+            )?;
+        }
+        if limits.increment_m.is_some() {
+            at_most(
+                "limits.increment_m",
+                limits.increment_m,
+                step_m,
+                "a limit of at most a quarter of the stroke in a control step",
+            )?;
+        }
+        at_most(
+            "limits.stale_steps",
+            limits.stale_steps.map(f64::from),
+            STALE_S * rate_hz,
+            "a limit of at most a quarter of a second",
+        )?;
+        let hidden_m = limits.hidden_motion_m();
+        // The calibration is in single precision, and a PC sends its own figure back.
+        if !(hidden_m >= self.frozen_m * (1.0 - 1e-6) && hidden_m <= stroke_m) {
+            return Err(Refusal {
+                name: "limits.frozen_m",
+                value: hidden_m,
+                accepted: "at least 8 codes of the displacement (0.1 mm where it is left out), at most the stroke",
+            });
+        }
+        Ok(())
+    }
+}
+
+fn at_most(
+    name: &'static str,
+    limit: Option<f64>,
+    most: f64,
+    accepted: &'static str,
+) -> Result<(), Refusal> {
+    match limit {
+        Some(value) if value > 0.0 && value <= most => Ok(()),
+        other => Err(Refusal {
+            name,
+            value: other.unwrap_or(f64::NAN),
+            accepted,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channel::TWELVE_BITS;
+    use outerloop_core::config::Limits;
+
+    fn limited() -> Config {
+        let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
+        config.limits = Limits {
+            displacement_m: Some(0.04),
+            velocity_m_per_s: Some(0.5),
+            force_n: Some(8000.0),
+            tracking_m: Some(0.01),
+            stale_steps: Some(20),
+            ..Limits::default()
+        };
+        config
+    }
+
+    fn refused(change: impl FnOnce(&mut Limits)) -> Option<&'static str> {
+        let mut config = limited();
+        change(&mut config.limits);
+        let shown = Shown::by(&Calibration::placeholder(&TWELVE_BITS), &TWELVE_BITS);
+        shown.check(&config).err().map(|r| r.name)
+    }
+
+    #[test]
+    fn each_limit_that_is_left_out_or_cannot_act_is_refused_by_its_name() {
+        assert_eq!(refused(|_| ()), None);
+        assert_eq!(
+            refused(|l| l.displacement_m = None),
+            Some("limits.displacement_m")
+        );
+        // 300 of 4095 codes at each end of +-50 mm: 42.7 mm.
+        assert_eq!(refused(|l| l.displacement_m = Some(0.0426)), None);
+        assert_eq!(
+            refused(|l| l.displacement_m = Some(0.0428)),
+            Some("limits.displacement_m")
+        );
+        assert_eq!(
+            refused(|l| l.displacement_m = Some(f64::NAN)),
+            Some("limits.displacement_m")
+        );
+        assert_eq!(refused(|l| l.force_n = None), Some("limits.force_n"));
+        assert_eq!(
+            refused(|l| l.force_n = Some(8600.0)),
+            Some("limits.force_n")
+        );
+        assert_eq!(refused(|l| l.tracking_m = None), Some("limits.tracking_m"));
+        assert_eq!(
+            refused(|l| l.tracking_m = Some(0.05)),
+            Some("limits.tracking_m")
+        );
+        assert_eq!(
+            refused(|l| l.velocity_m_per_s = None),
+            Some("limits.velocity_m_per_s")
+        );
+        assert_eq!(
+            refused(|l| l.velocity_m_per_s = Some(30.0)),
+            Some("limits.velocity_m_per_s")
+        );
+        let increment =
+            |m| move |l: &mut Limits| (l.velocity_m_per_s, l.increment_m) = (None, Some(m));
+        assert_eq!(refused(increment(0.001)), None);
+        assert_eq!(refused(increment(0.02)), Some("limits.increment_m"));
+        assert_eq!(
+            refused(|l| l.stale_steps = None),
+            Some("limits.stale_steps")
+        );
+        assert_eq!(
+            refused(|l| l.stale_steps = Some(501)),
+            Some("limits.stale_steps")
+        );
+        assert_eq!(
+            refused(|l| l.frozen_m = Some(5e-5)),
+            Some("limits.frozen_m")
+        );
+        assert_eq!(
+            refused(|l| l.frozen_m = Some(0.05)),
+            Some("limits.frozen_m")
+        );
+    }
+
+    #[test]
+    fn what_is_frozen_follows_the_calibration() {
+        let coarse = Calibration::over(0.25, 1e4, &TWELVE_BITS);
+        let shown = Shown::by(&coarse, &TWELVE_BITS);
+        let refusal = shown.check(&limited()).unwrap_err();
+        assert_eq!(refusal.name, "limits.frozen_m");
+        let mut config = limited();
+        config.limits.frozen_m = Some(shown.frozen_m);
+        assert_eq!(shown.check(&config), Ok(()));
+        // 8 of 8190 codes of half a metre.
+        assert!((shown.frozen_m / 0.488e-3 - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_zero_at_the_end_of_the_range_shows_nothing() {
+        let mut skewed = Calibration::placeholder(&TWELVE_BITS);
+        skewed.force.zero_code = 8100.0;
+        let shown = Shown::by(&skewed, &TWELVE_BITS);
+        assert_eq!(
+            shown.check(&limited()).map_err(|r| r.name),
+            Err("limits.force_n")
+        );
+    }
+}
