@@ -4,22 +4,32 @@
 //!  wire         the serial port's bytes, to and from whoever plays the PC
 //!  nucleo       the board: the chip, its crystal, its supply, the serial line
 //!  converters   volts, as codes: what the rig shows the ADC, what the DAC tells the rig
+//!  registers    what the image writes where the emulator has no model, and what it must have written
+//!  dac          the DAC as the chip has it: holding register, trigger, output register, pin
+//!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults; keeps a log
 //!  image        the ELF, its sizes and symbols
 //! ```
 //!
 //! # What is not as on the metal
-//! The emulator has no model of the DAC (its holding register is read instead), no external trigger of the ADC (the
-//! laboratory sets the software trigger at the instants at which the sampling timer would), and counts instructions, not
-//! cycles of the flash and the pipeline. Both conversions of a pair read the same voltage. Everything else is the chip's:
-//! clocks, timers, priorities, DMA, serial port, watchdog, resets.
+//! The emulator has no lines between timers and converters: the laboratory reads what the image has written into their
+//! registers, starts the conversions at the updates of the sampling timer, and hands commands over at TIM4's compare, only
+//! where the chip would. Every instruction takes the mean of what the chip takes ([`nucleo::INSTRUCTIONS_PER_SECOND`]): no
+//! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. What is programmed into the
+//! flash is dropped. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
+//! watchdog, resets.
 
 pub mod converters;
+pub mod dac;
 pub mod image;
 pub mod laboratory;
 pub mod nucleo;
+pub mod permission;
+pub mod registers;
 pub mod wire;
 
 pub use image::Firmware;
 pub use laboratory::{Fault, Laboratory, Log, Planned, Seen};
+pub use permission::Contact;
+pub use registers::{Mutant, Violation};
 pub use wire::Wire;

@@ -1,7 +1,7 @@
 //! `emu IMAGE LABORATORY`: the image on an emulated board, the serial port on standard input and output.
 
 use clap::Parser;
-use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
+use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
 use emu::{Firmware, Laboratory, Wire};
 use link::Calibration;
 use plant::{Rig, RigSpec};
@@ -55,7 +55,8 @@ fn go(arguments: &Arguments) -> Result<(), String> {
     connect(&wire);
     let laboratory =
         Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?).wired(room.calibration);
-    let board = Nucleo::new(RIGHT_CRYSTAL_HZ, wire.clone()).map_err(|e| e.to_string())?;
+    let board =
+        Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone()).map_err(|e| e.to_string())?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
     let start = Start::new(&firmware.images);
     let ended = rigless::emulator::run(session, &start, laboratory);

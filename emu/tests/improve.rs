@@ -2,7 +2,8 @@
 //! telemetry, the improved configuration sent to the same board, the same test again.
 
 use outerloop_cli::board::emulated::{Emulated, Laboratory};
-use outerloop_cli::board::{BoardBench, Connection, Patience};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
 use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
@@ -66,8 +67,11 @@ impl Site for Boards {
                 let laboratory = Laboratory::of(&experiment.test, seed);
                 let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
                 let port = Emulated::with(emulator, &laboratory)?;
-                let connection = Connection::new(port, Patience::EMULATED);
-                on.push((rig.clone(), BoardBench::new(connection)));
+                let mut connection = Connection::new(port, Patience::EMULATED);
+                calibrate(&mut connection, laboratory.calibration)?;
+                let plan = Plan::of(experiment, ideal);
+                let bench = BoardBench::new(connection, plan, Operator::nobody());
+                on.push((rig.clone(), bench));
                 on.len() - 1
             }
         };

@@ -2,7 +2,8 @@
 //! beyond what a board shows that nobody has calibrated.
 
 use outerloop_cli::board::emulated::{Emulated, Laboratory};
-use outerloop_cli::board::{BoardBench, Connection, Patience, calibrate};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
@@ -18,14 +19,16 @@ fn the_strong_part_of_table_1_on_a_board_that_is_calibrated_to_its_rig() {
     let ideal = experiment.ideal().unwrap();
     let method = experiment.test.config.compensation.kind;
 
-    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&ideal);
+    let plan = Plan::of(&experiment, &ideal);
+    let limits = plan.without_board(&experiment.test.config.limits);
+    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory).unwrap();
     let mut connection = Connection::new(port, Patience::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     let run = experiment
         .run_on(
-            &BoardBench::new(connection),
+            &BoardBench::new(connection, plan, Operator::nobody()),
             method,
             &ideal,
             true,

@@ -1,6 +1,6 @@
 //! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
 
-use crate::desk::{Course, Desk, PERIOD_NS};
+use crate::desk::{Bench, Course, Desk, PERIOD_NS};
 use emu::{Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
@@ -17,17 +17,26 @@ const WATCHDOG_NS: u64 = 50 * MS;
 
 /// A fault in the middle of a test, 0.3 s after PERMIT came.
 fn in_mid_test(fault: Fault) -> Desk {
-    let mut desk = Desk::new(Some(Planned {
+    on_bench(fault, Bench::default())
+}
+
+fn on_bench(fault: Fault, bench: Bench) -> Desk {
+    let plan = Some(Planned {
         after_steps: 600,
         fault,
-    }));
+    });
+    let mut desk = Desk::with(Bench { plan, ..bench });
     desk.start();
     desk
 }
 
 /// A drill that ends in a reset by the watchdog.
 fn crash(drill: u32) -> (Course, Status) {
-    let mut desk = in_mid_test(Fault::Drill(drill));
+    crash_on(drill, Bench::default())
+}
+
+fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
+    let mut desk = on_bench(Fault::Drill(drill), bench);
     desk.until_reset();
     desk.assert_nothing_lost();
     let status = desk.status();
@@ -88,6 +97,80 @@ fn a_panic() {
 fn a_hard_fault() {
     let text = dies_at_once(2, Cause::HardFault);
     assert!(text.starts_with("pc 0x080"), "{text}");
+}
+
+#[test]
+fn a_clock_that_stops() {
+    let text = dies_at_once(7, Cause::ClockStopped);
+    assert_eq!(text, "the external clock stopped");
+}
+
+#[test]
+fn a_supply_that_falls() {
+    let text = dies_at_once(8, Cause::LowSupply);
+    assert_eq!(text, "the supply fell below 2.9 V");
+}
+
+/// The watchdog's clock is good to a factor of two: at its slowest and at its fastest a test runs, and a hang ends.
+#[test]
+fn the_watchdogs_clock_at_both_ends_of_its_range() {
+    for lsi_hz in [17_000, 47_000] {
+        let bench = Bench {
+            lsi_hz,
+            ..Bench::default()
+        };
+        let (course, status) = crash_on(5, bench);
+        assert!(status.crystal_ok, "{lsi_hz} Hz");
+        let reset = course.reset_ns.expect("a reset") - course.fault_ns;
+        println!(
+            "slow clock {lsi_hz} Hz: reset {} ms after the hang was asked for",
+            reset / MS
+        );
+        assert!(reset <= NOTICED_NS + WATCHDOG_NS, "{reset} ns");
+    }
+}
+
+/// The output pin floats from the reset until the start has put the DAC where the rig is. The relay is open then, so the rig
+/// stands; it would go to the end of its stroke otherwise.
+#[test]
+fn the_rig_stands_while_the_pin_floats() {
+    let mut desk = in_mid_test(Fault::Drill(5));
+    desk.until_reset();
+    let log = desk.log();
+    let floats = log
+        .pin
+        .iter()
+        .skip(2000)
+        .filter(|pin| pin.is_none())
+        .count();
+    assert!(floats > 10, "{floats} periods");
+    let moves = log.position_m.windows(2).map(|w| (w[1] - w[0]).abs());
+    let largest = moves.fold(0.0, f64::max);
+    // 0.25 m/s at most, in half a millisecond.
+    assert!(largest < 2e-4, "the rig jumped by {largest} m");
+}
+
+/// A rig that sinks when nothing holds it is followed: the next arming begins where it is.
+#[test]
+fn a_rig_that_sinks_without_permission_is_armed_where_it_has_sunk_to() {
+    let mut desk = on_bench(
+        Fault::EmergencyStop,
+        Bench {
+            sinks_m_per_s: 0.005,
+            ..Bench::default()
+        },
+    );
+    desk.until(State::Tripped);
+    for _ in 0..1000 {
+        desk.step();
+    }
+    let log = desk.log();
+    let now = *log.position_m.last().unwrap();
+    let highest = log.position_m.iter().copied().fold(f64::MIN, f64::max);
+    assert!(
+        now < highest - 0.002,
+        "it has sunk from {highest} to {now} m"
+    );
 }
 
 #[test]
@@ -202,7 +285,10 @@ fn the_reset_button_in_mid_test() {
 #[test]
 fn a_wrong_or_missing_crystal_is_seen_and_nothing_can_be_armed() {
     for crystal_hz in [25_000_000, 7_000_000, 0] {
-        let mut desk = Desk::with_crystal(crystal_hz, None);
+        let mut desk = Desk::with(Bench {
+            crystal_hz,
+            ..Bench::default()
+        });
         desk.load();
         let status = desk.status();
         assert!(!status.crystal_ok, "{crystal_hz} Hz");

@@ -1,7 +1,9 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
-use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ};
-use emu::{Firmware, Laboratory, Log, Planned, Seen, Wire};
+use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
+use emu::{Firmware, Laboratory, Log, Mutant, Planned, Seen, Wire};
+use firmware::sim::CODES;
+use link::Calibration;
 use link::command::Command;
 use link::frame::checksum;
 use link::reply::Reply;
@@ -9,6 +11,7 @@ use link::status::Status;
 use link::telemetry::StepReport;
 use outerloop_cli::board::{Connection, Patience, Port, status};
 use outerloop_core::Config;
+use outerloop_core::config::Limits;
 use outerloop_core::{Event, State};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
@@ -83,6 +86,29 @@ impl Port for Line {
     }
 }
 
+/// What is not as usual.
+pub struct Bench {
+    pub firmware: Option<Firmware>,
+    pub crystal_hz: u64,
+    pub lsi_hz: u64,
+    pub plan: Option<Planned>,
+    pub mutant: Option<Mutant>,
+    pub sinks_m_per_s: f64,
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self {
+            firmware: None,
+            crystal_hz: RIGHT_CRYSTAL_HZ,
+            lsi_hz: USUAL_LSI_HZ,
+            plan: None,
+            mutant: None,
+            sinks_m_per_s: 0.0,
+        }
+    }
+}
+
 /// A board, its laboratory, and a PC.
 pub struct Desk {
     pub pc: Connection<Line>,
@@ -114,15 +140,17 @@ pub struct Course {
 impl Desk {
     /// Switches a board on, with a fault to come.
     pub fn new(plan: Option<Planned>) -> Self {
-        Self::with_crystal(RIGHT_CRYSTAL_HZ, plan)
+        Self::with(Bench {
+            plan,
+            ..Bench::default()
+        })
     }
 
-    pub fn with_crystal(crystal_hz: u64, plan: Option<Planned>) -> Self {
-        let firmware = Firmware::read(image()).expect("an image");
-        Self::with_firmware(firmware, crystal_hz, plan)
-    }
-
-    pub fn with_firmware(firmware: Firmware, crystal_hz: u64, plan: Option<Planned>) -> Self {
+    /// Switches a board on that is not as usual.
+    pub fn with(bench: Bench) -> Self {
+        let firmware = bench
+            .firmware
+            .unwrap_or_else(|| Firmware::read(image()).expect("an image"));
         let spec: RigSpec = toml::from_str(
             "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n",
         )
@@ -131,13 +159,16 @@ impl Desk {
         let wire = Wire::default();
         let drill = firmware.symbol("DRILL").expect("the symbol DRILL");
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
-            .with_plan(plan)
+            .with_plan(bench.plan)
+            .mutated(bench.mutant)
+            .sinking(bench.sinks_m_per_s)
             .until_ns(LONGEST_S * 1_000_000_000);
         let log = laboratory.log();
         let theirs = wire.clone();
         let board = std::thread::spawn(move || {
             let run = || {
-                let board = Nucleo::new(crystal_hz, theirs.clone()).map_err(|e| e.to_string())?;
+                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
+                    .map_err(|e| e.to_string())?;
                 let session =
                     Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
                 let start = Start::new(&firmware.images);
@@ -195,8 +226,9 @@ impl Desk {
         }
     }
 
-    /// Configures and loads a test and lets the board idle for a while.
+    /// Calibrates the board, configures and loads a test, and lets it idle for a while.
     pub fn load(&mut self) {
+        self.calibrate();
         self.order(Command::Configure(config()));
         let points = pulse();
         self.order(Command::Motion {
@@ -217,6 +249,11 @@ impl Desk {
         for _ in 0..300 {
             self.step();
         }
+    }
+
+    /// As it is wired.
+    pub fn calibrate(&mut self) {
+        self.order(Command::Calibrate(Calibration::placeholder(&CODES)));
     }
 
     /// Loads and starts a test.
@@ -311,8 +348,14 @@ pub const STIFFNESS_N_PER_M: f64 = 158e3;
 /// Table 1 of the paper with limits.
 pub fn config() -> Config {
     let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
-    config.limits.displacement_m = Some(0.045);
-    config.limits.stale_steps = Some(20);
+    config.limits = Limits {
+        displacement_m: Some(0.042),
+        velocity_m_per_s: Some(1.0),
+        force_n: Some(8000.0),
+        tracking_m: Some(0.01),
+        stale_steps: Some(20),
+        ..Limits::default()
+    };
     config
 }
 

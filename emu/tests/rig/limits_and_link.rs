@@ -2,9 +2,9 @@
 //! reason readable, and every step that was sent received.
 
 use crate::desk::{Desk, PERIOD_NS, config};
-use emu::{Fault, Planned, Seen};
+use emu::{Contact, Fault, Planned, Seen};
 use link::command::Command;
-use link::reply::Reply;
+use link::reply::{Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault as Reason, Method, State};
 
 /// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
@@ -83,7 +83,7 @@ fn a_sensor_that_stands_still() {
 
 #[test]
 fn a_burst_of_noise_beyond_the_limit_of_the_force() {
-    let mut desk = begun(Some(Fault::NoiseBurst), |c| c.limits.force_n = Some(5000.0));
+    let mut desk = begun(Some(Fault::NoiseBurst), |c| c.limits.force_n = Some(4500.0));
     let after = trips(&mut desk, Reason::Force).unwrap();
     assert!(after <= 2 * PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
@@ -91,7 +91,11 @@ fn a_burst_of_noise_beyond_the_limit_of_the_force() {
 
 #[test]
 fn each_limit() {
-    let limits: [(Reason, fn(&mut Config)); 4] = [
+    let limits: [(Reason, fn(&mut Config)); 6] = [
+        (Reason::Increment, |c| {
+            (c.limits.increment_m, c.limits.velocity_m_per_s) = (Some(2e-5), None);
+        }),
+        (Reason::Velocity, |c| c.limits.velocity_m_per_s = Some(0.04)),
         (Reason::Displacement, |c| {
             c.limits.displacement_m = Some(0.003)
         }),
@@ -108,6 +112,58 @@ fn each_limit() {
         trips(&mut desk, reason);
         desk.assert_nothing_lost();
     }
+}
+
+#[test]
+fn a_relay_that_opens_by_itself() {
+    let mut desk = begun(Some(Fault::Chain(Contact::Broken)), |_| {});
+    let after = trips(&mut desk, Reason::PermitChain).unwrap();
+    // The patience with a relay.
+    assert!(after <= 202 * PERIOD_NS, "{after} ns");
+    desk.assert_nothing_lost();
+}
+
+#[test]
+fn a_relay_that_stays_closed_stands_against_the_next_arming() {
+    let mut desk = begun(Some(Fault::Chain(Contact::Welded)), |_| {});
+    desk.until(State::Finished);
+    desk.order(Command::Event(Event::Clear));
+    for _ in 0..300 {
+        desk.step();
+    }
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let welded = Some(Obstacle::Fault(Reason::PermitChain));
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == welded),
+        "{reply:?}"
+    );
+}
+
+#[test]
+fn the_blue_button_holds_the_test() {
+    let mut desk = begun(Some(Fault::Button), |_| {});
+    desk.until(State::Holding);
+    desk.order(Command::Event(Event::Start));
+    desk.until(State::Finished);
+    assert_eq!(desk.status().trip, None);
+}
+
+#[test]
+fn a_test_without_limits_and_a_board_without_calibration_are_refused() {
+    let mut desk = Desk::new(None);
+    let mut open = config();
+    open.limits = Default::default();
+    let Reply::Refused(refused) = desk.ask(Command::Configure(open)) else {
+        panic!("a test without limits is accepted");
+    };
+    assert_eq!(refused.name.as_str(), "limits.displacement_m");
+    desk.order(Command::Configure(config()));
+    let reply = desk.ask(Command::Event(Event::Arm));
+    let nobody = Some(Obstacle::NotCalibrated);
+    assert!(
+        matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == nobody),
+        "{reply:?}"
+    );
 }
 
 #[test]

@@ -4,5 +4,6 @@
 mod crashes;
 mod desk;
 mod limits_and_link;
+mod mutants;
 mod settings;
 mod whole_test;

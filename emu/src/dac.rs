@@ -1,0 +1,108 @@
+//! Channel 1 of the DAC as the chip has it: a code waits in the holding register for its trigger, and the pin shows the
+//! output register, or floats.
+
+use crate::registers::{DAC_CR, GPIOA_MODER, OUTPUT, Registers, TIM4_CCR1};
+use std::collections::VecDeque;
+
+const ENABLED: u64 = 1;
+const TRIGGERED: u64 = 1 << 2;
+const PA4: u64 = 3 << 8;
+
+/// The converter and its pin.
+#[derive(Clone, Debug, Default)]
+pub struct Dac {
+    output: u16,
+    /// Codes written and not yet taken over, with their times.
+    held: VecDeque<(u64, u16)>,
+}
+
+impl Dac {
+    /// The holding register is written.
+    pub fn hold(&mut self, registers: &Registers, at_ns: u64, code: u16) {
+        if registers.read(DAC_CR) & TRIGGERED == 0 {
+            self.output = code;
+            self.held.clear();
+        } else {
+            self.held.push_back((at_ns, code));
+        }
+    }
+
+    /// A period that began at `trigger_ns` is over: what stood in the holding register at TIM4's compare is shown since.
+    pub fn end_of_period(&mut self, registers: &Registers, trigger_ns: u64, timer_hz: u64) {
+        // A chain with another compare value works, at another instant.
+        let chain = OUTPUT.iter().filter(|d| d.address != TIM4_CCR1);
+        if chain
+            .clone()
+            .any(|d| registers.read(d.address) & d.mask != d.value)
+        {
+            return;
+        }
+        let delay_ns = registers.read(TIM4_CCR1) * 1_000_000_000 / timer_hz;
+        while let Some((_, code)) = self
+            .held
+            .pop_front_if(|(at, _)| *at <= trigger_ns + delay_ns)
+        {
+            self.output = code;
+        }
+    }
+
+    /// What the pin shows; `None` while it floats.
+    pub fn pin(&self, registers: &Registers) -> Option<u16> {
+        let driven =
+            registers.read(DAC_CR) & ENABLED != 0 && registers.read(GPIOA_MODER) & PA4 == PA4;
+        driven.then_some(self.output)
+    }
+
+    /// The chip is reset.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registers::{TIM4_CCMR1, TIM4_CR1, TIM4_CR2, TIM4_SMCR};
+
+    fn registers(dac: u64) -> Registers {
+        let mut r = Registers::default();
+        for (address, value) in [
+            (TIM4_SMCR, 1 << 4 | 6),
+            (TIM4_CR1, 1 << 3),
+            (TIM4_CCMR1, 7 << 4),
+            (TIM4_CCR1, 3360),
+            (TIM4_CR2, 4 << 4),
+            (GPIOA_MODER, PA4),
+            (DAC_CR, dac),
+        ] {
+            r.write(address, value);
+        }
+        r
+    }
+
+    const WHOLE: u64 = 1 | 1 << 2 | 5 << 3;
+
+    #[test]
+    fn a_code_is_shown_from_the_compare_on_and_one_that_is_late_a_period_later() {
+        let (mut dac, r) = (Dac::default(), registers(WHOLE));
+        dac.hold(&r, 30_000, 100);
+        dac.hold(&r, 41_000, 200);
+        assert_eq!(dac.pin(&r), Some(0));
+        dac.end_of_period(&r, 0, 84_000_000);
+        assert_eq!(dac.pin(&r), Some(100));
+        dac.end_of_period(&r, 500_000, 84_000_000);
+        assert_eq!(dac.pin(&r), Some(200));
+    }
+
+    #[test]
+    fn without_a_trigger_it_is_shown_at_once_and_with_a_wrong_one_never() {
+        let (mut dac, r) = (Dac::default(), registers(1));
+        dac.hold(&r, 0, 300);
+        assert_eq!(dac.pin(&r), Some(300));
+        let wrong = registers(1 | 1 << 2 | 4 << 3);
+        dac.hold(&wrong, 0, 400);
+        dac.end_of_period(&wrong, 0, 84_000_000);
+        assert_eq!(dac.pin(&wrong), Some(300));
+        assert_eq!(dac.pin(&registers(WHOLE & !1)), None);
+    }
+}

@@ -1,0 +1,410 @@
+//! The registers that the analogue path and the guards hang on, as the image writes them, and what they must hold before
+//! the first trigger. By RM0090 rev 19; names are the manual's.
+//!
+//! The emulator has no DAC, no external interrupts and no trigger lines between timers and converters. What the image
+//! writes into their registers is kept here, and the laboratory acts by it.
+
+use std::collections::HashMap;
+
+pub const TIM2_CR1: u64 = 0x4000_0000;
+pub const TIM2_CR2: u64 = 0x4000_0004;
+pub const TIM2_EGR: u64 = 0x4000_0014;
+pub const TIM2_PSC: u64 = 0x4000_0028;
+pub const TIM2_ARR: u64 = 0x4000_002c;
+pub const TIM4_CR1: u64 = 0x4000_0800;
+pub const TIM4_CR2: u64 = 0x4000_0804;
+pub const TIM4_SMCR: u64 = 0x4000_0808;
+pub const TIM4_CCMR1: u64 = 0x4000_0818;
+pub const TIM4_CCR1: u64 = 0x4000_0834;
+pub const PWR_CR: u64 = 0x4000_7000;
+pub const DAC_CR: u64 = 0x4000_7400;
+pub const DAC_DHR12R1: u64 = 0x4000_7408;
+pub const ADC1_CR1: u64 = 0x4001_2004;
+pub const ADC1_CR2: u64 = 0x4001_2008;
+pub const ADC1_SMPR1: u64 = 0x4001_200c;
+pub const ADC1_SMPR2: u64 = 0x4001_2010;
+pub const ADC1_JSQR: u64 = 0x4001_2038;
+pub const ADC_CCR: u64 = 0x4001_2304;
+pub const EXTI_IMR: u64 = 0x4001_3c00;
+pub const EXTI_RTSR: u64 = 0x4001_3c08;
+pub const GPIOA_MODER: u64 = 0x4002_0000;
+pub const GPIOC_MODER: u64 = 0x4002_0800;
+pub const GPIOE_MODER: u64 = 0x4002_1000;
+pub const GPIOE_PUPDR: u64 = 0x4002_100c;
+pub const GPIOE_BSRR: u64 = 0x4002_1018;
+
+/// Every register that is kept.
+const KEPT: [u64; 24] = [
+    TIM2_CR1,
+    TIM2_CR2,
+    TIM2_PSC,
+    TIM2_ARR,
+    TIM4_CR1,
+    TIM4_CR2,
+    TIM4_SMCR,
+    TIM4_CCMR1,
+    TIM4_CCR1,
+    PWR_CR,
+    DAC_CR,
+    DAC_DHR12R1,
+    ADC1_CR1,
+    ADC1_CR2,
+    ADC1_SMPR1,
+    ADC1_SMPR2,
+    ADC1_JSQR,
+    ADC_CCR,
+    EXTI_IMR,
+    EXTI_RTSR,
+    GPIOA_MODER,
+    GPIOC_MODER,
+    GPIOE_MODER,
+    GPIOE_PUPDR,
+];
+
+/// A field of a register, what it must hold, and what fails on the metal where it does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Demand {
+    /// Register and field.
+    pub name: &'static str,
+    /// The register.
+    pub address: u64,
+    /// The field.
+    pub mask: u64,
+    /// What it must hold.
+    pub value: u64,
+    /// What would fail.
+    pub fails: &'static str,
+}
+
+const fn demand(
+    name: &'static str,
+    address: u64,
+    mask: u64,
+    value: u64,
+    fails: &'static str,
+) -> Demand {
+    Demand {
+        name,
+        address,
+        mask,
+        value,
+        fails,
+    }
+}
+
+/// Without these nothing is sampled: what starts the ADC, and what it converts.
+pub const SAMPLING: [Demand; 11] = [
+    demand(
+        "TIM2_CR2.MMS",
+        TIM2_CR2,
+        7 << 4,
+        2 << 4,
+        "the timer's update does not leave it",
+    ),
+    demand(
+        "TIM2_PSC",
+        TIM2_PSC,
+        0xffff,
+        0,
+        "the period is a multiple of what was asked for",
+    ),
+    demand(
+        "ADC1_CR2.JEXTSEL",
+        ADC1_CR2,
+        15 << 16,
+        3 << 16,
+        "another timer starts the conversions",
+    ),
+    demand(
+        "ADC1_CR2.JEXTEN",
+        ADC1_CR2,
+        3 << 20,
+        1 << 20,
+        "the timer's update starts no conversion",
+    ),
+    demand("ADC1_CR2.ADON", ADC1_CR2, 1, 1, "the converter is off"),
+    demand(
+        "ADC1_CR1.SCAN",
+        ADC1_CR1,
+        1 << 8,
+        1 << 8,
+        "only the first rank is converted",
+    ),
+    demand(
+        "ADC1_CR1.JEOCIE",
+        ADC1_CR1,
+        1 << 7,
+        1 << 7,
+        "the end of the conversions interrupts nobody",
+    ),
+    demand(
+        "ADC1_JSQR",
+        ADC1_JSQR,
+        0x003f_ffff,
+        JSQR,
+        "the ranks are not displacement, force, force, displacement",
+    ),
+    demand(
+        "ADC_CCR.ADCPRE",
+        ADC_CCR,
+        3 << 16,
+        1 << 16,
+        "the converter's clock is not 21 MHz: too fast, or not done in 13 us",
+    ),
+    demand(
+        "ADC1_SMPR2.SMP3",
+        ADC1_SMPR2,
+        7 << 9,
+        3 << 9,
+        "the displacement is not sampled for 56 cycles",
+    ),
+    demand(
+        "ADC1_SMPR1.SMP10",
+        ADC1_SMPR1,
+        7,
+        3,
+        "the force is not sampled for 56 cycles",
+    ),
+];
+
+/// Four ranks: channels 3, 10, 10, 3.
+const JSQR: u64 = 3 << 20 | 3 << 15 | 10 << 10 | 10 << 5 | 3;
+
+/// Without these the output never takes a command over, or not at its instant.
+pub const OUTPUT: [Demand; 11] = [
+    demand(
+        "TIM4_SMCR.TS",
+        TIM4_SMCR,
+        7 << 4,
+        1 << 4,
+        "TIM4 does not follow TIM2",
+    ),
+    demand(
+        "TIM4_SMCR.SMS",
+        TIM4_SMCR,
+        7,
+        6,
+        "TIM4 is not started by TIM2",
+    ),
+    demand(
+        "TIM4_CR1.OPM",
+        TIM4_CR1,
+        1 << 3,
+        1 << 3,
+        "TIM4 runs on and hands commands over at other instants",
+    ),
+    demand(
+        "TIM4_CCMR1.OC1M",
+        TIM4_CCMR1,
+        7 << 4,
+        7 << 4,
+        "TIM4's compare makes no edge at its instant",
+    ),
+    demand(
+        "TIM4_CCR1",
+        TIM4_CCR1,
+        0xffff,
+        3360,
+        "the command is not taken over 40 us after the sample",
+    ),
+    demand(
+        "TIM4_CR2.MMS",
+        TIM4_CR2,
+        7 << 4,
+        4 << 4,
+        "TIM4's compare does not leave it",
+    ),
+    demand("DAC_CR.EN1", DAC_CR, 1, 1, "the DAC's pin floats"),
+    demand(
+        "DAC_CR.BOFF1",
+        DAC_CR,
+        1 << 1,
+        0,
+        "the DAC drives no load of 5 kOhm",
+    ),
+    demand(
+        "DAC_CR.TEN1",
+        DAC_CR,
+        1 << 2,
+        1 << 2,
+        "the command is shown when it is written, not at its instant",
+    ),
+    demand(
+        "DAC_CR.TSEL1",
+        DAC_CR,
+        7 << 3,
+        5 << 3,
+        "another timer hands the command over",
+    ),
+    demand(
+        "GPIOA_MODER.PA4",
+        GPIOA_MODER,
+        3 << 8,
+        3 << 8,
+        "the DAC's pin is not analogue",
+    ),
+];
+
+/// Without these a sensor or a guard is not what it seems.
+pub const GUARDS: [Demand; 10] = [
+    demand(
+        "GPIOA_MODER.PA3",
+        GPIOA_MODER,
+        3 << 6,
+        3 << 6,
+        "the displacement's pin is not analogue",
+    ),
+    demand(
+        "GPIOC_MODER.PC0",
+        GPIOC_MODER,
+        3,
+        3,
+        "the force's pin is not analogue",
+    ),
+    demand(
+        "GPIOE_MODER.PE9",
+        GPIOE_MODER,
+        3 << 18,
+        1 << 18,
+        "PERMIT drives nothing",
+    ),
+    demand(
+        "GPIOE_MODER.PE14",
+        GPIOE_MODER,
+        3 << 28,
+        1 << 28,
+        "PERMIT's pulses drive nothing",
+    ),
+    demand(
+        "GPIOE_MODER.PE11",
+        GPIOE_MODER,
+        3 << 22,
+        0,
+        "the emergency stop is not an input",
+    ),
+    demand(
+        "GPIOE_PUPDR.PE11",
+        GPIOE_PUPDR,
+        3 << 22,
+        1 << 22,
+        "a broken wire of the emergency stop is not seen",
+    ),
+    demand(
+        "GPIOE_PUPDR.PE15",
+        GPIOE_PUPDR,
+        3 << 30,
+        2 << 30,
+        "a broken wire of the permit chain's contact is not seen",
+    ),
+    demand(
+        "PWR_CR.PLS and PVDE",
+        PWR_CR,
+        0xf << 4,
+        0xf << 4,
+        "the supply is not watched at 2.9 V",
+    ),
+    demand(
+        "EXTI_RTSR.TR16",
+        EXTI_RTSR,
+        1 << 16,
+        1 << 16,
+        "a falling supply makes no edge",
+    ),
+    demand(
+        "EXTI_IMR.MR16",
+        EXTI_IMR,
+        1 << 16,
+        1 << 16,
+        "a falling supply interrupts nobody",
+    ),
+];
+
+/// A demand that is not met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Violation {
+    /// Which.
+    pub demand: Demand,
+    /// What the field holds.
+    pub found: u64,
+}
+
+impl std::fmt::Display for Violation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Demand {
+            name,
+            mask,
+            value,
+            fails,
+            ..
+        } = self.demand;
+        let shift = mask.trailing_zeros();
+        let (found, value) = (self.found >> shift, value >> shift);
+        write!(f, "{name} is {found}, not {value}: {fails}")
+    }
+}
+
+/// A write of the image that goes wrong on its way: the image with this one register wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mutant {
+    /// The register.
+    pub address: u64,
+    /// Bits that are cleared in every write to it.
+    pub clear: u64,
+    /// Bits that are set in it.
+    pub set: u64,
+}
+
+impl Mutant {
+    /// What becomes of `value`, written to `address`.
+    pub fn of(&self, address: u64, value: u64) -> u64 {
+        if address == self.address {
+            value & !self.clear | self.set
+        } else {
+            value
+        }
+    }
+}
+
+/// The registers as written since the last reset.
+#[derive(Clone, Debug, Default)]
+pub struct Registers(HashMap<u64, u64>);
+
+impl Registers {
+    /// A write, of a whole register.
+    pub fn write(&mut self, address: u64, value: u64) {
+        if KEPT.contains(&address) {
+            self.0.insert(address, value);
+        }
+    }
+
+    /// What the register holds; reset values are zero but for what debugging needs of port A.
+    pub fn read(&self, address: u64) -> u64 {
+        let at_reset = if address == GPIOA_MODER {
+            0xa800_0000
+        } else {
+            0
+        };
+        self.0.get(&address).copied().unwrap_or(at_reset)
+    }
+
+    /// As after a reset.
+    pub fn reset(&mut self) {
+        self.0.clear();
+    }
+
+    /// The demands that are not met.
+    pub fn violations<'a>(&'a self, demands: &'a [Demand]) -> impl Iterator<Item = Violation> + 'a {
+        demands.iter().filter_map(|demand| {
+            let found = self.read(demand.address) & demand.mask;
+            (found != demand.value).then_some(Violation {
+                demand: *demand,
+                found,
+            })
+        })
+    }
+
+    /// All demands of a list are met.
+    pub fn meet(&self, demands: &[Demand]) -> bool {
+        self.violations(demands).next().is_none()
+    }
+}
