@@ -1,5 +1,6 @@
 //! From a model and records to an answer.
 
+mod driven;
 mod obstacle;
 
 use crate::answer::*;
@@ -186,7 +187,16 @@ impl Channelled<'_> {
             let why = "the declared parameters cannot be told apart in this record";
             return (self.not_assessed(why), None);
         };
-        let answer = self.answer(&explanation, &noise, cutoff_hz, improved);
+        let mut with = improved.clone();
+        let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
+        if self.base.channel == Channel::Actuator
+            && self.base.known.is_empty()
+            && !self.stands(&answer, &noise, explanation.structured[1])
+            && let Some(answer) = self.driven(&noise, improved)
+        {
+            return (answer, None);
+        }
+        *improved = with;
         let mut solution = explanation.after;
         // What disturbs the reading does not move the specimen.
         let disturbs = |e: &Fitted| e.candidate.effect.entry().family == Family::Interference;
@@ -244,7 +254,9 @@ impl Channelled<'_> {
         if !stretches.is_empty() {
             return Some(Noise::at_rest(&stretches, h, least).told_by(Source::Repeats));
         }
-        let inputs: Option<Vec<&Vec<f64>>> = self.train.iter().map(|r| self.input_of(r)).collect();
+        // The displacement moves as a whole in both channels; a command may jitter far above it.
+        let moves = self.train.iter().map(|r| r.displacement_mm.as_ref());
+        let inputs: Option<Vec<&Vec<f64>>> = moves.collect();
         // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
         let least = least.max(1e-6 * rms(&moving));
         Noise::without_rest(&moving, &inputs?, h, least)

@@ -10,6 +10,7 @@ mod answer;
 mod base;
 mod diagnose;
 mod drive;
+mod drivetrain;
 mod explain;
 mod fit;
 mod identify;

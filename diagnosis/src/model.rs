@@ -32,6 +32,11 @@ pub struct KnownEffect {
 }
 
 impl KnownEffect {
+    /// What it is in the library.
+    pub(crate) fn form(&self, channel: Channel) -> Option<library::Candidate> {
+        library::form(channel, self.name, self.amplitudes.len(), self.shapes.len())
+    }
+
     /// Whether the numbers are as many as the effect has, and finite.
     fn check(&self, channel: Channel) -> Result<(), Refusal> {
         let place = format!("{channel}.effects: {}", self.name);
@@ -42,6 +47,8 @@ impl KnownEffect {
             )));
         };
         let scales = Scales::default();
+        let form = self.form(channel);
+        let candidate = form.as_ref().unwrap_or(candidate);
         let counts = [
             (
                 "amplitudes",
@@ -68,8 +75,7 @@ impl KnownEffect {
 
     /// A parameter of the effect by its name in the catalogue, in the catalogue's unit.
     pub fn parameter(&self, channel: plant::Channel, name: &str) -> Option<f64> {
-        let candidates = library::candidates(channel);
-        let candidate = candidates.iter().find(|c| c.effect == self.name)?;
+        let candidate = self.form(channel)?;
         let scales = Scales {
             x: self.reference_mm,
             ..Scales::default()

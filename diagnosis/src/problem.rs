@@ -259,8 +259,7 @@ impl Problem {
     /// What the model already knows beyond its parameters.
     fn add_known(&mut self, base: &Base) {
         for known in &base.known {
-            let library = crate::library::candidates(base.channel);
-            let Some(candidate) = library.into_iter().find(|c| c.effect == known.name) else {
+            let Some(candidate) = known.form(base.channel) else {
                 continue;
             };
             let scales = Scales {

@@ -5,6 +5,7 @@ use super::{
     Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, positive,
     rest_ratio, settling, stribeck,
 };
+use crate::drivetrain::{Kind, Part, Way};
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
 use plant::{Channel, Effect};
@@ -231,3 +232,71 @@ pub const CANDIDATES: &[Candidate] = &[
         ..BASIS
     },
 ];
+
+/// Forms that the joint search finds, beside those above: the same names, other numbers of shapes. They are not searched
+/// one by one.
+pub const FORMS: &[Candidate] = &[
+    // Unequal areas of a cylinder, x' = (e + b e^2) / T: b, 1/mm.
+    Candidate {
+        effect: Effect::AsymmetricActuator,
+        shapes: |s| vec![Shape::new(-1.0 / s.x, 1.0 / s.x, 1)],
+        stage: Some(|y, p, k| through_valve(y, k, Kind::UnequalAreas, p[0])),
+        parameters: |_, p, _| vec![("unequal_areas_per_mm", "1/mm", p[0])],
+        ..STAGE
+    },
+    // A valve that overlaps: to either side, mm, and the lag behind it, s.
+    Candidate {
+        effect: Effect::DeadBand,
+        shapes: |s| {
+            vec![
+                Shape::new(1e-3 * s.x, 0.5 * s.x, 1),
+                Shape::new(1e-4, 1.0, 1),
+            ]
+        },
+        stage: Some(|y, p, k| through_valve(y, k, Kind::Overlap, p[0])),
+        parameters: |_, p, _| vec![("width_mm", "mm", 2.0 * p[0])],
+        ..STAGE
+    },
+    // A flow that saturates smoothly: the opening where it does, mm, and the lag behind it, s.
+    Candidate {
+        effect: Effect::RateLimit,
+        shapes: |s| {
+            vec![
+                Shape::new(1e-3 * s.x, 10.0 * s.x, 1),
+                Shape::new(1e-4, 1.0, 1),
+            ]
+        },
+        stage: Some(|y, p, k| through_valve(y, k, Kind::FlowLimit, p[0])),
+        parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0] / p[1].max(1e-6))],
+        ..STAGE
+    },
+    // Stops: the lower and the upper, mm.
+    Candidate {
+        effect: Effect::Saturation,
+        shapes: |s| vec![Shape::new(-s.x, s.x, 1), Shape::new(-s.x, s.x, 1)],
+        stage: Some(|y, p, _| y.iter().map(|y| y.min(p[1]).max(p[0])).collect()),
+        parameters: |_, p, _| vec![("limit_mm", "mm", p[0].abs().min(p[1].abs()))],
+        ..STAGE
+    },
+];
+
+/// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
+fn through_valve(y: &[f64], k: &Scales, kind: Kind, shape: f64) -> Vec<f64> {
+    let known = k.actuator;
+    let plain: Vec<f64> = y
+        .iter()
+        .map(|y| (y - known.offset_mm) / known.gain)
+        .collect();
+    let input = unlagged(&plain, known.lag_s, k.step_s);
+    let way = Way {
+        delay_s: 0.0,
+        lag_s: known.lag_s,
+        parts: vec![Part {
+            kind,
+            shapes: [shape, 0.0],
+        }],
+    };
+    let answer = way.valve(&input, k.step_s);
+    let whole = answer.iter().map(|y| known.gain * y + known.offset_mm);
+    whole.collect()
+}

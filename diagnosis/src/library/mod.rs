@@ -2,7 +2,7 @@
 //! that are searched.
 
 mod actuator;
-mod operators;
+pub mod operators;
 mod specimen;
 
 use crate::linear::Bound;
@@ -70,6 +70,24 @@ pub fn candidates(channel: Channel) -> Vec<Candidate> {
         Channel::Actuator => actuator::CANDIDATES.to_vec(),
         Channel::Specimen => specimen::CANDIDATES.to_vec(),
     }
+}
+
+/// The form of an effect in a model, by how many amplitudes and shapes it has there.
+pub fn form(
+    channel: Channel,
+    effect: Effect,
+    amplitudes: usize,
+    shapes: usize,
+) -> Option<Candidate> {
+    let scales = Scales::default();
+    let mut all = candidates(channel);
+    if channel == Channel::Actuator {
+        all.extend(actuator::FORMS);
+    }
+    all.into_iter().find(|c| {
+        let counts = ((c.bounds)(&scales).len(), (c.shapes)(&scales).len());
+        c.effect == effect && counts == (amplitudes, shapes)
+    })
 }
 
 /// No shape parameter.

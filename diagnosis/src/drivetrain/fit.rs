@@ -1,0 +1,425 @@
+//! A way fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
+
+use super::BLOCKS;
+use super::part::{Kind, Part, Sizes};
+use super::way::{Run, Way};
+use crate::base::Base;
+use crate::linear::{Bound, Normal, dot, gram, solve};
+use nalgebra::DVector;
+
+/// The declared parameters: gain, delay, lag, offset.
+pub const DECLARED: usize = 4;
+/// Declared parameters are held within so many tolerances.
+const REACH: f64 = 3.0;
+/// Linear steps of a fit at most.
+const STEPS: usize = 10;
+/// A fall of the squares that is not worth another step, as a share.
+const SETTLED: f64 = 1e-3;
+/// Delays and lags that move are no longer than these, s, and no longer than a fifth of the record.
+const LONGEST_S: f64 = 0.5;
+
+/// Records and what is declared of them.
+#[derive(Debug)]
+pub struct Data<'a> {
+    pub runs: Vec<Run>,
+    pub interval_s: f64,
+    pub sizes: Sizes,
+    pub base: &'a Base,
+    /// Block of each sample, stretch after stretch.
+    edges: Vec<usize>,
+    /// Measured displacement, stretch after stretch.
+    pub target: Vec<f64>,
+}
+
+/// A model: parts, and which declared parameters may leave their tolerances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    pub parts: Vec<Part>,
+    pub moved: [bool; DECLARED],
+}
+
+/// A model at its best.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    pub model: Model,
+    /// Gain, delay s, lag s, offset mm.
+    pub declared: [f64; DECLARED],
+    /// One for each part with an amplitude, in their order.
+    pub amplitudes: Vec<f64>,
+    /// Sum of the squares that are left.
+    pub cost: f64,
+    /// Measured less modelled.
+    pub residual: Vec<f64>,
+    /// How the answer changes with everything that is not at a bound.
+    pub slopes: Vec<Vec<f64>>,
+}
+
+impl<'a> Data<'a> {
+    pub fn new(runs: Vec<Run>, interval_s: f64, base: &'a Base) -> Self {
+        let target: Vec<f64> = runs.iter().flat_map(|r| r.target.clone()).collect();
+        let n = target.len();
+        let ends = target
+            .iter()
+            .fold([f64::MAX, f64::MIN], |[l, h], x| [l.min(*x), h.max(*x)]);
+        let speeds = runs.iter().flat_map(|r| {
+            r.target
+                .windows(5)
+                .map(|w| (w[4] - w[0]).abs() / (4.0 * interval_s))
+        });
+        let openings = runs.iter().flat_map(|r| {
+            let command = r.command[r.lead..].iter();
+            command.zip(&r.target).map(|(u, x)| base.values[0] * u - x)
+        });
+        let mut openings: Vec<f64> = openings.collect();
+        let mean = openings.iter().sum::<f64>() / n as f64;
+        openings.iter_mut().for_each(|e| *e = (*e - mean).abs());
+        openings.sort_by(f64::total_cmp);
+        let tiny = 1e-9 * (ends[1] - ends[0]).max(f64::MIN_POSITIVE);
+        let sizes = Sizes {
+            x_mm: 0.5 * (ends[1] - ends[0]),
+            speed_mm_per_s: speeds.fold(tiny, f64::max),
+            opening_mm: openings[(n as f64 * 0.98) as usize].max(tiny),
+            interval_s,
+            seconds: n as f64 * interval_s / runs.len() as f64,
+            ends_mm: ends,
+        };
+        Self {
+            runs,
+            interval_s,
+            sizes,
+            base,
+            edges: (0..=BLOCKS).map(|b| b * n / BLOCKS).collect(),
+            target,
+        }
+    }
+
+    /// Whether there is a force to give way to.
+    pub fn has_force(&self) -> bool {
+        self.runs.iter().all(|r| !r.force.is_empty())
+    }
+
+    /// All columns, stretch after stretch: the answer at gain 1, one for each amplitude.
+    fn columns(&self, way: &Way) -> Vec<Vec<f64>> {
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for run in &self.runs {
+            let columns = way.columns(run, self.interval_s);
+            all.resize(columns.len(), Vec::new());
+            for (all, column) in all.iter_mut().zip(columns) {
+                all.extend(column);
+            }
+        }
+        all
+    }
+
+    /// Between which values a declared parameter may be, in its unit here (s, mm).
+    fn bound(&self, which: usize, moved: bool) -> [f64; 2] {
+        let unit = if matches!(which, 1 | 2) { 1e-3 } else { 1.0 };
+        let value = self.base.values[which] * unit;
+        if moved {
+            return match which {
+                1 | 2 => [0.0, LONGEST_S.min(0.2 * self.sizes.seconds)],
+                _ => [f64::NEG_INFINITY, f64::INFINITY],
+            };
+        }
+        let free = self.base.free.iter().find(|f| f.index == which);
+        let reach = free.map_or(0.0, |f| REACH * f.tolerance * unit);
+        let low = value - reach;
+        [
+            if matches!(which, 1 | 2) {
+                low.max(0.0)
+            } else {
+                low
+            },
+            value + reach,
+        ]
+    }
+
+    /// Squares on each block.
+    pub fn squares(&self, residual: &[f64]) -> [f64; BLOCKS] {
+        std::array::from_fn(|b| {
+            let part = &residual[self.edges[b]..self.edges[b + 1]];
+            dot(part, part)
+        })
+    }
+
+    /// A way as it stands in a fit.
+    pub fn way(&self, fit: &Fit) -> Way {
+        Way {
+            delay_s: fit.declared[1],
+            lag_s: fit.declared[2],
+            parts: fit.model.parts.clone(),
+        }
+    }
+
+    /// What parts at these values make of the answer, less what the fit makes of it: the column of a step towards them.
+    pub fn change(&self, fit: &Fit, more: Part) -> Vec<f64> {
+        let mut way = self.way(fit);
+        way.parts.push(more);
+        let mut columns = self.columns(&way);
+        if more.kind.is_column() {
+            return columns.pop().unwrap_or_default();
+        }
+        let mut y = self.combined(&columns, &fit.declared, &fit.amplitudes);
+        for ((y, t), r) in y.iter_mut().zip(&self.target).zip(&fit.residual) {
+            *y -= t - r;
+        }
+        y
+    }
+
+    fn combined(
+        &self,
+        columns: &[Vec<f64>],
+        declared: &[f64; DECLARED],
+        amplitudes: &[f64],
+    ) -> Vec<f64> {
+        let mut y: Vec<f64> = columns[0]
+            .iter()
+            .map(|c| declared[0] * c + declared[3])
+            .collect();
+        for (column, a) in columns[1..].iter().zip(amplitudes) {
+            crate::problem::add_scaled(&mut y, column, *a);
+        }
+        y
+    }
+
+    /// What a fit leaves of these records, which may be others than it was made with.
+    pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+        let y = self.combined(
+            &self.columns(&self.way(fit)),
+            &fit.declared,
+            &fit.amplitudes,
+        );
+        self.target.iter().zip(y).map(|(t, y)| t - y).collect()
+    }
+
+    /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
+    pub fn fit(&self, model: &Model, start: [f64; DECLARED]) -> Option<Fit> {
+        let mut declared: [f64; DECLARED] = std::array::from_fn(|i| {
+            let [low, high] = self.bound(i, model.moved[i]);
+            start[i].clamp(low, high)
+        });
+        let mut parts = model.parts.clone();
+        let columned: Vec<Kind> = parts
+            .iter()
+            .map(|p| p.kind)
+            .filter(|k| k.is_column())
+            .collect();
+        let mut amplitudes = vec![0.0; columned.len()];
+        let mut cost = f64::INFINITY;
+        let mut damping = 1e-6;
+        let mut last: Option<Fit> = None;
+        for _ in 0..STEPS {
+            let way = Way {
+                delay_s: declared[1],
+                lag_s: declared[2],
+                parts: parts.clone(),
+            };
+            let columns = self.columns(&way);
+            let y = self.combined(&columns, &declared, &amplitudes);
+            let residual: Vec<f64> = self.target.iter().zip(&y).map(|(t, y)| t - y).collect();
+            let slopes = self.slopes(&way, &columns, &y, &declared, &amplitudes);
+            let mut bounds: Vec<Bound> = (0..DECLARED)
+                .map(|i| {
+                    let [low, high] = self.bound(i, model.moved[i]);
+                    Bound {
+                        low: low - declared[i],
+                        high: high - declared[i],
+                    }
+                })
+                .collect();
+            for (kind, a) in columned.iter().zip(&amplitudes) {
+                bounds.push(Bound {
+                    low: if kind.is_positive() {
+                        -a
+                    } else {
+                        f64::NEG_INFINITY
+                    },
+                    high: f64::INFINITY,
+                });
+            }
+            for p in &parts {
+                for i in 0..p.kind.shapes() {
+                    let [low, high] = p.kind.bounds(i, &self.sizes);
+                    // Not all the way at once: a shape acts other than in proportion.
+                    let step = 0.5
+                        * p.shapes[i]
+                            .abs()
+                            .max(0.02 * (high - low).min(self.sizes.x_mm));
+                    bounds.push(Bound {
+                        low: (low - p.shapes[i]).max(-step),
+                        high: (high - p.shapes[i]).min(step),
+                    });
+                }
+            }
+            let matrix = gram(&slopes);
+            let right = DVector::from_fn(slopes.len(), |i, _| dot(&slopes[i], &residual));
+            let square = dot(&residual, &residual);
+            if last.is_none() {
+                cost = square;
+            }
+            last = Some(Fit {
+                model: Model {
+                    parts: parts.clone(),
+                    moved: model.moved,
+                },
+                declared,
+                amplitudes: amplitudes.clone(),
+                cost: square,
+                residual,
+                slopes,
+            });
+            let mut moved = false;
+            for _ in 0..5 {
+                let mut normal = Normal {
+                    matrix: matrix.clone(),
+                    right: right.clone(),
+                    square,
+                };
+                for i in 0..normal.right.len() {
+                    normal.matrix[(i, i)] *= 1.0 + damping;
+                    normal.matrix[(i, i)] += f64::MIN_POSITIVE;
+                }
+                let (step, _) = solve(&normal, &bounds)?;
+                let next: [f64; DECLARED] = std::array::from_fn(|i| declared[i] + step[i]);
+                let more: Vec<f64> = amplitudes
+                    .iter()
+                    .enumerate()
+                    .map(|(i, a)| a + step[DECLARED + i])
+                    .collect();
+                let mut at = DECLARED + amplitudes.len();
+                let mut turned = parts.clone();
+                for p in &mut turned {
+                    for i in 0..p.kind.shapes() {
+                        p.shapes[i] += step[at];
+                        at += 1;
+                    }
+                }
+                let way = Way {
+                    delay_s: next[1],
+                    lag_s: next[2],
+                    parts: turned.clone(),
+                };
+                let y = self.combined(&self.columns(&way), &next, &more);
+                let square: f64 = self
+                    .target
+                    .iter()
+                    .zip(&y)
+                    .map(|(t, y)| (t - y) * (t - y))
+                    .sum();
+                if square < cost {
+                    let fall = cost - square;
+                    (declared, amplitudes, parts) = (next, more, turned);
+                    moved = fall > SETTLED * cost;
+                    cost = square;
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping = (damping * 30.0).max(1e-4);
+            }
+            if !moved {
+                break;
+            }
+        }
+        last.filter(|f| f.cost.is_finite())
+    }
+
+    /// How the answer changes with declared parameters, amplitudes and shapes.
+    fn slopes(
+        &self,
+        way: &Way,
+        columns: &[Vec<f64>],
+        y: &[f64],
+        declared: &[f64; DECLARED],
+        amplitudes: &[f64],
+    ) -> Vec<Vec<f64>> {
+        let apart = |way: &Way, step: f64| -> Vec<f64> {
+            let moved = self.combined(&self.columns(way), declared, amplitudes);
+            moved.iter().zip(y).map(|(m, y)| (m - y) / step).collect()
+        };
+        let timed = 0.05 * self.interval_s;
+        let mut late = way.clone();
+        late.delay_s += timed;
+        let mut slow = way.clone();
+        slow.lag_s += timed;
+        let mut slopes = vec![
+            columns[0].clone(),
+            apart(&late, timed),
+            apart(&slow, timed),
+            vec![1.0; y.len()],
+        ];
+        slopes.extend(columns[1..].iter().cloned());
+        for (p, part) in way.parts.iter().enumerate() {
+            for i in 0..part.kind.shapes() {
+                let step = part.kind.step(i, &self.sizes);
+                let mut moved = way.clone();
+                moved.parts[p].shapes[i] += step;
+                slopes.push(apart(&moved, step));
+            }
+        }
+        slopes
+    }
+
+    /// Squares on each block of the fit as it would be without that block, to first order; what stands at a bound stays.
+    pub fn cross_validated(&self, fit: &Fit) -> Option<[f64; BLOCKS]> {
+        let free: Vec<&Vec<f64>> = self.free_slopes(fit);
+        let owned: Vec<Vec<f64>> = free.into_iter().cloned().collect();
+        if owned.is_empty() {
+            return Some(self.squares(&fit.residual));
+        }
+        let whole = gram(&owned);
+        let mut out = [0.0; BLOCKS];
+        for (b, out) in out.iter_mut().enumerate() {
+            let (from, end) = (self.edges[b], self.edges[b + 1]);
+            let part: Vec<Vec<f64>> = owned.iter().map(|s| s[from..end].to_vec()).collect();
+            let r = &fit.residual[from..end];
+            let mut matrix = &whole - gram(&part);
+            for i in 0..matrix.nrows() {
+                matrix[(i, i)] += 1e-9 * whole[(i, i)];
+            }
+            // Without the block the sum of slopes times residuals is less by the block's.
+            let right = DVector::from_fn(part.len(), |i, _| -dot(&part[i], r));
+            let scale: Vec<f64> = (0..part.len())
+                .map(|i| 1.0 / matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt())
+                .collect();
+            for i in 0..part.len() {
+                for j in 0..part.len() {
+                    matrix[(i, j)] *= scale[i] * scale[j];
+                }
+                matrix[(i, i)] += 1e-9;
+            }
+            let right = DVector::from_fn(part.len(), |i, _| right[i] * scale[i]);
+            let step = matrix.cholesky()?.solve(&right);
+            let mut left = r.to_vec();
+            for (i, column) in part.iter().enumerate() {
+                crate::problem::add_scaled(&mut left, column, -step[i] * scale[i]);
+            }
+            *out = dot(&left, &left);
+        }
+        Some(out)
+    }
+
+    /// The slopes of what may move: not at a bound, and not held at one value.
+    fn free_slopes<'f>(&self, fit: &'f Fit) -> Vec<&'f Vec<f64>> {
+        let inside = |value: f64, [low, high]: [f64; 2]| {
+            let room = 1e-9 * (high - low).clamp(0.0, 1e6);
+            value > low + room && value < high - room
+        };
+        let mut values: Vec<bool> = (0..DECLARED)
+            .map(|i| inside(fit.declared[i], self.bound(i, fit.model.moved[i])))
+            .collect();
+        let columned = fit.model.parts.iter().filter(|p| p.kind.is_column());
+        for (p, a) in columned.zip(&fit.amplitudes) {
+            values.push(!p.kind.is_positive() || *a > 0.0);
+        }
+        for p in &fit.model.parts {
+            values.extend(
+                (0..p.kind.shapes()).map(|i| inside(p.shapes[i], p.kind.bounds(i, &self.sizes))),
+            );
+        }
+        fit.slopes
+            .iter()
+            .zip(values)
+            .filter_map(|(s, free)| free.then_some(s))
+            .collect()
+    }
+}

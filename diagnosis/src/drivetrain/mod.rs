@@ -1,0 +1,133 @@
+//! Parts between command and displacement, up to four together, searched jointly on the simulated displacement, and a
+//! certificate for each name.
+//!
+//! The way of a record: [`way`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
+//! block), [`search`], [`verdict`] (which of the names can be vouched for).
+
+mod fit;
+mod part;
+mod save;
+mod search;
+mod verdict;
+mod way;
+
+pub use fit::{Data, Fit};
+pub use part::{Kind, Part};
+pub use verdict::Outcome;
+pub use way::Way;
+
+use crate::base::Base;
+use crate::recording::Recording;
+use crate::spectrum::{self, motion_band_hz};
+use search::Search;
+use way::Run;
+
+/// Contiguous blocks of the training data; each is left out once.
+pub const BLOCKS: usize = 6;
+/// Parts at most in one model.
+pub const MOST_PARTS: usize = 4;
+/// What a part of one number must lower the logarithm of the cross-validated squares by: some 15 % of the squares, the
+/// scatter of one block's share.
+pub const PRICE: f64 = 0.16;
+/// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
+pub const FLOOR: f64 = 0.01;
+/// Samples that a search makes do with.
+const SEARCHED: usize = 4000;
+/// Samples a cycle of the band's end that averaging leaves, and that it leaves where there would be too many.
+const A_CYCLE: [f64; 2] = [20.0, 12.0];
+/// More samples than these are too many.
+const TOO_MANY: usize = 8000;
+
+/// What the search came to.
+#[derive(Debug)]
+pub struct Found {
+    /// The declared model, its parameters within their tolerances.
+    pub declared: Fit,
+    /// What can be said.
+    pub outcome: Outcome,
+    /// How far each single part got: its name and the squares that it leaves, of the declared model's.
+    pub tried: Vec<(plant::Effect, f64)>,
+}
+
+/// Searches; `None` where a signal is missing or the equations have no solution.
+pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
+    let whole = data(base, train, 1)?;
+    let band = train
+        .iter()
+        .filter_map(|r| motion_band_hz(r.displacement_mm.as_ref()?, r.interval_s()))
+        .fold(0.0, f64::max);
+    let samples = whole.target.len();
+    let [fine, coarse] = A_CYCLE.map(|c| (1.0 / (c * band * whole.interval_s)).floor() as usize);
+    let every = samples
+        .div_ceil(SEARCHED)
+        .min(fine)
+        .max(samples.div_ceil(TOO_MANY).min(coarse))
+        .max(1);
+    let thin = data(base, train, every)?;
+    let (search, declared) = Search::new(&thin)?;
+    let tried = search
+        .glances(&declared, &[])
+        .iter()
+        .map(|g| (g.part.kind.effect(), g.left(declared.fit.cost)))
+        .collect();
+    let outcome = verdict::conclude(&search, &declared);
+    let full = |fit: &Fit| whole.fit(&fit.model, fit.declared);
+    Some(Found {
+        declared: full(&declared.fit)?,
+        outcome: outcome.with(full)?,
+        tried,
+    })
+}
+
+/// Records as the search sees them, averaged over `every` samples.
+pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<Data<'a>> {
+    let interval_s = records.first()?.interval_s();
+    let settling_s = settling_s(base);
+    let runs: Option<Vec<Run>> = records.iter().map(|r| run(r, every, settling_s)).collect();
+    Some(Data::new(runs?, interval_s * every as f64, base))
+}
+
+/// Time constants after which a start is forgotten.
+const FORGOTTEN: f64 = 6.0;
+/// No more of a record than this share only settles the model.
+const MOST_SETTLING: f64 = 0.05;
+
+/// How long the declared actuator, three tolerances slower, remembers a command, s.
+fn settling_s(base: &Base) -> f64 {
+    let slowest = |i: usize| {
+        let free = base.free.iter().find(|f| f.index == i);
+        base.values[i] + 3.0 * free.map_or(0.0, |f| f.tolerance)
+    };
+    1e-3 * (slowest(1) + FORGOTTEN * slowest(2))
+}
+
+fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
+    let h = record.interval_s();
+    let (joined, lead) = record.with_run_up(|r| r.command_mm.as_ref());
+    // No more of a run-up than the record is long. One that was made up is not quite what happened: it serves what has a
+    // memory until the motion turns, and the record's first moments, which settle the rest, are not judged.
+    let kept = lead.min(record.time_s.len());
+    let from = lead - kept;
+    let settling = (settling_s / h).min(MOST_SETTLING * record.time_s.len() as f64) as usize;
+    let short = match &record.before {
+        Some(_) => settling.saturating_sub(kept),
+        None => settling,
+    };
+    // Whole averages.
+    let skipped = (kept + short).next_multiple_of(every) - kept;
+    let mean = |x: &[f64]| crate::noise::averaged(x, every);
+    let cutoff_hz = 4.0 * motion_band_hz(record.displacement_mm.as_ref()?, h).unwrap_or(10.0);
+    let force = joined.force_n.as_ref().map(|f| {
+        let smooth = spectrum::smooth(&f[from..], h, cutoff_hz.min(0.3 / h)).x;
+        mean(&smooth)
+    });
+    let first = record.before.as_ref().and_then(|b| b.time_s.first());
+    Some(Run {
+        command: mean(&joined.command_mm?[from..]),
+        lead: (kept + skipped) / every,
+        skipped: skipped / every,
+        target: mean(&record.displacement_mm.as_ref()?[skipped..]),
+        force: force.unwrap_or_default(),
+        from_s: record.time_s[skipped] - first.unwrap_or(&record.time_s[0]),
+    })
+}

@@ -1,0 +1,203 @@
+//! What may stand between a command and a displacement besides a delay and a lag.
+
+use plant::Effect;
+
+/// A part of the way from command to displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A second first-order lag behind the first: its time constant, s.
+    SecondLag,
+    /// The spring of the oil under the mass: natural frequency, Hz, and damping ratio.
+    OilColumn,
+    /// A cylinder of unequal areas: the flow is e + b e^2 of the valve's opening e; b, 1/mm.
+    UnequalAreas,
+    /// A valve that overlaps: no flow up to an opening of so many mm.
+    Overlap,
+    /// A flow that saturates smoothly, e0 tanh(e / e0): e0, mm.
+    FlowLimit,
+    /// A largest speed, mm/s.
+    RateLimit,
+    /// Play behind the drive: its width, mm.
+    Play,
+    /// No answer to commands within a band around zero: its width, mm.
+    DeadBand,
+    /// Stops of the displacement: the lower and the upper, mm.
+    Stops,
+    /// Dry friction in the drive that gives elastically over so many mm; its strength is an amplitude.
+    Friction,
+    /// The rig gives way to the load: an amplitude.
+    Compliance,
+    /// Another gain on one side than on the other: an amplitude.
+    SideGain,
+    /// A zero that wanders off: its time constant, s; an amplitude.
+    Drift,
+    /// A gain that wanders off: its time constant, s; an amplitude.
+    GainDrift,
+}
+
+/// Sizes of the records that shapes are measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    /// Largest displacement from the middle, mm.
+    pub x_mm: f64,
+    /// Largest speed, mm/s.
+    pub speed_mm_per_s: f64,
+    /// Largest valve opening, mm: what the answer is behind its command.
+    pub opening_mm: f64,
+    /// Sampling interval, s.
+    pub interval_s: f64,
+    /// Length of a record, s.
+    pub seconds: f64,
+    /// Smallest and largest displacement, mm.
+    pub ends_mm: [f64; 2],
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::SecondLag,
+        Self::OilColumn,
+        Self::UnequalAreas,
+        Self::Overlap,
+        Self::FlowLimit,
+        Self::RateLimit,
+        Self::Play,
+        Self::DeadBand,
+        Self::Stops,
+        Self::Friction,
+        Self::Compliance,
+        Self::SideGain,
+        Self::Drift,
+        Self::GainDrift,
+    ];
+
+    /// The name of the catalogue.
+    pub const fn effect(self) -> Effect {
+        match self {
+            Self::SecondLag => Effect::SecondLag,
+            Self::OilColumn => Effect::OilColumn,
+            Self::UnequalAreas | Self::SideGain => Effect::AsymmetricActuator,
+            Self::Overlap | Self::DeadBand => Effect::DeadBand,
+            Self::FlowLimit | Self::RateLimit => Effect::RateLimit,
+            Self::Play => Effect::Backlash,
+            Self::Stops => Effect::Saturation,
+            Self::Friction => Effect::CoulombFriction,
+            Self::Compliance => Effect::RigCompliance,
+            Self::Drift => Effect::Drift,
+            Self::GainDrift => Effect::TemperatureGain,
+        }
+    }
+
+    /// Whether it adds a column with an amplitude of its own, else it acts inside the way.
+    pub const fn is_column(self) -> bool {
+        matches!(
+            self,
+            Self::Friction | Self::Compliance | Self::SideGain | Self::Drift | Self::GainDrift
+        )
+    }
+
+    /// Whether its amplitude cannot be negative.
+    pub const fn is_positive(self) -> bool {
+        matches!(self, Self::Friction | Self::Compliance)
+    }
+
+    /// Whether it acts on the flow of the valve, inside the first lag.
+    pub const fn is_flow(self) -> bool {
+        matches!(
+            self,
+            Self::UnequalAreas | Self::Overlap | Self::FlowLimit | Self::RateLimit
+        )
+    }
+
+    /// What it costs in the score: 1 for one number more, somewhat more for two.
+    pub const fn price(self) -> f64 {
+        match self {
+            Self::OilColumn | Self::Friction | Self::Drift | Self::GainDrift => 1.3,
+            _ => 1.0,
+        }
+    }
+
+    /// Values that its first shape is looked at with; those in between are found by descent.
+    pub fn grid(self, s: &Sizes) -> Vec<[f64; 2]> {
+        let spread = |low: f64, high: f64, n: usize| -> Vec<[f64; 2]> {
+            let at = |i: usize| low * (high / low).powf(i as f64 / (n - 1) as f64);
+            (0..n).map(|i| [at(i), 0.0]).collect()
+        };
+        match self {
+            Self::SecondLag => spread(s.interval_s, 80.0 * s.interval_s, 7),
+            Self::OilColumn => spread(3.0, 0.3 / s.interval_s, 8)
+                .into_iter()
+                .flat_map(|f| [[f[0], 0.1], [f[0], 0.4]])
+                .collect(),
+            Self::UnequalAreas => [-0.6, -0.2, 0.2, 0.6]
+                .map(|b| [b / s.opening_mm, 0.0])
+                .to_vec(),
+            Self::Overlap => spread(0.01 * s.opening_mm, 0.5 * s.opening_mm, 6),
+            Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
+            Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
+            Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 0.6 * s.x_mm, 9),
+            Self::Stops => {
+                let [low, high] = s.ends_mm;
+                let (open, inside) = (10.0 * s.x_mm, 0.02 * s.x_mm);
+                vec![
+                    [low + inside, high - inside],
+                    [low - open, high - inside],
+                    [low + inside, high + open],
+                ]
+            }
+            Self::Friction => spread(0.002 * s.x_mm, 0.1 * s.x_mm, 5),
+            Self::Compliance | Self::SideGain => vec![[0.0; 2]],
+            Self::Drift | Self::GainDrift => spread(0.2 * s.seconds, 20.0 * s.seconds, 3),
+        }
+    }
+
+    /// How many of the shapes there are.
+    pub const fn shapes(self) -> usize {
+        match self {
+            Self::OilColumn | Self::Stops => 2,
+            Self::Compliance | Self::SideGain => 0,
+            _ => 1,
+        }
+    }
+
+    /// Between which values a shape may be.
+    pub fn bounds(self, which: usize, s: &Sizes) -> [f64; 2] {
+        match (self, which) {
+            (Self::SecondLag, _) => [0.1 * s.interval_s, 0.5],
+            (Self::OilColumn, 0) => [1.0, 0.4 / s.interval_s],
+            (Self::OilColumn, _) => [0.01, 1.0],
+            (Self::UnequalAreas, _) => [-1.5 / s.opening_mm, 1.5 / s.opening_mm],
+            (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
+            (Self::FlowLimit, _) => [0.05 * s.opening_mm, 20.0 * s.opening_mm],
+            (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
+            (Self::Play | Self::DeadBand, _) => [0.0, 1.5 * s.x_mm],
+            (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
+            (Self::Friction, _) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
+            (Self::Drift | Self::GainDrift, _) => [0.05 * s.seconds, 200.0 * s.seconds],
+            (Self::Compliance | Self::SideGain, _) => [0.0, 0.0],
+        }
+    }
+
+    /// A step of a shape that its slope is formed over.
+    pub fn step(self, which: usize, s: &Sizes) -> f64 {
+        match (self, which) {
+            (Self::SecondLag, _) => 0.1 * s.interval_s,
+            (Self::OilColumn, 0) => 0.02,
+            (Self::OilColumn, _) => 2e-3,
+            (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
+            (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
+            (Self::RateLimit, _) => 1e-3 * s.speed_mm_per_s,
+            (Self::Drift | Self::GainDrift, _) => 1e-2 * s.seconds,
+            _ => 1e-3 * s.x_mm,
+        }
+    }
+}
+
+/// A part with its shapes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Which.
+    pub kind: Kind,
+    /// Its shapes; those that it does not have are 0.
+    pub shapes: [f64; 2],
+}

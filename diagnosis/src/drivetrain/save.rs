@@ -1,0 +1,192 @@
+//! What was found, as figures with their scatter and as a part of a model.
+
+use super::fit::{DECLARED, Data, Fit};
+use super::part::Kind;
+use crate::linear::{dot, gram};
+use crate::model::{Declared, KnownEffect, Model};
+use nalgebra::{DMatrix, DVector};
+use plant::Effect;
+
+/// A parameter by the catalogue: name, unit, value, standard deviation.
+pub type Figure = (&'static str, &'static str, f64, f64);
+
+/// Stretches whose pulls tell the scatter of what was fitted.
+const STRETCHES: usize = 24;
+
+/// The declared unit of a parameter in the unit here: delay and lag are declared in ms.
+const fn unit(which: usize) -> f64 {
+    if matches!(which, 1 | 2) { 1e-3 } else { 1.0 }
+}
+
+impl Data<'_> {
+    /// Standard deviation of declared parameters, amplitudes and shapes, from how far stretches of the record pull the
+    /// fit apart.
+    pub fn spread(&self, fit: &Fit) -> Vec<f64> {
+        let n = fit.slopes.len();
+        let size: Vec<f64> = fit
+            .slopes
+            .iter()
+            .map(|s| dot(s, s).max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        let whole = gram(&fit.slopes);
+        let scaled = DMatrix::from_fn(n, n, |i, j| {
+            whole[(i, j)] / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
+        });
+        let Some(factor) = scaled.cholesky() else {
+            return vec![f64::INFINITY; n];
+        };
+        let inverse = factor.inverse();
+        let samples = fit.residual.len();
+        let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
+        for k in 0..STRETCHES {
+            let (a, b) = (k * samples / STRETCHES, (k + 1) * samples / STRETCHES);
+            let pull = DVector::from_fn(n, |i, _| {
+                dot(&fit.slopes[i][a..b], &fit.residual[a..b]) / size[i]
+            });
+            pulls += &pull * pull.transpose();
+        }
+        let free = (STRETCHES as f64 - n as f64).max(0.5 * STRETCHES as f64);
+        let covariance = &inverse * pulls * &inverse * (STRETCHES as f64 / free);
+        (0..n)
+            .map(|i| covariance[(i, i)].max(0.0).sqrt() / size[i])
+            .collect()
+    }
+
+    /// The parameters of a name in a fit; `spread` is of this fit.
+    pub fn figures(&self, fit: &Fit, name: Effect, spread: &[f64]) -> Vec<Figure> {
+        let declared = |i: usize| fit.declared[i] - self.base.values[i] * unit(i);
+        match name {
+            Effect::GainError => {
+                let value = self.base.values[0];
+                return vec![("error", "", declared(0) / value, spread[0] / value.abs())];
+            }
+            Effect::DelayError => {
+                return vec![("delay_ms", "ms", 1e3 * declared(1), 1e3 * spread[1])];
+            }
+            Effect::LagError => return vec![("lag_ms", "ms", 1e3 * declared(2), 1e3 * spread[2])],
+            Effect::Offset => return vec![("offset_mm", "mm", declared(3), spread[3])],
+            _ => {}
+        }
+        let gain = fit.declared[0].abs();
+        let mut amplitude_at = DECLARED;
+        let mut shape_at = DECLARED + fit.amplitudes.len();
+        let mut out = Vec::new();
+        for part in &fit.model.parts {
+            let [a, b] = part.shapes;
+            let (sa, sb) = match part.kind.shapes() {
+                0 => (0.0, 0.0),
+                1 => (spread[shape_at], 0.0),
+                _ => (spread[shape_at], spread[shape_at + 1]),
+            };
+            shape_at += part.kind.shapes();
+            let (strength, ss) = if part.kind.is_column() {
+                amplitude_at += 1;
+                (
+                    fit.amplitudes[amplitude_at - 1 - DECLARED],
+                    spread[amplitude_at - 1],
+                )
+            } else {
+                (0.0, 0.0)
+            };
+            if part.kind.effect() != name {
+                continue;
+            }
+            let lag_s = fit.declared[2].max(1e-6);
+            out.extend(match part.kind {
+                Kind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
+                Kind::OilColumn => {
+                    vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
+                }
+                Kind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+                Kind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
+                Kind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
+                Kind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+                Kind::Play | Kind::DeadBand => vec![("width_mm", "mm", a * gain, sa * gain)],
+                Kind::Stops => {
+                    let nearest = if a.abs() < b.abs() {
+                        (a.abs(), sa)
+                    } else {
+                        (b.abs(), sb)
+                    };
+                    vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
+                }
+                Kind::Friction => vec![
+                    ("error_mm", "mm", strength, ss),
+                    ("presliding_mm", "mm", a, sa),
+                ],
+                Kind::Compliance => {
+                    let stiffness = 1.0 / strength.max(1e-12);
+                    vec![(
+                        "stiffness_n_per_mm",
+                        "N/mm",
+                        stiffness,
+                        stiffness * stiffness * ss,
+                    )]
+                }
+                Kind::SideGain => vec![("difference", "", strength, ss)],
+                Kind::Drift => vec![
+                    ("rate_mm_per_s", "mm/s", strength / a, ss / a),
+                    ("time_constant_s", "s", a, sa),
+                ],
+                Kind::GainDrift => vec![
+                    ("change", "", strength, ss),
+                    ("time_constant_s", "s", a, sa),
+                ],
+            });
+        }
+        out
+    }
+
+    /// Puts a fit into the actuator's model: its declared parameters with the tolerance that they had, at least their
+    /// scatter, and its parts as effects.
+    pub fn save(&self, fit: &Fit, spread: &[f64], model: &mut Model) {
+        let Some(actuator) = &mut model.actuator else {
+            return;
+        };
+        let fields = [
+            &mut actuator.gain,
+            &mut actuator.delay_ms,
+            &mut actuator.lag_ms,
+            &mut actuator.offset_mm,
+        ];
+        for (i, field) in fields.into_iter().enumerate() {
+            let unit = 1.0 / unit(i);
+            let (value, scatter) = (unit * fit.declared[i], unit * spread[i]);
+            let tolerance = field.map_or(0.0, |d| d.tolerance);
+            let had = field.map_or(self.base.values[i], |d| d.value);
+            if field.is_some() && tolerance > 0.0 || (value - had).abs() > 1e-12 {
+                let least = if scatter.is_finite() { scatter } else { 0.0 };
+                *field = Some(Declared {
+                    value,
+                    tolerance: tolerance.max(least),
+                });
+            }
+        }
+        let gain = fit.declared[0];
+        let mut amplitudes = fit.amplitudes.iter();
+        for part in &fit.model.parts {
+            let [a, b] = part.shapes;
+            let mut strength = || amplitudes.next().copied().unwrap_or(0.0);
+            let width = a * gain.abs();
+            let (amplitudes, shapes) = match part.kind {
+                Kind::SecondLag | Kind::UnequalAreas => (vec![], vec![a]),
+                Kind::OilColumn => (vec![], vec![a, b]),
+                Kind::Overlap | Kind::FlowLimit => (vec![], vec![a, fit.declared[2]]),
+                Kind::RateLimit | Kind::Play | Kind::DeadBand => (vec![], vec![width]),
+                Kind::Stops => (vec![], vec![a * gain, b * gain]),
+                Kind::Friction => (vec![strength()], vec![width]),
+                Kind::Compliance => (vec![strength()], vec![]),
+                // The library's half of it is the gain's; no lag of the way back beside it.
+                Kind::SideGain => (vec![strength() / gain, 0.0], vec![1e-3 * self.interval_s]),
+                Kind::Drift => (vec![strength() / a], vec![a]),
+                Kind::GainDrift => (vec![strength() / gain], vec![a]),
+            };
+            actuator.effects.push(KnownEffect {
+                name: part.kind.effect(),
+                amplitudes,
+                shapes,
+                reference_mm: self.sizes.x_mm,
+            });
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! The search for the parts of an actuator: declared parameters free, all pairs at a glance, then one more, another one
+//! or one less, and what is left is held again where it can be.
+
+use super::fit::{DECLARED, Data, Fit, Model};
+use super::part::{Kind, Part};
+use super::{BLOCKS, FLOOR, MOST_PARTS, PRICE};
+use crate::linear::{dot, gram};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// A fit with its cross-validated squares and its score.
+#[derive(Clone, Debug)]
+pub struct Scored {
+    pub fit: Fit,
+    pub squares: [f64; BLOCKS],
+    pub score: f64,
+}
+
+/// Parts that are fitted after a glance, singles, pairs and additions.
+const FITTED: usize = 6;
+/// Models that are carried on.
+const LEADING: usize = 3;
+
+/// Fits and scores models against the declared one.
+#[derive(Debug)]
+pub struct Search<'a> {
+    pub data: &'a Data<'a>,
+    declared: [f64; BLOCKS],
+    room: f64,
+    pub kinds: Vec<Kind>,
+}
+
+impl<'a> Search<'a> {
+    /// With the declared model, which everything is measured by.
+    pub fn new(data: &'a Data<'a>) -> Option<(Self, Scored)> {
+        let held = Model {
+            parts: Vec::new(),
+            moved: [false; DECLARED],
+        };
+        let start = declared_values(data);
+        let fit = data.fit(&held, start)?;
+        let squares = data.cross_validated(&fit)?;
+        let room = FLOOR * squares.iter().sum::<f64>() / BLOCKS as f64;
+        let mut kinds = Kind::ALL.to_vec();
+        if !data.has_force() {
+            kinds.retain(|k| *k != Kind::Compliance);
+        }
+        let search = Self {
+            data,
+            declared: squares,
+            room: room.max(f64::MIN_POSITIVE),
+            kinds,
+        };
+        let declared = Scored {
+            fit,
+            squares,
+            score: 0.0,
+        };
+        Some((search, declared))
+    }
+
+    /// Mean logarithm, block by block, of how many times the squares of one are those of another.
+    pub fn times(&self, squares: &[f64; BLOCKS], of: &[f64; BLOCKS]) -> f64 {
+        let log = |b: usize| ((squares[b] + self.room) / (of[b] + self.room)).ln();
+        (0..BLOCKS).map(log).sum::<f64>() / BLOCKS as f64
+    }
+
+    /// What a model costs beside its squares.
+    fn price(&self, model: &Model) -> f64 {
+        let parts: f64 = model.parts.iter().map(|p| p.kind.price()).sum();
+        let moved = model.moved.iter().filter(|m| **m).count();
+        PRICE * (parts + moved as f64)
+    }
+
+    /// The model at its best.
+    pub fn scored(&self, model: &Model, start: [f64; DECLARED]) -> Option<Scored> {
+        let fit = self.data.fit(model, start)?;
+        let squares = self.data.cross_validated(&fit)?;
+        let score = self.times(&squares, &self.declared) + self.price(model);
+        score.is_finite().then_some(Scored {
+            fit,
+            squares,
+            score,
+        })
+    }
+
+    /// Everything, best first.
+    pub fn run(&self, declared: &Scored) -> Vec<Scored> {
+        let free = Model {
+            parts: Vec::new(),
+            moved: [true; DECLARED],
+        };
+        let mut leading: Vec<Scored> = Vec::new();
+        leading.extend(self.scored(&free, declared.fit.declared));
+        leading.push(declared.clone());
+        let Some(from) = leading.first().cloned() else {
+            return leading;
+        };
+        let glances = self.glances(&from, &[]);
+        let singles = glances.iter().take(FITTED).map(|g| vec![g.part]);
+        let pairs = self.pairs(&from, &glances);
+        let sets: Vec<Vec<Part>> = singles.chain(pairs).collect();
+        leading.extend(self.all(&from, sets));
+        keep(&mut leading, LEADING);
+        for _ in 2..=MOST_PARTS {
+            let best = leading[0].score;
+            let mut sets = Vec::new();
+            for s in &leading {
+                let parts = &s.fit.model.parts;
+                if parts.is_empty() {
+                    continue;
+                }
+                if parts.len() < MOST_PARTS {
+                    let more = self.glances(s, &[]);
+                    let with = |g: &Glance| [parts.as_slice(), &[g.part]].concat();
+                    sets.extend(more.iter().take(FITTED / 2).map(with));
+                }
+                if parts.len() > 1 {
+                    for out in 0..parts.len() {
+                        let mut fewer = parts.clone();
+                        fewer.remove(out);
+                        sets.push(fewer);
+                    }
+                }
+            }
+            leading.extend(self.all(&from, sets));
+            keep(&mut leading, LEADING);
+            if leading[0].score > best - 1e-3 {
+                break;
+            }
+        }
+        let held = leading.par_iter().map(|s| self.held(s.clone()));
+        let mut held: Vec<Scored> = held.collect();
+        held.push(declared.clone());
+        let bare = self.bare(declared);
+        held.extend(bare);
+        keep(&mut held, 2 * LEADING);
+        held
+    }
+
+    /// Each choice of declared parameters that may leave their tolerances, without any part.
+    pub fn bare(&self, declared: &Scored) -> Vec<Scored> {
+        (1..1 << DECLARED)
+            .into_par_iter()
+            .filter_map(|bits: usize| {
+                let model = Model {
+                    parts: Vec::new(),
+                    moved: std::array::from_fn(|i| bits >> i & 1 == 1),
+                };
+                self.scored(&model, declared.fit.declared)
+            })
+            .collect()
+    }
+
+    fn all(&self, from: &Scored, sets: Vec<Vec<Part>>) -> Vec<Scored> {
+        sets.into_par_iter()
+            .filter_map(|parts| {
+                let model = Model {
+                    parts,
+                    moved: [true; DECLARED],
+                };
+                self.scored(&model, from.fit.declared)
+            })
+            .collect()
+    }
+
+    /// Declared parameters held again and parts dropped, as long as the score falls.
+    pub fn held(&self, mut best: Scored) -> Scored {
+        loop {
+            let now = &best.fit.model;
+            let toggled = (0..DECLARED).map(|i| {
+                let mut model = now.clone();
+                model.moved[i] = !model.moved[i];
+                model
+            });
+            let dropped = (0..now.parts.len()).map(|i| {
+                let mut model = now.clone();
+                model.parts.remove(i);
+                model
+            });
+            let better = toggled
+                .chain(dropped)
+                .filter_map(|m| self.scored(&m, best.fit.declared))
+                .min_by(|a, b| a.score.total_cmp(&b.score))
+                .filter(|b| b.score < best.score - 1e-9);
+            match better {
+                Some(better) => best = better,
+                None => return best,
+            }
+        }
+    }
+
+    /// What each kind that a fit does not have would take off its squares, at the best of its grid, to first order.
+    pub fn glances(&self, from: &Scored, without: &[Kind]) -> Vec<Glance> {
+        let slopes = &from.fit.slopes;
+        let Some(factor) = scaled(gram(slopes)) else {
+            return Vec::new();
+        };
+        let has =
+            |k: &Kind| from.fit.model.parts.iter().any(|p| p.kind == *k) || without.contains(k);
+        let kinds: Vec<Kind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
+        let mut found: Vec<Glance> = kinds
+            .into_par_iter()
+            .filter_map(|kind| {
+                let at = |shapes: [f64; 2]| {
+                    let part = Part { kind, shapes };
+                    let mut column = self.data.change(&from.fit, part);
+                    factor.take_out(slopes, &mut column);
+                    let square = dot(&column, &column);
+                    let pull = dot(&column, &from.fit.residual);
+                    let one_way = !kind.is_column() || kind.is_positive();
+                    let fall = if square <= 0.0 || (one_way && pull <= 0.0) {
+                        0.0
+                    } else {
+                        pull * pull / square
+                    };
+                    Glance { part, column, fall }
+                };
+                let grid = kind.grid(&self.data.sizes).into_iter().map(at);
+                grid.max_by(|a, b| a.fall.total_cmp(&b.fall))
+            })
+            .filter(|g| g.fall > 0.0)
+            .collect();
+        found.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        found
+    }
+
+    /// The best pairs of what was glanced at.
+    fn pairs(&self, from: &Scored, glances: &[Glance]) -> Vec<Vec<Part>> {
+        let pull: Vec<f64> = glances
+            .iter()
+            .map(|g| dot(&g.column, &from.fit.residual))
+            .collect();
+        let mut all: Vec<(f64, Vec<Part>)> = Vec::new();
+        for i in 0..glances.len() {
+            for j in 0..i {
+                let (a, b) = (&glances[i].column, &glances[j].column);
+                let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
+                let determinant = aa * bb - ab * ab;
+                if determinant < 1e-6 * aa * bb {
+                    continue;
+                }
+                let x = (bb * pull[i] - ab * pull[j]) / determinant;
+                let y = (aa * pull[j] - ab * pull[i]) / determinant;
+                let wrong = |w: f64, k: Kind| w <= 0.0 && (!k.is_column() || k.is_positive());
+                if wrong(x, glances[i].part.kind) || wrong(y, glances[j].part.kind) {
+                    continue;
+                }
+                let fall = x * pull[i] + y * pull[j];
+                all.push((fall, vec![glances[i].part, glances[j].part]));
+            }
+        }
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        all.into_iter().take(FITTED).map(|p| p.1).collect()
+    }
+}
+
+/// A part at the best of its grid, and what it would take off the squares.
+#[derive(Clone, Debug)]
+pub struct Glance {
+    pub part: Part,
+    column: Vec<f64>,
+    fall: f64,
+}
+
+impl Glance {
+    /// The share of `cost` that it would leave.
+    pub fn left(&self, cost: f64) -> f64 {
+        (1.0 - self.fall / cost.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+    }
+}
+
+/// Normal equations that were solved once for many right sides.
+struct Factor {
+    cholesky: nalgebra::Cholesky<f64, nalgebra::Dyn>,
+    scale: Vec<f64>,
+}
+
+fn scaled(mut matrix: nalgebra::DMatrix<f64>) -> Option<Factor> {
+    let n = matrix.nrows();
+    let scale: Vec<f64> = (0..n)
+        .map(|i| 1.0 / matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt())
+        .collect();
+    for i in 0..n {
+        for j in 0..n {
+            matrix[(i, j)] *= scale[i] * scale[j];
+        }
+        matrix[(i, i)] += 1e-9;
+    }
+    Some(Factor {
+        cholesky: matrix.cholesky()?,
+        scale,
+    })
+}
+
+impl Factor {
+    /// Takes out of a column what the slopes can make of it.
+    fn take_out(&self, slopes: &[Vec<f64>], column: &mut [f64]) {
+        let right = DVector::from_fn(slopes.len(), |i, _| dot(&slopes[i], column) * self.scale[i]);
+        let share = self.cholesky.solve(&right);
+        for (i, slope) in slopes.iter().enumerate() {
+            crate::problem::add_scaled(column, slope, -share[i] * self.scale[i]);
+        }
+    }
+}
+
+fn keep(scored: &mut Vec<Scored>, most: usize) {
+    scored.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let same = |a: &mut Scored, b: &mut Scored| {
+        let kinds = |s: &Scored| {
+            let mut kinds: Vec<Kind> = s.fit.model.parts.iter().map(|p| p.kind).collect();
+            kinds.sort_by_key(|k| *k as u8);
+            kinds
+        };
+        a.fit.model.moved == b.fit.model.moved && kinds(a) == kinds(b)
+    };
+    scored.dedup_by(same);
+    scored.truncate(most);
+}
+
+/// Gain, delay s, lag s and offset as declared.
+fn declared_values(data: &Data) -> [f64; DECLARED] {
+    let v = data.base.values;
+    [v[0], 1e-3 * v[1], 1e-3 * v[2], v[3]]
+}

@@ -1,0 +1,247 @@
+//! Names, a set, or neither.
+
+use super::fit::{DECLARED, Fit, Model};
+use super::search::{Scored, Search};
+use plant::Effect;
+use rayon::prelude::*;
+
+/// A name is given where models of every other name leave so many times the squares.
+const CERTAIN: f64 = 2.0;
+/// Models whose squares are within this of the best one's are equally good.
+const EQUALLY_GOOD: f64 = 1.3;
+/// A set of more names says nothing.
+const LARGEST_SET: usize = 5;
+/// A name that stands so well has its best rival beside it, however far that is: two names with their odds.
+const STANDS: f64 = 1.5;
+/// The odds of two members of a set are the ratio of their squares to this power.
+const WEIGHT: f64 = 4.0;
+/// Rivals of a name that are fitted.
+const RIVALS: usize = 4;
+
+/// A name with its certificate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Name {
+    pub effect: Effect,
+    /// How many times the squares grow if it is replaced by the best of another name.
+    pub rho: f64,
+}
+
+/// What can be said.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// No part and no parameter is worth its price.
+    Nothing,
+    /// Names that can be vouched for, and the model that has no others.
+    Named {
+        fit: Fit,
+        names: Vec<Name>,
+        /// Something was left out that could not be vouched for.
+        more: bool,
+    },
+    /// No name alone: one of these is it.
+    Set {
+        fit: Fit,
+        /// Names and how probable they are, the most probable first.
+        members: Vec<(Effect, f64)>,
+    },
+    /// Something is missing, and too many names would do.
+    Unknown {
+        nearest: Effect,
+        /// Share of the squares that it explains.
+        explained: f64,
+    },
+}
+
+impl Outcome {
+    /// The same with its model fitted anew.
+    pub fn with(self, full: impl Fn(&Fit) -> Option<Fit>) -> Option<Self> {
+        Some(match self {
+            Self::Named { fit, names, more } => Self::Named {
+                fit: full(&fit)?,
+                names,
+                more,
+            },
+            Self::Set { fit, members } => Self::Set {
+                fit: full(&fit)?,
+                members,
+            },
+            other => other,
+        })
+    }
+}
+
+/// The declared parameters that left their tolerances.
+const MOVED: [Effect; DECLARED] = [
+    Effect::GainError,
+    Effect::DelayError,
+    Effect::LagError,
+    Effect::Offset,
+];
+
+/// What a model claims: its parts; without any, the parameters that left their tolerances.
+pub fn names(model: &Model) -> Vec<Effect> {
+    let mut names: Vec<Effect> = if model.parts.is_empty() {
+        let moved = MOVED.iter().zip(model.moved).filter(|(_, moved)| *moved);
+        moved.map(|(effect, _)| *effect).collect()
+    } else {
+        model.parts.iter().map(|p| p.kind.effect()).collect()
+    };
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// From all that was searched.
+pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
+    let all = search.run(declared);
+    let best = &all[0];
+    let claimed = names(&best.fit.model);
+    if claimed.is_empty() {
+        return Outcome::Nothing;
+    }
+    let judged: Vec<(Name, Vec<(Effect, f64)>)> = claimed
+        .iter()
+        .map(|&effect| {
+            let mut rivals = rivals(search, best, effect, declared);
+            rivals.extend(others(search, best, effect, &all));
+            let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
+            let name = Name {
+                effect,
+                rho: least.exp(),
+            };
+            let mut named: Vec<(Effect, f64)> = rivals
+                .into_iter()
+                .filter_map(|(e, t)| Some((e?, t)))
+                .collect();
+            named.sort_by(|a, b| a.1.total_cmp(&b.1));
+            (name, named)
+        })
+        .collect();
+    let explained = 1.0 - search.times(&best.squares, &declared.squares).exp();
+    let sure: Vec<Name> = judged
+        .iter()
+        .map(|j| j.0)
+        .filter(|n| n.rho >= CERTAIN)
+        .collect();
+    let unknown = |nearest| Outcome::Unknown { nearest, explained };
+    if !sure.is_empty() {
+        let more = sure.len() < judged.len();
+        let model = only(&best.fit.model, &sure);
+        return match search.scored(&model, best.fit.declared) {
+            Some(s) if s.score < 0.0 => Outcome::Named {
+                fit: s.fit,
+                names: sure,
+                more,
+            },
+            _ => unknown(sure[0].effect),
+        };
+    }
+    let Some((first, rivals)) = judged.iter().max_by(|a, b| a.0.rho.total_cmp(&b.0.rho)) else {
+        return Outcome::Nothing;
+    };
+    let mut members: Vec<(Effect, f64)> = vec![(first.effect, 1.0)];
+    let near = |i: usize, times: f64| {
+        times.exp() < EQUALLY_GOOD
+            || (i == 0 && first.rho >= STANDS && times.exp() < CERTAIN * first.rho)
+    };
+    let rivals = rivals.iter().enumerate();
+    for (_, (rival, times)) in rivals.filter(|(i, (_, times))| near(*i, *times)) {
+        match members.iter_mut().find(|m| m.0 == *rival) {
+            Some(m) => m.1 = m.1.max((-WEIGHT * times).exp()),
+            None => members.push((*rival, (-WEIGHT * times).exp())),
+        }
+    }
+    if members.len() < 2 || members.len() > LARGEST_SET {
+        return unknown(first.effect);
+    }
+    let whole: f64 = members.iter().map(|m| m.1).sum();
+    members.iter_mut().for_each(|m| m.1 /= whole);
+    members.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // With the preferred member alone: what stands beside it cannot be vouched for either.
+    let model = only(&best.fit.model, &[*first]);
+    match search.scored(&model, best.fit.declared) {
+        Some(s) if s.score < 0.0 => Outcome::Set {
+            fit: s.fit,
+            members,
+        },
+        _ => unknown(first.effect),
+    }
+}
+
+/// A model with the parts of sure names only.
+fn only(model: &Model, sure: &[Name]) -> Model {
+    let mut kept = model.clone();
+    kept.parts
+        .retain(|p| sure.iter().any(|n| n.effect == p.kind.effect()));
+    if model.parts.is_empty() {
+        for (moved, effect) in kept.moved.iter_mut().zip(MOVED) {
+            *moved &= sure.iter().any(|n| n.effect == effect);
+        }
+    }
+    kept
+}
+
+/// What the best model leaves if a name is replaced: each rival's name, if it has one, and the logarithm of how many times the
+/// squares it leaves.
+fn rivals(
+    search: &Search,
+    best: &Scored,
+    effect: Effect,
+    declared: &Scored,
+) -> Vec<(Option<Effect>, f64)> {
+    let mut without = best.fit.model.clone();
+    without.parts.retain(|p| p.kind.effect() != effect);
+    without.moved = [true; DECLARED];
+    if best.fit.model.parts.is_empty() {
+        for (moved, name) in without.moved.iter_mut().zip(MOVED) {
+            *moved &= name != effect;
+        }
+    }
+    let start = if best.fit.model.parts.is_empty() {
+        declared.fit.declared
+    } else {
+        best.fit.declared
+    };
+    let Some(dropped) = search.scored(&without, start) else {
+        return Vec::new();
+    };
+    let same: Vec<_> = super::Kind::ALL
+        .into_iter()
+        .filter(|k| k.effect() == effect)
+        .collect();
+    let glances = search.glances(&dropped, &same);
+    let replaced = glances.par_iter().take(RIVALS).filter_map(|g| {
+        let mut model = without.clone();
+        model.parts.push(g.part);
+        let scored = search.scored(&model, dropped.fit.declared)?;
+        Some((
+            Some(g.part.kind.effect()),
+            search.times(&scored.squares, &best.squares),
+        ))
+    });
+    let mut all: Vec<(Option<Effect>, f64)> = replaced.collect();
+    all.push((None, search.times(&dropped.squares, &best.squares)));
+    all
+}
+
+/// Other models of the search that do without a name and are no larger.
+fn others(
+    search: &Search,
+    best: &Scored,
+    effect: Effect,
+    all: &[Scored],
+) -> Vec<(Option<Effect>, f64)> {
+    let size = |s: &Scored| names(&s.fit.model).len();
+    all.iter()
+        .filter(|s| size(s) <= size(best))
+        .filter_map(|s| {
+            let claimed = names(&s.fit.model);
+            let has = claimed.contains(&effect);
+            let new = claimed
+                .iter()
+                .find(|n| !names(&best.fit.model).contains(n))
+                .copied();
+            (!has && !claimed.is_empty()).then(|| (new, search.times(&s.squares, &best.squares)))
+        })
+        .collect()
+}

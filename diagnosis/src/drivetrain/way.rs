@@ -1,0 +1,195 @@
+//! The way from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
+
+use super::part::{Kind, Part};
+use crate::library::operators::{dead_zone, friction, play};
+use crate::signals::{delayed, lagged, resonant};
+
+/// A record as the search sees it; what comes before its first judged sample only sets the state.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Command, mm, with its run-up.
+    pub command: Vec<f64>,
+    /// Samples of run-up.
+    pub lead: usize,
+    /// So many of them are the record's own first ones.
+    pub skipped: usize,
+    /// Measured displacement behind the run-up, mm.
+    pub target: Vec<f64>,
+    /// Measured force, N, as long as the command; empty where there is none.
+    pub force: Vec<f64>,
+    /// Time of the first judged sample since the record began, s.
+    pub from_s: f64,
+}
+
+/// The nonlinear parameters of a way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// Transport delay, s.
+    pub delay_s: f64,
+    /// First-order time constant, s.
+    pub lag_s: f64,
+    /// What else is on it.
+    pub parts: Vec<Part>,
+}
+
+/// Substeps of a valve's equation are no longer than this share of its time constant.
+const SUBSTEP: f64 = 0.25;
+/// No more substeps than these: a faster valve is over within a sample.
+const MOST_SUBSTEPS: f64 = 16.0;
+
+impl Way {
+    /// Columns of the displacement behind the run-up: the answer at gain 1, then one of amplitude 1 for each part that has
+    /// an amplitude.
+    pub fn columns(&self, run: &Run, interval_s: f64) -> Vec<Vec<f64>> {
+        let late = delayed(&run.command, self.delay_s, interval_s);
+        let mut y = self.valve(&late, interval_s);
+        for part in &self.parts {
+            let [a, b] = part.shapes;
+            match part.kind {
+                Kind::SecondLag => y = lagged(&y, a, interval_s),
+                Kind::OilColumn => y = resonant(&y, a, b, interval_s),
+                _ => {}
+            }
+        }
+        // What acts at standstill comes last, in the order of a drive.
+        for part in &self.parts {
+            match part.kind {
+                Kind::DeadBand => y = dead_zone(&y, part.shapes[0]).collect(),
+                Kind::Play => y = play(&y, part.shapes[0]),
+                _ => {}
+            }
+        }
+        for part in self.parts.iter().filter(|p| p.kind == Kind::Stops) {
+            let [low, high] = part.shapes;
+            y.iter_mut().for_each(|y| *y = y.min(high).max(low));
+        }
+        let own = |part: &Part| -> Option<Vec<f64>> {
+            let a = part.shapes[0];
+            let growth = |i: usize| 1.0 - (-(run.from_s + i as f64 * interval_s) / a).exp();
+            let judged = &y[run.lead..];
+            Some(match part.kind {
+                Kind::Friction => friction(&y, a)[run.lead..].iter().map(|z| -z).collect(),
+                Kind::Compliance if run.force.is_empty() => vec![0.0; judged.len()],
+                Kind::Compliance => run.force[run.lead..].iter().map(|f| -f).collect(),
+                Kind::SideGain => judged.iter().map(|y| 0.5 * y.abs()).collect(),
+                Kind::Drift => (0..judged.len()).map(growth).collect(),
+                Kind::GainDrift => judged
+                    .iter()
+                    .enumerate()
+                    .map(|(i, y)| y * growth(i))
+                    .collect(),
+                _ => return None,
+            })
+        };
+        let more: Vec<Vec<f64>> = self.parts.iter().filter_map(own).collect();
+        let mut columns = vec![y[run.lead..].to_vec()];
+        columns.extend(more);
+        columns
+    }
+
+    /// x' = flow(e) / T with e = input - x; begins settled.
+    pub fn valve(&self, input: &[f64], h: f64) -> Vec<f64> {
+        let flows: Vec<Part> = self
+            .parts
+            .iter()
+            .filter(|p| p.kind.is_flow())
+            .copied()
+            .collect();
+        if flows.is_empty() {
+            return lagged(input, self.lag_s, h);
+        }
+        // A valve without a lag of its own would follow within the sample.
+        let lag_s = self.lag_s.max(0.3 * h);
+        let speed = |e: f64| flow(&flows, e, lag_s);
+        let substeps = (h / (SUBSTEP * lag_s)).ceil().clamp(1.0, MOST_SUBSTEPS);
+        let dt = h / substeps;
+        let mut x = input[0];
+        let mut out = Vec::with_capacity(input.len());
+        out.push(x);
+        for pair in input.windows(2) {
+            let rise = (pair[1] - pair[0]) / substeps;
+            for k in 0..substeps as usize {
+                let u = pair[0] + rise * k as f64;
+                // Midpoint rule.
+                let half = x + 0.5 * dt * speed(u - x);
+                x += dt * speed(u + 0.5 * rise - half);
+            }
+            out.push(x);
+        }
+        out
+    }
+}
+
+/// Speed of a cylinder behind a valve that is open by `e`, mm/s.
+fn flow(parts: &[Part], e: f64, lag_s: f64) -> f64 {
+    let mut e = e;
+    let mut most = f64::INFINITY;
+    for part in parts {
+        let a = part.shapes[0];
+        match part.kind {
+            Kind::Overlap => e -= e.clamp(-a, a),
+            Kind::UnequalAreas => e *= (1.0 + a * e).max(0.1),
+            Kind::FlowLimit => e = a * (e / a).tanh(),
+            Kind::RateLimit => most = a,
+            _ => {}
+        }
+    }
+    (e / lag_s).clamp(-most, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(command: Vec<f64>) -> Run {
+        Run {
+            target: command.clone(),
+            command,
+            lead: 0,
+            skipped: 0,
+            force: Vec::new(),
+            from_s: 0.0,
+        }
+    }
+
+    fn answer(parts: &[(Kind, [f64; 2])], command: Vec<f64>) -> Vec<f64> {
+        let parts = parts
+            .iter()
+            .map(|&(kind, shapes)| Part { kind, shapes })
+            .collect();
+        let way = Way {
+            delay_s: 0.0,
+            lag_s: 0.02,
+            parts,
+        };
+        way.columns(&run(command), 1e-3).swap_remove(0)
+    }
+
+    #[test]
+    fn a_step_through_each_valve_is_what_its_equation_says() {
+        let step: Vec<f64> = (0..400).map(|i| if i == 0 { 0.0 } else { 1.0 }).collect();
+        // Unequal areas: e' = -(e + b e^2) / T is solved by e = c / (1 - b c), c = exp(-t/T) / (1 + b).
+        let b = 0.5;
+        let y = answer(&[(Kind::UnequalAreas, [b, 0.0])], step.clone());
+        for (i, y) in y.iter().enumerate().skip(5).step_by(10) {
+            // The input rises over the first interval.
+            let c = (-(i as f64 - 0.5) * 1e-3 / 0.02).exp() / (1.0 + b);
+            assert!((1.0 - y - c / (1.0 - b * c)).abs() < 2e-3, "{i}");
+        }
+        // An overlap leaves its width; a largest speed is kept.
+        let y = answer(&[(Kind::Overlap, [0.2, 0.0])], step.clone());
+        assert!((y[399] - 0.8).abs() < 1e-3);
+        let y = answer(&[(Kind::RateLimit, [5.0, 0.0])], step);
+        assert!((y[100] - y[50] - 0.25).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_valve_without_any_part_is_a_lag() {
+        let wave: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin()).collect();
+        let plain = answer(&[], wave.clone());
+        let wide = answer(&[(Kind::FlowLimit, [1e4, 0.0])], wave);
+        for (a, b) in plain.iter().zip(&wide) {
+            assert!((a - b).abs() < 1e-5);
+        }
+    }
+}

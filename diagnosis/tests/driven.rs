@@ -1,0 +1,180 @@
+//! Actuators of other equations than the library's, without a rest and in mid-motion from the first sample: what the
+//! joint search says of them.
+#![allow(missing_docs)]
+
+use diagnosis::{ActuatorModel, ChannelAnswer, Declared, Model, Recording, Verdict, diagnose};
+use plant::Effect;
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::TAU;
+
+const H: f64 = 2e-3;
+
+/// A command of several tones up to 4 Hz, at full size from its first sample on, mm.
+fn command(seed: u64, size_mm: f64) -> impl Fn(f64) -> f64 {
+    let tones = [0.31, 0.83, 1.7, 2.9, 4.1];
+    move |t| {
+        let tone = |(i, hz): (usize, &f64)| {
+            let phase = (seed as f64 * 1.3 + i as f64 * 2.1).sin() * TAU;
+            (TAU * hz * t + phase).sin() / (1.0 + i as f64)
+        };
+        size_mm * tones.iter().enumerate().map(tone).sum::<f64>()
+    }
+}
+
+/// A record of 20 s of an actuator `x' = speed(e, x)`, by Runge and Kutta's method with ten steps a sample; `reads` is
+/// what the transducer sees of the motion.
+fn record(
+    seed: u64,
+    size_mm: f64,
+    speed: impl Fn(f64) -> f64,
+    mut reads: impl FnMut(f64) -> f64,
+) -> Recording {
+    let u = command(seed, size_mm);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let delay_s = 0.006;
+    // It is in motion long before the record begins.
+    let (mut x, dt) = (0.0, H / 10.0);
+    let mut r = Recording {
+        name: format!("record {seed}"),
+        ..Recording::default()
+    };
+    let (mut command_mm, mut displacement_mm) = (Vec::new(), Vec::new());
+    for i in -2500..10_000_i32 {
+        for k in 0..10 {
+            let t = (f64::from(i) + f64::from(k) / 10.0) * H - delay_s;
+            let f = |s: f64, x: f64| speed(u(t + s) - x);
+            let (a, b) = (f(0.0, x), f(0.5 * dt, x + 0.5 * dt * f(0.0, x)));
+            let c = f(0.5 * dt, x + 0.5 * dt * b);
+            let d = f(dt, x + dt * c);
+            x += dt / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        }
+        let noise: f64 = StandardNormal.sample(&mut random);
+        let reading = reads(x) + 5e-4 * size_mm * noise;
+        if i >= 0 {
+            r.time_s.push(f64::from(i + 1) * H);
+            command_mm.push(u(f64::from(i + 1) * H));
+            displacement_mm.push(reading);
+        }
+    }
+    r.command_mm = Some(command_mm);
+    r.displacement_mm = Some(displacement_mm);
+    r
+}
+
+fn model() -> Model {
+    let declared = |value, tolerance| Some(Declared { value, tolerance });
+    Model {
+        actuator: Some(ActuatorModel {
+            gain: declared(1.0, 0.01),
+            delay_ms: declared(6.0, 1.0),
+            lag_ms: declared(20.0, 1.0),
+            offset_mm: declared(0.0, 0.1),
+            effects: Vec::new(),
+        }),
+        specimen: None,
+    }
+}
+
+fn asked(make: impl Fn(u64) -> Recording) -> (ChannelAnswer, Model) {
+    let d = diagnose(&model(), &[make(1)], &[make(2)], &[]).unwrap();
+    let a = d.channels[0].clone();
+    println!(
+        "{:?} {:?} or {:?}: {:.4} -> {:.4} of {:.4} mm; {:?}",
+        a.verdict,
+        a.effects,
+        a.alternatives,
+        a.error_before.test_rms,
+        a.error_after.test_rms,
+        a.noise_floor_rms,
+        a.notes
+    );
+    (a, d.improved)
+}
+
+/// A first-order valve.
+fn plain(e: f64) -> f64 {
+    e / 0.02
+}
+
+fn named(a: &ChannelAnswer) -> Vec<Effect> {
+    let found = a.effects.iter().map(|e| e.name);
+    found.chain(a.alternatives.iter().copied()).collect()
+}
+
+#[test]
+fn nothing_is_missing_in_a_plain_actuator_that_begins_in_mid_motion_without_a_rest() {
+    let (a, _) = asked(|seed| record(seed, 10.0, plain, |x| x));
+    assert_eq!(a.verdict, Verdict::None);
+    assert!(
+        (a.noise_floor_rms / 5e-3 - 1.0).abs() < 0.3,
+        "{}",
+        a.noise_floor_rms
+    );
+}
+
+#[test]
+fn unequal_areas_of_a_servo_cylinder_are_named_and_stay_in_the_model() {
+    // Flow through an orifice out and back: proportional to the opening, by different areas.
+    let valve = |e: f64| if e > 0.0 { e / 0.018 } else { e / 0.022 };
+    let make = |seed| record(seed, 10.0, valve, |x| x);
+    let (a, improved) = asked(make);
+    assert!(named(&a).contains(&Effect::AsymmetricActuator));
+    assert!(a.error_after.test_rms < 0.6 * a.error_before.test_rms);
+    // What was saved answers as what was found.
+    let again = diagnose(&improved, &[make(1)], &[make(2)], &[]).unwrap();
+    let left = again.channels[0].error_before.test_rms;
+    assert!(left < 1.5 * a.error_after.test_rms, "{left}");
+}
+
+#[test]
+fn slack_in_a_linkage_is_a_play_or_friction_in_the_drive() {
+    let make = |seed| {
+        let mut at = 0.0_f64;
+        record(seed, 10.0, plain, move |x| {
+            at = at.clamp(x - 0.4, x + 0.4);
+            at
+        })
+    };
+    let (a, _) = asked(make);
+    let names = named(&a);
+    assert!(names.contains(&Effect::Backlash), "{names:?}");
+    assert!(
+        names.iter().all(|n| [
+            Effect::Backlash,
+            Effect::CoulombFriction,
+            Effect::StribeckFriction
+        ]
+        .contains(n)),
+        "{names:?}"
+    );
+    assert!(a.error_after.test_rms < 3.0 * a.noise_floor_rms);
+}
+
+#[test]
+fn a_pump_that_is_too_small_limits_the_speed() {
+    let make = |seed| record(seed, 10.0, |e| (e / 0.02).clamp(-120.0, 120.0), |x| x);
+    let (a, _) = asked(make);
+    assert!(named(&a).contains(&Effect::RateLimit), "{:?}", named(&a));
+    assert!(a.error_after.test_rms < 0.2 * a.error_before.test_rms);
+}
+
+#[test]
+fn another_motion_that_is_not_recorded_gets_no_name() {
+    // A second axis shakes the transducer: no input tells it.
+    let make = |seed: u64| {
+        let mut i = 0.0;
+        record(seed, 10.0, plain, move |x| {
+            i += H;
+            let other: f64 = [1.13, 2.31, 3.77, 5.9]
+                .iter()
+                .map(|hz| (TAU * hz * i + seed as f64 * hz).sin())
+                .sum();
+            x + 0.3 * other
+        })
+    };
+    let (a, improved) = asked(make);
+    assert_eq!(a.verdict, Verdict::Unknown);
+    assert_eq!(improved, model());
+}
