@@ -1,6 +1,6 @@
 //! What a diagnosis says, in words for the terminal and the report.
 
-use diagnosis::{ChannelAnswer, FoundParameter, Verdict};
+use diagnosis::{ChannelAnswer, DependsOn, FoundParameter, Verdict};
 
 /// The verdict in one sentence.
 pub fn headline(a: &ChannelAnswer) -> String {
@@ -27,7 +27,7 @@ pub fn headline(a: &ChannelAnswer) -> String {
         Verdict::Unknown => {
             let nearest = a.nearest.as_ref().map_or(String::new(), |n| {
                 format!(
-                    " The nearest is {}, which explains {:.0} % of it.",
+                    " The nearest is {}, which explains {:.0} % of its squares.",
                     n.name.name(),
                     100.0 * n.explained
                 )
@@ -75,15 +75,33 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
     })
 }
 
-/// Declared parameters as refitted inside their tolerance, where some were free.
+/// Declared parameters as refitted, where some were free; each beyond one tolerance is marked.
 pub fn refitted(a: &ChannelAnswer) -> Option<String> {
     let values: Vec<String> = a
         .refitted
         .iter()
-        .map(|(name, value)| format!("{name} = {}", digits(*value)))
+        .map(|r| {
+            let value = format!("{} = {}", r.name, digits(r.value));
+            let off = r.tolerances();
+            if off.abs() > 1.0 {
+                format!(
+                    "{value} (! {:.1} tolerances {} the declared {})",
+                    off.abs(),
+                    if off > 0.0 { "above" } else { "below" },
+                    digits(r.declared)
+                )
+            } else {
+                value
+            }
+        })
         .collect();
-    (!values.is_empty())
-        .then(|| format!("Refitted inside their tolerances: {}.", values.join(", ")))
+    let beyond = a.refitted.iter().any(|r| r.tolerances().abs() > 3.0);
+    let how = if beyond {
+        "Refitted, some beyond three tolerances"
+    } else {
+        "Refitted within three tolerances"
+    };
+    (!values.is_empty()).then(|| format!("{how}: {}.", values.join(", ")))
 }
 
 /// What became of the error on held-out data.
@@ -95,6 +113,60 @@ fn change(a: &ChannelAnswer) -> String {
         quantity(after, &a.unit),
         quantity(a.noise_floor_rms, &a.unit)
     )
+}
+
+/// What a rest depends on, in words.
+pub const fn depends_on(d: DependsOn) -> &'static str {
+    match d {
+        DependsOn::Displacement => "the displacement",
+        DependsOn::Velocity => "the velocity",
+        DependsOn::DisplacementAndVelocity => "displacement and velocity together",
+        DependsOn::Memory => "the motion since the last reversal",
+        DependsOn::Frequency => "the frequency (a linear filter)",
+        DependsOn::Time => "the time",
+        DependsOn::Amplitude => "the amplitude",
+        DependsOn::OtherChannel => "the other channel",
+    }
+}
+
+/// What the next test will show, in one sentence.
+pub fn foretold(a: &ChannelAnswer) -> Option<String> {
+    let [low, high] = a.next_error_ci90?;
+    Some(format!(
+        "In the next test like the training data the model will be {} to {} rms off (90 %).",
+        digits(low),
+        quantity(high, &a.unit)
+    ))
+}
+
+/// What is known of the rest, in one sentence.
+pub fn rest(a: &ChannelAnswer) -> Option<String> {
+    let r = a.remainder.as_ref()?;
+    let mut parts: Vec<String> = Vec::new();
+    if let Some(s) = r.shares.first() {
+        parts.push(format!(
+            "{} alone accounts for {:.0} % of its squares on held-out data",
+            depends_on(s.depends_on),
+            100.0 * s.share
+        ));
+    } else {
+        parts.push(
+            "no class of dependence accounts for more than 2 % of its squares on held-out data"
+                .into(),
+        );
+    }
+    for l in &r.lines {
+        parts.push(format!(
+            "a line at {} Hz holds {} rms",
+            digits(l.frequency_hz),
+            quantity(l.rms, &a.unit)
+        ));
+    }
+    Some(format!(
+        "Of what is left, {} rms, {}.",
+        quantity(r.rms, &a.unit),
+        parts.join("; ")
+    ))
 }
 
 /// A name for a verdict, as files have it.

@@ -1,12 +1,12 @@
 //! What is said in words: notes, and the experiment that would decide.
 
-use crate::answer::{ChannelAnswer, Verdict};
+use crate::answer::{ChannelAnswer, Refitted, Verdict};
 use crate::base::Base;
 use crate::noise::Noise;
 use plant::{Channel, Effect, Family};
 
 /// The declared parameters that were free, as refitted.
-pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<(String, f64)> {
+pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
     let names = match base.channel {
         Channel::Actuator => ["gain", "delay_ms", "lag_ms", "offset_mm"],
         Channel::Specimen => [
@@ -18,7 +18,12 @@ pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<(String, f64)> {
     };
     base.free
         .iter()
-        .map(|f| (names[f.index].to_owned(), theta[f.index]))
+        .map(|f| Refitted {
+            name: names[f.index].to_owned(),
+            value: theta[f.index],
+            declared: base.values[f.index],
+            tolerance: f.tolerance,
+        })
         .collect()
 }
 
@@ -34,9 +39,9 @@ pub fn notes(
     let name = answer.channel.name();
     match answer.verdict {
         Verdict::None => notes.push(format!(
-            "What the {name} model leaves is {:.3} {unit} rms beyond a noise of {:.3} {unit}: nothing that the noise \
-             would show is missing.",
-            structured[0], noise.rms
+            "What the {name} model leaves differs from a noise of {:.3} {unit} rms by {:.3} {unit}: no more than such a noise \
+             hides.",
+            noise.rms, structured[0]
         )),
         Verdict::Effect | Verdict::Ambiguous if !answer.effects.is_empty() => {
             let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();

@@ -1,7 +1,7 @@
 //! What the diagnosis says.
 
 use plant::{Channel, Effect, Family};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The verdict on a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -58,7 +58,7 @@ pub struct Member {
 }
 
 /// What the rest depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DependsOn {
     /// Displacement, static.
@@ -112,6 +112,26 @@ pub struct Remainder {
     pub shares: Vec<Share>,
     /// Lines that are not those of the motion.
     pub lines: Vec<Line>,
+}
+
+/// A declared parameter as the record has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Refitted {
+    /// Its name, ending with its unit.
+    pub name: String,
+    /// What it was refitted to.
+    pub value: f64,
+    /// What was declared.
+    pub declared: f64,
+    /// One declared tolerance.
+    pub tolerance: f64,
+}
+
+impl Refitted {
+    /// By how many tolerances it is off what was declared.
+    pub fn tolerances(&self) -> f64 {
+        (self.value - self.declared) / self.tolerance
+    }
 }
 
 /// The nearest effect where none explains enough.
@@ -185,6 +205,9 @@ pub struct ChannelAnswer {
     pub error_after: Errors,
     /// 90 % interval of the fall of the held-out rms.
     pub improvement_ci90: [f64; 2],
+    /// 90 % interval of the rms that the improved model will leave of the next test like the training data, in the
+    /// channel's unit; it is worked out without the held-out data.
+    pub next_error_ci90: Option<[f64; 2]>,
     /// What is known of the rest, where something structured remains.
     pub remainder: Option<Remainder>,
     /// What else is to be said.
@@ -192,7 +215,7 @@ pub struct ChannelAnswer {
     /// Effects tried, best first.
     pub tried: Vec<Tried>,
     /// Declared parameters as refitted, by name.
-    pub refitted: Vec<(String, f64)>,
+    pub refitted: Vec<Refitted>,
     /// Held-out data, for pictures.
     #[serde(skip)]
     pub traces: Traces,

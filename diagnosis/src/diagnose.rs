@@ -1,5 +1,6 @@
 //! From a model and records to an answer.
 
+mod anatomy;
 mod driven;
 mod obstacle;
 
@@ -132,6 +133,7 @@ impl Channelled<'_> {
             error_before: Errors::default(),
             error_after: Errors::default(),
             improvement_ci90: [0.0; 2],
+            next_error_ci90: None,
             remainder: None,
             notes: Vec::new(),
             tried: Vec::new(),

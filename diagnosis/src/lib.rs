@@ -25,6 +25,7 @@ mod plausible;
 mod problem;
 mod recording;
 mod refusal;
+mod remainder;
 mod rest;
 mod sensitivity;
 mod signals;
@@ -33,7 +34,7 @@ mod stamps;
 
 pub use answer::{
     ChannelAnswer, DependsOn, Diagnosis, Errors, FoundEffect, FoundParameter, Line, Member,
-    Nearest, Remainder, Share, Traces, Tried, Verdict,
+    Nearest, Refitted, Remainder, Share, Traces, Tried, Verdict,
 };
 pub use diagnose::diagnose;
 pub use identify::{Identified, identify};

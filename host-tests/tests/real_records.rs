@@ -86,7 +86,7 @@ fn the_hydraulic_actuator_lacks_more_than_one_effect() {
             ("delay_ms", 4.0, 6.0),
             ("lag_ms", 21.0, 23.0),
         ] {
-            let value = a.refitted.iter().find(|(n, _)| n == name).unwrap().1;
+            let value = a.refitted.iter().find(|r| r.name == name).unwrap().value;
             assert!((low..high).contains(&value), "{name} = {value}");
         }
         assert!(
@@ -187,6 +187,11 @@ fn the_force_of_the_fatigue_rig_leads_and_its_lead_ends_at_higher_rates() {
     // The rest before the motion has no force; the offset that the motion's fit asks for is no offset, then.
     let rest = first.span(0.0, 0.7);
     let still = mean(rest.force_n.unwrap().into_iter());
-    let offset = a.refitted.iter().find(|(n, _)| n == "offset_n").unwrap().1;
+    let offset = a
+        .refitted
+        .iter()
+        .find(|r| r.name == "offset_n")
+        .unwrap()
+        .value;
     assert!(still.abs() < 1e-3 && offset > 0.01, "{still} {offset}");
 }

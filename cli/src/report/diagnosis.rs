@@ -3,7 +3,9 @@
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use super::{Drawn, escape};
 use crate::terminal::percent;
-use crate::wording::{headline, next, parameter, quantity, refitted};
+use crate::wording::{
+    depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest as sentence,
+};
 use diagnosis::{ChannelAnswer, Traces, Verdict};
 use plant::Channel;
 use std::fmt::Write as _;
@@ -42,12 +44,13 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     html += &errors(a);
-    if let Some(sentence) = refitted(a) {
+    for sentence in foretold(a).into_iter().chain(refitted(a)) {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     if !a.traces.time_s.is_empty() {
         html += &residual(a)?;
         html += &loops(a)?;
+        html += &rest(a)?;
     }
     Ok(html + &tried(a))
 }
@@ -88,13 +91,10 @@ fn errors(a: &ChannelAnswer) -> String {
         let [low, high] = a.improvement_ci90.map(|x| quantity(x, &a.unit));
         tiles.push(tile(
             format!("{low} to {high}"),
-            "is gained on held-out data, 90 % interval",
+            "is the fall on held-out data, 90 % interval",
         ));
     }
-    tiles.push(tile(
-        quantity(a.noise_floor_rms, &a.unit),
-        "the noise: nothing can be better",
-    ));
+    tiles.push(tile(quantity(a.noise_floor_rms, &a.unit), "the noise"));
     tiles.push(tile(
         format!(
             "{} / {}",
@@ -134,7 +134,7 @@ fn residual(a: &ChannelAnswer) -> Drawn {
     figure(
         "What is left",
         plot(TALL, "time [s]", &label, &curves)?,
-        "Measured less modelled, on the held-out data.",
+        &format!("Measured less modelled, on the held-out data, {}.", span(t)),
     )
 }
 
@@ -153,9 +153,11 @@ fn loops(a: &ChannelAnswer) -> Drawn {
             "Force against displacement",
         ),
     };
+    let window = window(&t.input);
     let picture = |model: &[f64], caption: &str| -> Drawn {
         let points = |y: &[f64]| {
-            path(y.len(), |i| {
+            path(window.len(), |i| {
+                let i = window.start + i;
                 let from = match a.channel {
                     Channel::Actuator => t.input[i],
                     Channel::Specimen => 0.0,
@@ -175,12 +177,178 @@ fn loops(a: &ChannelAnswer) -> Drawn {
         ))
     };
     let Traces { before, after, .. } = t;
+    let from_to = format!(
+        "From {} to {} s.",
+        digits(t.time_s[window.start]),
+        digits(t.time_s[window.end - 1])
+    );
     let mut html = format!("<h3>{what}</h3><div class=\"pair\">");
-    html += &picture(before, "The declared model, inside its tolerances.")?;
+    html += &picture(
+        before,
+        &format!("The declared model, within three tolerances. {from_to}"),
+    )?;
     if !a.effects.is_empty() {
-        html += &picture(after, "With what was found.")?;
+        html += &picture(after, &format!("With what was found. {from_to}"))?;
     }
     Ok(html + "</div>")
+}
+
+/// Turns of a motion that a picture of loops shows: more are a blot.
+const TURNS: usize = 9;
+
+/// The part of a long record whose loops are shown: a few turns around its largest motion.
+fn window(input: &[f64]) -> std::ops::Range<usize> {
+    let n = input.len();
+    let mean = input.iter().sum::<f64>() / n as f64;
+    let largest = input.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
+    // A turn is one that comes back by a tenth of the largest motion.
+    let (mut turns, mut extreme, mut up) = (vec![0], 0, true);
+    for i in 1..n {
+        let back = if up {
+            input[extreme] - input[i]
+        } else {
+            input[i] - input[extreme]
+        };
+        if back < 0.0 {
+            extreme = i;
+        } else if back > 0.1 * largest {
+            turns.push(extreme);
+            (extreme, up) = (i, !up);
+        }
+    }
+    turns.push(n - 1);
+    if turns.len() <= TURNS + 1 {
+        return 0..n;
+    }
+    let size = |w: &[usize]| (input[w[0]] - mean).abs();
+    let first = turns[..turns.len() - TURNS]
+        .iter()
+        .enumerate()
+        .max_by(|a, b| size(&[*a.1]).total_cmp(&size(&[*b.1])))
+        .map_or(0, |(i, _)| i);
+    turns[first]..turns[first + TURNS] + 1
+}
+
+/// From when to when the held-out data of the pictures goes.
+fn span(t: &Traces) -> String {
+    format!(
+        "{} to {} s",
+        digits(t.time_s[0]),
+        digits(t.time_s[t.time_s.len() - 1])
+    )
+}
+
+/// What is left against displacement and speed, and what it depends on.
+fn rest(a: &ChannelAnswer) -> Drawn {
+    let Some(r) = &a.remainder else {
+        return Ok(String::new());
+    };
+    let t = &a.traces;
+    let mut html = format!(
+        "<h3>What the rest depends on</h3><p>{}</p>",
+        escape(&sentence(a).unwrap_or_default())
+    );
+    if !r.shares.is_empty() || !r.lines.is_empty() {
+        html += "<div class=\"scroll\"><table><tr><th>depends on</th><th>share of squares</th><th></th><th>odd</th><th>even</th></tr>";
+        let row = |what: &str, share: f64, odd: &str, even: &str| {
+            format!(
+                "<tr><td>{}</td><td>{}</td><td class=\"bar\"><i style=\"width:{:.1}%\"></i></td><td>{odd}</td><td>{even}</td></tr>",
+                escape(what),
+                percent(share),
+                100.0 * share.min(1.0)
+            )
+        };
+        for s in &r.shares {
+            html += &row(
+                depends_on(s.depends_on),
+                s.share,
+                &percent(s.odd),
+                &percent(s.even),
+            );
+        }
+        for l in &r.lines {
+            html += &row(
+                &format!("a line at {} Hz", digits(l.frequency_hz)),
+                (l.rms / r.rms).powi(2),
+                "",
+                "",
+            );
+        }
+        html += "</table></div><p>Each class is learned alone from the training data and judged on the held-out data, so shares \
+                 overlap. Odd is what changes its sign with the motion.</p>";
+    }
+    let left: Vec<f64> = t
+        .measured
+        .iter()
+        .zip(&t.after)
+        .map(|(m, a)| m - a)
+        .collect();
+    let n = left.len();
+    let h = (t.time_s[n - 1] - t.time_s[0]) / (n - 1) as f64;
+    // Speeds over a few samples, behind which the noise of a reading does not hide them.
+    let over = (n / 500).clamp(1, 20);
+    let speed: Vec<f64> = (0..n - over)
+        .map(|i| (t.input[i + over] - t.input[i]) / (over as f64 * h))
+        .collect();
+    let unit = match a.channel {
+        Channel::Actuator => "mm".to_owned(),
+        Channel::Specimen => a.unit.clone(),
+    };
+    let label = format!("left [{unit}]");
+    let against = |of: &[f64], label_x: &str, caption: &str| -> Drawn {
+        let svg = plot(HALF, label_x, &label, &bands(of, &left))?;
+        Ok(format!(
+            "<figure>{svg}<figcaption>{caption}</figcaption></figure>"
+        ))
+    };
+    let input = match a.channel {
+        Channel::Actuator => "command [mm]",
+        Channel::Specimen => "displacement [mm]",
+    };
+    html += "<div class=\"pair\">";
+    html += &against(
+        &t.input,
+        input,
+        "Its mean, and where 80 % of it lies, against the place.",
+    )?;
+    html += &against(&speed, "speed [mm/s]", "The same against the speed.")?;
+    Ok(html + "</div>")
+}
+
+/// Bins over a range.
+const BINS: usize = 40;
+
+/// Mean, tenth and ninetieth percentile of `left` in bins of another signal.
+fn bands(of: &[f64], left: &[f64]) -> [Curve; 3] {
+    let (low, high) = of
+        .iter()
+        .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    let mut bins: Vec<Vec<f64>> = vec![Vec::new(); BINS];
+    for (x, y) in of.iter().zip(left) {
+        let at = ((x - low) / (high - low).max(f64::MIN_POSITIVE) * BINS as f64) as usize;
+        bins[at.min(BINS - 1)].push(*y);
+    }
+    let curve = |value: &dyn Fn(&[f64]) -> f64| -> Vec<(f64, f64)> {
+        let filled = bins.iter().enumerate().filter(|(_, b)| b.len() > 4);
+        filled
+            .map(|(i, b)| {
+                (
+                    low + (high - low) * (i as f64 + 0.5) / BINS as f64,
+                    value(b),
+                )
+            })
+            .collect()
+    };
+    let sorted = |b: &[f64], share: f64| {
+        let mut b = b.to_vec();
+        b.sort_by(f64::total_cmp);
+        b[((b.len() - 1) as f64 * share) as usize]
+    };
+    [
+        Curve::new(IDEAL, curve(&|b| sorted(b, 0.1))).named("80 % of it"),
+        Curve::new(IDEAL, curve(&|b| sorted(b, 0.9))),
+        Curve::new(TESTED, curve(&|b| b.iter().sum::<f64>() / b.len() as f64)).named("mean"),
+    ]
 }
 
 fn tried(a: &ChannelAnswer) -> String {
@@ -188,8 +356,9 @@ fn tried(a: &ChannelAnswer) -> String {
         return String::new();
     };
     let mut html = String::from(
-        "<h3>What was tried</h3><p>Every effect of the library was added alone and fitted; the bar is what it leaves \
-         of the training data's error; green is what was taken. Evidence is the fall of the Bayesian information criterion.</p>\
+        "<h3>What was tried</h3><p>The ten effects that came nearest, each added alone; the bar is what it leaves of the \
+         training data's error; green is what was taken. They stand in the order of the evidence, the fall of the Bayesian \
+         information criterion, which counts what an effect costs in numbers to fit.</p>\
          <div class=\"scroll\"><table><tr><th>effect</th><th>left, rms</th><th></th><th>evidence</th></tr>",
     );
     for t in a.tried.iter().take(LISTED) {

@@ -107,7 +107,7 @@ pub fn of_demo(
 /// The drawing library's.
 pub fn of_diagnosis(title: &str, d: &::diagnosis::Diagnosis) -> Result<String, Failure> {
     let parts: Result<Vec<String>, _> = d.channels.iter().map(diagnosis::channel).collect();
-    let lead = "What was measured is compared with what the declared model says, its parameters refitted inside their \
+    let lead = "What was measured is compared with what the declared model says, its parameters refitted within three \
                 tolerances; what is left beyond the noise is traced to an effect that the model lacks.";
     Ok(page(title, lead, &parts.map_err(cannot)?.concat()))
 }

@@ -2,7 +2,9 @@
 
 use super::{percent, table};
 use crate::story::Story;
-use crate::wording::{digits, headline, next, parameter, quantity, refitted, verdict};
+use crate::wording::{
+    depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest, verdict,
+};
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
 use std::fmt::Write as _;
@@ -25,16 +27,26 @@ pub fn diagnosis(d: &Diagnosis) -> String {
         for note in a.notes.iter().skip(told) {
             let _ = writeln!(text, "    {note}");
         }
-        for sentence in refitted(a).into_iter().chain(next(a)) {
+        for sentence in rest(a)
+            .into_iter()
+            .chain(foretold(a))
+            .chain(refitted(a))
+            .chain(next(a))
+        {
             let _ = writeln!(text, "    {sentence}");
         }
         text.push('\n');
     }
     let _ = writeln!(text, "{}", errors(&d.channels));
+    for a in &d.channels {
+        if let Some(table) = shares(a) {
+            let _ = writeln!(text, "\n{table}");
+        }
+    }
     for a in d.channels.iter().filter(|a| !a.tried.is_empty()) {
         let _ = writeln!(text, "\n{}", tried(a));
     }
-    let _ = write!(text, "{:.2} s", d.seconds);
+    let _ = write!(text, "Diagnosed in {:.2} s.", d.seconds);
     text
 }
 
@@ -81,7 +93,7 @@ fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {
         "held out rms before",
         "after",
         "noise rms",
-        "gain, 90 %",
+        "fall of the rms, 90 %",
     ]);
     if let Some(column) = t.column_mut(1) {
         column.set_cell_alignment(CellAlignment::Left);
@@ -99,14 +111,49 @@ fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {
             rms(before.test_rms),
             rms(after.test_rms),
             rms(a.noise_floor_rms),
-            format!(
-                "{} to {}",
-                digits(a.improvement_ci90[0]),
-                digits(a.improvement_ci90[1])
-            ),
+            if a.effects.is_empty() {
+                "-".to_owned()
+            } else {
+                format!(
+                    "{} to {}",
+                    digits(a.improvement_ci90[0]),
+                    digits(a.improvement_ci90[1])
+                )
+            },
         ]);
     }
     t
+}
+
+/// What the rest depends on.
+fn shares(a: &ChannelAnswer) -> Option<comfy_table::Table> {
+    let r = a.remainder.as_ref()?;
+    if r.shares.is_empty() && r.lines.is_empty() {
+        return None;
+    }
+    let head = format!("rest of the {}: depends on", a.channel.name());
+    let mut t = table(&[&head, "share of squares", "odd", "even"]);
+    if let Some(column) = t.column_mut(0) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    let part = |x: f64| if x > 0.0 { percent(x) } else { "-".into() };
+    for s in &r.shares {
+        t.add_row([
+            depends_on(s.depends_on).to_owned(),
+            percent(s.share),
+            part(s.odd),
+            part(s.even),
+        ]);
+    }
+    for l in &r.lines {
+        t.add_row([
+            format!("a line at {} Hz", digits(l.frequency_hz)),
+            percent((l.rms / r.rms).powi(2)),
+            "-".to_owned(),
+            "-".to_owned(),
+        ]);
+    }
+    Some(t)
 }
 
 fn tried(a: &ChannelAnswer) -> comfy_table::Table {

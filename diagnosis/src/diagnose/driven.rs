@@ -73,7 +73,7 @@ impl Channelled<'_> {
             })
             .collect();
         answer.traces = self.drive_traces(&test, &held_before, &held_before);
-        let mut trained = reached;
+        let mut kept = found.declared.clone();
         let unknown = |answer: &mut ChannelAnswer, name, explained| {
             answer.verdict = Verdict::Unknown;
             answer.nearest = Some(Nearest { name, explained });
@@ -105,7 +105,7 @@ impl Channelled<'_> {
                         .iter()
                         .map(|n| self.drive_effect(&train, &fit, n.effect, Some(q(n.rho))))
                         .collect();
-                    trained = rms(std::slice::from_ref(&fit.residual));
+                    kept.clone_from(&fit);
                     self.take(
                         &mut answer,
                         &train,
@@ -130,7 +130,7 @@ impl Channelled<'_> {
                         .iter()
                         .map(|&(name, probability)| Member { name, probability })
                         .collect();
-                    trained = rms(std::slice::from_ref(&fit.residual));
+                    kept.clone_from(&fit);
                     self.take(
                         &mut answer,
                         &train,
@@ -146,7 +146,12 @@ impl Channelled<'_> {
         let structured = [reached, answer.error_after.test_rms].map(left);
         answer.notes = advice::notes(&answer, structured, noise, false);
         answer.notes.extend(noise.from.note().map(String::from));
-        not_above(&mut answer, trained);
+        not_above(&mut answer, rms(std::slice::from_ref(&kept.residual)));
+        if answer.verdict != Verdict::None {
+            let learned = train.by_record(&kept.residual);
+            let judged = test.by_record(&test.residual(&kept));
+            self.look_at_the_rest(&mut answer, &learned, &judged);
+        }
         Some(answer)
     }
 
@@ -224,7 +229,7 @@ fn not_above(answer: &mut ChannelAnswer, trained: f64) {
     }
 }
 
-fn refitted(base: &Base, fit: &Fit) -> Vec<(String, f64)> {
+fn refitted(base: &Base, fit: &Fit) -> Vec<Refitted> {
     let [gain, delay_s, lag_s, offset] = fit.declared;
     advice::refitted(base, &[gain, 1e3 * delay_s, 1e3 * lag_s, offset])
 }

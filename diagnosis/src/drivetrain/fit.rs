@@ -192,6 +192,16 @@ impl<'a> Data<'a> {
         self.target.iter().zip(y).map(|(t, y)| t - y).collect()
     }
 
+    /// A residual of all records, record by record.
+    pub fn by_record(&self, residual: &[f64]) -> Vec<Vec<f64>> {
+        let mut from = 0;
+        let part = |run: &Run| {
+            from += run.target.len();
+            residual[from - run.target.len()..from].to_vec()
+        };
+        self.runs.iter().map(part).collect()
+    }
+
     /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
     pub fn fit(&self, model: &Model, start: [f64; DECLARED]) -> Option<Fit> {
         let mut declared: [f64; DECLARED] = std::array::from_fn(|i| {

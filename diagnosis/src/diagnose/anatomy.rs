@@ -1,0 +1,45 @@
+//! What the rest of a channel depends on.
+
+use super::Channelled;
+use crate::answer::ChannelAnswer;
+use crate::interval;
+use crate::recording::Recording;
+use crate::remainder::{Moves, anatomy};
+use plant::Channel;
+
+impl Channelled<'_> {
+    /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
+    /// than its record: it lacks the first samples then.
+    pub(super) fn look_at_the_rest(
+        &self,
+        answer: &mut ChannelAnswer,
+        train: &[Vec<f64>],
+        test: &[Vec<f64>],
+    ) {
+        answer.next_error_ci90 = Some(interval::next_error(train));
+        let learned = self.moves(self.train, train);
+        let judged = self.moves(self.test, test);
+        if let (Some(learned), Some(judged)) = (learned, judged) {
+            answer.remainder = Some(anatomy(&learned, &judged));
+        }
+    }
+
+    fn moves(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Moves>> {
+        records
+            .iter()
+            .zip(rests)
+            .map(|(r, rest)| {
+                let skipped = r.time_s.len() - rest.len();
+                let other = match self.base.channel {
+                    Channel::Actuator => &r.force_n,
+                    Channel::Specimen => &r.command_mm,
+                };
+                let other = other
+                    .as_ref()
+                    .map_or_else(Vec::new, |o| o[skipped..].to_vec());
+                let input = &self.input_of(r)?[skipped..];
+                Some(Moves::new(input, other, rest.clone(), r.interval_s()))
+            })
+            .collect()
+    }
+}
