@@ -129,6 +129,17 @@ pub const fn depends_on(d: DependsOn) -> &'static str {
     }
 }
 
+/// What a correction without a name makes of the held-out error, in one sentence.
+pub fn corrected(a: &ChannelAnswer) -> Option<String> {
+    let with = a.error_with_remainder?;
+    Some(format!(
+        "Held out: {} rms as declared, {} with what has a name, {} with the rest's correction, which has none.",
+        quantity(a.error_before.test_rms, &a.unit),
+        quantity(a.error_after.test_rms, &a.unit),
+        quantity(with.test_rms, &a.unit)
+    ))
+}
+
 /// What the next test will show, in one sentence.
 pub fn foretold(a: &ChannelAnswer) -> Option<String> {
     let [low, high] = a.next_error_ci90?;
@@ -251,6 +262,7 @@ mod tests {
                 mass_kg: None,
                 offset_n: None,
                 effects: Vec::new(),
+                remainder: None,
             }),
         };
         let d = diagnosis::diagnose(&model, &[record("a", 0.9)], &[record("b", 1.3)], &[]).unwrap();

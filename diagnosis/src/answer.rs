@@ -1,5 +1,6 @@
 //! What the diagnosis says.
 
+use crate::remainder::Correction;
 use plant::{Channel, Effect, Family};
 use serde::{Deserialize, Serialize};
 
@@ -205,6 +206,11 @@ pub struct ChannelAnswer {
     pub error_after: Errors,
     /// 90 % interval of the fall of the held-out rms.
     pub improvement_ci90: [f64; 2],
+    /// Errors of the improved model with the rest's own correction, which has no name, where one takes enough of it.
+    pub error_with_remainder: Option<Errors>,
+    /// That correction.
+    #[serde(skip)]
+    pub correction: Option<Correction>,
     /// 90 % interval of the rms that the improved model will leave of the next test like the training data, in the
     /// channel's unit; it is worked out without the held-out data.
     pub next_error_ci90: Option<[f64; 2]>,

@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
-use crate::{Refusal, advice, lattice, plausible, rest, spectrum};
+use crate::{Refusal, advice, lattice, plausible, remainder, rest, spectrum};
 use plant::{Channel, Effect, Family};
 use std::time::Instant;
 
@@ -35,6 +35,8 @@ pub fn diagnose(
     let begin = Instant::now();
     model.check()?;
     plausible::check(model, train, test, rest)?;
+    let [train, test, rest] = [train, test, rest].map(|set| remainder::taken_off(model, set));
+    let (train, test, rest) = (&train[..], &test[..], &rest[..]);
     let mut improved = model.clone();
     let bases = [
         model.actuator.as_ref().map(Base::actuator),
@@ -133,6 +135,8 @@ impl Channelled<'_> {
             error_before: Errors::default(),
             error_after: Errors::default(),
             improvement_ci90: [0.0; 2],
+            error_with_remainder: None,
+            correction: None,
             next_error_ci90: None,
             remainder: None,
             notes: Vec::new(),

@@ -41,3 +41,4 @@ pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, Declared, KnownEffect, Model, SpecimenModel};
 pub use recording::Recording;
 pub use refusal::Refusal;
+pub use remainder::{Correction, Range};

@@ -2,6 +2,7 @@
 
 use crate::Refusal;
 use crate::library;
+use crate::remainder::Correction;
 use crate::signals::Scales;
 use plant::Channel;
 use serde::{Deserialize, Serialize};
@@ -106,6 +107,9 @@ pub struct ActuatorModel {
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<KnownEffect>,
+    /// What the rest depends on, without a name: taken off the displacement before anything is asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remainder: Option<Correction>,
 }
 
 /// Displacement to force.
@@ -127,6 +131,9 @@ pub struct SpecimenModel {
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<KnownEffect>,
+    /// What the rest depends on, without a name: taken off the force before anything is asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remainder: Option<Correction>,
 }
 
 /// The declared model; a channel that is left out is not looked at.
@@ -197,6 +204,21 @@ impl Model {
             .map(|e| (Channel::Actuator, e))
             .chain(specimen.map(|e| (Channel::Specimen, e)))
             .try_for_each(|(channel, effect)| effect.check(channel))?;
+        let corrections = [
+            (
+                "actuator",
+                self.actuator.as_ref().and_then(|a| a.remainder.as_ref()),
+            ),
+            (
+                "specimen",
+                self.specimen.as_ref().and_then(|s| s.remainder.as_ref()),
+            ),
+        ];
+        for (name, correction) in corrections {
+            if let Some(c) = correction {
+                c.check(name)?;
+            }
+        }
         if self.actuator.is_none() && self.specimen.is_none() {
             return Err(Refusal::new(
                 "the model declares no channel: accepted is a table [actuator], a table [specimen], or both",

@@ -72,6 +72,7 @@ fn model() -> Model {
             lag_ms: declared(20.0, 1.0),
             offset_mm: declared(0.0, 0.1),
             effects: Vec::new(),
+            remainder: None,
         }),
         specimen: None,
     }

@@ -4,7 +4,8 @@ use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use super::{Drawn, escape};
 use crate::terminal::percent;
 use crate::wording::{
-    depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest as sentence,
+    corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted,
+    rest as sentence,
 };
 use diagnosis::{ChannelAnswer, Traces, Verdict};
 use plant::Channel;
@@ -44,7 +45,11 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     html += &errors(a);
-    for sentence in foretold(a).into_iter().chain(refitted(a)) {
+    for sentence in corrected(a)
+        .into_iter()
+        .chain(foretold(a))
+        .chain(refitted(a))
+    {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     if !a.traces.time_s.is_empty() {

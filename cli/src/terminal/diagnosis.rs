@@ -3,7 +3,8 @@
 use super::{percent, table};
 use crate::story::Story;
 use crate::wording::{
-    depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest, verdict,
+    corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
+    verdict,
 };
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
@@ -29,6 +30,7 @@ pub fn diagnosis(d: &Diagnosis) -> String {
         }
         for sentence in rest(a)
             .into_iter()
+            .chain(corrected(a))
             .chain(foretold(a))
             .chain(refitted(a))
             .chain(next(a))

@@ -7,6 +7,7 @@ use crate::files::{model, output};
 use crate::report;
 use crate::terminal;
 use diagnosis::Diagnosis;
+use plant::Channel;
 use std::path::{Path, PathBuf};
 
 /// Find what the declared model lacks
@@ -27,6 +28,10 @@ pub struct Diagnose {
     /// Write the improved model there
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
+    /// Add what the rest depends on to the improved model as a correction without a name, where a class of dependence
+    /// takes enough of it on held-out data
+    #[arg(long)]
+    remainder: bool,
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -58,6 +63,12 @@ impl Diagnose {
             diagnosis::diagnose(&declared, &train, &test, &rest)
         })
         .map_err(|e| Failure::input(e.to_string()))?;
+        if self.remainder {
+            with_remainder(&mut diagnosis);
+        } else {
+            let channels = diagnosis.channels.iter_mut();
+            channels.for_each(|c| c.error_with_remainder = None);
+        }
         if !library.force_has_unit() {
             without_unit(&mut diagnosis);
         }
@@ -95,10 +106,41 @@ impl Diagnose {
     }
 }
 
+/// Puts the corrections without a name into the improved model.
+fn with_remainder(diagnosis: &mut Diagnosis) {
+    let Diagnosis {
+        channels, improved, ..
+    } = diagnosis;
+    for c in channels {
+        let Some(correction) = c.correction.clone() else {
+            continue;
+        };
+        c.notes.push(
+            "The improved model has a correction of the rest beside it, which has no name: it holds only inside the range of \
+             the training data, and it does not say what is missing."
+                .into(),
+        );
+        match c.channel {
+            Channel::Actuator => {
+                if let Some(a) = &mut improved.actuator {
+                    a.remainder = Some(correction);
+                }
+            }
+            Channel::Specimen => {
+                if let Some(s) = &mut improved.specimen {
+                    s.remainder = Some(correction);
+                }
+            }
+        }
+    }
+}
+
 /// What a saved model is, truthfully.
 fn saved(diagnosis: &Diagnosis) -> &'static str {
     let channels = || diagnosis.channels.iter();
-    if channels().any(|c| !c.effects.is_empty()) {
+    if channels().any(|c| c.error_with_remainder.is_some()) {
+        "The model with a correction that has no name"
+    } else if channels().any(|c| !c.effects.is_empty()) {
         "The improved model"
     } else if channels().any(|c| !c.refitted.is_empty()) {
         "The declared model, refitted and with nothing added,"

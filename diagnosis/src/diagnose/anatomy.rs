@@ -1,10 +1,11 @@
 //! What the rest of a channel depends on.
 
 use super::Channelled;
-use crate::answer::ChannelAnswer;
+use crate::answer::{ChannelAnswer, Errors};
 use crate::interval;
+use crate::problem::rms;
 use crate::recording::Recording;
-use crate::remainder::{Moves, anatomy};
+use crate::remainder::{Moves, anatomy, correction, rms_with};
 use plant::Channel;
 
 impl Channelled<'_> {
@@ -20,7 +21,20 @@ impl Channelled<'_> {
         let learned = self.moves(self.train, train);
         let judged = self.moves(self.test, test);
         if let (Some(learned), Some(judged)) = (learned, judged) {
-            answer.remainder = Some(anatomy(&learned, &judged));
+            let found = anatomy(&learned, &judged);
+            answer.correction = correction(&learned, &found);
+            answer.error_with_remainder = answer.correction.as_ref().map(|c| {
+                let shrinks = |moves: &[Moves], rests: &[Vec<f64>]| {
+                    rms_with(c, moves) / rms(rests).max(f64::MIN_POSITIVE)
+                };
+                let (train, test) = (shrinks(&learned, train), shrinks(&judged, test));
+                Errors {
+                    train_nrmse: train * answer.error_after.train_nrmse,
+                    test_nrmse: test * answer.error_after.test_nrmse,
+                    test_rms: test * answer.error_after.test_rms,
+                }
+            });
+            answer.remainder = Some(found);
         }
     }
 

@@ -8,7 +8,9 @@ pub use columns::{Moves, Range};
 
 use crate::answer::{DependsOn, Remainder, Share};
 use crate::linear::{dot, gram};
-use crate::problem::add_scaled;
+use crate::problem::{add_scaled, rms};
+use crate::recording::Recording;
+use crate::{Model, Refusal};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -45,6 +47,22 @@ pub struct Correction {
 }
 
 impl Correction {
+    /// Whether its numbers are finite and in order.
+    pub(crate) fn check(&self, channel: &str) -> Result<(), Refusal> {
+        let r = &self.range;
+        let ends = [r.x_mm, r.v_mm_per_s];
+        let ordered = ends
+            .iter()
+            .all(|[low, high]| low.is_finite() && high.is_finite() && low < high);
+        let finite = self.strengths.iter().all(|w| w.is_finite());
+        if ordered && finite && r.seconds > 0.0 {
+            return Ok(());
+        }
+        Err(Refusal::new(format!(
+            "{channel}.remainder is refused: accepted are finite strengths and ranges whose lower end is below the upper"
+        )))
+    }
+
     /// What it adds to the answer of a record.
     pub fn answer(&self, moves: &Moves) -> Vec<f64> {
         let mut sum = vec![0.0; moves.x.len()];
@@ -61,6 +79,42 @@ impl Correction {
         }
         sum
     }
+}
+
+/// Records without what the model already corrects without a name.
+pub fn taken_off(model: &Model, records: &[Recording]) -> Vec<Recording> {
+    let actuator = model.actuator.as_ref().and_then(|a| a.remainder.as_ref());
+    let specimen = model.specimen.as_ref().and_then(|s| s.remainder.as_ref());
+    records
+        .iter()
+        .map(|record| {
+            let mut r = record.clone();
+            let take = |correction: &Correction, input: &[f64], output: &mut Vec<f64>| {
+                let moves = Moves::new(input, Vec::new(), Vec::new(), record.interval_s());
+                add_scaled(output, &correction.answer(&moves), -1.0);
+            };
+            if let (Some(c), Some(x), Some(f)) = (specimen, &record.displacement_mm, &mut r.force_n)
+            {
+                take(c, x, f);
+            }
+            if let (Some(c), Some(u), Some(x)) =
+                (actuator, &record.command_mm, &mut r.displacement_mm)
+            {
+                take(c, u, x);
+            }
+            r
+        })
+        .collect()
+}
+
+/// The rms that is left with a correction.
+pub fn rms_with(correction: &Correction, records: &[Moves]) -> f64 {
+    let left = records.iter().map(|m| {
+        let mut rest = m.rest.clone();
+        add_scaled(&mut rest, &correction.answer(m), -1.0);
+        rest
+    });
+    rms(&left.collect::<Vec<_>>())
 }
 
 /// Strengths of a class that fit the rests of records best; `None` where it has no columns.
@@ -89,6 +143,7 @@ fn learn(class: DependsOn, records: &[Moves], range: &Range) -> Option<Vec<f64>>
     Some(weights.iter().copied().collect())
 }
 
+/// Squares of the rests.
 fn square(records: &[Moves]) -> f64 {
     records.iter().map(|m| dot(&m.rest, &m.rest)).sum()
 }
@@ -218,8 +273,11 @@ mod tests {
 
     const H: f64 = 2e-3;
 
+    /// A rest from displacements and speeds.
+    type Dependence<'a> = &'a dyn Fn(&[f64], &[f64]) -> Vec<f64>;
+
     /// A record of several tones whose rest is `depends(x, v, t)` with a tenth of noise.
-    fn record(seed: u64, depends: &dyn Fn(&[f64], &[f64]) -> Vec<f64>) -> Moves {
+    fn record(seed: u64, depends: Dependence) -> Moves {
         let n = 10_000;
         let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(seed);
         let tones = [0.41, 0.93, 1.7];
@@ -239,7 +297,7 @@ mod tests {
         Moves::new(&x, Vec::new(), rest, H)
     }
 
-    fn leading(depends: &dyn Fn(&[f64], &[f64]) -> Vec<f64>) -> Remainder {
+    fn leading(depends: Dependence) -> Remainder {
         let [train, test] = [1, 2].map(|seed| vec![record(seed, depends)]);
         anatomy(&train, &test)
     }
@@ -274,7 +332,7 @@ mod tests {
             DependsOn::DisplacementAndVelocity
         );
         assert!(
-            both.shares[0].share > 0.8 && both.shares[1].share < 0.4,
+            both.shares[0].share > 0.8 && both.shares[1..].iter().all(|s| s.share < 0.4),
             "{both:?}"
         );
         let memory = leading(&|x, _| crate::library::operators::friction(x, 0.5));

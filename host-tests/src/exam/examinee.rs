@@ -50,6 +50,7 @@ fn model(paper: &Paper) -> Model {
             lag_ms: Some(known(a.lag_ms)),
             offset_mm: a.offset_mm.map(known),
             effects: Vec::new(),
+            remainder: None,
         }),
         specimen: Some(SpecimenModel {
             stiffness_n_per_mm: Some(known(s.stiffness_n_per_mm)),
@@ -57,6 +58,7 @@ fn model(paper: &Paper) -> Model {
             mass_kg: s.mass_kg.map(known),
             offset_n: s.offset_n.map(known),
             effects: Vec::new(),
+            remainder: None,
         }),
     }
 }
