@@ -17,6 +17,7 @@
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`wording`] | what a diagnosis says, in sentences |
+//! | [`serve`] | the rig as an element of a finite-element model |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -39,6 +40,7 @@ pub mod improvement;
 pub mod numbers;
 pub mod report;
 pub mod score;
+pub mod serve;
 pub mod soundness;
 pub mod stability;
 pub mod story;

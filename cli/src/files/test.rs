@@ -3,6 +3,7 @@
 use super::read;
 use crate::declared::{self, Expected};
 use crate::failure::Failure;
+use crate::serve::settings::Settings;
 use diagnosis::Model;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -26,6 +27,8 @@ pub struct TestFile {
     pub excitation: Excitation,
     /// What a board has to be to run it.
     pub board: BoardWanted,
+    /// How the rig serves a program outside.
+    pub serve: Settings,
     /// The file as it was used, overrides and all.
     pub text: String,
 }
@@ -175,6 +178,8 @@ impl TestFile {
         excitation.check()?;
         let board: BoardWanted = part("board", table.remove("board"))?;
         board.check()?;
+        let serve: Settings = part("serve", table.remove("serve"))?;
+        serve.check()?;
         excitation.record = excitation.record.map(|record| folder.join(record));
         lists_of_one(&mut table);
         let declared: Option<Model> = table
@@ -197,6 +202,7 @@ impl TestFile {
             expected,
             excitation,
             board,
+            serve,
             text,
         })
     }

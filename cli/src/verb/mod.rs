@@ -12,6 +12,7 @@ pub mod improve;
 pub mod monte_carlo;
 pub mod place;
 pub mod run;
+pub mod serve;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;

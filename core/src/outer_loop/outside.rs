@@ -8,11 +8,12 @@ use super::{Estimate, OuterLoop};
 use crate::record::flag;
 
 /// How the actuator goes from one target to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Pace {
     /// To each target at the speed of the approach, `loop.approach_m_per_s`; there it stands until the next one comes.
+    #[default]
     StopAndGo,
     /// A target every `loop.substeps` control steps: extrapolated while the next is worked out, interpolated once it is
     /// there, slowed down and held where it is late.

@@ -1,0 +1,176 @@
+//! What a session leaves behind.
+
+use crate::bench::OnBoard;
+use crate::trace::Witness;
+use outerloop_core::Record;
+use outerloop_core::record::{EnergyWords, flag};
+use serde::Serialize;
+
+/// Figures that are formed while the rig moves.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ledger {
+    /// Targets that were reached.
+    pub targets: usize,
+    /// Control steps.
+    pub control_steps: usize,
+    /// Largest target, m.
+    pub peak_m: f64,
+    /// Square sum and largest of measured less target, at the targets, m.
+    pub tracking: (f64, f64),
+    /// Cumulative energy errors, J.
+    pub energy: EnergyWords,
+    /// Energy error relative to the energy in the test.
+    pub energy_ratio: f64,
+    /// Sum of the added damping of the first storey over the targets, N s/m.
+    pub damping_sum: f64,
+    /// How often the model was late.
+    pub late_targets: usize,
+    /// Control steps in which it was, and of these the most in a row.
+    pub late_steps: (usize, usize),
+    late_now: usize,
+}
+
+impl Ledger {
+    /// A target was reached: `apart_m` is measured less target.
+    pub fn reached(&mut self, target_m: &[f64], apart_m: impl Iterator<Item = f64>) {
+        self.targets += 1;
+        for u in target_m {
+            self.peak_m = self.peak_m.max(u.abs());
+        }
+        for e in apart_m {
+            self.tracking = (self.tracking.0 + e * e, self.tracking.1.max(e.abs()));
+        }
+    }
+}
+
+impl Witness for Ledger {
+    fn see<const N: usize>(&mut self, r: &Record<N>) {
+        self.control_steps += 1;
+        self.energy = r.energy_sum;
+        self.energy_ratio = f64::from(r.energy_ratio);
+        if r.has(flag::SOLVED) {
+            self.damping_sum += f64::from(r.added_damping_n_s_per_m[0]);
+        }
+        if r.has(flag::LATE) {
+            self.late_targets += usize::from(self.late_now == 0);
+            self.late_now += 1;
+            self.late_steps = (self.late_steps.0 + 1, self.late_steps.1.max(self.late_now));
+        } else {
+            self.late_now = 0;
+        }
+    }
+}
+
+/// How a session ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The client said its last message.
+    Completed,
+    /// The client asked for what is refused.
+    Refused,
+    /// The client went away, or was silent.
+    Lost,
+    /// An interlock ended it.
+    Tripped,
+    /// The operator ended it.
+    Stopped,
+    /// The rig or the board went away.
+    RigLost,
+}
+
+/// The figures of a session. The keys are a contract.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Address of the client.
+    pub client: String,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Why, where it is not completed.
+    pub reason: Option<String>,
+    /// Name of the fault.
+    pub trip: Option<&'static str>,
+    /// The PERMIT line after it: false, whatever has happened.
+    pub permit: bool,
+    /// Targets that were reached and answered.
+    pub targets: usize,
+    /// Steps that the client committed.
+    pub commits: usize,
+    /// Model time of the last target, s.
+    pub model_s: f64,
+    /// Control steps of the rig.
+    pub steps: usize,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Seconds on the wall clock, from the first target to the last answer.
+    pub wall_s: f64,
+    /// Targets in a second of these.
+    pub targets_per_s: f64,
+    /// Largest target, m.
+    pub peak_displacement_m: f64,
+    /// Measured less target at the targets: root mean square, m.
+    pub tracking_rms_m: f64,
+    /// The largest of it, m.
+    pub tracking_max_m: f64,
+    /// Cumulative Eq 12, J.
+    pub energy_error_j: f64,
+    /// Cumulative HSEM, J.
+    pub energy_error_hsem_j: f64,
+    /// Cumulative Eq 6, J.
+    pub energy_error_stiffness_j: f64,
+    /// Energy error relative to the largest strain energy.
+    pub energy_ratio: f64,
+    /// Mean of C_cor, N s/m, first storey.
+    pub mean_added_damping_n_s_per_m: f64,
+    /// How often the model was late.
+    pub late_targets: usize,
+    /// Time for which the rig waited for it, s of the laboratory.
+    pub late_s: f64,
+    /// The longest of these waits, ms.
+    pub longest_late_ms: f64,
+    /// What only a board has to tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub board: Option<OnBoard>,
+}
+
+impl Summary {
+    /// In a few plain sentences.
+    pub fn sentences(&self) -> String {
+        let mut text = match (&self.verdict, &self.reason) {
+            (Verdict::Completed, _) => format!("{}: completed.", self.client),
+            (_, Some(why)) => format!("{}: {why}.", self.client),
+            (verdict, None) => format!("{}: {verdict:?}.", self.client),
+        };
+        if self.targets == 0 {
+            return text + " The rig has not moved.";
+        }
+        text += &format!(
+            " {} targets to {:.3} s of the model, {:.0} a second; largest displacement {:.3} mm. \
+             The rig was off its target by {:.4} mm rms, {:.4} mm at most; energy error {:.3} J, {:.2} % of the largest \
+             strain energy.",
+            self.targets,
+            self.model_s,
+            self.targets_per_s,
+            self.peak_displacement_m * 1e3,
+            self.tracking_rms_m * 1e3,
+            self.tracking_max_m * 1e3,
+            self.energy_error_j,
+            self.energy_ratio * 100.0,
+        );
+        if self.late_targets > 0 {
+            text += &format!(
+                " The model was late {} times, {:.2} s together, {:.0} ms at most.",
+                self.late_targets, self.late_s, self.longest_late_ms
+            );
+        }
+        text += match self.permit {
+            false => " The permission to move is given back.",
+            true => " THE RIG MAY STILL MOVE.",
+        };
+        if let Some(board) = &self.board {
+            text += "\n";
+            text += &board.sentence();
+        }
+        text
+    }
+}

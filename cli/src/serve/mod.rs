@@ -1,0 +1,27 @@
+//! A rig as an element of somebody else's model: OpenSees solves the structure, the rig answers with the force.
+//!
+//! ```text
+//!  OpenSees ── genericClient ── wire ── session ── Mover ── core and its rig: simulated, emulated board, board
+//!             trial displacement         which trial moves the rig; what is answered; what is refused
+//! ```
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`settings`] | the `[serve]` table of a test file |
+//! | [`wire`] | the bytes |
+//! | `session` | one client from its first message to its last |
+//! | `mover` | what a session wants from a rig |
+//! | `simulated` | the rig in this process |
+//! | `ledger` | what a session leaves behind: figures, words, JSON |
+
+mod ledger;
+mod mover;
+mod session;
+pub mod settings;
+mod simulated;
+pub mod wire;
+
+pub use ledger::{Ledger, Summary, Verdict};
+pub use mover::{Mover, Reached, Stop};
+pub use session::{Element, Served, serve_client};
+pub use simulated::simulated;

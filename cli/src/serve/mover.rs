@@ -1,0 +1,71 @@
+//! What a session wants from a rig, whatever it stands in.
+
+use super::ledger::Ledger;
+use crate::bench::OnBoard;
+use crate::failure::Failure;
+use crate::trace::Trace;
+use outerloop_core::Trip;
+
+/// What was measured at a target.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reached {
+    /// Displacement that was reached, m.
+    pub displacement_m: Vec<f64>,
+    /// Force to be answered, N.
+    pub force_n: Vec<f64>,
+}
+
+/// Why a rig goes no further.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stop {
+    /// An interlock tripped.
+    Tripped(Trip),
+    /// The operator stopped it.
+    Operator,
+    /// The rig is gone.
+    Lost(String),
+}
+
+/// A rig that goes where it is told.
+pub trait Mover {
+    /// Arms, and approaches zero. The first target follows.
+    ///
+    /// # Errors
+    /// A rig that refuses to arm, or that trips on the way.
+    fn begin(&mut self) -> Result<(), Failure>;
+
+    /// Goes to `target_m`, one displacement for each storey in the laboratory, and reads the force there.
+    ///
+    /// # Errors
+    /// Why it did not come there; the permission to move has been given back by then or will be by [`Mover::end`].
+    fn go_to(&mut self, target_m: &[f64]) -> Result<Reached, Stop>;
+
+    /// Looks after the rig while the client thinks; returns soon.
+    ///
+    /// # Errors
+    /// As [`Mover::go_to`].
+    fn meanwhile(&mut self) -> Result<(), Stop>;
+
+    /// Whether [`Mover::meanwhile`] has to be called every millisecond or two.
+    fn needs_care(&self) -> bool;
+
+    /// Slows down to a standstill and gives the permission to move back, whatever has happened.
+    ///
+    /// # Errors
+    /// A rig of which that cannot be said.
+    fn end(&mut self) -> Result<(), Failure>;
+
+    /// Whether the rig may move: the PERMIT line.
+    fn permit(&self) -> bool;
+
+    /// The figures of what has been since the beginning.
+    fn ledger(&self) -> &Ledger;
+
+    /// Every step, where they are kept; a second time there are none.
+    fn take_trace(&mut self) -> Option<Trace>;
+
+    /// What a board has to tell.
+    fn on_board(&self) -> Option<OnBoard> {
+        None
+    }
+}

@@ -1,0 +1,404 @@
+//! One client from its first message to its last.
+
+use super::ledger::{Ledger, Summary, Verdict};
+use super::mover::{Mover, Reached, Stop};
+use super::settings::Settings;
+use super::simulated::shear_frame;
+use super::wire::{Action, Gone, Trial, Wire};
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use outerloop_core::outer_loop::Pace;
+use std::fmt;
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Share of the stroke within which two displacements of a step are one.
+const SAME: f64 = 1e-9;
+/// By how much, as a share of it, the model's time step may differ from the loop's.
+const SAME_STEP: f64 = 1e-6;
+
+/// What is declared of the rig.
+#[derive(Clone, Debug)]
+pub struct Element {
+    settings: Settings,
+    /// Row by row, N/m.
+    stiffness_n_per_m: Vec<f64>,
+    storeys: usize,
+    stroke_m: f64,
+    model_step_s: f64,
+    rate_hz: f64,
+}
+
+impl Element {
+    /// Of a test file.
+    ///
+    /// # Errors
+    /// A test that cannot be served: without limits, with storeys that exist in the computer only, or, where the rig
+    /// moves continuously, without time for the model.
+    pub fn of(test: &TestFile) -> Result<Self, Failure> {
+        let c = &test.config;
+        let storeys = c.degrees_of_freedom();
+        let refuse = |what: &str| Err(Failure::input(what.to_owned()));
+        if c.physical_storeys() != storeys {
+            return refuse(
+                "serve: structure.physical_storeys is below the number of floors: accepted is a rig of which every storey \
+                 stands in the laboratory, since the rest of the structure is the client's",
+            );
+        }
+        let Some(stroke_m) = c.limits.displacement_m else {
+            return refuse(
+                "serve: limits.displacement_m is missing: accepted is the largest displacement, m, that a client may ask for",
+            );
+        };
+        if c.limits.force_n.is_none() {
+            return refuse(
+                "serve: limits.force_n is missing: accepted is the largest force, N, that the specimen may answer with",
+            );
+        }
+        if test.serve.pace == Pace::Continuous && c.timing.solve_substeps == 0 {
+            return refuse(
+                "serve: loop.solve_substeps is 0 beside serve.pace = \"continuous\": accepted are the control steps in \
+                 which the model solves its step, 1 to one less than loop.substeps",
+            );
+        }
+        Ok(Self {
+            settings: test.serve,
+            stiffness_n_per_m: shear_frame(&c.structure.stiffness_n_per_m),
+            storeys,
+            stroke_m,
+            model_step_s: c.model_step_s(),
+            rate_hz: c.timing.rate_hz,
+        })
+    }
+}
+
+/// Why a session ended before its last message.
+#[derive(Clone, Debug, PartialEq)]
+enum End {
+    Client(Gone),
+    Nonsense(String),
+    Refused(String),
+    Rig(Stop),
+    Completed,
+}
+
+impl From<Gone> for End {
+    fn from(gone: Gone) -> Self {
+        match gone {
+            Gone::Nonsense(what) => Self::Nonsense(what),
+            gone => Self::Client(gone),
+        }
+    }
+}
+
+impl From<Stop> for End {
+    fn from(stop: Stop) -> Self {
+        Self::Rig(stop)
+    }
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tripped(trip) => write!(
+                f,
+                "the rig tripped on {} at {} against a limit of {}",
+                trip.fault.name(),
+                trip.value,
+                trip.limit
+            ),
+            Self::Operator => f.write_str("the operator stopped the rig"),
+            Self::Lost(why) => write!(f, "the rig is lost: {why}"),
+        }
+    }
+}
+
+/// A session's memory.
+struct Session<'a> {
+    element: &'a Element,
+    rig: &'a mut dyn Mover,
+    stopped: &'a AtomicBool,
+    /// What the model last wanted to try.
+    trial: Option<Trial>,
+    /// Where the rig was last sent, and what it answered; `None` before the first.
+    last: Option<(Trial, Reached)>,
+    /// The step of the last target has been accepted.
+    committed: bool,
+    commits: usize,
+    first: Option<Instant>,
+    answered: Option<Instant>,
+}
+
+/// A client that has been served: what it left, and its connection, where it may still be listening.
+pub struct Served {
+    /// The figures.
+    pub summary: Summary,
+    wire: Option<Wire>,
+}
+
+/// How long a client that is no longer served may be silent before the connection is closed.
+const FAREWELL_S: f64 = 3.0;
+
+impl Served {
+    /// Answers NaN to whatever the client still asks, until it leaves. OpenSees 3.7 never notices a connection that is
+    /// closed: it would wait for ever, at full load. The rig has no permission to move by now.
+    pub fn dismiss(self) {
+        let Some(mut wire) = self.wire else { return };
+        wire.limit_patience(FAREWELL_S);
+        loop {
+            if wire.owes_an_answer() && wire.answer_nan().is_err() {
+                return;
+            }
+            match wire.hear() {
+                Ok(Some(message)) if message.action == Action::End => return,
+                Ok(_) => {}
+                Err(_) => return,
+            }
+        }
+    }
+}
+
+/// Serves one client with `rig` and gives the permission to move back, whatever happens.
+///
+/// # Errors
+/// A rig that cannot be armed, or of which it cannot be said that it stands.
+pub fn serve_client(
+    stream: TcpStream,
+    client: &str,
+    element: &Element,
+    rig: &mut dyn Mover,
+    stopped: &AtomicBool,
+) -> Result<Served, Failure> {
+    let mut session = Session {
+        element,
+        rig,
+        stopped,
+        trial: None,
+        last: None,
+        committed: true,
+        commits: 0,
+        first: None,
+        answered: None,
+    };
+    let (end, wire) = session.talk(stream);
+    let ended = session.rig.end();
+    let listens = !matches!(end, End::Completed | End::Client(_) | End::Nonsense(_));
+    let summary = session.summary(client, end);
+    // A rig that could not be ended is worse than whatever came before.
+    ended?;
+    Ok(Served {
+        summary,
+        wire: wire.filter(|_| listens),
+    })
+}
+
+impl Session<'_> {
+    fn talk(&mut self, stream: TcpStream) -> (End, Option<Wire>) {
+        let patience_s = self.element.settings.patience_s;
+        let stopped = self.stopped;
+        let watch = || operator(stopped);
+        match Wire::open(stream, self.element.storeys, patience_s, watch) {
+            Ok(mut wire) => {
+                let end = self.converse(&mut wire).err().unwrap_or(End::Completed);
+                (end, Some(wire))
+            }
+            Err(end) => (end, None),
+        }
+    }
+
+    fn converse(&mut self, wire: &mut Wire) -> Result<(), End> {
+        loop {
+            operator(self.stopped)?;
+            let Some(message) = wire.hear()? else {
+                self.rig.meanwhile()?;
+                continue;
+            };
+            if let Some(trial) = message.trial {
+                self.trial = Some(self.checked(trial)?);
+            }
+            let n = self.element.storeys;
+            let (length, force) = self.units();
+            match message.action {
+                Action::Trial => {}
+                Action::Commit => {
+                    self.committed = true;
+                    self.commits += 1;
+                }
+                Action::Force => {
+                    let reached = self.move_to_trial(wire)?;
+                    let forces: Vec<f64> = reached.force_n.iter().map(|f| f / force).collect();
+                    wire.answer(&forces)?;
+                    self.answered = Some(Instant::now());
+                }
+                Action::Displacement => {
+                    let reached = self.last.as_ref().map(|(_, r)| &r.displacement_m);
+                    let zeros = vec![0.0; n];
+                    let shown = reached.unwrap_or(&zeros).iter().map(|u| u / length);
+                    wire.answer(&shown.collect::<Vec<_>>())?;
+                }
+                Action::Time => {
+                    wire.answer(&[self.trial.as_ref().map_or(0.0, |t| t.time_s)])?;
+                }
+                Action::InitialStiffness | Action::TangentStiffness => {
+                    let stiffness = &self.element.stiffness_n_per_m;
+                    let shown = stiffness.iter().map(|k| k * length / force);
+                    wire.answer(&shown.collect::<Vec<_>>())?;
+                }
+                // They are in the force that is measured.
+                Action::Damping | Action::Mass => wire.answer(&vec![0.0; n * n])?,
+                Action::End => return Ok(()),
+            }
+        }
+    }
+
+    fn units(&self) -> (f64, f64) {
+        let s = &self.element.settings;
+        (s.length_unit.metres(), s.force_unit.newtons())
+    }
+
+    /// A trial in metres that may be gone to.
+    fn checked(&self, mut trial: Trial) -> Result<Trial, End> {
+        let stroke_m = self.element.stroke_m;
+        let time_s = trial.time_s;
+        for (u, j) in trial.displacement.iter_mut().zip(1..) {
+            let sent = *u;
+            *u *= self.element.settings.length_unit.metres();
+            if !(-stroke_m..=stroke_m).contains(u) {
+                return Err(End::Refused(format!(
+                    "the client sends displacement {j} = {sent} at {time_s} s, which the rig is not moved to: accepted are \
+                     {stroke_m} m (limits.displacement_m) to both sides"
+                )));
+            }
+        }
+        if !time_s.is_finite() {
+            return Err(End::Refused(format!(
+                "the client sends the time {time_s}: accepted are seconds"
+            )));
+        }
+        Ok(trial)
+    }
+
+    /// The force at the trial: by moving there, or as it was, where the rig is there already.
+    fn move_to_trial(&mut self, wire: &mut Wire) -> Result<&Reached, End> {
+        let Some(trial) = self.trial.clone() else {
+            return Err(End::Refused(
+                "the client asks for a force before it has sent a displacement: accepted is a trial response first".into(),
+            ));
+        };
+        if let Some((before, _)) = &self.last {
+            let apart = before.displacement.iter().zip(&trial.displacement);
+            let same_place = apart
+                .clone()
+                .all(|(a, b)| (a - b).abs() <= SAME * self.element.stroke_m);
+            let same_step = !self.committed && before.time_s == trial.time_s;
+            if same_step && !same_place {
+                return Err(End::Refused(format!(
+                    "the model asks for the force at a second displacement at {} s, in the same step: an integrator that \
+                     iterates would make the specimen hunt; accepted are those with one displacement a step, such as \
+                     NewmarkExplicit, AlphaOS and AlphaOSGeneralized, with the algorithm Linear",
+                    trial.time_s
+                )));
+            }
+            if !(same_place && before.time_s == trial.time_s) {
+                self.check_time(before.time_s, trial.time_s)?;
+                self.go_to(trial)?;
+            }
+        } else {
+            self.first = Some(Instant::now());
+            self.rig.begin().map_err(|e| Stop::Lost(e.to_string()))?;
+            wire.glance(self.rig.needs_care())?;
+            self.go_to(trial)?;
+        }
+        self.last
+            .as_ref()
+            .map(|(_, reached)| reached)
+            .ok_or_else(|| End::Refused("no force was measured".into()))
+    }
+
+    fn go_to(&mut self, trial: Trial) -> Result<(), End> {
+        self.committed = false;
+        let reached = self.rig.go_to(&trial.displacement)?;
+        self.last = Some((trial, reached));
+        Ok(())
+    }
+
+    /// Where the rig moves continuously, the model's steps are the loop's.
+    fn check_time(&self, before_s: f64, now_s: f64) -> Result<(), End> {
+        let (step_s, model_s) = (now_s - before_s, self.element.model_step_s);
+        let continuous = self.element.settings.pace == Pace::Continuous;
+        if continuous && !(-SAME_STEP..=SAME_STEP).contains(&(step_s / model_s - 1.0)) {
+            return Err(End::Refused(format!(
+                "the model goes from {before_s} s to {now_s} s, and the loop's integration step is {model_s} s: accepted is \
+                 that step (loop.substeps / loop.rate_hz / loop.time_scale)"
+            )));
+        }
+        Ok(())
+    }
+
+    fn summary(&mut self, client: &str, end: End) -> Summary {
+        let (verdict, reason, trip) = match &end {
+            End::Completed => (Verdict::Completed, None, None),
+            End::Client(gone) => (Verdict::Lost, Some(gone.to_string()), None),
+            End::Refused(why) | End::Nonsense(why) => (Verdict::Refused, Some(why.clone()), None),
+            End::Rig(stop) => {
+                let (verdict, trip) = match stop {
+                    Stop::Tripped(trip) => (Verdict::Tripped, Some(trip.fault.name())),
+                    Stop::Operator => (Verdict::Stopped, None),
+                    Stop::Lost(_) => (Verdict::RigLost, None),
+                };
+                (verdict, Some(stop.to_string()), trip)
+            }
+        };
+        // A rig that was not moved for this client has the figures of the last one.
+        let ledger = match self.first {
+            Some(_) => *self.rig.ledger(),
+            None => Ledger::default(),
+        };
+        let wall_s = match (self.first, self.answered) {
+            (Some(first), Some(last)) => last.duration_since(first).as_secs_f64(),
+            _ => 0.0,
+        };
+        let targets = ledger.targets;
+        let count = (targets * self.element.storeys).max(1) as f64;
+        let rate_hz = self.element.rate_hz;
+        Summary {
+            client: client.to_owned(),
+            verdict,
+            reason,
+            trip,
+            permit: self.rig.permit(),
+            targets,
+            commits: self.commits,
+            model_s: self.last.as_ref().map_or(0.0, |(t, _)| t.time_s),
+            steps: ledger.control_steps,
+            rate_hz,
+            wall_s,
+            targets_per_s: if wall_s > 0.0 {
+                targets as f64 / wall_s
+            } else {
+                0.0
+            },
+            peak_displacement_m: ledger.peak_m,
+            tracking_rms_m: (ledger.tracking.0 / count).sqrt(),
+            tracking_max_m: ledger.tracking.1,
+            energy_error_j: f64::from(ledger.energy.modified_j),
+            energy_error_hsem_j: f64::from(ledger.energy.hsem_j),
+            energy_error_stiffness_j: f64::from(ledger.energy.stiffness_j),
+            energy_ratio: ledger.energy_ratio,
+            mean_added_damping_n_s_per_m: ledger.damping_sum / targets.max(1) as f64,
+            late_targets: ledger.late_targets,
+            late_s: ledger.late_steps.0 as f64 / rate_hz,
+            longest_late_ms: ledger.late_steps.1 as f64 / rate_hz * 1e3,
+            board: self.rig.on_board(),
+        }
+    }
+}
+
+/// Whether the operator has stopped it.
+fn operator(stopped: &AtomicBool) -> Result<(), End> {
+    if stopped.load(Ordering::Relaxed) {
+        return Err(Stop::Operator.into());
+    }
+    Ok(())
+}

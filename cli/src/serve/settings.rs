@@ -1,0 +1,129 @@
+//! `[serve]`: how a rig serves a program outside.
+
+use outerloop_core::outer_loop::Pace;
+use serde::{Deserialize, Serialize};
+
+/// The `[serve]` table of a test file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// How the actuator goes from target to target: `stop_and_go` or `continuous`.
+    pub pace: Pace,
+    /// Stop and go: how long the rig stands at a target before it is read, ms.
+    pub settle_ms: f64,
+    /// Stop and go: the time over which displacement and force are averaged then, ms.
+    pub average_ms: f64,
+    /// Stop and go: the force is carried from the displacement that was reached to the one that was asked for, with the
+    /// declared stiffness.
+    pub carry_force: bool,
+    /// How long a client may be silent, s.
+    pub patience_s: f64,
+    /// Unit of length on the wire.
+    pub length_unit: Length,
+    /// Unit of force on the wire.
+    pub force_unit: Force,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            pace: Pace::StopAndGo,
+            settle_ms: 5.0,
+            average_ms: 2.0,
+            carry_force: true,
+            patience_s: 60.0,
+            length_unit: Length::Metre,
+            force_unit: Force::Newton,
+        }
+    }
+}
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Length {
+    /// m.
+    #[serde(rename = "m")]
+    Metre,
+    /// cm.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// mm.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// in.
+    #[serde(rename = "in")]
+    Inch,
+    /// ft.
+    #[serde(rename = "ft")]
+    Foot,
+}
+
+impl Length {
+    /// Metres in one.
+    pub const fn metres(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 0.01,
+            Self::Millimetre => 1e-3,
+            Self::Inch => 0.0254,
+            Self::Foot => 0.3048,
+        }
+    }
+}
+
+/// A unit of force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Force {
+    /// N.
+    #[serde(rename = "N")]
+    Newton,
+    /// kN.
+    #[serde(rename = "kN")]
+    Kilonewton,
+    /// MN.
+    #[serde(rename = "MN")]
+    Meganewton,
+    /// Pounds of force.
+    #[serde(rename = "lbf")]
+    Pound,
+    /// 1000 pounds of force.
+    #[serde(rename = "kip")]
+    Kip,
+}
+
+impl Force {
+    /// Newtons in one.
+    pub const fn newtons(self) -> f64 {
+        match self {
+            Self::Newton => 1.0,
+            Self::Kilonewton => 1e3,
+            Self::Meganewton => 1e6,
+            Self::Pound => 4.448_221_615_260_5,
+            Self::Kip => 4_448.221_615_260_5,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first that cannot be accepted, in a sentence.
+    pub fn check(&self) -> Result<(), String> {
+        let refuse = |name: &str, value: f64, accepted: &str| {
+            Err(format!(
+                "serve.{name} = {value} is refused: accepted are {accepted}"
+            ))
+        };
+        if !(0.0..=60_000.0).contains(&self.settle_ms) {
+            return refuse("settle_ms", self.settle_ms, "0 to 60000 ms");
+        }
+        if !(0.0..=60_000.0).contains(&self.average_ms) {
+            return refuse("average_ms", self.average_ms, "0 to 60000 ms");
+        }
+        if !(self.patience_s > 0.0 && self.patience_s <= 86_400.0) {
+            return refuse("patience_s", self.patience_s, "above 0 to 86400 s");
+        }
+        Ok(())
+    }
+}

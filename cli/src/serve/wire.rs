@@ -1,0 +1,359 @@
+//! What OpenSees' element `genericClient` says and hears: TCP, doubles and 32-bit integers of the sender's order (little
+//! endian on every machine that it is built for). Seen on the wire of OpenSeesPy 3.7; the source is
+//! `SRC/element/generic/GenericClient.cpp` and `SRC/actor/channel/TCP_Socket.cpp` of OpenSees.
+//!
+//! 1. Eleven integers: sizes of what it controls (displacement, velocity, acceleration, force, time), sizes of what it
+//!    measures (the same five), and the length `n` of every message after that.
+//! 2. Messages of `n` doubles; the first is the [`Action`].
+
+use socket2::SockRef;
+use std::fmt;
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+/// Integers of the first message.
+const HEADER: usize = 11;
+/// The longest message, doubles: its default is 256.
+const LONGEST: i32 = 65_536;
+
+/// What a message asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// The response of a trial follows; no answer.
+    Trial,
+    /// The step is accepted; no answer.
+    Commit,
+    /// The displacement that was reached.
+    Displacement,
+    /// The force at the trial.
+    Force,
+    /// The time of the trial.
+    Time,
+    /// The stiffness at rest.
+    InitialStiffness,
+    /// The stiffness now.
+    TangentStiffness,
+    /// The damping matrix.
+    Damping,
+    /// The mass matrix.
+    Mass,
+    /// The end.
+    End,
+}
+
+impl Action {
+    /// Whether the client waits for an answer to it.
+    fn is_answered(self) -> bool {
+        !matches!(self, Self::Trial | Self::Commit | Self::End)
+    }
+
+    /// From its number on the wire.
+    fn of(number: f64) -> Option<Self> {
+        Some(match number {
+            3.0 => Self::Trial,
+            5.0 => Self::Commit,
+            7.0 => Self::Displacement,
+            10.0 => Self::Force,
+            11.0 => Self::Time,
+            12.0 => Self::InitialStiffness,
+            13.0 => Self::TangentStiffness,
+            14.0 => Self::Damping,
+            15.0 => Self::Mass,
+            99.0 => Self::End,
+            _ => return None,
+        })
+    }
+}
+
+/// A message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// What it asks for.
+    pub action: Action,
+    /// The trial, where it is one.
+    pub trial: Option<Trial>,
+}
+
+/// The response of a trial, in the client's units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trial {
+    /// Displacement of each degree of freedom.
+    pub displacement: Vec<f64>,
+    /// Model time, s.
+    pub time_s: f64,
+}
+
+/// Why nothing more is heard from a client.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gone {
+    /// It closed the connection; so many bytes of a message had come.
+    Closed(usize),
+    /// The connection broke.
+    Broken(String),
+    /// It was silent for too long; so many bytes of a message had come.
+    Silent(f64, usize),
+    /// It said what cannot be understood.
+    Nonsense(String),
+}
+
+impl fmt::Display for Gone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let half = |bytes: &usize| match bytes {
+            0 => String::new(),
+            n => format!(", {n} bytes into a message"),
+        };
+        match self {
+            Self::Closed(bytes) => write!(
+                f,
+                "the client closed the connection without its last message{}",
+                half(bytes)
+            ),
+            Self::Broken(why) => write!(f, "the connection broke: {why}"),
+            Self::Silent(seconds, bytes) => write!(
+                f,
+                "the client said nothing for {seconds} s{}: accepted is serve.patience_s",
+                half(bytes)
+            ),
+            Self::Nonsense(what) => f.write_str(what),
+        }
+    }
+}
+
+/// The sizes that a client has named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sizes {
+    /// Doubles before the displacement: the action.
+    axes: usize,
+    /// Place of the time.
+    time: usize,
+    /// Doubles of a message.
+    message: usize,
+}
+
+impl Sizes {
+    /// Reads the eleven integers, for a rig of `axes` degrees of freedom.
+    fn of(header: &[i32; HEADER], axes: usize) -> Result<Self, String> {
+        let [displacement, velocity, acceleration, force, time, ..] = *header;
+        let (control, length) = (&header[..5], header[HEADER - 1]);
+        if header[..HEADER - 1]
+            .iter()
+            .any(|s| !(0..=LONGEST).contains(s))
+            || !(1..=LONGEST).contains(&length)
+        {
+            return Err(format!(
+                "the first message {header:?} is none of OpenSees' genericClient: accepted are ten sizes and the length of a message"
+            ));
+        }
+        if displacement as usize != axes {
+            return Err(format!(
+                "the client controls {displacement} displacements and the rig has {axes}: accepted is one for each storey in the laboratory"
+            ));
+        }
+        if time != 1 {
+            return Err(
+                "the client sends no time: accepted is a genericClient, which sends displacement, velocity, acceleration and time"
+                    .into(),
+            );
+        }
+        let needed = 1 + control.iter().sum::<i32>();
+        if length < needed.max(1 + (axes * axes) as i32) {
+            return Err(format!(
+                "the client's messages of {length} numbers are too short: accepted are {} and more (-dataSize)",
+                needed.max((axes * axes) as i32)
+            ));
+        }
+        Ok(Self {
+            axes,
+            time: (1 + displacement + velocity + acceleration + force) as usize,
+            message: length as usize,
+        })
+    }
+}
+
+/// A connection to a client.
+pub struct Wire {
+    stream: TcpStream,
+    sizes: Sizes,
+    bytes: Vec<u8>,
+    filled: usize,
+    heard: Instant,
+    patience: Duration,
+    /// The client waits for an answer.
+    owes: bool,
+}
+
+/// How long a read waits before the rig is looked after.
+const GLANCE: Duration = Duration::from_millis(1);
+/// How long a read waits where the rig needs nobody.
+const REST: Duration = Duration::from_millis(50);
+
+impl Wire {
+    /// Takes a connection and hears its first message. `meanwhile` is called while nothing comes.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn open<E: From<Gone>>(
+        stream: TcpStream,
+        axes: usize,
+        patience_s: f64,
+        mut meanwhile: impl FnMut() -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let broken = |e: std::io::Error| Gone::Broken(e.to_string());
+        stream.set_nodelay(true).map_err(broken)?;
+        stream.set_read_timeout(Some(REST)).map_err(broken)?;
+        let mut wire = Self {
+            stream,
+            sizes: Sizes {
+                axes,
+                time: 0,
+                message: 0,
+            },
+            bytes: vec![0; 4 * HEADER],
+            filled: 0,
+            heard: Instant::now(),
+            patience: Duration::from_secs_f64(patience_s),
+            owes: false,
+        };
+        while !wire.receive()? {
+            meanwhile()?;
+        }
+        let mut header = [0; HEADER];
+        for (number, bytes) in header.iter_mut().zip(wire.bytes.as_chunks::<4>().0) {
+            *number = i32::from_le_bytes(*bytes);
+        }
+        wire.sizes = Sizes::of(&header, axes).map_err(Gone::Nonsense)?;
+        wire.bytes = vec![0; 8 * wire.sizes.message];
+        wire.filled = 0;
+        Ok(wire)
+    }
+
+    /// Whether the rig has to be looked after while the client is waited for.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub fn glance(&mut self, often: bool) -> Result<(), Gone> {
+        let wait = if often { GLANCE } else { REST };
+        self.stream
+            .set_read_timeout(Some(wait))
+            .map_err(|e| Gone::Broken(e.to_string()))
+    }
+
+    /// The next message; `None` if it has not come yet.
+    ///
+    /// # Errors
+    /// Why none will come.
+    pub fn hear(&mut self) -> Result<Option<Message>, Gone> {
+        if !self.receive()? {
+            return Ok(None);
+        }
+        self.filled = 0;
+        let at = |place: usize| {
+            let (numbers, _) = self.bytes.as_chunks::<8>();
+            f64::from_le_bytes(numbers[place])
+        };
+        let number = at(0);
+        let action = Action::of(number).ok_or_else(|| {
+            Gone::Nonsense(format!(
+                "the client asks for action {number}: accepted are 3, 5, 7, 10 to 15 and 99 of OpenSees' genericClient, in messages of {} numbers",
+                self.sizes.message
+            ))
+        })?;
+        self.owes = action.is_answered();
+        let trial = (action == Action::Trial).then(|| Trial {
+            displacement: (1..=self.sizes.axes).map(at).collect(),
+            time_s: at(self.sizes.time),
+        });
+        Ok(Some(Message { action, trial }))
+    }
+
+    /// Answers with `values`, the rest of the message zero.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub fn answer(&mut self, values: &[f64]) -> Result<(), Gone> {
+        self.owes = false;
+        let mut bytes = vec![0; 8 * self.sizes.message];
+        for (place, value) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(values) {
+            *place = value.to_le_bytes();
+        }
+        // Silence is counted from the answer on: the rig may have taken longer than the client may.
+        self.heard = Instant::now();
+        self.stream
+            .write_all(&bytes)
+            .map_err(|e| Gone::Broken(e.to_string()))
+    }
+
+    /// Whether the client waits for an answer.
+    pub fn owes_an_answer(&self) -> bool {
+        self.owes
+    }
+
+    /// Answers with a message full of what is no number.
+    ///
+    /// # Errors
+    /// The connection is broken.
+    pub fn answer_nan(&mut self) -> Result<(), Gone> {
+        self.answer(&vec![f64::NAN; self.sizes.message])
+    }
+
+    /// From now on the client may be silent for `seconds`.
+    pub fn limit_patience(&mut self, seconds: f64) {
+        self.heard = Instant::now();
+        self.patience = Duration::from_secs_f64(seconds);
+    }
+
+    /// Whether a message is whole.
+    fn receive(&mut self) -> Result<bool, Gone> {
+        // Client and kernel wait for each other without it: 45 ms a step. It holds for one read only, and where it does
+        // not exist nothing is lost but speed.
+        #[cfg(target_os = "linux")]
+        let _ = SockRef::from(&self.stream).set_tcp_quickack(true);
+        match self.stream.read(&mut self.bytes[self.filled..]) {
+            Ok(0) => Err(Gone::Closed(self.filled)),
+            Ok(count) => {
+                self.filled += count;
+                self.heard = Instant::now();
+                Ok(self.filled == self.bytes.len())
+            }
+            Err(e) if waits(e.kind()) && self.heard.elapsed() < self.patience => Ok(false),
+            Err(e) if waits(e.kind()) => {
+                let seconds = (self.heard.elapsed().as_secs_f64() * 10.0).round() / 10.0;
+                Err(Gone::Silent(seconds, self.filled))
+            }
+            Err(e) if e.kind() == ErrorKind::ConnectionReset => Err(Gone::Closed(self.filled)),
+            Err(e) => Err(Gone::Broken(e.to_string())),
+        }
+    }
+}
+
+fn waits(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_message_says_where_everything_is() {
+        let seen = [1, 1, 1, 0, 1, 0, 0, 0, 1, 0, 256];
+        let sizes = Sizes::of(&seen, 1).unwrap();
+        assert_eq!((sizes.axes, sizes.time, sizes.message), (1, 4, 256));
+        let three = [3, 3, 3, 0, 1, 0, 0, 0, 3, 0, 256];
+        assert_eq!(Sizes::of(&three, 3).unwrap().time, 10);
+        for (header, said) in [
+            (three, "controls 3 displacements and the rig has 1"),
+            ([1, 1, 1, 0, 1, 0, 0, 0, 1, 0, 3], "too short"),
+            ([1, 1, 1, 0, 0, 0, 0, 0, 1, 0, 256], "no time"),
+            ([-1; 11], "is none of OpenSees'"),
+            ([1, 1, 1, 0, 1, 0, 0, 0, 1, 0, i32::MAX], "is none of"),
+        ] {
+            let e = Sizes::of(&header, 1).unwrap_err();
+            assert!(e.contains(said) && !e.contains('\n'), "{e}");
+        }
+    }
+}

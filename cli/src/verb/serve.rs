@@ -1,0 +1,131 @@
+//! `outerloop serve`: the rig as an element of somebody else's model.
+
+use super::json;
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use crate::files::{output, record_csv};
+use crate::serve::{Element, Summary, Verdict, serve_client, simulated};
+use std::net::{SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// The rig as an element of a finite-element model: OpenSees' genericClient
+#[derive(clap::Args, Debug)]
+pub struct Serve {
+    /// The test file; its table [serve] says how the rig moves
+    test: PathBuf,
+    /// Where clients connect to
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8090")]
+    listen: SocketAddr,
+    /// Override a value of the test file, e.g. serve.pace=continuous
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    overrides: Vec<String>,
+    /// Seed of everything random in the simulated rig
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Serve one client, then end: with exit status 1 if it did not come to its end
+    #[arg(long)]
+    once: bool,
+    /// Write record.csv and summary.json there; of the second client on in folders of their own, DIR-2 and so on
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// One JSON object a client on standard output, a line each, and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// How often it is looked whether the operator wants to end.
+const LOOK: Duration = Duration::from_millis(20);
+
+impl Serve {
+    /// Serves one client after another until the operator stops it.
+    ///
+    /// # Errors
+    /// A test that cannot be served, an address that cannot be listened at, a rig that is lost; with `--once`, a client
+    /// that did not come to its end.
+    pub fn go(&self) -> Result<(), Failure> {
+        let test = TestFile::load(&self.test, &self.overrides)?;
+        let element = Element::of(&test)?;
+        let mut rig = simulated(&test, self.seed, self.out.is_some())?;
+        let listener = TcpListener::bind(self.listen).map_err(|e| {
+            Failure::input(format!(
+                "--listen {}: cannot be listened at ({e}): accepted is an address of this machine with a free port",
+                self.listen
+            ))
+        })?;
+        let cannot = |e: std::io::Error| Failure::test(format!("the network is lost: {e}"));
+        listener.set_nonblocking(true).map_err(cannot)?;
+        let address = listener.local_addr().map_err(cannot)?;
+        eprintln!(
+            "outerloop: serves {} at {address}; Ctrl-C ends it",
+            self.test.display()
+        );
+        let stopped = stopped_by_operator()?;
+        let mut clients = 0;
+        while !stopped.load(Ordering::Relaxed) {
+            let (stream, client) = match listener.accept() {
+                Ok(accepted) => accepted,
+                Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {
+                    std::thread::sleep(LOOK);
+                    continue;
+                }
+                Err(e) => return Err(cannot(e)),
+            };
+            stream.set_nonblocking(false).map_err(cannot)?;
+            clients += 1;
+            let client = client.to_string();
+            let served = serve_client(stream, &client, &element, rig.as_mut(), &stopped)?;
+            self.keep(&served.summary, rig.take_trace().as_ref(), clients)?;
+            let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
+            served.dismiss();
+            if self.once || verdict == Verdict::RigLost {
+                return match verdict {
+                    Verdict::Completed => Ok(()),
+                    _ => Err(Failure::test(reason.unwrap_or_default())),
+                };
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps what a client left, then tells of it.
+    fn keep(
+        &self,
+        summary: &Summary,
+        trace: Option<&crate::trace::Trace>,
+        number: usize,
+    ) -> Result<(), Failure> {
+        if let (Some(folder), Some(trace)) = (&self.out, trace) {
+            let mut folder = folder.clone().into_os_string();
+            if number > 1 {
+                folder.push(format!("-{number}"));
+            }
+            output::write_all(
+                &PathBuf::from(folder),
+                &[
+                    ("record.csv", record_csv::to_csv(trace)),
+                    ("summary.json", json(summary)?),
+                ],
+            )?;
+        }
+        if self.json {
+            let line = serde_json::to_string(summary)
+                .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;
+            println!("{line}");
+        } else {
+            println!("{}", summary.sentences());
+        }
+        Ok(())
+    }
+}
+
+/// Set by Ctrl-C.
+fn stopped_by_operator() -> Result<Arc<AtomicBool>, Failure> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let set = stopped.clone();
+    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
+        .map_err(|e| Failure::test(format!("Ctrl-C cannot be listened to: {e}")))?;
+    Ok(stopped)
+}

@@ -1,0 +1,190 @@
+//! `outerloop serve` with OpenSees itself: OpenSeesPy from PyPI, which `scripts/setup` installs under `target`.
+#![allow(missing_docs)]
+
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The Python that has OpenSees; `None`, and a line that says so, where it is missing.
+fn python() -> Option<PathBuf> {
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let python = root().join(target).join("opensees/bin/python");
+    if !python.is_file() {
+        test_data::not_run("OpenSeesPy is not installed (scripts/opensees-venv)");
+        return None;
+    }
+    Some(python)
+}
+
+struct Server(Child, String);
+
+impl Server {
+    fn start(test: &str, arguments: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["serve", test, "--once", "--json", "--listen", "127.0.0.1:0"])
+            .args(arguments)
+            .current_dir(root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        said.read_line(&mut line).unwrap();
+        let port = line
+            .rsplit_once(';')
+            .expect(&line)
+            .0
+            .rsplit_once(':')
+            .unwrap();
+        let port = port.1.to_owned();
+        std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+        Self(child, port)
+    }
+
+    fn account(mut self) -> Value {
+        let mut out = String::new();
+        let pipe = self.0.stdout.as_mut().unwrap();
+        pipe.read_to_string(&mut out).unwrap();
+        let _ = self.0.wait();
+        serde_json::from_str(&out).expect("one JSON object")
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// What a model prints, and the rig's account of it.
+fn both(python: &Path, model: &str, words: &[&str], server: Server) -> (Value, Value) {
+    let out = Command::new(python)
+        .arg(model)
+        .args(["--port", &server.1])
+        .args(words)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let (said, printed) = (
+        String::from_utf8_lossy(&out.stderr),
+        String::from_utf8_lossy(&out.stdout),
+    );
+    let line = printed.lines().find(|line| line.starts_with('{'));
+    let line = line.unwrap_or_else(|| panic!("{printed}{said}"));
+    (serde_json::from_str(line).unwrap(), server.account())
+}
+
+const MODEL: &str = "examples/opensees/one_storey.py";
+const RIG: &str = "examples/opensees.toml";
+
+#[test]
+fn the_served_specimen_is_the_own_element_of_opensees_to_a_billionth_at_a_thousand_steps_a_second()
+{
+    let Some(python) = python() else { return };
+    let (model, rig) = both(&python, MODEL, &[], Server::start(RIG, &[]));
+    let number = |key: &str| model[key].as_f64().unwrap();
+    assert!(number("peak_m") > 0.05 && number("apart") < 1e-9, "{model}");
+    assert!(number("steps_per_s") > 1000.0, "{model}");
+    assert_eq!(rig["verdict"], "completed", "{rig}");
+    assert_eq!(rig["targets"], 3000);
+    for integrator in [["AlphaOS", "0.9"], ["AlphaOSGeneralized", "0.9"]] {
+        let words = [
+            "--steps",
+            "300",
+            "--integrator",
+            integrator[0],
+            integrator[1],
+        ];
+        let (model, rig) = both(&python, MODEL, &words, Server::start(RIG, &[]));
+        assert!(
+            model["apart"].as_f64().unwrap() < 1e-9,
+            "{integrator:?} {model}"
+        );
+        assert_eq!(rig["verdict"], "completed", "{rig}");
+    }
+}
+
+#[test]
+fn an_integrator_that_iterates_is_refused() {
+    let Some(python) = python() else { return };
+    let server = Server::start(RIG, &[]);
+    let out = Command::new(python)
+        .args([
+            MODEL,
+            "--port",
+            &server.1,
+            "--algorithm",
+            "Newton",
+            "--integrator",
+            "Newmark",
+            "0.5",
+            "0.25",
+        ])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let printed = String::from_utf8_lossy(&out.stdout);
+    assert!(
+        !printed.contains("peak_m") || printed.contains("NaN"),
+        "{printed}"
+    );
+    let rig = server.account();
+    assert_eq!(
+        (&rig["verdict"], &rig["permit"]),
+        (&"refused".into(), &false.into())
+    );
+    assert!(rig["reason"].to_string().contains("iterates"), "{rig}");
+}
+
+#[test]
+fn a_model_in_opensees_that_is_sometimes_late_is_waited_for() {
+    let Some(python) = python() else { return };
+    let server = Server::start(
+        RIG,
+        &[
+            "--set",
+            "serve.pace=continuous",
+            "--set",
+            "loop.substeps=20",
+            "--set",
+            "loop.solve_substeps=14",
+        ],
+    );
+    let words = ["--steps", "300", "--late-every", "50", "--late-ms", "60"];
+    let (model, rig) = both(&python, MODEL, &words, server);
+    assert_eq!(rig["verdict"], "completed", "{rig}");
+    assert!(rig["late_targets"].as_u64().unwrap() >= 5, "{rig}");
+    let longest = rig["longest_late_ms"].as_f64().unwrap();
+    assert!((30.0..120.0).contains(&longest), "{rig}");
+    // An ideal actuator passes each target as it is: a late model costs time, not accuracy.
+    assert!(model["apart"].as_f64().unwrap() < 1e-5, "{model}");
+}
+
+#[test]
+fn a_steel_frame_with_its_brace_in_the_laboratory_is_the_frame_with_its_own_brace() {
+    let Some(python) = python() else { return };
+    let server = Server::start(
+        "examples/opensees/frame.toml",
+        &[
+            "--set",
+            "serve.pace=stop_and_go",
+            "--set",
+            "loop.approach_m_per_s=0.2",
+            "--set",
+            "plant.actuator.kind=ideal",
+        ],
+    );
+    let words = ["--seconds", "10"];
+    let (model, rig) = both(&python, "examples/opensees/frame.py", &words, server);
+    assert_eq!(rig["verdict"], "completed", "{rig}");
+    // The brace yields, so that bilinear hysteresis here and Steel01 there are compared, too.
+    assert!(model["peak_m"].as_f64().unwrap() > 0.009, "{model}");
+    assert!(model["eps_max"].as_f64().unwrap() < 1e-6, "{model}");
+}

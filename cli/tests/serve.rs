@@ -1,0 +1,403 @@
+//! `outerloop serve` with clients that speak to it byte by byte: what a genericClient of OpenSees says, and what it should
+//! never say. With OpenSees itself: `tests/opensees.rs`.
+#![allow(missing_docs)]
+
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const STIFFNESS: f64 = 158e3;
+/// Numbers of a message.
+const LENGTH: usize = 256;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// `outerloop serve`, ended with the test.
+struct Server {
+    child: Child,
+    out: BufReader<ChildStdout>,
+    address: String,
+}
+
+impl Server {
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["serve", "examples/opensees.toml", "--json"])
+            .args(["--listen", "127.0.0.1:0"])
+            .args(arguments)
+            .current_dir(root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        said.read_line(&mut line).unwrap();
+        let address = line.split(" at ").nth(1).expect(&line);
+        let address = address.split(';').next().unwrap().to_owned();
+        // What else it says must not fill its pipe.
+        std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+        let out = BufReader::new(child.stdout.take().unwrap());
+        Self {
+            child,
+            out,
+            address,
+        }
+    }
+
+    fn client(&self) -> Client {
+        Client::connect(
+            &self.address,
+            &[1, 1, 1, 0, 1, 0, 0, 0, 1, 0, LENGTH as i32],
+        )
+    }
+
+    /// What it says of a client that has gone.
+    fn account(&mut self) -> Value {
+        let mut line = String::new();
+        self.out.read_line(&mut line).unwrap();
+        serde_json::from_str(&line).expect("one JSON object a line")
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// As OpenSees' genericClient.
+struct Client(TcpStream);
+
+impl Client {
+    fn connect(address: &str, header: &[i32]) -> Self {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_nodelay(true).unwrap();
+        let patience = Some(Duration::from_secs(20));
+        stream.set_read_timeout(patience).unwrap();
+        let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
+        stream.write_all(&bytes).unwrap();
+        Self(stream)
+    }
+
+    fn say(&mut self, numbers: &[f64]) {
+        let mut message = vec![0.0; LENGTH];
+        message[..numbers.len()].copy_from_slice(numbers);
+        let bytes: Vec<u8> = message.iter().flat_map(|x| x.to_le_bytes()).collect();
+        // A server that has hung up is found out when it is listened to.
+        let _ = self.0.write_all(&bytes);
+    }
+
+    fn hear(&mut self) -> Option<f64> {
+        let mut bytes = [0; 8 * LENGTH];
+        self.0.read_exact(&mut bytes).ok()?;
+        Some(f64::from_le_bytes(bytes[..8].try_into().unwrap()))
+    }
+
+    fn ask(&mut self, action: f64) -> Option<f64> {
+        self.say(&[action]);
+        self.hear()
+    }
+
+    /// A step: trial, force, commit.
+    fn step(&mut self, displacement: f64, time_s: f64) -> Option<f64> {
+        self.say(&[3.0, displacement, 0.0, 0.0, time_s]);
+        let force = self.ask(10.0)?;
+        self.say(&[5.0]);
+        Some(force)
+    }
+}
+
+/// The displacements of a mass on the specimen under a ground motion, explicit Newmark, and the force by `force`.
+fn integrate(steps: usize, mut force: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
+    let (m, dt, c) = (1000.0, 0.01, 500.0);
+    let (mut u, mut v, mut a, mut path) = (0.0_f64, 0.0, 0.0, Vec::new());
+    for i in 0..steps {
+        let t = i as f64 * dt;
+        u += dt * v + 0.5 * dt * dt * a;
+        let half = v + 0.5 * dt * a;
+        let ground = 3.0 * (11.0 * t).sin() * (0.7 * t).sin();
+        a = (-m * ground - force(u, t) - c * half) / m;
+        v = half + 0.5 * dt * a;
+        path.push(u);
+    }
+    path
+}
+
+#[test]
+fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_second() {
+    let mut server = Server::start(&[]);
+    let mut client = server.client();
+    assert_eq!(client.ask(12.0), Some(STIFFNESS), "initial stiffness");
+    assert_eq!(client.ask(13.0), Some(STIFFNESS), "tangent stiffness");
+    assert_eq!(client.ask(14.0), Some(0.0), "damping is in the force");
+    assert_eq!(client.ask(15.0), Some(0.0), "mass is, too");
+    let began = Instant::now();
+    let served = integrate(3000, |u, t| client.step(u, t).unwrap());
+    let rate = 3000.0 / began.elapsed().as_secs_f64();
+    client.say(&[99.0]);
+    let own = integrate(3000, |u, _| STIFFNESS * u);
+    let peak = own.iter().fold(0.0_f64, |p, u| p.max(u.abs()));
+    let apart = own.iter().zip(&served).map(|(a, b)| (a - b).abs());
+    let apart = apart.fold(0.0, f64::max) / peak;
+    assert!(peak > 0.01 && apart < 1e-9, "{apart} of {peak} m");
+    assert!(rate > 1000.0, "{rate} steps a second");
+    let account = server.account();
+    assert_eq!(account["verdict"], "completed");
+    assert_eq!(
+        (&account["targets"], &account["commits"]),
+        (&3000.into(), &3000.into())
+    );
+    assert_eq!(account["permit"], false);
+    assert!((account["peak_displacement_m"].as_f64().unwrap() / peak - 1.0).abs() < 1e-6);
+    assert!(account["tracking_max_m"].as_f64().unwrap() < 1e-7);
+}
+
+#[test]
+fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("kept");
+    let mut server = Server::start(&[
+        "--out",
+        out.to_str().unwrap(),
+        "--set",
+        "serve.patience_s=0.4",
+    ]);
+    type Mischief = fn(&mut Client);
+    let cases: [(&str, &str, Mischief); 9] = [
+        ("lost", "closed the connection", |c| {
+            let _ = c.0.shutdown(std::net::Shutdown::Both);
+        }),
+        ("lost", "bytes into a message", |c| {
+            let _ = c.0.write_all(&[0; 100]);
+            let _ = c.0.shutdown(std::net::Shutdown::Both);
+        }),
+        ("lost", "said nothing for 0.4 s", |c| {
+            assert_eq!(c.hear(), None)
+        }),
+        ("lost", "100 bytes into a message", |c| {
+            let _ = c.0.write_all(&[0; 100]);
+            assert_eq!(c.hear(), None);
+        }),
+        ("refused", "displacement 1 = NaN", |c| {
+            assert!(c.step(f64::NAN, 0.1).unwrap().is_nan());
+        }),
+        ("refused", "displacement 1 = 1000000000 at 0.1 s", |c| {
+            assert!(c.step(1e9, 0.1).unwrap().is_nan());
+        }),
+        ("refused", "the time inf", |c| {
+            assert!(c.step(0.0, f64::INFINITY).unwrap().is_nan());
+        }),
+        ("refused", "asks for action 0.25", |c| {
+            assert_eq!(c.ask(0.25), None);
+        }),
+        (
+            "refused",
+            "in the same step: an integrator that iterates",
+            |c| {
+                c.say(&[3.0, 0.001, 0.0, 0.0, 0.1]);
+                assert!(c.ask(10.0).is_some());
+                c.say(&[3.0, 0.001, 0.5, 0.5, 0.1]);
+                assert!(c.ask(10.0).is_some(), "another velocity is no other target");
+                c.say(&[3.0, 0.002, 0.0, 0.0, 0.1]);
+                assert_eq!(c.ask(10.0), None);
+            },
+        ),
+    ];
+    for (number, (verdict, reason, mischief)) in cases.into_iter().enumerate() {
+        let mut client = server.client();
+        for i in 1..=20 {
+            let u = 1e-3 * f64::from(i % 7);
+            let force = client.step(u, 1e-3 * f64::from(i)).unwrap();
+            assert!((force - STIFFNESS * u).abs() < 1e-6 * STIFFNESS * 1e-3);
+        }
+        mischief(&mut client);
+        let account = server.account();
+        let said = account["reason"].as_str().unwrap_or_default();
+        assert_eq!(account["verdict"], verdict, "{reason}: {account}");
+        assert!(
+            said.contains(reason) && !said.contains('\n'),
+            "{reason}: {said}"
+        );
+        assert_eq!(account["permit"], false, "{reason}");
+        assert!(account["targets"].as_u64().unwrap() >= 20);
+        // Nothing is lost: every step until then is in the record.
+        let kept = match number {
+            0 => out.clone(),
+            n => folder.path().join(format!("kept-{}", n + 1)),
+        };
+        let lines = |name: &str| std::fs::read_to_string(kept.join(name)).unwrap();
+        let steps = account["steps"].as_u64().unwrap() as usize;
+        assert_eq!(lines("record.csv").lines().count(), steps + 1);
+        assert!(lines("summary.json").contains(&account["client"].to_string()));
+    }
+    // A first message that is none.
+    for (header, reason) in [
+        ([7; 11], "controls 7 displacements and the rig has 1"),
+        ([-3; 11], "is none of OpenSees'"),
+    ] {
+        let mut client = Client::connect(&server.address, &header);
+        assert_eq!(client.hear(), None);
+        let account = server.account();
+        assert!(account["reason"].to_string().contains(reason), "{account}");
+        assert_eq!(
+            (&account["targets"], &account["permit"]),
+            (&0.into(), &false.into())
+        );
+    }
+    let mut silent = Client::connect(&server.address, &[]);
+    assert_eq!(silent.hear(), None);
+    assert!(
+        server.account()["reason"]
+            .to_string()
+            .contains("said nothing")
+    );
+}
+
+#[test]
+fn a_specimen_that_passes_its_force_limit_trips_and_answers_nothing_more() {
+    let mut server = Server::start(&["--once", "--set", "limits.force_n=1000"]);
+    let mut client = server.client();
+    assert!(client.step(0.005, 0.1).is_some());
+    // OpenSees would wait for ever at a closed connection: it is answered with what is no number.
+    assert!(client.step(0.01, 0.2).unwrap().is_nan());
+    assert!(client.step(0.01, 0.3).unwrap().is_nan());
+    client.say(&[99.0]);
+    let account = server.account();
+    assert_eq!(
+        (&account["verdict"], &account["trip"]),
+        (&"tripped".into(), &"force".into())
+    );
+    assert_eq!(account["permit"], false);
+    assert_eq!(
+        server.child.wait().unwrap().code(),
+        Some(1),
+        "--once says how it went"
+    );
+}
+
+#[test]
+fn units_on_the_wire_are_the_models() {
+    let mut server = Server::start(&[
+        "--once",
+        "--set",
+        "serve.length_unit=in",
+        "--set",
+        "serve.force_unit=kip",
+    ]);
+    let mut client = server.client();
+    // 158 kN/m are 0.902 kip/in.
+    let expected = STIFFNESS * 0.0254 / 4448.2216152605;
+    let near = |x: Option<f64>, y: f64| assert!((x.unwrap() / y - 1.0).abs() < 1e-12, "{x:?} {y}");
+    near(client.ask(12.0), expected);
+    near(client.step(0.5, 0.1), 0.5 * expected);
+    // The command is in single precision.
+    assert!((client.ask(7.0).unwrap() - 0.5).abs() < 1e-7);
+    client.say(&[99.0]);
+    assert_eq!(server.account()["verdict"], "completed");
+    assert_eq!(server.child.wait().unwrap().code(), Some(0));
+}
+
+/// An actuator 8 ms late under a model with a step of 10 ms, in real time; `sleep` is how long the model takes.
+fn continuous(sleep: impl Fn(usize) -> u64) -> (Value, Vec<f64>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut server = Server::start(&[
+        "--once",
+        "--out",
+        folder.path().to_str().unwrap(),
+        "--set",
+        "serve.pace=continuous",
+        "--set",
+        "loop.substeps=20",
+        "--set",
+        "loop.solve_substeps=12",
+        "--set",
+        "plant.actuator.kind=delay",
+        "--set",
+        "plant.actuator.delay_ms=8",
+    ]);
+    let mut client = server.client();
+    let mut count = 0;
+    integrate(300, |u, t| {
+        count += 1;
+        std::thread::sleep(Duration::from_millis(sleep(count)));
+        client.step(u, t).unwrap()
+    });
+    client.say(&[99.0]);
+    let account = server.account();
+    assert_eq!(server.child.wait().unwrap().code(), Some(0));
+    let record = std::fs::read_to_string(folder.path().join("record.csv")).unwrap();
+    let mut lines = record.lines();
+    let mut names = lines.next().unwrap().split(',');
+    let column = names.position(|name| name == "command_m").unwrap();
+    let command = lines.map(|l| l.split(',').nth(column).unwrap().parse().unwrap());
+    (account, command.collect())
+}
+
+#[test]
+fn a_model_that_is_sometimes_late_holds_the_rig_and_goes_on_without_a_jump() {
+    let (punctual, smooth) = continuous(|_| 0);
+    let (late, held) = continuous(|step| if step % 60 == 59 { 60 } else { 0 });
+    for account in [&punctual, &late] {
+        assert_eq!(account["verdict"], "completed", "{account}");
+        assert_eq!(account["targets"], 300);
+        // Eqs 12 and 14: what the delay puts in is measured, and a damping takes it out.
+        assert!(account["energy_error_j"].as_f64().unwrap() < 0.0);
+        assert!(account["mean_added_damping_n_s_per_m"].as_f64().unwrap() > 100.0);
+    }
+    assert!(late["late_targets"].as_u64().unwrap() >= 5, "{late}");
+    let longest = late["longest_late_ms"].as_f64().unwrap();
+    assert!((30.0..100.0).contains(&longest), "{late}");
+    let most = |c: &[f64]| {
+        let steps = c.windows(2).map(|w| (w[1] - w[0]).abs());
+        steps.fold(0.0, f64::max)
+    };
+    // After a hold the command has 8 of 20 control steps to its target: 1.5 times the mean speed over these, at most.
+    assert!(most(&held) < 1.5 * 20.0 / 8.0 * most(&smooth));
+    let wide = held.iter().fold(0.0_f64, |p, u| p.max(u.abs()));
+    assert!(
+        most(&held) < 0.1 * wide,
+        "no jump: {} of {wide} m",
+        most(&held)
+    );
+}
+
+#[test]
+fn a_test_that_cannot_be_served_is_refused_in_one_sentence() {
+    for (set, reason) in [
+        ("serve.pace=hop", "serve.pace"),
+        ("serve.patience_s=0", "serve.patience_s = 0"),
+        ("serve.settle_ms=-1", "serve.settle_ms = -1"),
+        ("serve.pace=continuous", "loop.solve_substeps is 0"),
+    ] {
+        let out = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["serve", "examples/opensees.toml", "--set", set])
+            .current_dir(root())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(reason) && said.trim().lines().count() == 1,
+            "{said}"
+        );
+    }
+    for (test, reason) in [
+        ("examples/table1.toml", "limits.displacement_m is missing"),
+        ("examples/hybrid.toml", "structure.physical_storeys"),
+    ] {
+        let out = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["serve", test])
+            .current_dir(root())
+            .output()
+            .unwrap();
+        assert_eq!(out.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&out.stderr).contains(reason));
+    }
+}
