@@ -3,6 +3,9 @@
 //! A Kalman filter on the logarithms of the parameters, which are taken to stand still: `e = y - y_hat`,
 //! `g = P phi / (R + phi^T P phi)`, `theta += g e`, `P -= g phi^T P`, one stroke after the other. `R` is the square of
 //! three times the sensor's noise: with one times it, what the model neglects drives free gains 16 % astray.
+//!
+//! `P` is kept as `U D U^T` (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977): where a motion is a
+//! thousand times the noise, the plain form loses the sign of a variance in f32, and the parameters with it.
 
 use super::Pair;
 use super::forward::{Forward, Slopes};
@@ -21,7 +24,8 @@ pub struct Settings {
     pub plant: Plant,
     /// What of it may be off, and by how much; none: the plant is taken as declared.
     pub spreads: Spreads,
-    /// Noise of the strokes' readings, m rms.
+    /// Noise of the strokes' readings, m rms. Not below a thousandth of the largest stroke: what is linearised here is then
+    /// larger than the noise, and the parameters go astray.
     pub noise_m: f32,
     /// Sampling period, s.
     pub period_s: f32,
@@ -47,7 +51,15 @@ impl Settings {
                 });
             }
         }
-        for &(_, spread) in &self.spreads {
+        for &(parameter, spread) in &self.spreads {
+            let value = self.plant.value(parameter).unwrap_or(0.0);
+            if !(value != 0.0 && value.is_finite()) {
+                return Err(Refusal {
+                    name: "coupled.parameter",
+                    value: f64::from(value),
+                    accepted: "a parameter that the plant has",
+                });
+            }
             if !(spread > 0.0 && spread <= 0.5) {
                 return Err(Refusal {
                     name: "coupled.spread",
@@ -65,7 +77,7 @@ impl Settings {
 pub struct Estimator {
     plant: Plant,
     theta: [f32; MAX_PARAMETERS],
-    covariance: [[f32; MAX_PARAMETERS]; MAX_PARAMETERS],
+    covariance: Factored,
     slopes: Slopes,
     forward: Forward,
 }
@@ -73,9 +85,9 @@ pub struct Estimator {
 impl Estimator {
     /// At rest at zero, with the plant as declared.
     pub fn at_rest(settings: &Settings) -> Self {
-        let mut covariance = [[0.0; MAX_PARAMETERS]; MAX_PARAMETERS];
-        for (p, &(_, spread)) in settings.spreads.iter().enumerate().take(MAX_PARAMETERS) {
-            covariance[p][p] = spread * spread;
+        let mut covariance = Factored::default();
+        for (variance, &(_, spread)) in covariance.diagonal.iter_mut().zip(&settings.spreads) {
+            *variance = spread * spread;
         }
         Self {
             plant: settings.plant,
@@ -100,56 +112,69 @@ impl Estimator {
             sent_m,
             &mut self.slopes,
         );
-        let n = settings.spreads.len().min(MAX_PARAMETERS);
-        if n == 0 {
+        if settings.spreads.is_empty() {
             return modelled_m;
         }
         let noise_m = CAUTION * settings.noise_m;
         let mut moved = [0.0; MAX_PARAMETERS];
         for i in 0..2 {
-            let mut error_m = measured_m[i] - modelled_m[i];
-            for p in 0..n {
-                error_m -= self.slopes[i][p] * moved[p];
-            }
+            let slopes = &self.slopes[i];
+            let explained = slopes.iter().zip(&moved).map(|(s, m)| s * m).sum::<f32>();
+            let error_m = measured_m[i] - modelled_m[i] - explained;
             // A reading that is not finite teaches nothing.
             if error_m.is_finite() {
-                self.correct(i, n, error_m, noise_m * noise_m, &mut moved);
+                let gain = self.covariance.update(slopes, noise_m * noise_m);
+                for (moved, gain) in moved.iter_mut().zip(&gain) {
+                    *moved += gain * error_m;
+                }
             }
         }
         self.plant = settings.plant;
-        for (p, &(parameter, _)) in settings.spreads.iter().enumerate().take(n) {
-            self.theta[p] = (self.theta[p] + moved[p]).clamp(-FARTHEST, FARTHEST);
-            self.plant.scale(parameter, libm::expf(self.theta[p]));
+        let moves = self.theta.iter_mut().zip(&moved);
+        for ((theta, moved), &(parameter, _)) in moves.zip(&settings.spreads) {
+            *theta = (*theta + moved).clamp(-FARTHEST, FARTHEST);
+            self.plant.scale(parameter, libm::expf(*theta));
         }
         modelled_m
     }
+}
 
-    /// The filter's correction by the error of stroke `i`.
-    fn correct(
-        &mut self,
-        i: usize,
-        n: usize,
-        error_m: f32,
-        variance_m2: f32,
-        moved: &mut [f32; MAX_PARAMETERS],
-    ) {
-        let slopes = &self.slopes[i];
-        let mut seen = [0.0; MAX_PARAMETERS];
-        let mut total = variance_m2;
-        for p in 0..n {
-            for q in 0..n {
-                seen[p] += self.covariance[p][q] * slopes[q];
+/// A covariance `U D U^T`, with ones on the diagonal of the upper triangle `U`.
+#[derive(Clone, Debug, Default)]
+struct Factored {
+    diagonal: [f32; MAX_PARAMETERS],
+    /// Column by column; what lies below the diagonal is not used.
+    columns: [[f32; MAX_PARAMETERS]; MAX_PARAMETERS],
+}
+
+impl Factored {
+    /// Takes a scalar measurement in, `slopes` per parameter and with this variance; returns the gain.
+    fn update(&mut self, slopes: &[f32; MAX_PARAMETERS], variance: f32) -> [f32; MAX_PARAMETERS] {
+        let mut gain = [0.0; MAX_PARAMETERS];
+        let mut total = variance;
+        for j in 0..MAX_PARAMETERS {
+            let column = &mut self.columns[j];
+            let mut seen = slopes[j];
+            for i in 0..j {
+                seen += column[i] * slopes[i];
             }
-            total += slopes[p] * seen[p];
-        }
-        let scale = 1.0 / total;
-        for p in 0..n {
-            let gain = seen[p] * scale;
-            moved[p] += gain * error_m;
-            for q in 0..n {
-                self.covariance[p][q] -= gain * seen[q];
+            // A parameter that is not there, or that this stroke does not show.
+            if seen == 0.0 || self.diagonal[j] == 0.0 {
+                continue;
             }
+            let weight = self.diagonal[j] * seen;
+            let before = total;
+            total += seen * weight;
+            self.diagonal[j] *= before / total;
+            let turn = -seen / before;
+            for i in 0..j {
+                let old = column[i];
+                column[i] = old + turn * gain[i];
+                gain[i] += old * weight;
+            }
+            gain[j] = weight;
         }
+        gain.map(|g| g / total)
     }
 }
 
@@ -158,6 +183,34 @@ mod tests {
     use super::super::plant::Parameter;
     use super::super::plant::tests::FRAME;
     use super::*;
+
+    #[test]
+    fn the_factored_update_is_that_of_the_covariance() {
+        let n = MAX_PARAMETERS;
+        let mut factored = Factored {
+            diagonal: core::array::from_fn(|p| 0.01 + 0.002 * p as f32),
+            ..Factored::default()
+        };
+        let mut plain = [[0.0_f64; MAX_PARAMETERS]; MAX_PARAMETERS];
+        for p in 0..n {
+            plain[p][p] = f64::from(factored.diagonal[p]);
+        }
+        for k in 0..20 {
+            let slopes: [f32; MAX_PARAMETERS] =
+                core::array::from_fn(|p| libm::sinf((3 * k + 1) as f32 * (p as f32 + 0.5)));
+            let gain = factored.update(&slopes, 0.1);
+            let seen: [f64; MAX_PARAMETERS] =
+                core::array::from_fn(|p| (0..n).map(|q| plain[p][q] * f64::from(slopes[q])).sum());
+            let total = 0.1 + (0..n).map(|p| seen[p] * f64::from(slopes[p])).sum::<f64>();
+            for p in 0..n {
+                let exact = seen[p] / total;
+                assert!((f64::from(gain[p]) - exact).abs() < 1e-5, "{k} {p}");
+                for q in 0..n {
+                    plain[p][q] -= seen[p] * seen[q] / total;
+                }
+            }
+        }
+    }
 
     #[test]
     fn poles_and_gains_that_are_off_come_back() {
@@ -200,6 +253,7 @@ mod tests {
                 estimator.theta[p]
             );
         }
+        assert!(estimator.covariance.diagonal.iter().all(|&d| d >= 0.0));
         // A NaN teaches nothing and leaves a finite plant.
         estimator.update(&settings, &[0.0; 2], &[f32::NAN, 0.0]);
         assert!(

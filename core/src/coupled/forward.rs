@@ -65,43 +65,44 @@ impl Forward {
             }
         }
         let strokes = [v[0][0] + v[0][1], v[1][0] + v[1][1]];
-        for (p, &(parameter, _)) in parameters.iter().enumerate().take(MAX_PARAMETERS) {
-            for i in 0..2 {
-                slopes[i][p] = self.slope(plant, parameter, p, i, &v, rate);
+        for i in 0..2 {
+            let filters = self.sensitivity[i].iter_mut();
+            for ((slope, filter), &(parameter, _)) in
+                slopes[i].iter_mut().zip(filters).zip(parameters)
+            {
+                *slope = if parameter == Parameter::NaturalFrequency {
+                    let f = plant.natural_rad_per_s;
+                    let numerator = [0.0, 2.0 * plant.damping_ratio / f, 2.0 / (f * f)];
+                    let k = SecondConstants::new(numerator, f, plant.damping_ratio, rate);
+                    self.frequency[i].step(&k, strokes[i])
+                } else {
+                    slope_behind_first(plant, parameter, i, &v, filter, rate)
+                };
             }
         }
         strokes
     }
+}
 
-    /// The slope of stroke `i` with the parameter at place `p`.
-    #[inline]
-    fn slope(
-        &mut self,
-        plant: &Plant,
-        parameter: Parameter,
-        p: usize,
-        i: usize,
-        v: &[Pair; 2],
-        rate: f32,
-    ) -> f32 {
-        let section = &mut self.sensitivity[i][p];
-        let mut behind = |w: f32, x: f32| x - section.step(w / rate, 0.0, x);
-        match parameter {
-            Parameter::SlowPole(j) => behind(plant.slow_pole_rad_per_s[j], v[i][j]),
-            Parameter::FastPole(j) => behind(plant.fast_pole_rad_per_s[j], v[i][j]),
-            Parameter::Lead(j, slot) => -behind(1.0 / plant.lead_s[j][slot], v[i][j]),
-            Parameter::PathLead(at, j) if at == i => {
-                -behind(1.0 / plant.path_lead_s[at][j], v[i][j])
-            }
-            Parameter::Gain(at, j) if at == i => v[i][j],
-            Parameter::PathLead(..) | Parameter::Gain(..) => 0.0,
-            Parameter::NaturalFrequency => {
-                let f = plant.natural_rad_per_s;
-                let numerator = [0.0, 2.0 * plant.damping_ratio / f, 2.0 / (f * f)];
-                let k = SecondConstants::new(numerator, f, plant.damping_ratio, rate);
-                self.frequency[i].step(&k, v[i][0] + v[i][1])
-            }
-        }
+/// The slope of stroke `i` with a parameter whose filter is of first order, or none.
+#[inline]
+fn slope_behind_first(
+    plant: &Plant,
+    parameter: Parameter,
+    i: usize,
+    v: &[Pair; 2],
+    filter: &mut First,
+    rate: f32,
+) -> f32 {
+    let value = plant.value(parameter).unwrap_or(0.0);
+    let of = |j: usize| v.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0);
+    let mut behind = |w: f32, x: f32| x - filter.step(w / rate, 0.0, x);
+    match parameter {
+        Parameter::SlowPole(j) | Parameter::FastPole(j) => behind(value, of(j)),
+        Parameter::Lead(j, _) => -behind(1.0 / value, of(j)),
+        Parameter::PathLead(at, j) if at == i => -behind(1.0 / value, of(j)),
+        Parameter::Gain(at, j) if at == i => of(j),
+        Parameter::PathLead(..) | Parameter::Gain(..) | Parameter::NaturalFrequency => 0.0,
     }
 }
 

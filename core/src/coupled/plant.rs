@@ -119,13 +119,36 @@ impl Plant {
 
     /// Multiplies a parameter by `factor`; a zero's frequency, where the parameter is one.
     pub fn scale(&mut self, parameter: Parameter, factor: f32) {
+        let pair = |all: &mut [Pair; 2], i: usize, j: usize, factor: f32| {
+            if let Some(x) = all.get_mut(i).and_then(|row| row.get_mut(j)) {
+                *x *= factor;
+            }
+        };
+        let one = |all: &mut Pair, j: usize| {
+            if let Some(x) = all.get_mut(j) {
+                *x *= factor;
+            }
+        };
         match parameter {
-            Parameter::SlowPole(j) => self.slow_pole_rad_per_s[j] *= factor,
-            Parameter::FastPole(j) => self.fast_pole_rad_per_s[j] *= factor,
-            Parameter::Lead(j, slot) => self.lead_s[j][slot] /= factor,
-            Parameter::PathLead(i, j) => self.path_lead_s[i][j] /= factor,
+            Parameter::SlowPole(j) => one(&mut self.slow_pole_rad_per_s, j),
+            Parameter::FastPole(j) => one(&mut self.fast_pole_rad_per_s, j),
+            Parameter::Lead(j, slot) => pair(&mut self.lead_s, j, slot, 1.0 / factor),
+            Parameter::PathLead(i, j) => pair(&mut self.path_lead_s, i, j, 1.0 / factor),
             Parameter::NaturalFrequency => self.natural_rad_per_s *= factor,
-            Parameter::Gain(i, j) => self.gain[i][j] *= factor,
+            Parameter::Gain(i, j) => pair(&mut self.gain, i, j, factor),
+        }
+    }
+
+    /// The number itself; of a zero its time, s. `None` where there is no such actuator, stroke or zero.
+    pub fn value(&self, parameter: Parameter) -> Option<f32> {
+        let pair = |all: &[Pair; 2], i: usize, j: usize| all.get(i)?.get(j).copied();
+        match parameter {
+            Parameter::SlowPole(j) => self.slow_pole_rad_per_s.get(j).copied(),
+            Parameter::FastPole(j) => self.fast_pole_rad_per_s.get(j).copied(),
+            Parameter::Lead(j, slot) => pair(&self.lead_s, j, slot),
+            Parameter::PathLead(i, j) => pair(&self.path_lead_s, i, j),
+            Parameter::NaturalFrequency => Some(self.natural_rad_per_s),
+            Parameter::Gain(i, j) => pair(&self.gain, i, j),
         }
     }
 }

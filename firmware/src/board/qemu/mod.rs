@@ -8,5 +8,5 @@ mod semihosting;
 mod systick;
 
 pub use exchange::{Exchange, Lost, Period};
-pub use semihosting::exit;
+pub use semihosting::{File, Mode, exit};
 pub use systick::SysTick;
