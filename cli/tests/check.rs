@@ -111,6 +111,24 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
 }
 
 #[test]
+fn the_monitor_stops_what_breaks_and_nothing_else() {
+    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(["check", "--monitor", "60", "--json"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let answer = json(&output);
+    let rows = answer["rows"].as_array().unwrap();
+    let number = |row: &Value, key: &str| row[key].as_u64().unwrap();
+    assert!(number(&rows[0], "count") > 45);
+    assert_eq!(number(&rows[0], "together"), 0, "{:#}", rows[0]);
+    let broken = &rows[1..];
+    let all: u64 = broken.iter().map(|row| number(row, "count")).sum();
+    let stopped: u64 = broken.iter().map(|row| number(row, "together")).sum();
+    assert!(all >= 4 && stopped == all, "{stopped} of {all}");
+}
+
+#[test]
 fn bad_input_is_refused_in_one_sentence() {
     for (arguments, said) in [
         (

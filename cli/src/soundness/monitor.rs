@@ -1,6 +1,6 @@
 //! The promise of the monitor: it never stops a sound test, and it stops one that runs away in time.
 //!
-//! Sound tests: every method and predictor, delays within 20 % of what was told, specimens that yield, noise, converters,
+//! Sound tests: every method but Eq 14 without its guards, and every predictor, delays within 20 % of what was told, specimens that yield, noise, converters,
 //! ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
 //! counts where its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time where an indicator
 //! passes its threshold no later than in the step in which that happens.
@@ -23,7 +23,7 @@ use crate::files::test::TestFile;
 use crate::score::Score;
 use crate::trace::{Response, Witness};
 use outerloop_core::record::flag;
-use outerloop_core::{Method, Record};
+use outerloop_core::{Force, Method, Record};
 use plant::actuator::DelayJump;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -32,7 +32,7 @@ use std::path::Path;
 /// Motion over the planned peak before which a test has to be stopped.
 pub const TOO_FAR: f64 = 1.2;
 /// `limits.energy_trip` that no sound test reaches.
-pub const ENERGY_TRIP: f64 = 0.5;
+pub const ENERGY_TRIP: f64 = 1.0;
 /// `limits.displacement_m` over the planned peak that no sound test reaches.
 pub const DISPLACEMENT: f64 = 1.15;
 /// `limits.tracking_m` over what is planned that no sound test reaches.
@@ -174,10 +174,13 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
         latest: |hz| SOUND_PHASE_RAD / (std::f64::consts::TAU * hz) * 1e3,
         rightly_told: 0.0,
     };
+    // Eq 14 as it was first published is there to be compared with: with noise its damping jumps by orders of magnitude.
+    let mut methods = Method::ALL.to_vec();
+    methods.retain(|method| method.force != Force::Eq14Unguarded);
     let kinds = std::iter::repeat_n(Kind::Sound, sound)
         .chain(Kind::BROKEN.into_iter().cycle().take(broken));
     kinds
-        .zip(Method::ALL.into_iter().cycle())
+        .zip(methods.into_iter().cycle())
         .zip(seed..)
         .map(|((kind, method), seed)| Plan {
             kind,

@@ -1,13 +1,13 @@
 //! `outerloop check`: whether a test may be run, before the oil is on.
 
+mod many;
+
 use super::{json, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
-use crate::soundness::monitor;
-use crate::soundness::survey::{self, Case, Truth};
 use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Answer, Row};
@@ -150,114 +150,6 @@ impl Check {
         Ok(judgement)
     }
 
-    /// The monitor over many tests.
-    fn monitor(&self, sound: usize) -> Result<(), Failure> {
-        if !(10..=1_000_000).contains(&sound) {
-            return Err(Failure::input(format!(
-                "--monitor {sound}: accepted are 10 to 1000000"
-            )));
-        }
-        let plans = monitor::draw(sound, sound / 4, self.seed);
-        let cases = {
-            let progress = Progress::over("tests", plans.len() as u64);
-            monitor::run(&plans, || progress.add(1))?
-        };
-        let rows = monitor::table(&cases);
-        if self.json {
-            println!(
-                "{}",
-                json(&Watched {
-                    rows: &rows,
-                    cases: &cases
-                })?
-            );
-        } else {
-            let [energy, hsem, displacement, tracking] = monitor::INDICATORS;
-            let mut t = table(&[
-                "tests",
-                "",
-                "not counted",
-                energy,
-                displacement,
-                tracking,
-                "any of the three",
-                hsem,
-            ]);
-            for r in &rows {
-                let [energy, hsem, displacement, tracking] = r.stopped.map(|n| n.to_string());
-                t.add_row([
-                    r.kind.name().to_owned(),
-                    r.count.to_string(),
-                    r.others.to_string(),
-                    energy,
-                    displacement,
-                    tracking,
-                    r.together.to_string(),
-                    hsem,
-                ]);
-            }
-            println!("{t}");
-            let [energy, hsem, displacement, tracking] =
-                rows.first().map_or([0.0; 4], |r| r.largest);
-            println!(
-                "Stopped at an energy error of {} of the energy in the test, or at {} of the planned peak, or at {} of the planned tracking; broken tests \
-                 before {} of it.\nSound tests came to {energy:.3} by core's indicator, {hsem:.3} by the published one, \
-                 {displacement:.3} of the planned peak, {tracking:.3} of the planned tracking.",
-                monitor::ENERGY_TRIP,
-                monitor::DISPLACEMENT,
-                monitor::TRACKING,
-                monitor::TOO_FAR,
-            );
-        }
-        Ok(())
-    }
-
-    /// The verdicts over many rigs.
-    fn survey(&self, rigs: usize) -> Result<(), Failure> {
-        if !(1..=1_000_000).contains(&rigs) {
-            return Err(Failure::input(format!(
-                "--survey {rigs}: accepted are 1 to 1000000"
-            )));
-        }
-        let tests = survey::draw(rigs, self.seed);
-        let cases = {
-            let progress = Progress::over("rigs", rigs as u64);
-            survey::run(&tests, || progress.add(1))?
-        };
-        let rows = survey::table(&cases);
-        if self.json {
-            println!(
-                "{}",
-                json(&Survey {
-                    rows: &rows,
-                    cases: &cases
-                })?
-            );
-        } else {
-            let mut t = table(&["tests", "which", "", "stable", "doubtful", "unstable"]);
-            for r in rows.iter().filter(|r| r.count > 0) {
-                let [stable, doubtful, unstable] = r.called.map(|n| n.to_string());
-                t.add_row([
-                    r.tests.clone(),
-                    r.truth.words().to_owned(),
-                    r.count.to_string(),
-                    stable,
-                    doubtful,
-                    unstable,
-                ]);
-            }
-            println!("{t}");
-        }
-        let all = |truth: Truth| rows.iter().find(|r| r.tests == "all" && r.truth == truth);
-        let missed = all(Truth::RanAway).map_or(0, |r| r.called[0]);
-        if missed > 0 {
-            return Err(Failure::test(format!(
-                "{missed} tests were called stable and ran away"
-            )));
-        }
-        Ok(())
-    }
-
     fn spread(&self) -> Result<Spread, Failure> {
         if !(1..=100_000).contains(&self.plants) {
             return Err(Failure::input(format!(
@@ -293,20 +185,6 @@ struct Whole<'a> {
     judgement: &'a Judgement,
     #[serde(flatten)]
     answer: &'a Answer,
-}
-
-/// What the monitor did, as JSON.
-#[derive(Serialize)]
-struct Watched<'a> {
-    rows: &'a [monitor::Row],
-    cases: &'a [monitor::Case],
-}
-
-/// A survey as JSON.
-#[derive(Serialize)]
-struct Survey<'a> {
-    rows: &'a [survey::Row],
-    cases: &'a [Case],
 }
 
 fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
