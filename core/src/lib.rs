@@ -35,6 +35,7 @@ pub mod coupled;
 pub mod energy;
 pub mod estimate;
 mod float;
+mod follower;
 mod force;
 pub mod ground_motion;
 pub mod matrix;
@@ -51,6 +52,7 @@ pub mod sum;
 pub mod supervise;
 
 pub use config::{Config, Design};
+pub use follower::Follower;
 pub use ground_motion::GroundMotion;
 pub use method::{Accepted, Force, Method, Prediction};
 pub use outer_loop::{OuterLoop, Sample, Step};

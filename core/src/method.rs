@@ -48,6 +48,10 @@ macro_rules! for_each_method {
                 AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse;
                 /// Adaptive time series (Chae).
                 Ats "ats" = Axes<ats::Ats, N>, file ats;
+                /// Adaptive model-based compensation (Galmez and Fermandois).
+                Amb "amb" = Axes<amb::Amb, N>, file amb;
+                /// Inverse of a servo-hydraulic actuator whose parameters are estimated from the noise-free command.
+                Hydraulic "hydraulic" = Axes<hydraulic::Hydraulic, N>, file hydraulic;
             }
         }
     };

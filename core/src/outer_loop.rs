@@ -107,6 +107,8 @@ pub struct OuterLoop<const N: usize> {
     rig: Rig<N>,
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
+    /// By how much the last target was led, m.
+    led_by_m: [f32; N],
     /// While resuming: the share of the prediction that is sent.
     share: f32,
     /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
@@ -138,6 +140,7 @@ impl<const N: usize> OuterLoop<N> {
             aimed_m: [0.0; N],
             target_m: [0.0; N],
             aimed_step_m: [0.0; N],
+            led_by_m: [0.0; N],
             share: 0.0,
             standing_m: None,
             goal_m: [0.0; N],
@@ -411,18 +414,29 @@ impl<const N: usize> OuterLoop<N> {
             velocity_m = *self.signal.velocity_m();
             acceleration_m = self.signal.acceleration_m(&k.signal);
         }
+        let lead_steps = k.lead_steps;
         let followed = core::array::from_fn(|j| Followed {
-            target_m: self.target_m[j],
+            target_m: self.target_m[j] + self.led_by_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
             learn: live && fit,
         });
-        let ahead = core::array::from_fn(|j| Ahead {
-            displacement_m: next_m[j],
-            velocity_m: velocity_m[j],
-            acceleration_m: acceleration_m[j],
+        let ahead: [Ahead; N] = core::array::from_fn(|j| {
+            Ahead {
+                displacement_m: next_m[j],
+                velocity_m: velocity_m[j],
+                acceleration_m: acceleration_m[j],
+            }
+            .led_by(lead_steps)
         });
-        let mut send_m = next_m;
+        let mut send_m = ahead.map(|a| a.displacement_m);
+        for j in 0..N {
+            self.led_by_m[j] = send_m[j] - next_m[j];
+        }
+        // Numerical degrees of freedom are where they are wanted.
+        for j in k.physical..N {
+            send_m[j] = next_m[j];
+        }
         self.predictor
             .command(&followed, &ahead, k.physical, &mut send_m);
         if !live {

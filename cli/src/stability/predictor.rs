@@ -10,13 +10,17 @@
 //! | `darby`, `adaptive-inverse` | the delay |
 //! | `afp` | delay and gain |
 //! | `ats` | its three coefficients, the two that a single frequency cannot tell apart moved alike |
+//! | `amb` | its four coefficients, shared as its gains do |
+//! | `hydraulic` | its parameters, as displacement and velocity |
 //! | `mcs` | nothing: its gains stay, its proportional part is a feedback of the error, as its mean over a cycle |
+
+mod inverses;
 
 use super::blocks::{Block, Delay, Signal, nothing};
 use super::closed_loop::Frame;
 use super::rig::LinearRig;
 use nalgebra::{Complex, DMatrix};
-use outerloop_core::config::Compensation;
+use outerloop_core::config::{Compensation, Hydraulic};
 use outerloop_core::{Config, Prediction};
 
 /// What adaptive predictors know.
@@ -37,6 +41,8 @@ pub fn adaptive(kind: Prediction) -> bool {
             | Prediction::Afp
             | Prediction::AdaptiveInverse
             | Prediction::Ats
+            | Prediction::Amb
+            | Prediction::Hydraulic
     )
 }
 
@@ -86,6 +92,10 @@ enum Kind {
 #[derive(Clone, Debug)]
 pub struct Predictor {
     axes: Vec<Kind>,
+    /// Control steps by which the target is led.
+    lead: f64,
+    /// By how much the last target of each axis was led.
+    led: Vec<Signal>,
     /// Some axis would have to learn more than the bounds of its law allow.
     pub at_bounds: bool,
 }
@@ -112,7 +122,7 @@ impl Predictor {
     pub fn new(config: &Config, frame: &Frame, rig: &LinearRig, law: Law, at: f64) -> Self {
         let omega = at / (config.timing.time_scale * config.timing.rate_hz);
         let mut at_bounds = false;
-        let axes = (0..config.physical_storeys())
+        let axes: Vec<Kind> = (0..config.physical_storeys())
             .map(|j| match config.compensation.kind.predictor {
                 Prediction::ModelPrediction => model(config, frame, j),
                 _ => {
@@ -121,7 +131,12 @@ impl Predictor {
                 }
             })
             .collect();
-        Self { axes, at_bounds }
+        Self {
+            lead: config.compensation.lead_steps,
+            led: vec![nothing(); axes.len()],
+            axes,
+            at_bounds,
+        }
     }
 
     /// One control step: what is sent for the motion `ahead`, after `target` was in force and `measured` was read.
@@ -131,6 +146,33 @@ impl Predictor {
         measured: &[Signal],
         ahead: &Ahead<'_>,
     ) -> Vec<Signal> {
+        if self.lead == 0.0 {
+            return self.send(target, measured, ahead);
+        }
+        let (lead, floors) = (self.lead, 0..ahead.displacement.len());
+        let rise =
+            |j: usize| &ahead.velocity[j] * lead + &ahead.acceleration[j] * (0.5 * lead * lead);
+        let displacement: Vec<Signal> = floors
+            .clone()
+            .map(|j| &ahead.displacement[j] + rise(j))
+            .collect();
+        let velocity: Vec<Signal> = floors
+            .map(|j| &ahead.velocity[j] + &ahead.acceleration[j] * lead)
+            .collect();
+        let mut led_target = target.to_vec();
+        for (j, led) in self.led.iter_mut().enumerate() {
+            led_target[j] += &*led;
+            *led = rise(j);
+        }
+        let led_ahead = Ahead {
+            displacement: &displacement,
+            velocity: &velocity,
+            acceleration: ahead.acceleration,
+        };
+        self.send(&led_target, measured, &led_ahead)
+    }
+
+    fn send(&mut self, target: &[Signal], measured: &[Signal], ahead: &Ahead<'_>) -> Vec<Signal> {
         let mut send = ahead.displacement.to_vec();
         for (j, axis) in self.axes.iter_mut().enumerate() {
             send[j] = axis.step(&target[j], &measured[j], ahead, j);
@@ -246,6 +288,9 @@ impl Kind {
 
 impl Block for Predictor {
     fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
+        if self.lead != 0.0 {
+            all.extend(&mut self.led);
+        }
         for axis in &mut self.axes {
             match axis {
                 Kind::None | Kind::Model { .. } => {}
@@ -295,7 +340,7 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
             error: wanted.map_or(0.0, |_| 0.25 * SQUARES),
             ..Sum::default()
         }),
-        (Prediction::FeedforwardFeedback, _) => sum(inverse_and_feedback(c, rate_hz)),
+        (Prediction::FeedforwardFeedback, _) => sum(inverses::inverse_and_feedback(c, rate_hz)),
         (Prediction::Afp, wanted) => {
             let [gain, delay] = wanted.map_or([1.0, told], |wanted| {
                 // gain (1 + i x - x^2/2) is what is wanted, x the delay in radians: its phase alone gives x.
@@ -322,6 +367,13 @@ fn axis(config: &Config, wanted: Option<Complex<f64>>, omega: f64, reached: &mut
             rise(within(tan / (sin - tan * (1.0 - cos)), 0.0, most))
         }
         (Prediction::Inverse | Prediction::AdaptiveInverse, _) => rise(told),
+        (Prediction::Amb, wanted) => sum(inverses::model_based(c, rate_hz, wanted, omega)),
+        (Prediction::Hydraulic, wanted) => {
+            let stiffness = config.structure.stiffness_n_per_m[0];
+            let guessed = || Hydraulic::of_delay(c.delay_ms * 1e-3, stiffness);
+            let plant = c.hydraulic.clone().unwrap_or_else(guessed);
+            sum(inverses::hydraulic(&plant, rate_hz, wanted, omega))
+        }
         (Prediction::Ats, wanted) => {
             let [first, second, _] = c.inverse();
             let start = [
@@ -366,19 +418,6 @@ fn rise(delay: f64) -> Kind {
         rise: delay,
         ..Sum::default()
     })
-}
-
-fn inverse_and_feedback(c: &Compensation, rate_hz: f64) -> Sum {
-    let tau_s = c.delay_ms * 1e-3;
-    let [first, second, third] = c.inverse();
-    Sum {
-        displacement: 1.0,
-        velocity: first * rate_hz,
-        acceleration: second * rate_hz.powi(2),
-        jerk: third * rate_hz.powi(3),
-        feedback: [c.feedback, 1.0 - (-1.0 / (tau_s * rate_hz)).exp()],
-        ..Sum::default()
-    }
 }
 
 fn extrapolation(c: &Compensation, delay: f64) -> Kind {

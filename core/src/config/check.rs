@@ -184,6 +184,12 @@ impl Config {
             (0.0..1.0).contains(&c.hold_share),
             "0 to below 1",
         )?;
+        accept(
+            "compensation.lead_steps",
+            c.lead_steps,
+            (0.0..=8.0).contains(&c.lead_steps),
+            "0 to 8",
+        )?;
         Learning::check(&c.adaptation)?;
         Law::<1>::check(c)?;
         Predictor::<1>::check(c, &self.timing)

@@ -46,10 +46,102 @@ pub struct Compensation {
     pub inverse: Option<[f64; 3]>,
     /// Share of the tracking error that `feedforward-feedback` sends back.
     pub feedback: f64,
+    /// By how many control steps the target is led, whatever the predictor: against a delay of the force's way back
+    /// that is known, where the numerical part is not core's own.
+    pub lead_steps: f64,
     /// How adaptive predictors learn.
     pub adaptation: Adaptation,
     /// The tangent force.
     pub tangent: Tangent,
+    /// Adaptive model-based compensation.
+    pub amb: Amb,
+    /// The actuator that `hydraulic` inverts. Left out: one that is late by `delay_ms`.
+    pub hydraulic: Option<Hydraulic>,
+}
+
+/// Adaptive model-based compensation.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+pub struct Amb {
+    /// Gains of the adaptation of the four coefficients, in powers of metre and second.
+    pub gains: [f64; 4],
+    /// Cut-off of the filters before the adaptation, Hz.
+    pub smoothing_hz: f64,
+}
+
+impl Default for Amb {
+    /// As published for the benchmark problem: 10^8.4, 10^6.2, 10^2.1, 10^0.8 and 20 Hz.
+    fn default() -> Self {
+        Self {
+            gains: [2.511_886e8, 1.584_893e6, 125.8925, 6.309_573],
+            smoothing_hz: 20.0,
+        }
+    }
+}
+
+/// A servo-hydraulic actuator with its specimen, in the letters of the benchmark problem (Silva et al. 2020).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct Hydraulic {
+    /// Gain of valve and actuator.
+    pub a1_b0: f64,
+    /// Natural velocity feedback, N/m.
+    pub a2: f64,
+    /// Pole of the actuator, rad/s.
+    pub a3: f64,
+    /// Damping of the valve, rad/s.
+    pub b1: f64,
+    /// Squared natural frequency of the valve, rad^2/s^2.
+    pub b2: f64,
+    /// Mass of the specimen, kg.
+    pub mass_kg: f64,
+    /// Damping of the specimen, N s/m.
+    pub damping_n_s_per_m: f64,
+    /// Stiffness of the specimen, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Standard deviations of stiffness, a3, b1 and b2; 0 is known for certain.
+    pub spread: [f64; 4],
+    /// Noise of the displacement reading, m rms.
+    pub noise_m: f64,
+}
+
+impl Hydraulic {
+    /// One that is late by `delay_s` and moves a specimen of `stiffness_n_per_m`; what else it is, is a guess: a valve of
+    /// 50 Hz, or as much faster as the loop needs to be stable, a leakage-free actuator, 10 % of spread.
+    pub fn of_delay(delay_s: f64, stiffness_n_per_m: f64) -> Self {
+        // The loop is stable while the valve's damping is above 1 / delay: three times that.
+        let valve = (314.0_f64).max(3.0 / delay_s);
+        let (b1, b2) = (1.4 * valve, valve * valve);
+        let a2 = 3.5 * stiffness_n_per_m;
+        Self {
+            a1_b0: (stiffness_n_per_m + a2) * b2 / delay_s,
+            a2,
+            a3: 0.0,
+            b1,
+            b2,
+            mass_kg: 1e-6 * stiffness_n_per_m,
+            damping_n_s_per_m: 0.0,
+            stiffness_n_per_m,
+            spread: [0.1 * stiffness_n_per_m, 1.0, 0.1 * b1, 0.1 * b2],
+            noise_m: 2e-5,
+        }
+    }
+
+    /// Command over displacement as a polynomial of s, powers of a second, 1 at rest.
+    pub fn inverse(&self) -> [f64; 6] {
+        let (m, c, k) = (self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m);
+        // (m s^2 + c s + k)(s + a3) + a2 s, times (s^2 + b1 s + b2), plus a1 b0.
+        let inner = [k * self.a3, k + c * self.a3 + self.a2, c + m * self.a3, m];
+        let mut whole = [self.a1_b0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for (i, x) in inner.into_iter().enumerate() {
+            for (j, y) in [self.b2, self.b1, 1.0].into_iter().enumerate() {
+                whole[i + j] += x * y;
+            }
+        }
+        whole.map(|a| a / whole[0])
+    }
 }
 
 /// How adaptive predictors learn. Times are of the laboratory.
@@ -130,8 +222,11 @@ impl Default for Compensation {
             order: 3,
             inverse: None,
             feedback: 0.2,
+            lead_steps: 0.0,
             adaptation: Adaptation::default(),
             tangent: Tangent::default(),
+            amb: Amb::default(),
+            hydraulic: None,
         }
     }
 }

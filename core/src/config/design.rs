@@ -29,6 +29,8 @@ pub struct Design<const N: usize> {
 pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::Constants,
+    /// Control steps by which the target is led.
+    pub(crate) lead_steps: f32,
     /// What is sent is not the target: there is a predictor, or the actuator is elsewhere than its command.
     pub(crate) predicts: bool,
     /// From command to true displacement.
@@ -115,7 +117,10 @@ impl<const N: usize> Design<N> {
                 slow_down: libm::exp(-1.0 / f64::from(t.slow_down_steps)) as f32,
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
-            predicts: c.kind.predictor != Prediction::None || config.rig.moves_commands(),
+            lead_steps: c.lead_steps as f32,
+            predicts: c.kind.predictor != Prediction::None
+                || c.lead_steps != 0.0
+                || config.rig.moves_commands(),
             command: config.rig.command(),
             corrects: rig.is_some(),
             limits: limits(config),

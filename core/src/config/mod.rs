@@ -7,7 +7,7 @@ mod compensation;
 mod design;
 mod rig;
 
-pub use compensation::{Adaptation, Compensation, Secant, Tangent};
+pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, Secant, Tangent};
 pub use design::Design;
 pub(crate) use design::StepConstants;
 pub use rig::{PerActuator, Rig};

@@ -124,6 +124,7 @@ impl<const N: usize> OuterLoop<N> {
             predictor,
             rig,
             aimed_step_m,
+            led_by_m,
             share,
             pace: _,
             next_target_m,
@@ -134,7 +135,7 @@ impl<const N: usize> OuterLoop<N> {
         (*trip, *obstacle, *standing_m) = (None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
         (*ground_m_per_s2, *share, *goal_m) = (0.0, 0.0, [0.0; N]);
-        (*target_m, *aimed_step_m) = (*aimed_m, [0.0; N]);
+        (*target_m, *aimed_step_m, *led_by_m) = (*aimed_m, [0.0; N], [0.0; N]);
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);
         *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));

@@ -16,6 +16,8 @@
 //! | [`afp`] | adaptive forward prediction | Wallace et al. 2005 |
 //! | [`inverse`], [`adaptive_inverse`] | inverse compensation | Chen and Ricles 2009, 2010 |
 //! | [`ats`] | adaptive time series | Chae et al. 2013 |
+//! | [`amb`] | adaptive model-based compensation | Galmez and Fermandois 2022 |
+//! | [`hydraulic`] | inverse of an estimated servo-hydraulic actuator | |
 //!
 //! Adaptive predictors share [`adaptation`]: off until the motion is worth learning from, bounded, rate limited. Those
 //! that look back share [`past`].
@@ -59,6 +61,16 @@ impl Ahead {
     #[inline]
     pub fn after(&self, steps: f32) -> f32 {
         self.displacement_m + steps * (self.velocity_m + 0.5 * steps * self.acceleration_m)
+    }
+
+    /// The motion `steps` control steps later, at constant acceleration.
+    #[inline]
+    pub fn led_by(&self, steps: f32) -> Self {
+        Self {
+            displacement_m: self.after(steps),
+            velocity_m: self.velocity_m + steps * self.acceleration_m,
+            acceleration_m: self.acceleration_m,
+        }
     }
 }
 

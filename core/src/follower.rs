@@ -1,0 +1,223 @@
+//! A target that comes from outside, sample by sample: for a numerical part that is not core's own.
+//!
+//! ```text
+//!  numerical part ─► target ─►(+)─► differences ─► ahead ─► predictor ─► command
+//!                              ▲
+//!             copy of the numerical part ◄── correction of the force
+//! ```
+//!
+//! A target that is only known when it is due has been a control step too late for core, whose command is for the end
+//! of the period: so the motion is carried on by a step, with the polynomial of fourth order through the last five
+//! targets, which also gives velocity and acceleration.
+//!
+//! What a compensation puts into the equation of motion cannot reach a numerical part that is elsewhere. It goes through
+//! a copy of it, the declared one, and what the copy answers is added to the target: both are linear, so the specimen
+//! is sent where it would have been sent.
+
+use crate::config::{Design, StepConstants};
+use crate::energy::{EnergyErrors, Observation};
+use crate::force::{Acting, Law, Reached};
+use crate::newmark::Newmark;
+use crate::predict::{Ahead, Followed, Predictor};
+
+/// Differences that are kept: the polynomial's order.
+const ORDER: usize = 4;
+
+/// What the last targets of an axis say about the next: Newton's backward form.
+#[derive(Clone, Copy, Debug, Default)]
+struct Course {
+    /// The target and its backward differences.
+    differences: [f32; ORDER + 1],
+}
+
+impl Course {
+    #[inline]
+    fn go_on(&mut self, target_m: f32) {
+        let mut new = target_m;
+        for difference in &mut self.differences {
+            let old = *difference;
+            *difference = new;
+            new -= old;
+        }
+    }
+
+    /// Value, first and second derivative `steps` control steps ahead.
+    #[inline]
+    fn ahead(&self, h: f32) -> Ahead {
+        let [u, d1, d2, d3, d4] = self.differences;
+        let (h2, h3) = (h * h, h * h * h);
+        Ahead {
+            displacement_m: u
+                + h * d1
+                + (h2 + h) * (1.0 / 2.0) * d2
+                + (h3 + 3.0 * h2 + 2.0 * h) * (1.0 / 6.0) * d3
+                + (h2 * h2 + 6.0 * h3 + 11.0 * h2 + 6.0 * h) * (1.0 / 24.0) * d4,
+            velocity_m: d1
+                + (2.0 * h + 1.0) * (1.0 / 2.0) * d2
+                + (3.0 * h2 + 6.0 * h + 2.0) * (1.0 / 6.0) * d3
+                + (4.0 * h3 + 18.0 * h2 + 22.0 * h + 6.0) * (1.0 / 24.0) * d4,
+            acceleration_m: d2 + (h + 1.0) * d3 + (12.0 * h2 + 36.0 * h + 22.0) * (1.0 / 24.0) * d4,
+        }
+    }
+}
+
+/// The compensation of a test whose targets come from outside.
+#[derive(Clone, Debug)]
+pub struct Follower<const N: usize> {
+    design: StepConstants<N>,
+    law: Law<N>,
+    predictor: Predictor<N>,
+    energy: EnergyErrors<N>,
+    /// Copy of the numerical part, moved by what is corrected of the force alone.
+    copy: Newmark<N>,
+    /// Control steps by which the numerical part gets the force too late.
+    late_steps: f32,
+    /// The copy has something to answer.
+    corrects: bool,
+    course: [Course; N],
+    /// Target that the last command was for, and that command, m.
+    aim_m: [f32; N],
+    sent_m: [f32; N],
+}
+
+impl<const N: usize> Follower<N> {
+    /// At rest. `late_steps` is by how many control steps the force reaches the numerical part too late, half of the step
+    /// for which it is held there included; 0 corrects nothing.
+    pub fn new(design: Design<N>, late_steps: f32) -> Self {
+        let Design {
+            step,
+            law,
+            predictor,
+            ..
+        } = design;
+        Self {
+            energy: EnergyErrors::new(step.specimen_stiffness, usize::from(step.window_steps)),
+            copy: Newmark::at_rest(),
+            late_steps,
+            corrects: late_steps != 0.0 || !matches!(law, Law::None(..)),
+            law,
+            predictor,
+            course: [Course::default(); N],
+            aim_m: [0.0; N],
+            sent_m: [0.0; N],
+            design: step,
+        }
+    }
+
+    /// One control step: the target of this sample, what was measured at it (displacement, m; force, N), and the command
+    /// until the next sample, m.
+    #[inline(never)]
+    pub fn step(
+        &mut self,
+        target_m: [f32; N],
+        displacement_m: [f32; N],
+        force_n: [f32; N],
+    ) -> [f32; N] {
+        let mut target_m = target_m;
+        if self.corrects {
+            let moved = self.copy.displacement_m();
+            for j in 0..N {
+                target_m[j] += moved[j];
+            }
+        }
+        for j in 0..N {
+            self.course[j].go_on(target_m[j]);
+        }
+        if self.corrects {
+            let correction_n = self.correction(target_m, displacement_m, force_n);
+            self.copy
+                .advance(&self.design.newmark, &[0.0; N], &correction_n, &[0.0; N]);
+        }
+        let k = &self.design;
+        let followed = core::array::from_fn(|j| Followed {
+            target_m: self.aim_m[j],
+            sent_m: self.sent_m[j],
+            measured_m: displacement_m[j],
+            learn: true,
+        });
+        let steps = 1.0 + k.lead_steps;
+        let ahead: [Ahead; N] = core::array::from_fn(|j| self.course[j].ahead(steps));
+        self.aim_m = ahead.map(|a| a.displacement_m);
+        let mut send_m = self.aim_m;
+        self.predictor
+            .command(&followed, &ahead, k.physical, &mut send_m);
+        for j in 0..N {
+            if send_m[j].is_finite() {
+                self.sent_m[j] = send_m[j];
+            }
+        }
+        core::array::from_fn(|j| k.command[j].towards(self.sent_m[j]))
+    }
+
+    /// What the force is corrected by, N.
+    #[inline]
+    fn correction(
+        &mut self,
+        target_m: [f32; N],
+        displacement_m: [f32; N],
+        force_n: [f32; N],
+    ) -> [f32; N] {
+        let k = &self.design;
+        let motion = self.course.map(|course| course.ahead(0.0));
+        let now = Observation {
+            command_m: target_m,
+            increment_m: self.course.map(|course| course.differences[1]),
+            displacement_m,
+            force_n,
+        };
+        let velocity_dt_m = motion.map(|m| m.velocity_m);
+        let mut correction_n = [0.0; N];
+        if !matches!(self.law, Law::None(..)) {
+            let energy = self.energy.update(&now);
+            let Acting {
+                force_n: acting_n,
+                damping,
+                ..
+            } = self.law.act(&Reached {
+                now: &now,
+                energy: &energy,
+                velocity_dt_m,
+                predictor_velocity_dt_m: velocity_dt_m,
+            });
+            for j in 0..N {
+                let added_n = damping[j] * velocity_dt_m[j] * k.newmark.rate_hz;
+                correction_n[j] = acting_n[j] - force_n[j] + added_n;
+            }
+        }
+        for i in 0..k.physical.min(N) {
+            for j in 0..N {
+                correction_n[i] += self.late_steps * k.specimen_stiffness[i][j] * velocity_dt_m[j];
+            }
+        }
+        correction_n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_course_of_a_quartic_is_exact() {
+        let p = |t: f32| 1.0 + t * (0.5 + t * (-0.25 + t * (0.125 - 0.0625 * t)));
+        let slope = |t: f32| 0.5 + t * (-0.5 + t * (0.375 - 0.25 * t));
+        let bend = |t: f32| -0.5 + t * (0.75 - 0.75 * t);
+        let mut course = Course::default();
+        for i in -4_i16..=0 {
+            course.go_on(p(f32::from(i)));
+        }
+        for steps in [0.0, 1.0, 1.5, 2.0] {
+            let ahead = course.ahead(steps);
+            for (found, exact) in [
+                (ahead.displacement_m, p(steps)),
+                (ahead.velocity_m, slope(steps)),
+                (ahead.acceleration_m, bend(steps)),
+            ] {
+                assert!(
+                    (found - exact).abs() < 1e-4 * (1.0 + exact.abs()),
+                    "{found} {exact}"
+                );
+            }
+        }
+    }
+}
