@@ -32,10 +32,66 @@ impl<const S: usize, const I: usize> Linear<S, I> {
         }
     }
 
+    /// Transition over a period.
+    pub fn transition(&self) -> &SMatrix<f64, S, S> {
+        &self.transition
+    }
+
+    /// What inputs do that are held over a period.
+    pub fn held(&self) -> &SMatrix<f64, S, I> {
+        &self.held
+    }
+
+    /// What inputs do, beyond being held at their first values, that rise by 1 over a period.
+    pub fn rising(&self) -> &SMatrix<f64, S, I> {
+        &self.rising
+    }
+
     /// One period in which the inputs go from `from` to `to`.
     #[inline]
     pub fn step(&mut self, from: &SVector<f64, I>, to: &SVector<f64, I>) {
         self.state = self.transition * self.state + self.held * from + self.rising * (to - from);
+    }
+}
+
+/// `L` linear systems of one size side by side, with `I` inputs that are constant over a period: every lane has the very
+/// operations, in the very order, that it would have alone.
+#[derive(Clone, Debug)]
+pub struct Lanes<const S: usize, const I: usize, const L: usize> {
+    transition: [[[f64; L]; S]; S],
+    input: [[[f64; L]; I]; S],
+    /// The states.
+    pub state: [[f64; L]; S],
+}
+
+impl<const S: usize, const I: usize, const L: usize> Lanes<S, I, L> {
+    /// From transition and input matrices, at rest.
+    pub fn new(systems: &[(SMatrix<f64, S, S>, SMatrix<f64, S, I>); L]) -> Self {
+        use std::array::from_fn;
+        Self {
+            transition: from_fn(|i| from_fn(|j| from_fn(|l| systems[l].0[(i, j)]))),
+            input: from_fn(|i| from_fn(|j| from_fn(|l| systems[l].1[(i, j)]))),
+            state: [[0.0; L]; S],
+        }
+    }
+
+    /// One period.
+    #[inline(always)]
+    pub fn step(&mut self, input: &[[f64; L]; I]) {
+        let mut next = [[0.0; L]; S];
+        for i in 0..S {
+            for j in 0..S {
+                for l in 0..L {
+                    next[i][l] += self.transition[i][j][l] * self.state[j][l];
+                }
+            }
+            for j in 0..I {
+                for l in 0..L {
+                    next[i][l] += self.input[i][j][l] * input[j][l];
+                }
+            }
+        }
+        self.state = next;
     }
 }
 

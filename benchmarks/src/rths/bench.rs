@@ -1,197 +1,304 @@
 //! Every controller in every case under every record, on the nominal and on perturbed plants.
 
-use super::case::{CASES, Case};
-use super::criteria::{Criteria, error};
-use super::transfer::{DISPLACEMENT_NOISE_M, Parameters};
-use super::trial::Trace;
-use super::{Controller, Record};
+use super::case::CASES;
+use super::channels::Noise;
+use super::controller::{Contestant, Controller};
+use super::criteria::{Judge, Verdict, delay_ms};
+use super::parameters::Parameters;
+use super::record::Record;
+use super::rules::{Deviation, Rules};
+use super::trial::{Ground, Official, Trace, run};
 use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 /// J4 from which on a trial counts as lost, per cent.
 pub const LOST_PERCENT: f64 = 100.0;
 
-/// One controller in one case under one record. Errors in per cent.
+/// Trials that run side by side.
+const LANES: usize = 4;
+
+/// One controller in one case under one record. J1 in ms, else per cent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Name of the ground motion.
-    pub record: String,
+    /// Name of the controller.
+    pub controller: String,
+    /// What it is told beside target and readings.
+    pub told: &'static str,
     /// Number of the case.
     pub case: u8,
-    /// Name of the controller.
-    pub controller: &'static str,
-    /// J1 in ms, J2 to J9 in per cent, of the displacement as it was read; nominal plant.
+    /// Name of the ground motion.
+    pub record: String,
+    /// J1 to J9 by the reading; nominal plant.
+    #[serde(flatten, serialize_with = "criteria")]
     pub j: [f64; 9],
-    /// The same of the displacement as it was.
-    pub j_without_noise: [f64; 9],
-    /// J2 of a controller without any error: the noise of the sensor alone.
-    pub j2_of_noise: f64,
-    /// Whether the rig could have done it: 7 mm, 300 mm/s, 8900 N.
+    /// J2 of the displacement as it was.
+    #[serde(rename = "J2_true")]
+    pub j2_true: f64,
+    /// J4 of the displacement as it was.
+    #[serde(rename = "J4_true")]
+    pub j4_true: f64,
+    /// J1 to J9 of the sensors' noise alone.
+    #[serde(flatten, serialize_with = "floors")]
+    pub floor: [f64; 9],
+    /// The motion stayed within 7 mm, 300 mm/s and 8900 N.
     pub within_limits: bool,
-    /// Perturbed plants.
-    pub perturbed: Perturbed,
-}
-
-/// What perturbed plants came to. Errors in per cent.
-///
-/// The stiffness of the specimen is perturbed too, and a structure with another specimen in it responds in another way:
-/// against the response of the nominal structure even a controller without any error has a J4. So it is shown, and so
-/// is J4 against the structure with the very specimen that was tested.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Perturbed {
-    /// How many.
-    pub plants: usize,
-    /// J2 of the worst, without noise.
-    pub j2_worst: f64,
-    /// Mean of J4 as read, against the nominal structure.
-    pub j4_mean: f64,
-    /// J4 of the worst, as read, against the nominal structure.
+    /// Largest J4 of the perturbed plants by the reading.
+    #[serde(rename = "J4_worst_perturbed")]
     pub j4_worst: f64,
-    /// The same of a controller without any error, without noise.
-    pub j4_worst_perfect: f64,
-    /// Mean of J4 as read, against the structure with the specimen of the plant.
-    pub j4_own_mean: f64,
-    /// J4 of the worst, as read, against the structure with the specimen of the plant.
-    pub j4_own_worst: f64,
-    /// How many were lost.
+    /// The same of the displacement as it was.
+    #[serde(rename = "J4_true_worst_perturbed")]
+    pub j4_true_worst: f64,
+    /// Largest J2 of the displacement as it was.
+    #[serde(rename = "J2_true_worst_perturbed")]
+    pub j2_true_worst: f64,
+    /// By how much the energy that the specimen took differs from the reference's; a linear one takes none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_error: Option<f64>,
+    /// How many plants were perturbed.
+    pub perturbed: usize,
+    /// How many of them were lost: J4 of 100 % or more, or no number.
     pub lost: usize,
 }
 
-/// A trial on a perturbed plant. Errors in per cent.
-#[derive(Clone, Copy, Debug)]
-struct Outcome {
-    j2: f64,
-    j4: f64,
-    j4_perfect: f64,
-    j4_own: f64,
+fn criteria<S: Serializer>(j: &[f64; 9], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(9))?;
+    for (i, value) in j.iter().enumerate() {
+        map.serialize_entry(&format!("J{}", i + 1), value)?;
+    }
+    map.end()
 }
 
-/// All rows: by record, then by case, then by controller. `tell` hears of every trial.
-///
-/// # Errors
-/// A loop that core refuses.
-pub fn rows(
-    records: &[Record],
-    controllers: &[Controller],
-    plants: usize,
-    draw: u64,
-    tell: impl Fn() + Sync,
-) -> Result<Vec<Row>, Refused> {
-    let groups: Vec<(&Record, &Case)> = records
-        .iter()
-        .flat_map(|r| CASES.iter().map(move |c| (r, c)))
-        .collect();
-    let rows: Vec<Vec<Row>> = groups
-        .par_iter()
-        .map(|(record, case)| {
-            let nominal: Vec<Row> = controllers
-                .par_iter()
-                .map(|c| {
-                    let row = nominal(record, case, c, draw);
-                    tell();
-                    row
+fn floors<S: Serializer>(floor: &[f64; 9], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(8))?;
+    for (i, value) in floor.iter().enumerate().skip(1) {
+        map.serialize_entry(&format!("J{}_floor", i + 1), value)?;
+    }
+    map.end()
+}
+
+/// What is tried, and by which rules.
+pub struct Bench<'a> {
+    /// The rules.
+    pub rules: &'a Rules,
+    /// The ground motions.
+    pub records: &'a [Record],
+    /// Who is on trial.
+    pub contestants: &'a [Contestant],
+    /// Perturbed plants for each case.
+    pub plants: usize,
+    /// Seed of plants and noise.
+    pub seed: u64,
+}
+
+/// The plants of a case: the nominal one, then the perturbed ones, the same for every controller and record.
+fn plant(seed: u64, case: u8, index: usize) -> Parameters {
+    match index {
+        0 => Parameters::NOMINAL,
+        _ => Parameters::perturbed((seed << 32) + 1000 * u64::from(case) + index as u64),
+    }
+}
+
+/// One case under one record with some plants of it.
+struct Task<'a> {
+    record: &'a Record,
+    place: usize,
+    /// The first plant's index.
+    first: usize,
+}
+
+impl Bench<'_> {
+    /// All rows: by record, then by case, then by controller. `tell` hears how many trials are done.
+    ///
+    /// # Errors
+    /// What core refuses of a controller.
+    pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<Row>, Refused> {
+        let samples = self.records.iter().map(Record::samples).max().unwrap_or(0);
+        let noise: Vec<Noise> = (0..=self.plants)
+            .into_par_iter()
+            .map(|index| Noise::new((self.seed << 32) + index as u64, samples))
+            .collect();
+        let tasks: Vec<Task<'_>> = self
+            .records
+            .iter()
+            .flat_map(|record| {
+                (0..CASES.len()).flat_map(move |place| {
+                    (0..=self.plants).step_by(LANES).map(move |first| Task {
+                        record,
+                        place,
+                        first,
+                    })
                 })
-                .collect::<Result<_, _>>()?;
-            // The plants of a case are the same for every controller and record.
-            let outcomes: Vec<Vec<Outcome>> = (0..plants as u64)
-                .into_par_iter()
-                .map(|k| {
-                    let plant = Parameters::perturbed(1000 * u64::from(case.number) + k);
-                    perturbed(record, case, controllers, &plant, draw + 1 + k, &tell)
-                })
-                .collect::<Result<_, _>>()?;
-            let row = |(i, row)| Row {
-                perturbed: Perturbed::of(outcomes.iter().map(|o: &Vec<Outcome>| o[i])),
-                ..row
-            };
-            Ok(nominal.into_iter().enumerate().map(row).collect())
-        })
-        .collect::<Result<_, Refused>>()?;
-    Ok(rows.concat())
-}
-
-fn nominal(
-    record: &Record,
-    case: &Case,
-    controller: &Controller,
-    draw: u64,
-) -> Result<Row, Refused> {
-    let reference = record.reference(case);
-    let trace = record.trial(controller, case, &Parameters::NOMINAL, draw)?;
-    let square: f64 = reference.iter().map(|u| u[0] * u[0]).sum();
-    Ok(Row {
-        record: record.name.clone(),
-        case: case.number,
-        controller: controller.name(),
-        j: Criteria::of(&trace, reference).all().map(or_lost),
-        j_without_noise: Criteria::without_noise(&trace, reference)
-            .all()
-            .map(or_lost),
-        j2_of_noise: 100.0 * DISPLACEMENT_NOISE_M / (square / reference.len() as f64).sqrt(),
-        within_limits: trace.demand.within_limits(),
-        perturbed: Perturbed::default(),
-    })
-}
-
-fn perturbed(
-    record: &Record,
-    case: &Case,
-    controllers: &[Controller],
-    plant: &Parameters,
-    draw: u64,
-    tell: impl Fn(),
-) -> Result<Vec<Outcome>, Refused> {
-    let nominal = record.reference(case);
-    let own = record.reference_with(case, plant);
-    let first = |floors: &[f64; 3]| floors[0];
-    let j4_perfect = error(own.iter().map(first), nominal.iter().map(first)).0;
-    let outcome = |controller| {
-        let Trace {
-            target_m,
-            measured_m,
-            moved_m,
-            ..
-        } = record.trial(controller, case, plant, draw)?;
-        tell();
-        let read = |exact: &[[f64; 3]]| {
-            or_lost(error(measured_m.iter().copied(), exact.iter().map(first)).0)
-        };
-        Ok(Outcome {
-            j2: or_lost(error(moved_m.into_iter(), target_m.into_iter()).0),
-            j4: read(nominal),
-            j4_perfect,
-            j4_own: read(&own),
-        })
-    };
-    controllers.iter().map(outcome).collect()
-}
-
-impl Perturbed {
-    fn of(outcomes: impl Iterator<Item = Outcome>) -> Self {
-        let mut all = Self::default();
-        for o in outcomes {
-            all.plants += 1;
-            all.j2_worst = all.j2_worst.max(o.j2);
-            all.j4_worst = all.j4_worst.max(o.j4);
-            all.j4_own_worst = all.j4_own_worst.max(o.j4_own);
-            all.j4_worst_perfect = all.j4_worst_perfect.max(o.j4_perfect);
-            all.j4_mean += o.j4;
-            all.j4_own_mean += o.j4_own;
-            all.lost += usize::from(o.j4_own >= LOST_PERCENT);
+            })
+            .collect();
+        let found: Vec<Vec<Vec<Verdict>>> = tasks
+            .par_iter()
+            .map(|task| self.verdicts(task, &noise, &tell))
+            .collect::<Result<_, _>>()?;
+        let about_mean = self.about_mean();
+        let mut rows = Vec::new();
+        let batches = 1 + self.plants / LANES;
+        for (record, found) in self.records.iter().zip(found.chunks(batches * CASES.len())) {
+            let floors = record.floors(&noise[0], about_mean);
+            for (place, found) in found.chunks(batches).enumerate() {
+                for (i, contestant) in self.contestants.iter().enumerate() {
+                    let verdicts = found.iter().flat_map(|batch| &batch[i]);
+                    rows.push(row(record, place, contestant, floors[place], verdicts));
+                }
+            }
         }
-        all.j4_mean /= all.plants.max(1) as f64;
-        all.j4_own_mean /= all.plants.max(1) as f64;
-        all
+        Ok(rows)
+    }
+
+    fn about_mean(&self) -> bool {
+        !self.rules.deviates(Deviation::RootMeanSquare)
+    }
+
+    /// The verdicts on every contestant, by lane.
+    fn verdicts(
+        &self,
+        task: &Task<'_>,
+        noise: &[Noise],
+        tell: &(impl Fn(usize) + Sync),
+    ) -> Result<Vec<Vec<Verdict>>, Refused> {
+        match 1 + self.plants - task.first {
+            1 => self.batch::<1>(task, noise, tell),
+            2 => self.batch::<2>(task, noise, tell),
+            3 => self.batch::<3>(task, noise, tell),
+            _ => self.batch::<LANES>(task, noise, tell),
+        }
+    }
+
+    fn batch<const L: usize>(
+        &self,
+        task: &Task<'_>,
+        noise: &[Noise],
+        tell: &(impl Fn(usize) + Sync),
+    ) -> Result<Vec<Vec<Verdict>>, Refused> {
+        let case = &CASES[task.place];
+        let index: [usize; L] = std::array::from_fn(|l| task.first + l);
+        let plants = index.map(|i| plant(self.seed, case.number, i));
+        let noise = index.map(|i| &noise[i]);
+        let ground = task.record.ground(task.place);
+        let scale = task.record.scale(task.place);
+        self.contestants
+            .iter()
+            .map(|contestant| {
+                let mut trace = (task.first == 0).then(Trace::default);
+                let judge =
+                    self.trial(contestant, task, &plants, ground, &noise, trace.as_mut())?;
+                let mut verdicts: Vec<Verdict> = (0..L)
+                    .map(|l| judge.verdict(l, scale, self.about_mean()))
+                    .collect();
+                if let (Some(trace), Some(first)) = (trace, verdicts.first_mut()) {
+                    first.j[0] = delay_ms(&trace.target_m, &trace.read_m);
+                }
+                tell(L);
+                Ok(verdicts)
+            })
+            .collect()
+    }
+
+    fn trial<const L: usize>(
+        &self,
+        contestant: &Contestant,
+        task: &Task<'_>,
+        plants: &[Parameters; L],
+        ground: Ground<'_>,
+        noise: &[&Noise; L],
+        trace: Option<&mut Trace>,
+    ) -> Result<Judge<L>, Refused> {
+        let case = &CASES[task.place];
+        if self.rules.deviates(Deviation::CoreIntegrates)
+            && let Some(mut loops) = contestant.loops::<L>(case, task.record.shaking())?
+        {
+            return Ok(run(&mut loops, plants, ground, noise, trace));
+        }
+        let mut hybrid = Official::new(self.rules, case, plants, controllers(contestant, case)?)?;
+        Ok(run(&mut hybrid, plants, ground, noise, trace))
+    }
+
+    /// The motion of a contestant on the nominal plant in the case at `place` of [`CASES`].
+    ///
+    /// # Errors
+    /// What core refuses of a controller.
+    pub fn trace(
+        &self,
+        contestant: &Contestant,
+        record: &Record,
+        place: usize,
+    ) -> Result<Trace, Refused> {
+        let noise = Noise::new(self.seed << 32, record.samples());
+        let mut trace = Trace::default();
+        let task = Task {
+            record,
+            place,
+            first: 0,
+        };
+        let ground = record.ground(place);
+        let plants = &[Parameters::NOMINAL];
+        self.trial(
+            contestant,
+            &task,
+            plants,
+            ground,
+            &[&noise],
+            Some(&mut trace),
+        )?;
+        Ok(trace)
     }
 }
 
-/// JSON has no infinity: what is no number, or beyond it, is as much as is shown.
-fn or_lost(percent: f64) -> f64 {
-    const MOST: f64 = 1e6;
-    if percent.is_finite() {
-        percent.clamp(-MOST, MOST)
-    } else {
-        MOST
+fn controllers<const L: usize>(
+    contestant: &Contestant,
+    case: &super::case::Case,
+) -> Result<[Box<dyn Controller>; L], Refused> {
+    let made: Vec<_> = (0..L)
+        .map(|_| contestant.make(case))
+        .collect::<Result<_, _>>()?;
+    made.try_into()
+        .map_err(|_| Refused::new("rths: a lane is without a controller"))
+}
+
+fn row<'a>(
+    record: &Record,
+    place: usize,
+    contestant: &Contestant,
+    floor: [f64; 9],
+    verdicts: impl Iterator<Item = &'a Verdict>,
+) -> Row {
+    let mut row = Row {
+        controller: contestant.name.clone(),
+        told: contestant.told(),
+        case: CASES[place].number,
+        record: record.name.clone(),
+        j: [0.0; 9],
+        j2_true: 0.0,
+        j4_true: 0.0,
+        floor,
+        within_limits: false,
+        j4_worst: 0.0,
+        j4_true_worst: 0.0,
+        j2_true_worst: 0.0,
+        energy_error: None,
+        perturbed: 0,
+        lost: 0,
+    };
+    for (i, verdict) in verdicts.enumerate() {
+        if i == 0 {
+            row.j = verdict.j;
+            row.j2_true = verdict.j2_true;
+            row.j4_true = verdict.j4_true;
+            row.energy_error = record.energy_error(place, verdict.work_j);
+            row.within_limits = verdict.within_limits;
+            continue;
+        }
+        row.perturbed += 1;
+        row.j4_worst = row.j4_worst.max(verdict.j[3]);
+        row.j4_true_worst = row.j4_true_worst.max(verdict.j4_true);
+        row.j2_true_worst = row.j2_true_worst.max(verdict.j2_true);
+        row.lost += usize::from(verdict.j[3] >= LOST_PERCENT);
     }
+    row
 }

@@ -1,8 +1,8 @@
 //! The four structures. One frame of the first storey is the specimen; the rest is computed.
 
-use super::transfer::Specimen;
+use super::parameters::Specimen;
 use super::{FLOORS, RATE_HZ};
-use crate::linear::Linear;
+use crate::linear::{Lanes, Linear};
 use nalgebra::{Cholesky, Matrix3, SMatrix, SymmetricEigen, Vector3};
 
 /// Stiffness of the whole structure, 1e7 N/m.
@@ -67,58 +67,74 @@ impl Case {
         }
     }
 
-    /// What is left for the computer: the reference less the nominal specimen at the first floor.
-    pub fn numerical(&self) -> Matrices {
+    /// What is left for the computer: the reference less `specimen` at the first floor.
+    pub fn numerical(&self, specimen: &Specimen) -> Matrices {
         let mut rest = self.reference();
-        rest.mass[(0, 0)] -= Specimen::NOMINAL.mass_kg;
-        rest.damping[(0, 0)] -= Specimen::NOMINAL.damping_n_s_per_m;
-        rest.stiffness[(0, 0)] -= Specimen::NOMINAL.stiffness_n_per_m;
+        rest.mass[(0, 0)] -= specimen.mass_kg;
+        rest.damping[(0, 0)] -= specimen.damping_n_s_per_m;
+        rest.stiffness[(0, 0)] -= specimen.stiffness_n_per_m;
         rest
     }
 }
 
-/// A structure under ground acceleration (`-M_total 1 a_g`) and a restoring force at the first floor, sampled exactly.
+/// `L` structures under ground acceleration (`-M_total 1 a_g`) and a restoring force at the first floor, sampled exactly.
 #[derive(Clone, Debug)]
-pub struct Structure {
-    system: Linear<6, 2>,
+pub struct Structure<const L: usize> {
+    /// Inputs: ground acceleration, its rise over the period, force at the first floor.
+    system: Lanes<6, 3, L>,
 }
 
-impl Structure {
-    /// At rest. `matrices` move; the ground shakes the whole mass of `case`.
+impl<const L: usize> Structure<L> {
+    /// At rest. Each of `parts` moves; the ground shakes the whole mass of its case.
     ///
     /// Returns `None` for a mass matrix that is not positive definite.
-    pub fn new(case: &Case, matrices: &Matrices) -> Option<Self> {
-        let flexible = Cholesky::new(matrices.mass)?;
-        let mut a = SMatrix::<f64, 6, 6>::zeros();
-        a.fixed_view_mut::<FLOORS, FLOORS>(0, FLOORS)
-            .copy_from(&Matrix3::identity());
-        a.fixed_view_mut::<FLOORS, FLOORS>(FLOORS, 0)
-            .copy_from(&-flexible.solve(&matrices.stiffness));
-        a.fixed_view_mut::<FLOORS, FLOORS>(FLOORS, FLOORS)
-            .copy_from(&-flexible.solve(&matrices.damping));
-        let mut b = SMatrix::<f64, 6, 2>::zeros();
-        let shaken = Vector3::repeat(case.mass_kg);
-        b.fixed_view_mut::<FLOORS, 1>(FLOORS, 0)
-            .copy_from(&-flexible.solve(&shaken));
-        b.fixed_view_mut::<FLOORS, 1>(FLOORS, 1)
-            .copy_from(&-flexible.solve(&Vector3::x()));
+    pub fn new(parts: &[(Case, Matrices); L]) -> Option<Self> {
+        let mut systems = [(SMatrix::zeros(), SMatrix::zeros()); L];
+        for (system, (case, matrices)) in systems.iter_mut().zip(parts) {
+            *system = sampled(case, matrices)?;
+        }
         Some(Self {
-            system: Linear::new(&a, &b, 1.0 / RATE_HZ),
+            system: Lanes::new(&systems),
         })
     }
 
-    /// Displacement of each floor, m.
-    pub fn floors_m(&self) -> [f64; FLOORS] {
-        std::array::from_fn(|j| self.system.state[j])
+    /// Displacements of the floors, m.
+    #[inline(always)]
+    pub fn floors_m(&self) -> [[f64; L]; FLOORS] {
+        let [a, b, c, ..] = self.system.state;
+        [a, b, c]
     }
 
-    /// One sampling period: the ground's acceleration runs along a line, the force (N) is held.
-    pub fn step(&mut self, ground_m_per_s2: [f64; 2], force_n: f64) {
-        self.system.step(
-            &[ground_m_per_s2[0], force_n].into(),
-            &[ground_m_per_s2[1], force_n].into(),
-        );
+    /// One sampling period: the ground's acceleration runs along a line, the forces (N) are held.
+    #[inline(always)]
+    pub fn step(&mut self, ground_m_per_s2: [f64; 2], force_n: [f64; L]) {
+        let [now, next] = ground_m_per_s2;
+        self.system.step(&[[now; L], [next - now; L], force_n]);
     }
+}
+
+/// Transition and inputs over a period.
+fn sampled(case: &Case, matrices: &Matrices) -> Option<(SMatrix<f64, 6, 6>, SMatrix<f64, 6, 3>)> {
+    let flexible = Cholesky::new(matrices.mass)?;
+    let mut a = SMatrix::<f64, 6, 6>::zeros();
+    a.fixed_view_mut::<FLOORS, FLOORS>(0, FLOORS)
+        .copy_from(&Matrix3::identity());
+    a.fixed_view_mut::<FLOORS, FLOORS>(FLOORS, 0)
+        .copy_from(&-flexible.solve(&matrices.stiffness));
+    a.fixed_view_mut::<FLOORS, FLOORS>(FLOORS, FLOORS)
+        .copy_from(&-flexible.solve(&matrices.damping));
+    let mut b = SMatrix::<f64, 6, 2>::zeros();
+    let shaken = Vector3::repeat(case.mass_kg);
+    b.fixed_view_mut::<FLOORS, 1>(FLOORS, 0)
+        .copy_from(&-flexible.solve(&shaken));
+    b.fixed_view_mut::<FLOORS, 1>(FLOORS, 1)
+        .copy_from(&-flexible.solve(&Vector3::x()));
+    let linear = Linear::new(&a, &b, 1.0 / RATE_HZ);
+    let mut input = SMatrix::<f64, 6, 3>::zeros();
+    input.set_column(0, &linear.held().column(0));
+    input.set_column(1, &linear.rising().column(0));
+    input.set_column(2, &linear.held().column(1));
+    Some((*linear.transition(), input))
 }
 
 #[cfg(test)]

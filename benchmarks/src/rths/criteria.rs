@@ -1,113 +1,294 @@
-//! J1 to J9, in the order of Table 3.
+//! J1 to J9, in the order of Table 3: sums that are kept while a trial runs.
 
-use super::trial::Trace;
 use super::{FLOORS, RATE_HZ};
+use std::array::from_fn;
 
-/// What a trial is judged by.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Criteria {
-    /// Delay between target and measured displacement, ms: where their cross-correlation is largest.
-    pub j1_ms: f64,
-    /// J2 to J9, per cent: rms and peak tracking error; rms and peak error of floor 1 against the reference; rms of
-    /// floors 2 and 3; peak of floors 2 and 3.
-    pub percent: [f64; 8],
+/// What the criteria mean, for those who read them.
+pub const MEANING: [&str; 9] = [
+    "J1: delay of the displacement behind the target, ms",
+    "J2: tracking error, standard deviation over that of the target, %",
+    "J3: largest tracking error over the largest target, %",
+    "J4: error of floor 1 (the specimen) against the reference structure, standard deviation, %",
+    "J5: the same, largest, %",
+    "J6: error of floor 2 against the reference, standard deviation, %",
+    "J7: error of floor 3 against the reference, standard deviation, %",
+    "J8: error of floor 2, largest, %",
+    "J9: error of floor 3, largest, %",
+];
+
+/// Sum and sum of squares of `L` signals.
+#[derive(Clone, Copy, Debug)]
+struct Spread<const L: usize> {
+    sum: [f64; L],
+    square: [f64; L],
 }
 
-impl Criteria {
-    /// J1 in ms, then J2 to J9 in per cent.
-    pub fn all(&self) -> [f64; 9] {
-        std::array::from_fn(|i| match i.checked_sub(1) {
-            None => self.j1_ms,
-            Some(i) => self.percent[i],
-        })
+impl<const L: usize> Spread<L> {
+    const NONE: Self = Self {
+        sum: [0.0; L],
+        square: [0.0; L],
+    };
+
+    #[inline(always)]
+    fn add(&mut self, x: &[f64; L]) {
+        for l in 0..L {
+            self.sum[l] += x[l];
+            self.square[l] += x[l] * x[l];
+        }
     }
 
-    /// Of a trial against the floors of the reference structure at the same samples.
-    pub fn of(trace: &Trace, reference: &[[f64; FLOORS]]) -> Self {
-        Self::with(trace, &trace.measured_m, reference)
+    /// Standard deviation, or root mean square, of lane `l` over `n` samples.
+    fn size(&self, l: usize, n: f64, about_mean: bool) -> f64 {
+        let mean = if about_mean { self.sum[l] / n } else { 0.0 };
+        let variance = self.square[l] / n - mean * mean;
+        // A NaN stays one.
+        if variance < 0.0 { 0.0 } else { variance.sqrt() }
     }
+}
 
-    /// The same with the displacement as it was: what the noise of the sensor has no part in. The problem's own noise,
-    /// 0.016 mm, is 1 to 3 % of the motion.
-    pub fn without_noise(trace: &Trace, reference: &[[f64; FLOORS]]) -> Self {
-        Self::with(trace, &trace.moved_m, reference)
-    }
-
-    fn with(trace: &Trace, measured: &[f64], reference: &[[f64; FLOORS]]) -> Self {
-        let target = &trace.target_m[..];
-        let tracking = error(measured.iter().copied(), target.iter().copied());
-        let floors: [(f64, f64); FLOORS] = std::array::from_fn(|j| {
-            let found = trace.floors_m.iter().zip(measured).map(|(u, x)| match j {
-                // The first floor is the specimen's: where it was measured, not where it was meant to be.
-                0 => *x,
-                _ => u[j],
-            });
-            error(found, reference.iter().map(|u| u[j]))
-        });
-        Self {
-            j1_ms: f64::from(lag_samples(target, measured)) / RATE_HZ * 1e3,
-            percent: [
-                tracking.0,
-                tracking.1,
-                floors[0].0,
-                floors[0].1,
-                floors[1].0,
-                floors[2].0,
-                floors[1].1,
-                floors[2].1,
-            ],
+#[inline(always)]
+fn peak<const L: usize>(largest: &mut [f64; L], x: &[f64; L]) {
+    for l in 0..L {
+        let a = x[l].abs();
+        if a > largest[l] {
+            largest[l] = a;
         }
     }
 }
 
-/// Rms and largest difference relative to the rms and the largest of `exact`, per cent.
-pub fn error(found: impl Iterator<Item = f64>, exact: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (mut square, mut scale, mut largest, mut peak) = (0.0, 0.0, 0.0_f64, 0.0_f64);
-    for (f, e) in found.zip(exact) {
-        square += (f - e).powi(2);
-        scale += e * e;
-        // A NaN is no small error.
-        largest = if (f - e).is_nan() {
-            f64::INFINITY
-        } else {
-            largest.max((f - e).abs())
-        };
-        peak = peak.max(e.abs());
+/// Work of `L` forces on their ways, by the trapezoidal rule.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<const L: usize> {
+    last_m: [f64; L],
+    last_n: [f64; L],
+    /// Done so far, J.
+    pub done_j: [f64; L],
+}
+
+impl<const L: usize> Default for Work<L> {
+    fn default() -> Self {
+        Self {
+            last_m: [0.0; L],
+            last_n: [0.0; L],
+            done_j: [0.0; L],
+        }
     }
-    (100.0 * (square / scale).sqrt(), 100.0 * largest / peak)
+}
+
+impl<const L: usize> Work<L> {
+    /// Goes on to a displacement, m, under a force, N.
+    #[inline(always)]
+    pub fn add(&mut self, displacement_m: &[f64; L], force_n: &[f64; L]) {
+        for l in 0..L {
+            let way_m = displacement_m[l] - self.last_m[l];
+            self.done_j[l] += 0.5 * (force_n[l] + self.last_n[l]) * way_m;
+        }
+        self.last_m = *displacement_m;
+        self.last_n = *force_n;
+    }
+}
+
+/// What a lane did in a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a, const L: usize> {
+    /// Floors of the numerical part, m; the first is the target.
+    pub floors_m: &'a [[f64; L]; FLOORS],
+    /// Displacement that is judged: as it was read, m.
+    pub read_m: &'a [f64; L],
+    /// Displacement as it was, m.
+    pub true_m: &'a [f64; L],
+    /// Velocity as it was, m/s.
+    pub speed_m_per_s: &'a [f64; L],
+    /// Force as it was, N.
+    pub force_n: &'a [f64; L],
+}
+
+/// Sums over a trial in `L` lanes.
+#[derive(Clone, Debug)]
+pub struct Judge<const L: usize> {
+    samples: f64,
+    target: Spread<L>,
+    /// Tracking as read and as it was; floor 1 as read and as it was; floors 2 and 3.
+    errors: [Spread<L>; 6],
+    target_peak: [f64; L],
+    /// Tracking, floor 1, floors 2 and 3.
+    peaks: [[f64; L]; 4],
+    /// Displacement, velocity, force.
+    demand: [[f64; L]; 3],
+    work: Work<L>,
+}
+
+impl<const L: usize> Default for Judge<L> {
+    fn default() -> Self {
+        Self {
+            samples: 0.0,
+            target: Spread::NONE,
+            errors: [Spread::NONE; 6],
+            target_peak: [0.0; L],
+            peaks: [[0.0; L]; 4],
+            demand: [[0.0; L]; 3],
+            work: Work::default(),
+        }
+    }
+}
+
+impl<const L: usize> Judge<L> {
+    /// Takes a sample in; `reference_m` are the floors of the reference.
+    #[inline(always)]
+    pub fn see(&mut self, now: &Moment<'_, L>, reference_m: &[f64; FLOORS]) {
+        let target = &now.floors_m[0];
+        let less = |x: &[f64; L], y: &[f64; L]| -> [f64; L] { from_fn(|l| x[l] - y[l]) };
+        let off = |x: &[f64; L], y: f64| -> [f64; L] { from_fn(|l| x[l] - y) };
+        let errors = [
+            less(now.read_m, target),
+            less(now.true_m, target),
+            off(now.read_m, reference_m[0]),
+            off(now.true_m, reference_m[0]),
+            off(&now.floors_m[1], reference_m[1]),
+            off(&now.floors_m[2], reference_m[2]),
+        ];
+        self.samples += 1.0;
+        self.target.add(target);
+        peak(&mut self.target_peak, target);
+        for (spread, error) in self.errors.iter_mut().zip(&errors) {
+            spread.add(error);
+        }
+        for (largest, i) in self.peaks.iter_mut().zip([0, 2, 4, 5]) {
+            peak(largest, &errors[i]);
+        }
+        self.work.add(now.true_m, now.force_n);
+        for (largest, x) in self
+            .demand
+            .iter_mut()
+            .zip([now.true_m, now.speed_m_per_s, now.force_n])
+        {
+            peak(largest, x);
+        }
+    }
+
+    /// The verdict on lane `l` but for J1.
+    pub fn verdict(&self, l: usize, reference: &Scale, about_mean: bool) -> Verdict {
+        let n = self.samples.max(1.0);
+        let target = self.target.size(l, n, about_mean);
+        let size = |i: usize| self.errors[i].size(l, n, about_mean);
+        let [x, v, f] = [0, 1, 2].map(|i: usize| self.demand[i][l]);
+        Verdict {
+            j: [
+                0.0,
+                percent(size(0), target),
+                percent(self.peaks[0][l], self.target_peak[l]),
+                percent(size(2), reference.size(0, about_mean)),
+                percent(self.peaks[1][l], reference.peak_m[0]),
+                percent(size(4), reference.size(1, about_mean)),
+                percent(size(5), reference.size(2, about_mean)),
+                percent(self.peaks[2][l], reference.peak_m[1]),
+                percent(self.peaks[3][l], reference.peak_m[2]),
+            ],
+            j2_true: percent(size(1), target),
+            j4_true: percent(size(3), reference.size(0, about_mean)),
+            work_j: self.work.done_j[l],
+            // A NaN is beyond every limit.
+            within_limits: x <= 7e-3 && v <= 0.3 && f <= 8900.0,
+        }
+    }
+}
+
+/// JSON has no infinity: what is no number, or beyond it, is as much as is shown.
+pub fn percent(error: f64, scale: f64) -> f64 {
+    const MOST: f64 = 1e6;
+    let percent = 100.0 * error / scale;
+    if percent.is_finite() {
+        percent.min(MOST)
+    } else {
+        MOST
+    }
+}
+
+/// What a trial came to in one lane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// J1 in ms, J2 to J9 in per cent, by the reading.
+    pub j: [f64; 9],
+    /// J2 of the displacement as it was.
+    pub j2_true: f64,
+    /// J4 of the displacement as it was.
+    pub j4_true: f64,
+    /// What the force on the load cell has done in the end, J.
+    pub work_j: f64,
+    /// 7 mm, 300 mm/s and 8900 N were not exceeded.
+    pub within_limits: bool,
+}
+
+/// How large the floors of a response are.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    deviation_m: [f64; FLOORS],
+    root_mean_square_m: [f64; FLOORS],
+    /// Largest displacement of each floor, m.
+    pub peak_m: [f64; FLOORS],
+}
+
+impl Scale {
+    /// Of a response.
+    pub fn of(floors_m: &[[f64; FLOORS]]) -> Self {
+        let mut spread = Spread::<FLOORS>::NONE;
+        let mut peak_m = [0.0; FLOORS];
+        for floors in floors_m {
+            spread.add(floors);
+            peak(&mut peak_m, floors);
+        }
+        let n = floors_m.len().max(1) as f64;
+        Self {
+            deviation_m: from_fn(|i| spread.size(i, n, true)),
+            root_mean_square_m: from_fn(|i| spread.size(i, n, false)),
+            peak_m,
+        }
+    }
+
+    /// Of floor `i`, m.
+    pub fn size(&self, i: usize, about_mean: bool) -> f64 {
+        if about_mean {
+            self.deviation_m[i]
+        } else {
+            self.root_mean_square_m[i]
+        }
+    }
+}
+
+/// J1: by how much `late` follows `early`, ms: arg max of their cross-correlation.
+pub fn delay_ms(early: &[f64], late: &[f64]) -> f64 {
+    f64::from(lag_samples(early, late)) / RATE_HZ * 1e3
 }
 
 /// The longest delay that is looked for, samples: a quarter of a second.
 const LONGEST: i32 = 1024;
 
-/// Samples by which `late` follows `early`: arg max of the cross-correlation.
+/// The correlation of a narrow-band response is smooth: the best of every 16th delay, by every eighth sample, then of
+/// those around it.
 fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
+    const COARSE: usize = 8;
     let n = early.len().min(late.len());
-    let correlation = |lag: i32| -> f64 {
-        let shift = lag.unsigned_abs() as usize;
-        let shift = shift.min(n);
-        if lag >= 0 {
-            early[..n - shift]
-                .iter()
-                .zip(&late[shift..n])
-                .map(|(a, b)| a * b)
-                .sum()
+    let correlation = |lag: i32, stride: usize| -> f64 {
+        let shift = (lag.unsigned_abs() as usize).min(n);
+        let (early, late) = if lag >= 0 {
+            (&early[..n - shift], &late[shift..n])
         } else {
-            early[shift..n]
-                .iter()
-                .zip(&late[..n - shift])
-                .map(|(a, b)| a * b)
-                .sum()
+            (&early[shift..n], &late[..n - shift])
+        };
+        let products = early.iter().zip(late).map(|(a, b)| a * b);
+        if stride == 1 {
+            products.sum()
+        } else {
+            products.step_by(stride).sum()
         }
     };
-    // The correlation of a narrow-band response is smooth: the best of every 16th delay, then of those around it.
-    let best = |lags: &mut dyn Iterator<Item = i32>| {
-        lags.map(|lag| (lag, correlation(lag)))
+    let best = |lags: &mut dyn Iterator<Item = i32>, stride| {
+        lags.map(|lag| (lag, correlation(lag, stride)))
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(0, |(lag, _)| lag)
     };
-    let coarse = best(&mut (-LONGEST..=LONGEST).step_by(16));
-    best(&mut (coarse - 16..=coarse + 16))
+    let coarse = best(&mut (-LONGEST..=LONGEST).step_by(16), COARSE);
+    best(&mut (coarse - 16..=coarse + 16), 1)
 }
 
 #[cfg(test)]
@@ -126,9 +307,38 @@ mod tests {
             let measured: Vec<f64> = (0..8000).map(|i| wave(i - late)).collect();
             assert_eq!(lag_samples(&target, &measured), late);
         }
-        let small = error(target.iter().map(|x| 0.97 * x), target.iter().copied());
-        assert!((small.0 - 3.0).abs() < 1e-9 && (small.1 - 3.0).abs() < 1e-9);
-        let nan = error([f64::NAN].into_iter(), [1.0].into_iter());
-        assert!(nan.0.is_nan() && nan.1 == f64::INFINITY);
+    }
+
+    #[test]
+    fn errors_are_shares_of_what_they_are_errors_of_and_an_offset_has_no_deviation() {
+        let mut judge = Judge::<2>::default();
+        let mut floors = Vec::new();
+        for i in 0..1000 {
+            let x = (0.1 * f64::from(i)).sin();
+            floors.push([x, 2.0 * x, 3.0 * x]);
+            // Lane 0 is 3 % short, lane 1 is 0.5 beside it.
+            let read = [0.97 * x, x + 0.5];
+            judge.see(
+                &Moment {
+                    floors_m: &[[x, x], [2.02 * x, 2.0 * x], [3.0 * x, f64::NAN]],
+                    read_m: &read,
+                    true_m: &read,
+                    speed_m_per_s: &[0.0; 2],
+                    force_n: &[0.0; 2],
+                },
+                &floors[floors.len() - 1],
+            );
+        }
+        let scale = Scale::of(&floors);
+        let (short, beside) = (
+            judge.verdict(0, &scale, true),
+            judge.verdict(1, &scale, true),
+        );
+        for i in [1, 2, 3, 4] {
+            assert!((short.j[i] - 3.0).abs() < 1e-9, "J{}", i + 1);
+        }
+        assert!((short.j[5] - 1.0).abs() < 1e-9 && short.j[6] < 1e-9);
+        assert!(beside.j[3] < 1e-5 && judge.verdict(1, &scale, false).j[3] > 70.0);
+        assert_eq!(beside.j[6], 1e6, "what is no number is no small error");
     }
 }

@@ -1,95 +1,100 @@
-//! A ground motion of the problem, and trials under it.
+//! A ground motion of the problem with all that every trial under it needs, worked out once.
 
-use super::baseline::Baseline;
-use super::case::{CASES, Case};
-use super::controller::{Controller, compensation, tangent_behind};
-use super::core_loop::CoreLoop;
-use super::transfer::Parameters;
-use super::trial::{self, Shaking, Trace};
-use super::{FLOORS, GROUND_SCALE, RATE_HZ};
-use crate::Refused;
-use outerloop_core::config::Compensation;
-use outerloop_core::{GroundMotion, Prediction, State};
+use super::FLOORS;
+use super::channels::Noise;
+use super::criteria::{Scale, percent};
+use super::rules::Rules;
+use super::shaking::Shaking;
+use super::trial::Ground;
+use super::yielding::Behaviour;
 
-/// A ground motion with the reference responses of all cases.
+/// A ground motion with the answers of the whole structures.
 pub struct Record {
     /// Its name.
     pub name: String,
     shaking: Shaking,
-    points: Vec<f32>,
-    interval_s: f64,
-    references: Vec<Vec<[f64; FLOORS]>>,
+    references: [Vec<[f64; FLOORS]>; 4],
+    scales: [Scale; 4],
+    work_j: [f64; 4],
+    behaviour: Behaviour,
 }
 
 impl Record {
-    /// From points `interval_s` apart, m/s^2; scales as the problem has it.
-    pub fn new(name: &str, acc_m_per_s2: &[f32], interval_s: f64) -> Self {
-        let points: Vec<f64> = acc_m_per_s2.iter().copied().map(f64::from).collect();
-        let shaking = Shaking::new(&points, interval_s);
+    /// From points `interval_s` apart, m/s^2; scaled by the rules. `RTHSBENCH_` in front of a name is left out.
+    pub fn new(
+        name: &str,
+        acc_m_per_s2: &[f32],
+        interval_s: f64,
+        rules: &Rules,
+        behaviour: Behaviour,
+    ) -> Self {
+        let shaking = Shaking::new(acc_m_per_s2, interval_s, rules.ground_scale());
+        let (references, work_j) = shaking.references(behaviour);
         Self {
-            name: name.to_owned(),
-            references: CASES.iter().map(|c| shaking.reference(c)).collect(),
+            name: name.strip_prefix("RTHSBENCH_").unwrap_or(name).to_owned(),
+            scales: std::array::from_fn(|i| Scale::of(&references[i])),
             shaking,
-            points: points.iter().map(|a| (a * GROUND_SCALE) as f32).collect(),
-            interval_s,
+            references,
+            work_j,
+            behaviour,
         }
     }
 
-    /// The reference response of `case`, m: the whole structure with the nominal specimen in it.
-    pub fn reference(&self, case: &Case) -> &[[f64; FLOORS]] {
-        let place = usize::from(case.number).saturating_sub(1);
-        self.references.get(place).map_or(&[], |r| r)
+    /// Number of samples.
+    pub fn samples(&self) -> usize {
+        self.shaking.samples()
     }
 
-    /// The response of the structure of `case` with the specimen of `plant` in it, m.
-    pub fn reference_with(&self, case: &Case, plant: &Parameters) -> Vec<[f64; FLOORS]> {
-        self.shaking.reference_with(case, &plant.specimen)
+    /// The ground motion at the samples.
+    pub fn shaking(&self) -> &Shaking {
+        &self.shaking
     }
 
-    /// Trial of `controller` on `plant`, with the sensors' noise of `draw`.
-    ///
-    /// # Errors
-    /// A loop that core refuses.
-    pub fn trial(
-        &self,
-        controller: &Controller,
-        case: &Case,
-        plant: &Parameters,
-        draw: u64,
-    ) -> Result<Trace, Refused> {
-        let told = match controller {
-            Controller::Baseline => {
-                let mut baseline = Baseline::new(case)
-                    .ok_or_else(|| Refused::new("rths: the numerical mass is not positive"))?;
-                return Ok(trial::run(&mut baseline, plant, &self.shaking, draw));
-            }
-            Controller::Best => tangent_behind(case, Prediction::Ats),
-            Controller::TangentInverse => tangent_behind(case, Prediction::FeedforwardFeedback),
-            Controller::Method(method) => compensation(case, *method),
-        };
-        self.trial_of_core(&told, case, plant, draw)
-    }
-
-    /// Trial of core with any compensation. A loop that tripped leaves no numbers.
-    ///
-    /// # Errors
-    /// A loop that core refuses.
-    pub fn trial_of_core(
-        &self,
-        told: &Compensation,
-        case: &Case,
-        plant: &Parameters,
-        draw: u64,
-    ) -> Result<Trace, Refused> {
-        let ground = GroundMotion::new(&self.points, self.interval_s, 1.0 / RATE_HZ)
-            .ok_or_else(|| Refused::new(format!("{}: cannot be laid out", self.name)))?;
-        let mut hybrid = CoreLoop::new(case, told, ground)?;
-        let mut trace = trial::run(&mut hybrid, plant, &self.shaking, draw);
-        if hybrid.state() == State::Tripped {
-            trace.moved_m.fill(f64::NAN);
-            trace.measured_m.fill(f64::NAN);
-            trace.floors_m.fill([f64::NAN; FLOORS]);
+    /// What a trial in the case at `place` of [`CASES`] is run on.
+    pub fn ground(&self, place: usize) -> Ground<'_> {
+        Ground {
+            shaking: &self.shaking,
+            reference_m: &self.references[place],
+            behaviour: self.behaviour,
         }
-        Ok(trace)
+    }
+
+    /// How large the reference is in the case at `place`.
+    pub fn scale(&self, place: usize) -> &Scale {
+        &self.scales[place]
+    }
+
+    /// By how much the energy that the specimen took, `work_j`, differs from the reference's, per cent; `None` for a
+    /// linear specimen, which gives back all but a little.
+    pub fn energy_error(&self, place: usize, work_j: f64) -> Option<f64> {
+        let exact_j = self.work_j[place];
+        (self.behaviour != Behaviour::Linear).then(|| percent((work_j - exact_j).abs(), exact_j))
+    }
+
+    /// J1 to J9 of the noise alone in every case: of a controller without any error and without any delay.
+    pub fn floors(&self, noise: &Noise, about_mean: bool) -> [[f64; 9]; 4] {
+        let moved = Shaking::moved_by(noise, self.samples());
+        std::array::from_fn(|place| {
+            let errors: Vec<[f64; FLOORS]> = moved[place]
+                .iter()
+                .enumerate()
+                .map(|(k, floors)| [noise.at(k)[0] + floors[0], floors[1], floors[2]])
+                .collect();
+            let (of, size) = (Scale::of(&errors), &self.scales[place]);
+            let share = |i| 100.0 * of.size(i, about_mean) / size.size(i, about_mean);
+            let peak = |i: usize| 100.0 * of.peak_m[i] / size.peak_m[i];
+            // The target is the reference here.
+            [
+                0.0,
+                share(0),
+                peak(0),
+                share(0),
+                peak(0),
+                share(1),
+                share(2),
+                peak(1),
+                peak(2),
+            ]
+        })
     }
 }

@@ -1,12 +1,31 @@
 //! Rows as cells, for the terminal and for the report.
 
-use super::bench::LOST_PERCENT;
-use super::{Row, verdict::Worst};
+use super::bench::{LOST_PERCENT, Row};
 
-/// Head of the table of one ground motion.
+/// Head of the summary of one ground motion: a controller a row, cases 1 to 4 side by side. A specimen that yields has a
+/// column more.
+pub fn summary_head(rows: &[Row]) -> Vec<&'static str> {
+    let yields = rows.iter().any(|r| r.energy_error.is_some());
+    let mut head = SUMMARY_HEAD.to_vec();
+    if yields {
+        head.push("energy");
+    }
+    head
+}
+
+const SUMMARY_HEAD: [&str; 7] = ["controller", "J2", "J2*", "J4", "J4*", "J4 worst", "lost"];
+
+/// What the summary's head means.
+pub const SUMMARY_LEGEND: &str = "Per cent, cases 1/2/3/4. J2: tracking error; J4: error of the specimen's floor \
+    against the reference structure (standard deviations). As read, the noise of the sensor counts in; * is the \
+    displacement as it was. Worst: of the perturbed plants, as read. Lost: J4 of 100 % or more, of all \
+    perturbed plants. Energy: error of what a yielding specimen has taken in the end";
+
+/// Head of all criteria.
 pub const HEAD: [&str; 17] = [
     "case",
     "controller",
+    "told",
     "J1",
     "J2",
     "J2*",
@@ -18,71 +37,112 @@ pub const HEAD: [&str; 17] = [
     "J7",
     "J8",
     "J9",
-    "J2* worst",
     "J4 worst",
-    "own worst",
+    "J4* worst",
     "lost",
 ];
 
-/// What the head means.
-pub const LEGEND: &str = "J1 in ms, J2 to J9 in per cent on the nominal plant; * without the sensor's noise; worst: of \
-                          the perturbed plants; own: J4 against the structure with the specimen of the plant; lost: \
-                          J4 of 100 % or more, or tripped";
-
-/// A number of at most four letters.
+/// A number of at most five letters.
 pub fn number(x: f64) -> String {
     match x {
         x if x >= 10.0 * LOST_PERCENT => "lost".into(),
         x if x.abs() >= 100.0 => format!("{x:.0}"),
-        x => format!("{x:.1}"),
+        x if x.abs() >= 10.0 => format!("{x:.1}"),
+        x => format!("{x:.2}"),
     }
 }
 
-/// The cells of a row, under [`HEAD`].
-pub fn cells(row: &Row) -> Vec<String> {
-    let mut cells = vec![row.case.to_string(), row.controller.to_owned()];
-    for (i, j) in row.j.iter().enumerate() {
-        cells.push(number(*j));
-        if i == 1 || i == 3 {
-            cells.push(number(row.j_without_noise[i]));
+/// The summary of the rows of one ground motion: the noise alone first, then a row a controller.
+pub fn summary(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.controller.as_str()) {
+            names.push(&row.controller);
         }
     }
-    let p = &row.perturbed;
-    if p.plants == 0 {
-        cells.extend(std::iter::repeat_n("-".to_owned(), 4));
-    } else {
-        cells.extend([p.j2_worst, p.j4_worst, p.j4_own_worst].map(number));
-        cells.push(format!("{}/{}", p.lost, p.plants));
+    let own = |name: &str| -> Vec<&Row> { rows.iter().filter(|r| r.controller == name).collect() };
+    let join = |rows: &[&Row], figure: &dyn Fn(&Row) -> f64| {
+        let cells: Vec<_> = rows.iter().map(|r| number(figure(r))).collect();
+        cells.join("/")
+    };
+    let mut cells = Vec::new();
+    if let Some(first) = names.first() {
+        let rows = own(first);
+        let floor = |i: usize| join(&rows, &move |r: &Row| r.floor[i]);
+        let none = || String::from("0");
+        cells.push(vec![
+            "(the noise alone)".into(),
+            floor(1),
+            none(),
+            floor(3),
+            none(),
+            floor(3),
+            String::new(),
+        ]);
+    }
+    for name in names {
+        let rows = own(name);
+        let perturbed: usize = rows.iter().map(|r| r.perturbed).sum();
+        let (worst, lost) = if perturbed == 0 {
+            ("-".to_owned(), "-".to_owned())
+        } else {
+            let lost: usize = rows.iter().map(|r| r.lost).sum();
+            (join(&rows, &|r| r.j4_worst), format!("{lost}/{perturbed}"))
+        };
+        let mut row = vec![
+            name.to_owned(),
+            join(&rows, &|r| r.j[1]),
+            join(&rows, &|r| r.j2_true),
+            join(&rows, &|r| r.j[3]),
+            join(&rows, &|r| r.j4_true),
+            worst,
+            lost,
+        ];
+        if rows.iter().any(|r| r.energy_error.is_some()) {
+            row.push(join(&rows, &|r| r.energy_error.unwrap_or(0.0)));
+        }
+        cells.push(row);
     }
     cells
 }
 
-/// Head of the table of the worst.
-pub const WORST_HEAD: [&str; 8] = [
-    "controller",
-    "J2",
-    "J2*",
-    "J4",
-    "J4*",
-    "J4 perturbed",
-    "own",
-    "lost",
-];
+/// The cells of a row, under [`HEAD`].
+pub fn cells(row: &Row) -> Vec<String> {
+    let mut cells = vec![
+        row.case.to_string(),
+        row.controller.clone(),
+        row.told.to_owned(),
+    ];
+    for (i, j) in row.j.iter().enumerate() {
+        cells.push(number(*j));
+        match i {
+            1 => cells.push(number(row.j2_true)),
+            3 => cells.push(number(row.j4_true)),
+            _ => {}
+        }
+    }
+    if row.perturbed == 0 {
+        cells.extend(std::iter::repeat_n("-".to_owned(), 3));
+    } else {
+        cells.extend([row.j4_worst, row.j4_true_worst].map(number));
+        cells.push(format!("{}/{}", row.lost, row.perturbed));
+    }
+    cells
+}
 
-/// The cells of a controller's worst, under [`WORST_HEAD`].
-pub fn worst_cells(w: &Worst) -> Vec<String> {
-    let mut cells = vec![w.controller.to_owned()];
-    cells.extend(
-        [
-            w.j2,
-            w.j2_without_noise,
-            w.j4,
-            w.j4_without_noise,
-            w.j4_perturbed,
-            w.j4_own_perturbed,
-        ]
-        .map(number),
-    );
-    cells.push(w.lost.to_string());
+/// The cells of the noise alone in the case of `row`, under [`HEAD`].
+pub fn floor_cells(row: &Row) -> Vec<String> {
+    let mut cells = vec![
+        row.case.to_string(),
+        "(the noise alone)".into(),
+        String::new(),
+    ];
+    for (i, floor) in row.floor.iter().enumerate() {
+        cells.push(if i == 0 { "-".into() } else { number(*floor) });
+        if i == 1 || i == 3 {
+            cells.push(number(0.0));
+        }
+    }
+    cells.extend(std::iter::repeat_n(String::new(), 3));
     cells
 }

@@ -1,183 +1,193 @@
-//! A closed loop under a ground motion, and what it leaves.
+//! `L` closed loops side by side under a ground motion.
+//!
+//! ```text
+//!  ground ─► numerical part ─► target ─► controller ─► DAC ─► actuator and specimen ─► ADC ─┬─► displacement
+//!                  ▲                                                                        │
+//!                  └──────────────── one sample late ◄── force ◄────────────────────────────┘
+//! ```
 
+use super::FLOORS;
 use super::case::{Case, Structure};
-use super::criteria::Criteria;
-use super::transfer::{Channels, Parameters, Specimen, TransferSystem};
-use super::{FLOORS, GROUND_SCALE, RATE_HZ};
+use super::channels::{Noise, read, send};
+use super::controller::{Controller, Seen};
+use super::criteria::{Judge, Moment};
+use super::parameters::{Parameters, Specimen};
+use super::rules::{Deviation, Rules};
+use super::shaking::Shaking;
+use super::transfer::TransferSystem;
+use super::yielding::Behaviour;
+use crate::Refused;
 
-/// What the loop gets to see at a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// Displacement of the specimen, m.
-    pub displacement_m: f64,
-    /// Force of the specimen, N.
-    pub force_n: f64,
+/// What is read of `L` rigs at a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Readings<const L: usize> {
+    /// Displacements of the specimens, m.
+    pub displacement_m: [f64; L],
+    /// Forces of the specimens, N.
+    pub force_n: [f64; L],
     /// Ground acceleration now and at the next sample, m/s^2.
     pub ground_m_per_s2: [f64; 2],
 }
 
-/// What the loop answers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
-    /// Where the numerical part has its floors at this sample, m; the first is the target.
-    pub floors_m: [f64; FLOORS],
-    /// Command until the next sample, m.
-    pub command_m: f64,
+/// What numerical parts and controllers answer.
+#[derive(Clone, Copy, Debug)]
+pub struct Answers<const L: usize> {
+    /// Where the numerical parts have their floors at this sample, m; the first is the target.
+    pub floors_m: [[f64; L]; FLOORS],
+    /// Commands until the next sample, m.
+    pub command_m: [f64; L],
+    /// Displacements by which the tests are judged, m.
+    pub judged_m: [f64; L],
 }
 
-/// A numerical part with a controller.
-pub trait HybridLoop {
+/// `L` numerical parts, each with a controller.
+pub trait Hybrid<const L: usize> {
     /// One sampling period.
-    fn step(&mut self, reading: &Reading) -> Answer;
+    fn step(&mut self, readings: &Readings<L>) -> Answers<L>;
 }
 
-/// A ground motion at the samples of the problem, scaled as the problem has it.
-#[derive(Clone, Debug)]
-pub struct Shaking {
-    /// Acceleration, m/s^2.
-    pub acc_m_per_s2: Vec<f64>,
+/// The problem's own numerical part with controllers in front of the rigs.
+pub struct Official<const L: usize> {
+    structure: Structure<L>,
+    controllers: [Box<dyn Controller>; L],
+    /// Forces of the sample before.
+    force_n: [f64; L],
+    unit_delay: bool,
+    by_estimate: bool,
 }
 
-impl Shaking {
-    /// From points `interval_s` apart, m/s^2, by linear interpolation.
-    pub fn new(points_m_per_s2: &[f64], interval_s: f64) -> Self {
-        let end_s = points_m_per_s2.len().saturating_sub(1) as f64 * interval_s;
-        let samples = (end_s * RATE_HZ).floor() as usize + 1;
-        let at = |i: usize| points_m_per_s2.get(i).copied().unwrap_or(0.0);
-        let acc_m_per_s2 = (0..samples)
-            .map(|k| {
-                let place = k as f64 / RATE_HZ / interval_s;
-                let i = place.floor();
-                let rise = at(i as usize + 1) - at(i as usize);
-                GROUND_SCALE * (at(i as usize) + (place - i) * rise)
-            })
-            .collect();
-        Self { acc_m_per_s2 }
-    }
-
-    /// The displacements of the whole structure of `case` at each sample: the reference.
-    pub fn reference(&self, case: &Case) -> Vec<[f64; FLOORS]> {
-        self.reference_with(case, &Specimen::NOMINAL)
-    }
-
-    /// The same with another specimen in the structure: what a perfect controller would measure with that specimen.
-    pub fn reference_with(&self, case: &Case, specimen: &Specimen) -> Vec<[f64; FLOORS]> {
-        let mut matrices = case.numerical();
-        matrices.mass[(0, 0)] += specimen.mass_kg;
-        matrices.damping[(0, 0)] += specimen.damping_n_s_per_m;
-        matrices.stiffness[(0, 0)] += specimen.stiffness_n_per_m;
-        let Some(mut structure) = Structure::new(case, &matrices) else {
-            return Vec::new();
-        };
-        self.pairs()
-            .map(|ground| {
-                let floors = structure.floors_m();
-                structure.step(ground, 0.0);
-                floors
-            })
-            .collect()
-    }
-
-    /// The acceleration of each sample with the next one's.
-    fn pairs(&self) -> impl Iterator<Item = [f64; 2]> {
-        let next = self.acc_m_per_s2.iter().skip(1).chain([&0.0]);
-        self.acc_m_per_s2.iter().zip(next).map(|(a, b)| [*a, *b])
-    }
-}
-
-/// What a trial leaves, a value a sample.
-#[derive(Clone, Debug, Default)]
-pub struct Trace {
-    /// Target of the specimen, m.
-    pub target_m: Vec<f64>,
-    /// Displacement as it was read, m.
-    pub measured_m: Vec<f64>,
-    /// Displacement as it was, without noise, m.
-    pub moved_m: Vec<f64>,
-    /// Floors of the numerical part, m.
-    pub floors_m: Vec<[f64; FLOORS]>,
-    /// What the specimen really did.
-    pub demand: Demand,
-}
-
-/// The largest of what the rig is limited in.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Demand {
-    /// Displacement, m.
-    pub displacement_m: f64,
-    /// Velocity, m/s.
-    pub velocity_m_per_s: f64,
-    /// Force, N.
-    pub force_n: f64,
-}
-
-impl Demand {
-    /// What the rig can: 7 mm, 300 mm/s, 8900 N.
-    pub const LIMITS: Self = Self {
-        displacement_m: 7e-3,
-        velocity_m_per_s: 0.3,
-        force_n: 8900.0,
-    };
-
-    /// Whether the rig could have done it.
-    pub fn within_limits(&self) -> bool {
-        let l = &Self::LIMITS;
-        self.displacement_m <= l.displacement_m
-            && self.velocity_m_per_s <= l.velocity_m_per_s
-            && self.force_n <= l.force_n
-    }
-
-    fn see(&mut self, plant: &TransferSystem) {
-        let [x, v, _] = plant.motion();
-        // A NaN becomes infinite: no limit holds it.
-        let larger = |a: f64, b: f64| {
-            if b.is_nan() {
-                f64::INFINITY
+impl<const L: usize> Official<L> {
+    /// The numerical part of `case` belongs to the plants, unless `rules` deviate.
+    ///
+    /// # Errors
+    /// A numerical part without a positive mass.
+    pub fn new(
+        rules: &Rules,
+        case: &Case,
+        plants: &[Parameters; L],
+        controllers: [Box<dyn Controller>; L],
+    ) -> Result<Self, Refused> {
+        let nominal = rules.deviates(Deviation::NominalNumericalPart);
+        let parts = plants.map(|plant| {
+            let specimen = if nominal {
+                Specimen::NOMINAL
             } else {
-                a.max(b.abs())
-            }
-        };
-        self.displacement_m = larger(self.displacement_m, x);
-        self.velocity_m_per_s = larger(self.velocity_m_per_s, v);
-        self.force_n = larger(self.force_n, plant.force_n());
-    }
-}
-
-/// The loop on the rig under the ground motion, from rest; `seed` is that of the sensors' noise.
-pub fn run(
-    hybrid: &mut impl HybridLoop,
-    plant: &Parameters,
-    shaking: &Shaking,
-    seed: u64,
-) -> Trace {
-    let mut plant = TransferSystem::new(plant);
-    let mut channels = Channels::new(seed);
-    let mut trace = Trace::default();
-    for ground_m_per_s2 in shaking.pairs() {
-        let (displacement_m, force_n) = channels.read(plant.motion()[0], plant.force_n());
-        let answer = hybrid.step(&Reading {
-            displacement_m,
-            force_n,
-            ground_m_per_s2,
+                plant.specimen
+            };
+            (*case, case.numerical(&specimen))
         });
-        trace.target_m.push(answer.floors_m[0]);
-        trace.measured_m.push(displacement_m);
-        trace.moved_m.push(plant.motion()[0]);
-        trace.floors_m.push(answer.floors_m);
-        trace.demand.see(&plant);
-        plant.step(channels.send(answer.command_m));
+        Ok(Self {
+            structure: Structure::new(&parts).ok_or_else(|| {
+                Refused::new("rths: the mass of a numerical part is not positive")
+            })?,
+            controllers,
+            force_n: [0.0; L],
+            unit_delay: !rules.deviates(Deviation::NoUnitDelay),
+            by_estimate: rules.deviates(Deviation::JudgedByEstimate),
+        })
     }
-    trace
 }
 
-/// A trial and its verdict.
-pub fn judge(
-    hybrid: &mut impl HybridLoop,
-    plant: &Parameters,
-    shaking: &Shaking,
-    reference: &[[f64; FLOORS]],
-    seed: u64,
-) -> (Criteria, Trace) {
-    let trace = run(hybrid, plant, shaking, seed);
-    (Criteria::of(&trace, reference), trace)
+impl<const L: usize> Hybrid<L> for Official<L> {
+    #[inline(always)]
+    fn step(&mut self, readings: &Readings<L>) -> Answers<L> {
+        let floors_m = self.structure.floors_m();
+        let (mut command_m, mut judged_m) = ([0.0; L], readings.displacement_m);
+        for l in 0..L {
+            command_m[l] = self.controllers[l].command_m(&Seen {
+                floors_m: floors_m.map(|lanes| lanes[l]),
+                displacement_m: readings.displacement_m[l],
+                force_n: readings.force_n[l],
+            });
+            if self.by_estimate
+                && let Some(estimate_m) = self.controllers[l].estimate_m()
+            {
+                judged_m[l] = estimate_m;
+            }
+        }
+        let force_n = if self.unit_delay {
+            self.force_n
+        } else {
+            readings.force_n
+        };
+        self.structure.step(readings.ground_m_per_s2, force_n);
+        self.force_n = readings.force_n;
+        Answers {
+            floors_m,
+            command_m,
+            judged_m,
+        }
+    }
+}
+
+/// What a trial is run on.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// The ground motion.
+    pub shaking: &'a Shaking,
+    /// The floors of the reference at each sample, m.
+    pub reference_m: &'a [[f64; FLOORS]],
+    /// What is tested.
+    pub behaviour: Behaviour,
+}
+
+/// Target, judged and true displacement of the first lane, m.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Target of the specimen.
+    pub target_m: Vec<f64>,
+    /// Displacement as it was read.
+    pub read_m: Vec<f64>,
+    /// Displacement as it was.
+    pub true_m: Vec<f64>,
+}
+
+/// The loops on the rigs, from rest. `trace` gets the first lane's motion.
+pub fn run<const L: usize>(
+    hybrid: &mut impl Hybrid<L>,
+    plants: &[Parameters; L],
+    ground: Ground<'_>,
+    noise: &[&Noise; L],
+    mut trace: Option<&mut Trace>,
+) -> Judge<L> {
+    let mut rig = TransferSystem::new(plants);
+    let mut judge = Judge::default();
+    let mut yielding = ground.behaviour.at_rest().map(|one| vec![one; L]);
+    for (k, reference_m) in ground.reference_m.iter().enumerate() {
+        let [true_m, speed_m_per_s, _] = rig.motion();
+        let force_n = rig.force_n();
+        let mut readings = Readings {
+            displacement_m: [0.0; L],
+            force_n: [0.0; L],
+            ground_m_per_s2: ground.shaking.pair(k),
+        };
+        for l in 0..L {
+            (readings.displacement_m[l], readings.force_n[l]) =
+                read(true_m[l], force_n[l], noise[l].at(k));
+        }
+        let answers = hybrid.step(&readings);
+        judge.see(
+            &Moment {
+                floors_m: &answers.floors_m,
+                read_m: &answers.judged_m,
+                true_m: &true_m,
+                speed_m_per_s: &speed_m_per_s,
+                force_n: &force_n,
+            },
+            reference_m,
+        );
+        if let Some(trace) = trace.as_deref_mut() {
+            trace.target_m.push(answers.floors_m[0][0]);
+            trace.read_m.push(answers.judged_m[0]);
+            trace.true_m.push(true_m[0]);
+        }
+        let mut other_n = [0.0; L];
+        if let Some(yielding) = &mut yielding {
+            for l in 0..L {
+                other_n[l] = yielding[l].go_to(true_m[l]);
+            }
+        }
+        rig.step(answers.command_m.map(send), other_n);
+    }
+    judge
 }

@@ -4,72 +4,99 @@ use super::figures::{GROUND, figure, time_plot};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
 use super::{Drawn, cannot, escape, page, plot};
 use crate::failure::Failure;
-use benchmarks::rths::RATE_HZ;
 use benchmarks::rths::case::{CASES, Case};
-use benchmarks::rths::table::{HEAD, LEGEND, WORST_HEAD, cells, worst_cells};
-use benchmarks::rths::transfer::Parameters;
-use benchmarks::rths::trial::Trace;
-use benchmarks::rths::verdict::{CAUTION, Worst};
-use benchmarks::rths::{BASELINE, BEST, Controller, Record, Row};
+use benchmarks::rths::criteria::MEANING;
+use benchmarks::rths::table::{HEAD, SUMMARY_LEGEND, cells, floor_cells, summary, summary_head};
+use benchmarks::rths::trial::{Ground, Trace};
+use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, Target, best};
+use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, Row};
 use std::fmt::Write as _;
 
-/// The benchmark: verdict, the worst of each controller, a closer look at case 4, all rows.
+/// The published controller, for the pictures.
+const BASELINE: &str = "pi-phase-lead";
+
+/// The benchmark: verdict, a closer look at case 4, a summary of each ground motion, all criteria.
 ///
 /// # Errors
-/// The drawing library's; a loop that core refuses.
-pub fn of_rths(records: &[Record], rows: &[Row], draw: u64) -> Result<String, Failure> {
-    let mut body = String::new();
-    let worst = Worst::of(rows);
-    for w in worst.iter().filter(|w| w.controller == BEST) {
-        let _ = write!(body, "<h2>The best: {BEST}</h2>");
-        for sentence in w.sentences() {
-            let _ = write!(body, "<p class=\"verdict\">{}</p>", escape(&sentence));
-        }
+/// The drawing library's; a controller that core refuses.
+pub fn of_rths(bench: &Bench<'_>, rows: &[Row], targets: &[Target]) -> Result<String, Failure> {
+    let mut body = verdict(rows, targets);
+    for record in bench.records {
+        body += &closer_look(bench, record)?;
     }
+    let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
+    let groups: Vec<&[Row]> = rows.chunk_by(|a, b| a.record == b.record).collect();
+    for group in &groups {
+        let name = group.first().map_or("", |r| &r.record);
+        let table = table(&summary_head(group), summary(group).into_iter());
+        let _ = write!(body, "<h3>{}</h3>{table}", escape(name));
+    }
+    let meaning = MEANING.map(escape).join("<br>");
     let _ = write!(
         body,
-        "<p>{CAUTION}</p><h2>The worst of each controller, over all cases and ground motions</h2><p>{}.</p>{}",
-        escape(LEGEND),
-        table(&WORST_HEAD, worst.iter().map(worst_cells)),
+        "<h2>All criteria</h2><p>{meaning}<br>*: of the displacement as it was, without the sensor's noise.<br>\
+         Worst: of the perturbed plants.</p>"
     );
-    let case = &CASES[3];
-    for record in records {
-        body += &closer_look(record, case, draw)?;
+    for group in groups {
+        let name = group.first().map_or("", |r| &r.record);
+        let of_cases = group.chunk_by(|a, b| a.case == b.case);
+        let all = of_cases.flat_map(|rows| {
+            rows.first()
+                .map(floor_cells)
+                .into_iter()
+                .chain(rows.iter().map(cells))
+        });
+        let _ = write!(body, "<h3>{}</h3>{}", escape(name), table(&HEAD, all));
     }
-    for record in records {
-        let own = rows.iter().filter(|r| r.record == record.name);
-        let _ = write!(
-            body,
-            "<h2>{}</h2>{}",
-            escape(&record.name),
-            table(&HEAD, own.map(cells))
-        );
-    }
-    let lead = "Three floors, of which one frame stands behind a servo-hydraulic actuator that is 25 ms late. Silva et \
-                al., Mechanical Systems and Signal Processing 135 (2020) 106381, at 4096 Hz; all but the published \
-                baseline are the loop of the controller board, in single precision.";
+    let lead = format!(
+        "Three floors, of which one frame stands behind a servo-hydraulic actuator that is 25 ms late. Silva et al., \
+         Mechanical Systems and Signal Processing 135 (2020) 106381, at 4096 Hz. Rules: {}. Seed {}, {} perturbed \
+         plants a case. Core's methods run in single precision, as on the controller board.",
+        bench.rules.name(),
+        bench.seed,
+        bench.plants
+    );
     Ok(page(
         "The benchmark problem of real-time hybrid simulation",
-        lead,
+        &lead,
         &body,
     ))
 }
 
-fn closer_look(record: &Record, case: &Case, draw: u64) -> Result<String, Failure> {
-    let trial = |c| {
-        record
-            .trial(&c, case, &Parameters::NOMINAL, draw)
-            .map_err(|e| Failure::input(e.to_string()))
+fn verdict(rows: &[Row], targets: &[Target]) -> String {
+    let mut html = String::new();
+    for target in targets {
+        let class = if target.reached() { "" } else { " fair" };
+        let sentence = escape(&target.sentence());
+        let _ = write!(html, "<p class=\"verdict{class}\">{sentence}</p>");
+    }
+    let names = best(rows).join(", ");
+    let _ = write!(
+        html,
+        "<p>Least J4 as read, mean of all cases and ground motions (more than one name is a tie): <b>{}</b>. \
+         {CAUTION}</p>",
+        escape(&names)
+    );
+    html
+}
+
+fn closer_look(bench: &Bench<'_>, record: &Record) -> Result<String, Failure> {
+    let refused = |e: benchmarks::Refused| Failure::input(e.to_string());
+    let place = CASES.len() - 1;
+    let trace = |name| {
+        let contestant = Contestant::named(name).map_err(refused)?;
+        bench.trace(&contestant, record, place).map_err(refused)
     };
-    let (baseline, best) = (trial(Controller::Baseline)?, trial(Controller::Best)?);
-    draw_look(record, case, &baseline, &best).map_err(cannot)
+    let (baseline, ours) = (trace(BASELINE)?, trace(RIGHT_STRUCTURE)?);
+    let ground = record.ground(place);
+    draw_look(&record.name, &CASES[place], ground, &baseline, &ours).map_err(cannot)
 }
 
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.0;
 
-fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Drawn {
-    let reference = record.reference(case);
+fn draw_look(name: &str, case: &Case, ground: Ground<'_>, baseline: &Trace, ours: &Trace) -> Drawn {
+    let reference = ground.reference_m;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
         .unwrap_or(0);
@@ -85,15 +112,15 @@ fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Dr
         Curve::new(IDEAL, over(&|i| reference[i][0]))
             .named("reference structure")
             .broad(),
-        Curve::new(WRONG, over(&|i| baseline.moved_m[i])).named(BASELINE),
-        Curve::new(TESTED, over(&|i| best.moved_m[i])).named(BEST),
+        Curve::new(WRONG, over(&|i| baseline.true_m[i])).named(BASELINE),
+        Curve::new(TESTED, over(&|i| ours.true_m[i])).named(RIGHT_STRUCTURE),
     ];
-    let mut html = format!("<h2>{}, case {}</h2>", escape(&record.name), case.number);
+    let mut html = format!("<h2>{}, case {}</h2>", escape(name), case.number);
     html += &time_plot(
         TALL,
         "floor 1 [mm]",
         &curves,
-        "Two seconds around the largest displacement, without the sensor's noise.",
+        "Two seconds around the largest displacement: the specimen as it was, without the sensor's noise.",
     )?;
     html += "<div class=\"pair\">";
     for (trace, colour, caption) in [
@@ -103,9 +130,9 @@ fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Dr
             "The published baseline: displacement against target.",
         ),
         (
-            best,
+            ours,
             TESTED,
-            "The best: displacement against target. A straight line is an actuator without a delay.",
+            "Ours: displacement against target. A straight line is an actuator without a delay.",
         ),
     ] {
         let points = |x: &[f64]| {
@@ -115,7 +142,7 @@ fn draw_look(record: &Record, case: &Case, baseline: &Trace, best: &Trace) -> Dr
         };
         let curves = [
             Curve::new(GROUND, points(&trace.target_m)),
-            Curve::new(colour, points(&trace.moved_m)),
+            Curve::new(colour, points(&trace.true_m)),
         ];
         let svg = plot::plot(HALF, "target [mm]", "displacement [mm]", &curves)?;
         html += &figure(&svg, caption);

@@ -1,0 +1,117 @@
+//! The rules of the problem, and the ways in which published codes deviate from them.
+
+use crate::Refused;
+
+/// What a trial is run and judged by. The problem's own rules have no deviation.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Rules {
+    deviations: Vec<Deviation>,
+}
+
+/// A way in which published codes, ours among them, deviate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Deviation {
+    /// The force of the same sample goes into the numerical part; officially it is that of the sample before.
+    NoUnitDelay,
+    /// The numerical part is the reference less the nominal specimen; officially less the drawn one, so that the whole
+    /// stays the reference.
+    NominalNumericalPart,
+    /// Root mean squares; officially standard deviations.
+    RootMeanSquare,
+    /// Ground motions times .5; officially .4.
+    HalfScale,
+    /// A controller that estimates the displacement is judged by its estimate; officially by the reading.
+    JudgedByEstimate,
+    /// Core's loop integrates the equation of motion itself, with the force of the same sample.
+    CoreIntegrates,
+}
+
+impl Deviation {
+    /// All.
+    pub const ALL: [Self; 6] = [
+        Self::NoUnitDelay,
+        Self::NominalNumericalPart,
+        Self::RootMeanSquare,
+        Self::HalfScale,
+        Self::JudgedByEstimate,
+        Self::CoreIntegrates,
+    ];
+
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoUnitDelay => "no-unit-delay",
+            Self::NominalNumericalPart => "nominal-numerical-part",
+            Self::RootMeanSquare => "root-mean-square",
+            Self::HalfScale => "half-scale",
+            Self::JudgedByEstimate => "judged-by-estimate",
+            Self::CoreIntegrates => "core-integrates",
+        }
+    }
+}
+
+impl Rules {
+    /// The problem's own.
+    pub const fn official() -> Self {
+        Self {
+            deviations: Vec::new(),
+        }
+    }
+
+    /// Those of our earlier tables: core integrates, with the force of the same sample; the numerical part is nominal;
+    /// root mean squares.
+    pub fn own() -> Self {
+        Self {
+            deviations: vec![
+                Deviation::CoreIntegrates,
+                Deviation::NominalNumericalPart,
+                Deviation::RootMeanSquare,
+            ],
+        }
+    }
+
+    /// With one more deviation, by its name.
+    ///
+    /// # Errors
+    /// A name that no deviation has.
+    pub fn with(mut self, name: &str) -> Result<Self, Refused> {
+        let found = Deviation::ALL.into_iter().find(|d| d.name() == name);
+        let deviation = found.ok_or_else(|| {
+            let names = Deviation::ALL.map(Deviation::name).join(", ");
+            Refused::new(format!(
+                "the deviation `{name}` is unknown: accepted are {names}"
+            ))
+        })?;
+        if !self.deviates(deviation) {
+            self.deviations.push(deviation);
+        }
+        Ok(self)
+    }
+
+    /// Whether they deviate so.
+    pub fn deviates(&self, deviation: Deviation) -> bool {
+        self.deviations.contains(&deviation)
+    }
+
+    /// What a ground motion is multiplied by.
+    pub fn ground_scale(&self) -> f64 {
+        if self.deviates(Deviation::HalfScale) {
+            0.5
+        } else {
+            0.4
+        }
+    }
+
+    /// Their name: `official`, `own`, or `official` with its deviations.
+    pub fn name(&self) -> String {
+        if *self == Self::own() {
+            return "own".into();
+        }
+        let mut name = String::from("official");
+        for deviation in &self.deviations {
+            name += " + ";
+            name += deviation.name();
+        }
+        name
+    }
+}
