@@ -1,8 +1,8 @@
 //! The declared parameters of a channel.
 
 use crate::linear::Bound;
-use crate::model::{ActuatorModel, Declared, KnownEffect, SpecimenModel};
-use plant::Channel;
+use crate::model::{ActuatorModel, Declared, SpecimenModel};
+use plant::{Channel, EffectSpec};
 
 /// A declared parameter that the fit may move.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ pub struct Base {
     /// Those with a tolerance.
     pub free: Vec<Free>,
     /// Effects that the model already has.
-    pub known: Vec<KnownEffect>,
+    pub known: Vec<EffectSpec>,
 }
 
 /// Declared parameters move by so many tolerances.
@@ -54,7 +54,7 @@ impl Base {
         channel: Channel,
         declared: [Option<Declared>; 4],
         absent: [f64; 4],
-        known: &[KnownEffect],
+        known: &[EffectSpec],
     ) -> Self {
         let value = |i: usize| declared[i].map_or(absent[i], |d| d.value);
         let tolerance = |index: usize| declared[index].map_or(0.0, |d| d.tolerance);

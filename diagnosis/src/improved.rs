@@ -3,13 +3,12 @@
 use crate::answer::FoundEffect;
 use crate::base::Base;
 use crate::fit::Solution;
-use crate::model::{Declared, KnownEffect, Model};
-use plant::{Channel, Effect};
+use crate::model::{Declared, Model};
+use plant::{Channel, Effect, EffectSpec};
 
 /// Puts what was found into the model: where it has a parameter for it, there, else as an effect.
 pub fn improve(base: &Base, s: &Solution, effects: &[FoundEffect], improved: &mut Model) {
     let theta = s.problem.theta;
-    let scales = s.problem.scales;
     let mut values = theta;
     let mut tolerances: [Option<f64>; 4] = [None; 4];
     for f in &base.free {
@@ -36,12 +35,11 @@ pub fn improve(base: &Base, s: &Solution, effects: &[FoundEffect], improved: &mu
                 values[index] = value;
                 tolerances[index] = Some(tolerance);
             }
-            _ => known.push(KnownEffect {
-                name: e.candidate.effect,
-                amplitudes: e.amplitudes.clone(),
-                shapes: e.shapes.clone(),
-                reference_mm: scales.x,
-            }),
+            _ => {
+                let values = found.parameters.iter().map(|p| (p.name.as_str(), p.value));
+                let values: Vec<_> = values.collect();
+                known.push(EffectSpec::new(e.candidate.effect, &values));
+            }
         }
     }
     let declared = |i: usize, present: Option<Declared>| match (tolerances[i], present) {

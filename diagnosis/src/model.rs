@@ -3,8 +3,7 @@
 use crate::Refusal;
 use crate::library;
 use crate::remainder::Correction;
-use crate::signals::Scales;
-use plant::Channel;
+use plant::{Channel, EffectSpec};
 use serde::{Deserialize, Serialize};
 
 /// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
@@ -17,75 +16,34 @@ pub struct Declared {
     pub tolerance: f64,
 }
 
-/// An effect that an earlier diagnosis added.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KnownEffect {
-    /// Its name.
-    pub name: plant::Effect,
-    /// Its amplitudes, in the order of the library's columns.
-    pub amplitudes: Vec<f64>,
-    /// Its shape parameters, in the order of the library.
-    #[serde(default)]
-    pub shapes: Vec<f64>,
-    /// The largest displacement of the record that it was found in, mm: what powers are relative to.
-    pub reference_mm: f64,
-}
-
-impl KnownEffect {
-    /// What it is in the library.
-    pub(crate) fn form(&self, channel: Channel) -> Option<library::Candidate> {
-        library::form(channel, self.name, self.amplitudes.len(), self.shapes.len())
+/// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
+fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
+    let place = format!("{channel}.effects");
+    if !library::candidates(channel)
+        .iter()
+        .any(|c| c.effect == effect.name)
+    {
+        return Err(Refusal::new(format!(
+            "{place}: {} is refused: accepted are effects that the {channel} can have",
+            effect.name
+        )));
     }
-
-    /// Whether the numbers are as many as the effect has, and finite.
-    fn check(&self, channel: Channel) -> Result<(), Refusal> {
-        let place = format!("{channel}.effects: {}", self.name);
-        let candidates = library::candidates(channel);
-        let Some(candidate) = candidates.iter().find(|c| c.effect == self.name) else {
-            return Err(Refusal::new(format!(
-                "{place} is refused: accepted are effects that the {channel} can have"
-            )));
-        };
-        let scales = Scales::default();
-        let form = self.form(channel);
-        let candidate = form.as_ref().unwrap_or(candidate);
-        let counts = [
-            (
-                "amplitudes",
-                &self.amplitudes,
-                (candidate.bounds)(&scales).len(),
-            ),
-            ("shapes", &self.shapes, (candidate.shapes)(&scales).len()),
-        ];
-        for (what, given, count) in counts {
-            if given.len() != count || given.iter().any(|x| !x.is_finite()) {
-                return Err(Refusal::new(format!(
-                    "{place}.{what} = {given:?} is refused: accepted are {count} finite numbers"
-                )));
-            }
-        }
-        if !(self.reference_mm.is_finite() && self.reference_mm > 0.0) {
-            return Err(Refusal::new(format!(
-                "{place}.reference_mm = {} is refused: accepted are finite numbers above 0",
-                self.reference_mm
-            )));
-        }
-        Ok(())
+    // A form has parameters of its own, beside what the catalogue asks for.
+    let own = library::form_names(channel, effect);
+    if let Some((name, value)) = own.iter().find_map(|name| {
+        let value = effect.parameters.get(*name)?;
+        (!value.is_finite()).then_some((name, value))
+    }) {
+        return Err(Refusal::new(format!(
+            "{place}: {name} of {} is {value}: accepted are finite numbers",
+            effect.name
+        )));
     }
-
-    /// A parameter of the effect by its name in the catalogue, in the catalogue's unit.
-    pub fn parameter(&self, channel: plant::Channel, name: &str) -> Option<f64> {
-        let candidate = self.form(channel)?;
-        let scales = Scales {
-            x: self.reference_mm,
-            ..Scales::default()
-        };
-        (candidate.parameters)(&self.amplitudes, &self.shapes, &scales)
-            .into_iter()
-            .find(|(given, ..)| *given == name)
-            .map(|(.., value)| value)
+    if !own.is_empty() {
+        return Ok(());
     }
+    let here = effect.clone().in_channel(channel);
+    here.check(&place).map_err(|e| Refusal::new(e.to_string()))
 }
 
 /// Command to displacement.
@@ -106,7 +64,7 @@ pub struct ActuatorModel {
     pub offset_mm: Option<Declared>,
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<KnownEffect>,
+    pub effects: Vec<EffectSpec>,
     /// What the rest depends on, without a name: taken off the displacement before anything is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<Correction>,
@@ -130,7 +88,7 @@ pub struct SpecimenModel {
     pub offset_n: Option<Declared>,
     /// What earlier diagnoses added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<KnownEffect>,
+    pub effects: Vec<EffectSpec>,
     /// What the rest depends on, without a name: taken off the force before anything is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<Correction>,
@@ -203,7 +161,7 @@ impl Model {
         actuator
             .map(|e| (Channel::Actuator, e))
             .chain(specimen.map(|e| (Channel::Specimen, e)))
-            .try_for_each(|(channel, effect)| effect.check(channel))?;
+            .try_for_each(|(channel, effect)| check_effect(channel, effect))?;
         let corrections = [
             (
                 "actuator",
@@ -233,24 +191,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_known_effect_has_the_numbers_of_its_kind() {
-        let skew = |shapes: &[f64], reference_mm| Model {
+    fn a_known_effect_has_the_parameters_of_the_catalogue() {
+        let with = |effect: EffectSpec| Model {
             specimen: Some(SpecimenModel {
-                effects: vec![KnownEffect {
-                    name: plant::Effect::ChannelSkew,
-                    amplitudes: Vec::new(),
-                    shapes: shapes.to_vec(),
-                    reference_mm,
-                }],
+                effects: vec![effect],
                 ..SpecimenModel::default()
             }),
             ..Model::default()
         };
-        assert!(skew(&[1e-3], 10.0).check().is_ok());
+        let of = |effect, parameters: &[(&str, f64)]| with(EffectSpec::new(effect, parameters));
+        use plant::Effect::{ChannelSkew, CoulombFriction, RateLimit};
+        assert!(of(ChannelSkew, &[("skew_ms", 1.0)]).check().is_ok());
         for (model, said) in [
-            (skew(&[], 10.0), "shapes = [] is refused: accepted are 1"),
-            (skew(&[f64::NAN], 10.0), "shapes = [NaN]"),
-            (skew(&[1e-3], 0.0), "reference_mm = 0"),
+            (of(ChannelSkew, &[]), "skew_ms of channel_skew is missing"),
+            (of(ChannelSkew, &[("skew_ms", f64::NAN)]), "is NaN"),
+            (
+                of(CoulombFriction, &[("error_mm", 1.0)]),
+                "in the specimen channel force_n",
+            ),
+            (
+                of(RateLimit, &[("rate_mm_per_s", 1.0)]),
+                "rate_limit is refused",
+            ),
         ] {
             let e = model.check().unwrap_err().to_string();
             assert!(e.contains(said), "{e}");

@@ -1,7 +1,7 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
 use crate::base::{Base, Free};
-use crate::library::Candidate;
+use crate::library::{Candidate, fit_of, form};
 use crate::noise::averaged;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
@@ -259,19 +259,17 @@ impl Problem {
     /// What the model already knows beyond its parameters.
     fn add_known(&mut self, base: &Base) {
         for known in &base.known {
-            let Some(candidate) = known.form(base.channel) else {
+            let Some(candidate) = form(base.channel, known) else {
                 continue;
             };
-            let scales = Scales {
-                x: known.reference_mm,
-                ..self.scales
-            };
+            let scales = self.scales;
+            let (amplitudes, shapes) = fit_of(&candidate, known, &scales);
             for stretch in &mut self.stretches {
                 if let Some(stage) = candidate.stage {
-                    stretch.signals.base = stage(&stretch.signals.base, &known.shapes, &scales);
+                    stretch.signals.base = stage(&stretch.signals.base, &shapes, &scales);
                 }
-                let columns = (candidate.columns)(&stretch.signals, &known.shapes, &scales);
-                for (column, amplitude) in columns.iter().zip(&known.amplitudes) {
+                let columns = (candidate.columns)(&stretch.signals, &shapes, &scales);
+                for (column, amplitude) in columns.iter().zip(&amplitudes) {
                     add_scaled(&mut stretch.signals.base, column, *amplitude);
                 }
             }

@@ -18,12 +18,26 @@ fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     let one_line = |said: &str| said.split_whitespace().collect::<Vec<_>>().join(" ");
     let model: Model = toml::from_str(text).map_err(|e| {
         let at = e.span().map_or(1, |s| line(s.start));
-        Failure::input(format!("{file}, line {at}: {}", one_line(e.message())))
+        let said = match fit_vectors(text) {
+            true => "its effects are amplitudes and shapes, as an earlier version wrote them: accepted are the parameters \
+                     that `outerloop effects` lists; diagnose the records again with --save-model"
+                .to_owned(),
+            false => one_line(e.message()),
+        };
+        Failure::input(format!("{file}, line {at}: {said}"))
     })?;
     model
         .check()
         .map_err(|e| Failure::input(format!("{file}: {e}")))?;
     Ok(model)
+}
+
+/// True for a file whose effects are the inner numbers of a fit.
+fn fit_vectors(text: &str) -> bool {
+    text.lines().any(|line| {
+        let line = line.trim_start();
+        line.starts_with("amplitudes") || line.starts_with("shapes")
+    })
 }
 
 /// A model as text that [`load`] reads back.
@@ -47,6 +61,17 @@ mod tests {
         let model = parse("m.toml", TEXT).unwrap();
         assert_eq!(model.actuator.as_ref().unwrap().gain.unwrap().value, 1.0);
         assert_eq!(parse("x", &to_toml(&model).unwrap()).unwrap(), model);
+    }
+
+    #[test]
+    fn what_was_found_is_saved_in_the_words_of_the_catalogue() {
+        let found = "[[specimen.effects]]\nname = \"coulomb_friction\"\nforce_n = 300.0\npresliding_mm = 0.2\n";
+        let text = format!("{TEXT}{found}");
+        let model = parse("m.toml", &text).unwrap();
+        assert!(to_toml(&model).unwrap().ends_with(found));
+        let old = text.replace("force_n = 300.0", "amplitudes = [300.0]");
+        let e = parse("m.toml", &old).unwrap_err().to_string();
+        assert!(e.contains("as an earlier version wrote them"), "{e}");
     }
 
     #[test]

@@ -6,8 +6,8 @@
 //! force that is ahead by `t`, which for a spring is a viscous damping of `K t`. Where both channels say so, one
 //! correction of the reading takes out both, and nothing is taken out twice.
 
-use diagnosis::{ActuatorModel, Declared, KnownEffect, Model, SpecimenModel};
-use plant::{Channel, Effect};
+use diagnosis::{ActuatorModel, Declared, Model, SpecimenModel};
+use plant::{Channel, Effect, EffectSpec};
 
 /// What is wrong with a rig, each thing once, where it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +75,8 @@ impl Causes {
         causes
     }
 
-    fn add(&mut self, channel: Channel, effect: &KnownEffect) {
-        let value = |name| effect.parameter(channel, name);
+    fn add(&mut self, channel: Channel, effect: &EffectSpec) {
+        let value = |name| effect.parameter(name);
         let known = match (channel, effect.name) {
             (Channel::Actuator, Effect::SecondLag) => {
                 value("lag_ms").map(|lag| self.late_ms[1] += lag)
@@ -168,12 +168,7 @@ mod tests {
     fn model(gain: f64, offset_mm: f64, delay_ms: f64, force: [f64; 3]) -> Model {
         let known = |value, tolerance| Some(Declared { value, tolerance });
         let [force_gain, offset_n, damping] = force;
-        let gain_error = KnownEffect {
-            name: Effect::GainError,
-            amplitudes: vec![force_gain - 1.0],
-            shapes: Vec::new(),
-            reference_mm: 50.0,
-        };
+        let gain_error = EffectSpec::new(Effect::GainError, &[("error", force_gain - 1.0)]);
         Model {
             actuator: Some(ActuatorModel {
                 gain: known(gain, 1e-3),

@@ -191,7 +191,7 @@ fn timing(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
 mod tests {
     use super::*;
     use crate::files::test::TestFile;
-    use diagnosis::KnownEffect;
+    use plant::EffectSpec;
     use std::path::Path;
 
     const TEST: &str = include_str!("../../../examples/table1.toml");
@@ -219,23 +219,20 @@ mod tests {
     fn each_finding_has_its_place_and_a_specimen_keeps_its_own() {
         let test = table1();
         let mut model = test.declared_model().unwrap();
-        let known = |name, amplitudes: &[f64], shapes: &[f64]| KnownEffect {
-            name,
-            amplitudes: amplitudes.to_vec(),
-            shapes: shapes.to_vec(),
-            reference_mm: 50.0,
-        };
         let specimen = model.specimen.as_mut().unwrap();
         specimen.mass_kg.as_mut().unwrap().value = 60.0;
         specimen.effects = vec![
-            known(Effect::GainError, &[0.06], &[]),
-            known(Effect::ChannelSkew, &[], &[1.5e-3]),
-            known(Effect::CoulombFriction, &[300.0], &[0.2]),
-            known(Effect::QuadraticDamping, &[0.1], &[]),
+            EffectSpec::new(Effect::GainError, &[("error", 0.06)]),
+            EffectSpec::new(Effect::ChannelSkew, &[("skew_ms", 1.5)]),
+            EffectSpec::new(
+                Effect::CoulombFriction,
+                &[("force_n", 300.0), ("presliding_mm", 0.2)],
+            ),
+            EffectSpec::new(Effect::QuadraticDamping, &[("damping_n_s2_per_mm2", 0.1)]),
         ];
         let actuator = model.actuator.as_mut().unwrap();
         actuator.gain.as_mut().unwrap().value = 1.05;
-        actuator.effects = vec![known(Effect::SecondLag, &[], &[6e-3])];
+        actuator.effects = vec![EffectSpec::new(Effect::SecondLag, &[("lag_ms", 6.0)])];
         model.check().unwrap();
         let mut config = test.config.clone();
         let said = apply(&model, &mut config).join("\n");

@@ -3,9 +3,9 @@
 use super::fit::{DECLARED, Data, Fit};
 use super::part::Kind;
 use crate::linear::{dot, gram};
-use crate::model::{Declared, KnownEffect, Model};
+use crate::model::{Declared, Model};
 use nalgebra::{DMatrix, DVector};
-use plant::Effect;
+use plant::{Effect, EffectSpec};
 
 /// A parameter by the catalogue: name, unit, value, standard deviation.
 pub type Figure = (&'static str, &'static str, f64, f64);
@@ -168,25 +168,25 @@ impl Data<'_> {
             let [a, b] = part.shapes;
             let mut strength = || amplitudes.next().copied().unwrap_or(0.0);
             let width = a * gain.abs();
-            let (amplitudes, shapes) = match part.kind {
-                Kind::SecondLag | Kind::UnequalAreas => (vec![], vec![a]),
-                Kind::OilColumn => (vec![], vec![a, b]),
-                Kind::Overlap | Kind::FlowLimit => (vec![], vec![a, fit.declared[2]]),
-                Kind::RateLimit | Kind::Play | Kind::DeadBand => (vec![], vec![width]),
-                Kind::Stops => (vec![], vec![a * gain, b * gain]),
-                Kind::Friction => (vec![strength()], vec![width]),
-                Kind::Compliance => (vec![strength()], vec![]),
+            let lag_ms = 1e3 * fit.declared[2];
+            let parameters = match part.kind {
+                Kind::SecondLag => vec![("lag_ms", 1e3 * a)],
+                Kind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
+                Kind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
+                Kind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
+                Kind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
+                Kind::RateLimit => vec![("rate_mm_per_s", width)],
+                Kind::Play | Kind::DeadBand => vec![("width_mm", width)],
+                Kind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
+                Kind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
+                Kind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
                 // The library's half of it is the gain's; no lag of the way back beside it.
-                Kind::SideGain => (vec![strength() / gain, 0.0], vec![1e-3 * self.interval_s]),
-                Kind::Drift => (vec![strength() / a], vec![a]),
-                Kind::GainDrift => (vec![strength() / gain], vec![a]),
+                Kind::SideGain => vec![("difference", strength() / gain)],
+                Kind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
+                Kind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
             };
-            actuator.effects.push(KnownEffect {
-                name: part.kind.effect(),
-                amplitudes,
-                shapes,
-                reference_mm: self.sizes.x_mm,
-            });
+            let effect = EffectSpec::new(part.kind.effect(), &parameters);
+            actuator.effects.push(effect);
         }
     }
 }

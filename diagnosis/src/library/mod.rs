@@ -3,11 +3,14 @@
 
 mod actuator;
 pub mod operators;
+mod saved;
 mod specimen;
+
+pub use saved::{fit_of, form_names};
 
 use crate::linear::Bound;
 use crate::signals::{Scales, Signals};
-use plant::{Channel, Effect};
+use plant::{Channel, Effect, EffectSpec};
 
 /// A parameter that the answer depends on other than in proportion; searched on a logarithmic scale where it is
 /// positive, else on a straight one.
@@ -72,22 +75,15 @@ pub fn candidates(channel: Channel) -> Vec<Candidate> {
     }
 }
 
-/// The form of an effect in a model, by how many amplitudes and shapes it has there.
-pub fn form(
-    channel: Channel,
-    effect: Effect,
-    amplitudes: usize,
-    shapes: usize,
-) -> Option<Candidate> {
-    let scales = Scales::default();
-    let mut all = candidates(channel);
-    if channel == Channel::Actuator {
-        all.extend(actuator::FORMS);
-    }
-    all.into_iter().find(|c| {
-        let counts = ((c.bounds)(&scales).len(), (c.shapes)(&scales).len());
-        c.effect == effect && counts == (amplitudes, shapes)
-    })
+/// What an effect of a model is in the library: a candidate, or one of its forms where it has the form's parameters.
+pub fn form(channel: Channel, effect: &EffectSpec) -> Option<Candidate> {
+    let own = form_names(channel, effect);
+    let forms = actuator::FORMS.iter().copied();
+    let form = forms
+        .filter(|_| !own.is_empty())
+        .find(|c| c.effect == effect.name);
+    let all = candidates(channel);
+    form.or_else(|| all.into_iter().find(|c| c.effect == effect.name))
 }
 
 /// No shape parameter.
@@ -232,7 +228,24 @@ mod tests {
                     .map(|s| s.high.min((s.low * s.high).abs().sqrt()))
                     .collect();
                 let amplitudes = vec![0.5; (c.bounds)(&scales).len()];
-                for (name, unit, value) in (c.parameters)(&amplitudes, &shapes, &scales) {
+                let named = (c.parameters)(&amplitudes, &shapes, &scales);
+                let values: Vec<_> = named
+                    .iter()
+                    .map(|(name, _, value)| (*name, *value))
+                    .collect();
+                // The file has these alone: the way back gives the same.
+                let saved = plant::EffectSpec::new(c.effect, &values);
+                let (a, p) = fit_of(&c, &saved, &scales);
+                for ((name, _, value), (_, _, again)) in
+                    named.iter().zip((c.parameters)(&a, &p, &scales))
+                {
+                    let room = 1e-9 * value.abs() + 1e-12;
+                    assert!(
+                        (value - again).abs() < room,
+                        "{c:?}: {name} {value} {again}"
+                    );
+                }
+                for (name, unit, value) in named {
                     let known = c.effect.entry().parameters.iter().find(|p| p.name == name);
                     let known = known.unwrap_or_else(|| panic!("{c:?}: {name}"));
                     assert_eq!(known.accept.unit, unit, "{c:?}: {name}");

@@ -172,8 +172,20 @@ impl EffectSpec {
         }
     }
 
-    /// Whether name, channel and parameters fit each other; `path` is where this is in the test file.
-    pub(crate) fn check(&self, path: &str) -> Result<(), RigError> {
+    /// The value of a parameter: as given, else the catalogue's default.
+    pub fn parameter(&self, name: &str) -> Option<f64> {
+        let default = || {
+            let mut known = self.name.entry().parameters.iter();
+            known.find(|p| p.name == name)?.default
+        };
+        self.parameters.get(name).copied().or_else(default)
+    }
+
+    /// Checks that name, channel and parameters fit each other; `path` is where this is in its file.
+    ///
+    /// # Errors
+    /// A parameter that is missing, unknown or out of its range, by its name.
+    pub fn check(&self, path: &str) -> Result<(), RigError> {
         given::Given::new(self, path).map(drop)
     }
 

@@ -1,0 +1,119 @@
+//! From the parameters of the catalogue, as a model file has them, to amplitudes and shapes: the way back of
+//! [`super::Candidate::parameters`].
+
+use super::{Candidate, MOST_AT_REST};
+use crate::signals::Scales;
+use plant::{Channel, Effect, EffectSpec};
+
+/// The parameters of the forms that only a joint search finds (see `actuator::FORMS`), in the order of their shapes.
+const FORMS: [(Effect, &[&str]); 4] = [
+    (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
+    (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
+    (Effect::RateLimit, &["opening_mm", "valve_lag_ms"]),
+    (Effect::Saturation, &["lower_mm", "upper_mm"]),
+];
+
+/// The names of the form that `effect` has; none where it is as the catalogue has it.
+pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static str] {
+    let form = FORMS.iter().find(|(name, names)| {
+        let given = names
+            .iter()
+            .all(|name| effect.parameters.contains_key(*name));
+        channel == Channel::Actuator && *name == effect.name && given
+    });
+    form.map_or(&[], |(_, names)| names)
+}
+
+/// Amplitudes and shapes of `effect`, as `candidate` has them, for data of these sizes. The phase of a hum is of its own
+/// record; its sine begins with 0.
+pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
+    let own = form_names(candidate.channel, effect);
+    if !own.is_empty() {
+        let shape = |name: &&str| {
+            let value = effect.parameters.get(*name).copied().unwrap_or(0.0);
+            if name.ends_with("_ms") {
+                1e-3 * value
+            } else {
+                value
+            }
+        };
+        return (Vec::new(), own.iter().map(shape).collect());
+    }
+    let get = |name: &'static str| effect.parameter(name).unwrap_or(0.0);
+    let milli = |name: &'static str| 1e-3 * get(name);
+    let in_force = candidate.channel == Channel::Specimen;
+    let of_unit =
+        |force: &'static str, motion: &'static str| get(if in_force { force } else { motion });
+    // An effect that replaces the whole answer has that much of itself once, where it is a column.
+    let once = if in_force { vec![1.0] } else { Vec::new() };
+    match effect.name {
+        Effect::DelayError => (
+            vec![],
+            vec![milli("delay_ms") + k.interval_s + k.declared.delay_s],
+        ),
+        Effect::LagError => (vec![], vec![milli("lag_ms") + k.declared.lag_s]),
+        Effect::SecondLag => (vec![], vec![milli("lag_ms")]),
+        Effect::OilColumn => (vec![], vec![get("frequency_hz"), get("damping_ratio")]),
+        Effect::ChannelSkew => (vec![], vec![milli("skew_ms")]),
+        Effect::GainError => (vec![get("error")], vec![]),
+        Effect::Offset => (vec![of_unit("offset_n", "offset_mm")], vec![]),
+        Effect::RigCompliance => (vec![1.0 / get("stiffness_n_per_mm")], vec![]),
+        Effect::Drift => (
+            vec![of_unit("rate_n_per_s", "rate_mm_per_s")],
+            vec![get("time_constant_s")],
+        ),
+        Effect::TemperatureGain => (vec![get("change")], vec![get("time_constant_s")]),
+        Effect::CoulombFriction => (
+            vec![of_unit("force_n", "error_mm")],
+            vec![get("presliding_mm")],
+        ),
+        Effect::StribeckFriction => {
+            let sliding = of_unit("force_n", "error_mm");
+            let falls = sliding * (get("rest_ratio") - 1.0) / (MOST_AT_REST - 1.0);
+            (
+                vec![sliding - falls, falls],
+                vec![get("presliding_mm"), get("stribeck_mm_per_s")],
+            )
+        }
+        Effect::BilinearHysteresis => (vec![1.0 - get("hardening_ratio")], vec![get("yield_mm")]),
+        Effect::BoucWenHysteresis => (
+            vec![1.0 - get("hardening_ratio")],
+            vec![get("yield_mm"), get("sharpness")],
+        ),
+        Effect::Backlash | Effect::DeadBand => (once, vec![get("width_mm")]),
+        Effect::SlipGap => (once, vec![get("gap_mm"), get("slip_n") / k.stiffness]),
+        Effect::Saturation => (once, vec![of_unit("limit_n", "limit_mm")]),
+        Effect::RateLimit => (vec![], vec![get("rate_mm_per_s")]),
+        Effect::ViscousDamping => (vec![get("damping_n_s_per_mm")], vec![]),
+        Effect::QuadraticDamping => (vec![get("damping_n_s2_per_mm2")], vec![]),
+        Effect::MaxwellDamper => (
+            vec![get("stiffness_n_per_mm")],
+            vec![milli("relaxation_ms")],
+        ),
+        Effect::Hardening => {
+            let exponent = get("exponent");
+            let at_largest = (get("reference_mm") / k.x).powf(-exponent);
+            (vec![at_largest], vec![exponent])
+        }
+        Effect::Softening => (once, vec![get("reference_mm"), get("exponent")]),
+        Effect::AsymmetricActuator => {
+            let retract_s = milli("retract_lag_ms");
+            let whole = f64::from(retract_s > 0.0);
+            let lag_s = if retract_s > 0.0 {
+                retract_s
+            } else {
+                k.interval_s
+            };
+            (vec![get("difference"), whole], vec![lag_s])
+        }
+        Effect::AsymmetricStiffness => (vec![get("difference")], vec![]),
+        Effect::InertiaForce => (vec![get("mass_kg")], vec![]),
+        Effect::MainsHum => {
+            let first = of_unit("amplitude_n", "amplitude_mm");
+            let third = first * get("third_harmonic");
+            (vec![first, 0.0, third, 0.0], vec![get("frequency_hz")])
+        }
+        // Read off the values themselves: no candidate has it.
+        Effect::Quantisation => (vec![], vec![]),
+    }
+}
