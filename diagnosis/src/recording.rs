@@ -267,8 +267,10 @@ impl Recording {
     }
 }
 
-/// A record that moves slower than this share of its rms speed over its first samples begins at rest.
-const AT_REST: f64 = 0.05;
+/// A record that moves over less than this share of its range in its first moments begins at rest.
+const AT_REST: f64 = 0.02;
+/// The first moments: this share of it.
+const FIRST: usize = 50;
 /// How far a later moment may be from the first one, of the rms of place and speed.
 const ALIKE: f64 = 0.15;
 
@@ -285,7 +287,7 @@ fn like_the_start(x: &[f64]) -> Option<usize> {
         (square / (n - over) as f64).sqrt()
     };
     let (place_rms, speed_rms) = (rms(&|i| x[i] - mean), rms(&speed));
-    if speed(0).abs() < AT_REST * speed_rms {
+    if range(&x[..(n / FIRST).max(2)]) < AT_REST * range(x) {
         return None;
     }
     let distance = |i: usize| {

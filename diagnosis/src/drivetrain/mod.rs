@@ -18,6 +18,7 @@ pub use way::Way;
 
 use crate::base::Base;
 use crate::recording::Recording;
+use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
 use search::Search;
 use way::Run;
@@ -64,7 +65,9 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
         .max(samples.div_ceil(TOO_MANY).min(coarse))
         .max(1);
     let thin = data(base, train, every)?;
-    let (search, declared) = Search::new(&thin)?;
+    // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
+    let rests = |r: &Recording| rest::spans(r).len() == 2;
+    let (search, declared) = Search::new(&thin, train.iter().all(rests))?;
     let tried = search
         .glances(&declared, &[])
         .iter()

@@ -88,6 +88,21 @@ impl Kind {
         }
     }
 
+    /// Whether one of the two can stand in for the other: they are not put into one model.
+    pub fn is_like(self, other: Self) -> bool {
+        let group = |k: Self| match k {
+            Self::Play | Self::Friction => 0,
+            Self::Overlap | Self::DeadBand => 1,
+            Self::FlowLimit | Self::RateLimit => 2,
+            Self::UnequalAreas | Self::SideGain => 3,
+            Self::SecondLag | Self::OilColumn => 4,
+            Self::Drift | Self::GainDrift => 5,
+            Self::Stops => 6,
+            Self::Compliance => 7,
+        };
+        group(self) == group(other)
+    }
+
     /// Whether it adds a column with an amplitude of its own, else it acts inside the way.
     pub const fn is_column(self) -> bool {
         matches!(

@@ -31,8 +31,8 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// With the declared model, which everything is measured by.
-    pub fn new(data: &'a Data<'a>) -> Option<(Self, Scored)> {
+    /// With the declared model, which everything is measured by, and with or without what depends on time alone.
+    pub fn new(data: &'a Data<'a>, with_time: bool) -> Option<(Self, Scored)> {
         let held = Model {
             parts: Vec::new(),
             moved: [false; DECLARED],
@@ -44,6 +44,9 @@ impl<'a> Search<'a> {
         let mut kinds = Kind::ALL.to_vec();
         if !data.has_force() {
             kinds.retain(|k| *k != Kind::Compliance);
+        }
+        if !with_time {
+            kinds.retain(|k| !matches!(k, Kind::Drift | Kind::GainDrift));
         }
         let search = Self {
             data,
@@ -196,8 +199,9 @@ impl<'a> Search<'a> {
         let Some(factor) = scaled(gram(slopes)) else {
             return Vec::new();
         };
-        let has =
-            |k: &Kind| from.fit.model.parts.iter().any(|p| p.kind == *k) || without.contains(k);
+        let has = |k: &Kind| {
+            from.fit.model.parts.iter().any(|p| p.kind.is_like(*k)) || without.contains(k)
+        };
         let kinds: Vec<Kind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
         let mut found: Vec<Glance> = kinds
             .into_par_iter()
@@ -237,7 +241,8 @@ impl<'a> Search<'a> {
                 let (a, b) = (&glances[i].column, &glances[j].column);
                 let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
                 let determinant = aa * bb - ab * ab;
-                if determinant < 1e-6 * aa * bb {
+                let alike = glances[i].part.kind.is_like(glances[j].part.kind);
+                if alike || determinant < 1e-6 * aa * bb {
                     continue;
                 }
                 let x = (bb * pull[i] - ab * pull[j]) / determinant;

@@ -99,28 +99,22 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
     if claimed.is_empty() {
         return Outcome::Nothing;
     }
-    let judged: Vec<(Name, Vec<(Effect, f64)>)> = claimed
+    let judged: Vec<Name> = claimed
         .iter()
         .map(|&effect| {
             let mut rivals = rivals(search, best, effect, declared);
             rivals.extend(others(search, best, effect, &all));
             let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-            let name = Name {
+            Name {
                 effect,
                 rho: least.exp(),
-            };
-            let mut named: Vec<(Effect, f64)> = rivals
-                .into_iter()
-                .filter_map(|(e, t)| Some((e?, t)))
-                .collect();
-            named.sort_by(|a, b| a.1.total_cmp(&b.1));
-            (name, named)
+            }
         })
         .collect();
     let explained = 1.0 - search.times(&best.squares, &declared.squares).exp();
     let sure: Vec<Name> = judged
         .iter()
-        .map(|j| j.0)
+        .copied()
         .filter(|n| n.rho >= CERTAIN)
         .collect();
     let unknown = |nearest| Outcome::Unknown { nearest, explained };
@@ -136,19 +130,27 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
             _ => unknown(sure[0].effect),
         };
     }
-    let Some((first, rivals)) = judged.iter().max_by(|a, b| a.0.rho.total_cmp(&b.0.rho)) else {
+    let Some(first) = judged.iter().max_by(|a, b| a.rho.total_cmp(&b.rho)) else {
         return Outcome::Nothing;
     };
-    let mut members: Vec<(Effect, f64)> = vec![(first.effect, 1.0)];
-    let near = |i: usize, times: f64| {
-        times.exp() < EQUALLY_GOOD
-            || (i == 0 && first.rho >= STANDS && times.exp() < CERTAIN * first.rho)
+    // The preferred member alone: what stands beside it cannot be vouched for either, and its rivals are those without it.
+    let alone = search.scored(&only(&best.fit.model, &[*first]), best.fit.declared);
+    let Some(alone) = alone.filter(|s| s.score < 0.0) else {
+        return unknown(first.effect);
     };
-    let rivals = rivals.iter().enumerate();
-    for (_, (rival, times)) in rivals.filter(|(i, (_, times))| near(*i, *times)) {
-        match members.iter_mut().find(|m| m.0 == *rival) {
-            Some(m) => m.1 = m.1.max((-WEIGHT * times).exp()),
-            None => members.push((*rival, (-WEIGHT * times).exp())),
+    let mut rivals = named(rivals(search, &alone, first.effect, declared));
+    rivals.extend(named(others(search, &alone, first.effect, &all)));
+    rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut members: Vec<(Effect, f64)> = vec![(first.effect, 1.0)];
+    for (i, (rival, times)) in rivals.into_iter().enumerate() {
+        let beside = i == 0 && first.rho >= STANDS && times.exp() < CERTAIN * first.rho;
+        if times.exp() >= EQUALLY_GOOD && !beside {
+            continue;
+        }
+        let odds = (-WEIGHT * times).exp();
+        match members.iter_mut().find(|m| m.0 == rival) {
+            Some(m) => m.1 = m.1.max(odds),
+            None => members.push((rival, odds)),
         }
     }
     if members.len() < 2 || members.len() > LARGEST_SET {
@@ -156,16 +158,23 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
     }
     let whole: f64 = members.iter().map(|m| m.1).sum();
     members.iter_mut().for_each(|m| m.1 /= whole);
-    members.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // With the preferred member alone: what stands beside it cannot be vouched for either.
-    let model = only(&best.fit.model, &[*first]);
-    match search.scored(&model, best.fit.declared) {
-        Some(s) if s.score < 0.0 => Outcome::Set {
-            fit: s.fit,
-            members,
-        },
-        _ => unknown(first.effect),
+    // The preferred one is the one that the model has.
+    members[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
+    Outcome::Set {
+        fit: alone.fit,
+        members,
     }
+}
+
+/// A rival: its name, if it has one, and the logarithm of how many times the squares it leaves.
+type Rival = (Option<Effect>, f64);
+
+/// Rivals that have a name.
+fn named(rivals: Vec<Rival>) -> Vec<(Effect, f64)> {
+    rivals
+        .into_iter()
+        .filter_map(|(e, t)| Some((e?, t)))
+        .collect()
 }
 
 /// A model with the parts of sure names only.
@@ -183,12 +192,7 @@ fn only(model: &Model, sure: &[Name]) -> Model {
 
 /// What the best model leaves if a name is replaced: each rival's name, if it has one, and the logarithm of how many times the
 /// squares it leaves.
-fn rivals(
-    search: &Search,
-    best: &Scored,
-    effect: Effect,
-    declared: &Scored,
-) -> Vec<(Option<Effect>, f64)> {
+fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> Vec<Rival> {
     let mut without = best.fit.model.clone();
     without.parts.retain(|p| p.kind.effect() != effect);
     without.moved = [true; DECLARED];
@@ -219,18 +223,13 @@ fn rivals(
             search.times(&scored.squares, &best.squares),
         ))
     });
-    let mut all: Vec<(Option<Effect>, f64)> = replaced.collect();
+    let mut all: Vec<Rival> = replaced.collect();
     all.push((None, search.times(&dropped.squares, &best.squares)));
     all
 }
 
 /// Other models of the search that do without a name and are no larger.
-fn others(
-    search: &Search,
-    best: &Scored,
-    effect: Effect,
-    all: &[Scored],
-) -> Vec<(Option<Effect>, f64)> {
+fn others(search: &Search, best: &Scored, effect: Effect, all: &[Scored]) -> Vec<Rival> {
     let size = |s: &Scored| names(&s.fit.model).len();
     all.iter()
         .filter(|s| size(s) <= size(best))
