@@ -99,6 +99,19 @@ impl CallGraph {
         Ok(reach)
     }
 
+    /// Where the functions of these names lie.
+    pub fn ranges(&self, names: &BTreeSet<String>) -> Vec<Range<u32>> {
+        let all = self.functions.iter();
+        all.filter(|(_, (_, name))| names.contains(name))
+            .map(|(&begin, &(end, _))| begin..end)
+            .collect()
+    }
+
+    /// First address and bytes of the code.
+    pub fn code(&self) -> (u32, &[u8]) {
+        (self.begin, &self.code)
+    }
+
     /// Names of all functions with `part` in them.
     pub fn names<'a>(&'a self, part: &'a str) -> impl Iterator<Item = &'a str> {
         let names = self.functions.values().map(|(_, name)| name.as_str());

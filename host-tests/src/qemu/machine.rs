@@ -34,6 +34,14 @@ impl<const N: usize> Machine<N> {
     /// # Errors
     /// The emulator does not start.
     pub fn start(image: &Path, clock: Clock) -> Result<Self> {
+        Self::start_filtered(image, clock, None)
+    }
+
+    /// As [`Self::start`]; of a trace only the addresses of `filter` are written.
+    ///
+    /// # Errors
+    /// The emulator does not start.
+    pub fn start_filtered(image: &Path, clock: Clock, filter: Option<&str>) -> Result<Self> {
         if clock != Clock::Tracing {
             share_a_processor();
         }
@@ -61,6 +69,9 @@ impl<const N: usize> Machine<N> {
             command
                 .args(["-d", "exec,nochain"])
                 .args(one_instruction_at_a_time()?);
+            if let Some(filter) = filter {
+                command.args(["-dfilter", filter]);
+            }
             command.stderr(Stdio::piped());
         }
         Ok(Self {

@@ -4,6 +4,7 @@
 //! the test says so and is not run; with `OUTERLOOP_REQUIRE_QEMU` set, as `scripts/test` does, it fails.
 
 pub mod bench;
+pub mod cycles;
 pub mod image;
 pub mod machine;
 pub mod profile;

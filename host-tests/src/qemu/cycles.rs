@@ -1,0 +1,376 @@
+//! Cycles of a step on the Cortex-M4F of the board, from the instructions that ran in the emulator.
+//!
+//! Two clocks run along the trace: the core's, by ARM's table of instruction timings (Cortex-M4 Technical Reference
+//! Manual, section 3.3, and 7.2.3 for the floating-point unit), and that of the flash of an STM32F42x behind its
+//! accelerator (RM0090, section 3.5.2) at 168 MHz: 5 wait states, lines of 16 bytes, 64 lines of instructions and 8 of
+//! constants kept, the next line read ahead. Every step begins with an empty cache: between two control interrupts
+//! everything else has run.
+//!
+//! # Limitations
+//! Not calibrated against a chip; +-15 % is a guess. Data lie in memory without wait states; DMA takes no bus cycles.
+
+use crate::call_graph::CallGraph;
+use std::collections::{BTreeSet, VecDeque};
+use std::io::{BufRead, BufReader, Read, Result};
+use std::ops::Range;
+
+/// Wait states of the flash at 168 MHz and 3.3 V.
+const WAIT_STATES: u64 = 5;
+
+/// Lines of instructions and of constants that the accelerator keeps.
+const LINES: [usize; 2] = [64, 8];
+
+/// What one step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Instructions.
+    pub instructions: u64,
+    /// Cycles out of memory without wait states.
+    pub without_waiting: u64,
+    /// Cycles out of the flash.
+    pub cycles: u64,
+}
+
+/// The code of an image, and what of it belongs to a step.
+pub struct Code {
+    begin: u32,
+    bytes: Vec<u8>,
+    /// The step of a loop of each size.
+    steps: Vec<Range<u32>>,
+    /// The functions that they can come to.
+    ranges: Vec<Range<u32>>,
+}
+
+impl Code {
+    /// Of an ELF image.
+    ///
+    /// # Errors
+    /// It is none, or has no loop.
+    pub fn new(image: &[u8]) -> std::result::Result<Self, String> {
+        let graph = CallGraph::new(image)?;
+        let names = graph.names("OuterLoop").filter(|n| n.contains("4step17"));
+        let names: BTreeSet<_> = names.map(str::to_owned).collect();
+        if names.is_empty() {
+            return Err("there is no step of a loop".to_owned());
+        }
+        let mut reach = BTreeSet::new();
+        for name in &names {
+            reach.extend(graph.reach(name, "rust_begin_unwind")?.functions);
+        }
+        let (begin, bytes) = graph.code();
+        Ok(Self {
+            begin,
+            bytes: bytes.to_vec(),
+            steps: graph.ranges(&names),
+            ranges: graph.ranges(&reach),
+        })
+    }
+
+    /// What the emulator is to write down: nothing but the step.
+    pub fn filter(&self) -> String {
+        let ranges = self.ranges.iter();
+        let ranges = ranges.map(|r| format!("{:#x}..{:#x}", r.start, r.end - 1));
+        ranges.collect::<Vec<_>>().join(",")
+    }
+
+    fn half(&self, at: u32) -> u16 {
+        let i = at.wrapping_sub(self.begin) as usize;
+        match self.bytes.get(i..i + 2) {
+            Some(b) => u16::from_le_bytes([b[0], b[1]]),
+            None => 0,
+        }
+    }
+
+    /// Reads a trace to its end; one entry for each step.
+    ///
+    /// # Errors
+    /// The trace cannot be read.
+    pub fn steps(&self, trace: impl Read) -> Result<Vec<Cost>> {
+        let mut reader = BufReader::with_capacity(1 << 20, trace);
+        let (mut steps, mut line) = (Vec::new(), Vec::new());
+        let mut run: Option<Run> = None;
+        let mut last: Option<u32> = None;
+        loop {
+            line.clear();
+            if reader.read_until(b'\n', &mut line)? == 0 {
+                return Ok(steps);
+            }
+            let Some(pc) = program_counter(&line) else {
+                continue;
+            };
+            if self.steps.iter().any(|s| s.start == pc) {
+                run = Some(Run::new());
+                last = None;
+            }
+            let Some(active) = &mut run else { continue };
+            if let Some(last) = last {
+                active.execute(self, last, Some(pc));
+            }
+            last = Some(pc);
+            let in_step = self.steps.iter().any(|s| s.contains(&pc));
+            if in_step && returns(self.half(pc), self.half(pc + 2)) {
+                active.execute(self, pc, None);
+                steps.push(active.cost());
+                (run, last) = (None, None);
+            }
+        }
+    }
+}
+
+/// `Trace 0: 0x7f.. [cs/pc/flags/cflags] symbol`.
+fn program_counter(line: &[u8]) -> Option<u32> {
+    let text = line.strip_prefix(b"Trace")?;
+    let text = text.split(|&b| b == b'/').nth(1)?;
+    u32::from_str_radix(std::str::from_utf8(text).ok()?, 16).ok()
+}
+
+/// Takes the program counter from the stack or the link register.
+fn returns(first: u16, second: u16) -> bool {
+    first & 0xff00 == 0xbd00 || first == 0x4770 || (first == 0xe8bd && second & 0x8000 != 0)
+}
+
+/// How an instruction is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// So many cycles.
+    Takes(u64),
+    /// One load or store; the next to it is pipelined. The address is that of a constant in the flash.
+    Transfer(Option<u32>),
+    /// So many words.
+    Transfers(u64),
+    /// Arithmetic of the floating-point unit: cycles, result, operands.
+    Float(u64, u8, [u8; 3]),
+}
+
+fn kind(pc: u32, first: u16, second: u16) -> Kind {
+    let (f, s) = (u32::from(first), u32::from(second));
+    let pool = (pc & !3) + 4;
+    if f >> 11 < 0b11101 {
+        return match f >> 12 {
+            0x4 if f >> 11 == 0b01001 => Kind::Transfer(Some(pool + (f & 0xff) * 4)),
+            0x5..=0x9 => Kind::Transfer(None),
+            0xb if f & 0xf600 == 0xb400 => Kind::Transfers(u64::from((f & 0x1ff).count_ones())),
+            0xc => Kind::Transfers(u64::from((f & 0xff).count_ones())),
+            _ => Kind::Takes(1),
+        };
+    }
+    let offset = |words: u32| {
+        if f & 0x80 != 0 {
+            pool + words
+        } else {
+            pool.wrapping_sub(words)
+        }
+    };
+    let constant = |words: u32| (f & 0xf == 0xf).then(|| offset(words));
+    if f & 0xfe40 == 0xe800 {
+        Kind::Transfers(u64::from(s.count_ones()))
+    } else if f & 0xfe40 == 0xe840 {
+        // LDRD and STRD; a table branch reads one.
+        Kind::Transfers(2)
+    } else if f & 0xfe00 == 0xf800 {
+        Kind::Transfer(constant(s & 0xfff))
+    } else if f & 0xff20 == 0xed00 {
+        Kind::Transfer(constant((s & 0xff) * 4))
+    } else if f & 0xffe0 == 0xec40 {
+        Kind::Takes(2)
+    } else if f & 0xfe00 == 0xec00 {
+        Kind::Transfers(u64::from(s & 0xff))
+    } else if f & 0xff00 == 0xee00 && s & 0x10 == 0 {
+        float(f, s)
+    } else if f & 0xffd0 == 0xfb90 {
+        Kind::Takes(12)
+    } else {
+        Kind::Takes(1)
+    }
+}
+
+fn float(f: u32, s: u32) -> Kind {
+    let register = |high: u32, low: u32| ((high & 0xf) << 1 | low & 1) as u8;
+    let (d, n, m) = (
+        register(s >> 12, f >> 6),
+        register(f, s >> 7),
+        register(s, s >> 5),
+    );
+    let none = u8::MAX;
+    match (f >> 7 & 1, f >> 4 & 3) {
+        // VMLA, VFMA and their relatives.
+        (0, 0 | 1) | (1, 1 | 2) => Kind::Float(3, d, [n, m, d]),
+        (0, _) => Kind::Float(1, d, [n, m, none]),
+        (_, 0) => Kind::Float(14, d, [n, m, none]),
+        // VSQRT; the others move, compare and convert.
+        _ if f & 0xf == 1 && s & 0xc0 == 0xc0 => Kind::Float(14, d, [m, none, none]),
+        _ => Kind::Float(1, d, [m, none, none]),
+    }
+}
+
+/// One step on its way.
+struct Run {
+    cost: Cost,
+    /// Cycles in which the core waited for the flash.
+    waited: u64,
+    flash: Flash,
+    last: Kind,
+}
+
+impl Run {
+    fn new() -> Self {
+        Self {
+            cost: Cost::default(),
+            waited: 0,
+            flash: Flash::default(),
+            last: Kind::Takes(1),
+        }
+    }
+
+    fn now(&self) -> u64 {
+        self.cost.without_waiting + self.waited
+    }
+
+    /// The instruction at `pc`, after which that at `next` runs.
+    fn execute(&mut self, code: &Code, pc: u32, next: Option<u32>) {
+        let (first, second) = (code.half(pc), code.half(pc + 2));
+        let size = if first >> 11 < 0b11101 { 2 } else { 4 };
+        self.waited += self.flash.instruction(pc, self.now());
+        if size == 4 {
+            self.waited += self.flash.instruction(pc + 2, self.now());
+        }
+        let kind = kind(pc, first, second);
+        let mut cycles = match kind {
+            Kind::Takes(cycles) => cycles,
+            Kind::Transfer(_) if matches!(self.last, Kind::Transfer(_)) => 1,
+            Kind::Transfer(_) => 2,
+            Kind::Transfers(words) => 1 + words,
+            Kind::Float(cycles, ..) => cycles,
+        };
+        if let (Kind::Float(_, result, _), Kind::Float(_, _, operands)) = (self.last, kind)
+            && operands.contains(&result)
+        {
+            cycles += 1;
+        }
+        if let Kind::Transfer(Some(constant)) = kind {
+            self.waited += self.flash.constant(constant, self.now());
+        }
+        if next != Some(pc + size) {
+            // The pipeline is filled again.
+            cycles += 2;
+        }
+        self.cost.without_waiting += cycles;
+        self.cost.instructions += 1;
+        self.last = kind;
+    }
+
+    fn cost(&self) -> Cost {
+        Cost {
+            cycles: self.now(),
+            ..self.cost
+        }
+    }
+}
+
+/// The flash behind its accelerator.
+#[derive(Default)]
+struct Flash {
+    /// Lines that are kept, the last used first: of instructions and of constants.
+    kept: [VecDeque<u32>; 2],
+    current: Option<u32>,
+    /// The line that is being read ahead, and when it is there.
+    ahead: Option<(u32, u64)>,
+    free_at: u64,
+}
+
+impl Flash {
+    /// Waiting for the instruction at `pc`.
+    fn instruction(&mut self, pc: u32, now: u64) -> u64 {
+        let line = pc >> 4;
+        if self.current == Some(line) {
+            return 0;
+        }
+        self.current = Some(line);
+        let waited = match self.ahead.take() {
+            Some((ahead, there)) if ahead == line => there.saturating_sub(now),
+            _ if self.kept[0].contains(&line) => 0,
+            _ => self.read(now),
+        };
+        self.keep(0, line);
+        if !self.kept[0].contains(&(line + 1)) {
+            let begin = self.free_at.max(now + waited);
+            self.free_at = begin + WAIT_STATES + 1;
+            self.ahead = Some((line + 1, self.free_at));
+        }
+        waited
+    }
+
+    /// Waiting for the constant at `address`.
+    fn constant(&mut self, address: u32, now: u64) -> u64 {
+        let line = address >> 4;
+        let waited = if self.kept[1].contains(&line) {
+            0
+        } else {
+            self.read(now)
+        };
+        self.keep(1, line);
+        waited
+    }
+
+    /// A line that is not there: behind what is being read, then the wait states.
+    fn read(&mut self, now: u64) -> u64 {
+        let begin = self.free_at.max(now);
+        self.free_at = begin + WAIT_STATES;
+        self.free_at - now
+    }
+
+    fn keep(&mut self, which: usize, line: u32) {
+        let kept = &mut self.kept[which];
+        kept.retain(|&l| l != line);
+        kept.push_front(line);
+        kept.truncate(LINES[which]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instructions_are_timed_by_the_table() {
+        // vdiv.f32 s0, s1, s2; vfma.f32 s0, s1, s2; vadd.f32 s4, s0, s1; vsqrt.f32 s0, s0
+        let timed = [
+            ((0xee80, 0x0a81), 14),
+            ((0xeea0, 0x0a81), 3),
+            ((0xee30, 0x2a20), 1),
+            ((0xeeb1, 0x0ac0), 14),
+        ];
+        for ((first, second), cycles) in timed {
+            assert!(
+                matches!(kind(0, first, second), Kind::Float(c, ..) if c == cycles),
+                "{first:x} {second:x}"
+            );
+        }
+        // push {r4, r5, r6, r7, lr}; vpush {d8-d9}; ldr r0, [pc, #8]; vldr s0, [pc, #16]; add r0, r1
+        assert_eq!(kind(0, 0xb5f0, 0), Kind::Transfers(5));
+        assert_eq!(kind(0, 0xed2d, 0x8b04), Kind::Transfers(4));
+        assert_eq!(kind(0x102, 0x4802, 0), Kind::Transfer(Some(0x10c)));
+        assert_eq!(kind(0x100, 0xed9f, 0x0a04), Kind::Transfer(Some(0x114)));
+        assert_eq!(kind(0, 0x4408, 0), Kind::Takes(1));
+    }
+
+    #[test]
+    fn straight_code_runs_ahead_of_the_flash_and_a_loop_comes_from_the_cache() {
+        // Eight instructions of 2 bytes a line: a line is read while the one before it runs.
+        let mut flash = Flash::default();
+        let (mut now, mut waited) = (0, 0);
+        for i in 0..800_u32 {
+            let wait = flash.instruction(2 * i, now);
+            (now, waited) = (now + wait + 1, waited + wait);
+        }
+        assert!(waited <= WAIT_STATES, "{waited}");
+        let before = waited;
+        for _ in 0..10 {
+            for i in 700..720_u32 {
+                waited += flash.instruction(2 * i, now);
+                now += 1;
+            }
+        }
+        assert_eq!(waited, before, "kept");
+    }
+}
