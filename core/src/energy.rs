@@ -100,9 +100,11 @@ impl<const N: usize> EnergyErrors<N> {
         }
     }
 
-    /// Takes in one integration step; returns Eq 12 over the window for the compensation.
+    /// Takes in one integration step; returns Eq 12 over the window for the compensation. A storey without an actuator is
+    /// where it was sent and carries no measured force: only the axes `0..physical` have errors.
     #[inline]
-    pub fn update(&mut self, now: &Observation<N>) -> Windowed<N> {
+    pub fn update(&mut self, now: &Observation<N>, physical: usize) -> Windowed<N> {
+        let physical = N.min(physical);
         let error_m: [f32; N] = core::array::from_fn(|j| now.displacement_m[j] - now.command_m[j]);
         let last = self.past[self.newest % MAX_WINDOW];
         let then = self.past[(self.newest + MAX_WINDOW + 1 - self.window) % MAX_WINDOW];
@@ -112,8 +114,8 @@ impl<const N: usize> EnergyErrors<N> {
             moved_m: [0.0; N],
         };
         let mut step = Errors::NOTHING;
-        for j in 0..N {
-            let stiffness_force_n: f32 = (0..N)
+        for j in 0..physical {
+            let stiffness_force_n: f32 = (0..physical)
                 .map(|k| self.stiffness_n_per_m[j][k] * error_m[k])
                 .sum();
             let mean_force_n = 0.5 * (last.force_n[j] + now.force_n[j]);
@@ -193,11 +195,13 @@ impl<const N: usize> Monitor<N> {
         }
     }
 
-    /// Takes in one step: external load, force of the correction, increment and restoring force.
+    /// Takes in one step: external load, force of the correction, increment and restoring force. The specimen is on the
+    /// axes `0..physical`.
     #[inline]
     pub fn update(
         &mut self,
         now: &Observation<N>,
+        physical: usize,
         load_n: [f32; N],
         correction_n: [f32; N],
         hsem_j: f32,
@@ -206,6 +210,9 @@ impl<const N: usize> Monitor<N> {
         for j in 0..N {
             let du = now.increment_m[j];
             self.input.add(0.5 * (self.load_n[j] + load_n[j]) * du);
+        }
+        for j in 0..N.min(physical) {
+            let du = now.increment_m[j];
             self.correction
                 .add(0.5 * (self.correction_n[j] + correction_n[j]) * du);
             strain_j +=
@@ -255,7 +262,7 @@ mod tests {
                 displacement_m: [moved],
                 force_n: [force],
             };
-            errors.update(&now);
+            errors.update(&now, 1);
             let product = force * (moved - command);
             let step = errors.step();
             worst = worst.max((step.modified_j - step.hsem_j - (product - identity)).abs());

@@ -22,6 +22,8 @@ pub struct Coefficients<const N: usize> {
     load_kg: [f32; N],
     /// Numerical stiffness, N/m, where there is one.
     numerical_stiffness: Option<[[f32; N]; N]>,
+    /// Number of axes on which damping may be added: those with an actuator.
+    physical: usize,
     /// `1 / dt`, 1/s of model time.
     pub rate_hz: f32,
     /// `1 / dt^2`.
@@ -57,6 +59,7 @@ impl<const N: usize> Coefficients<N> {
             damping_per_increment: single(&structure.damping, 1.0 / dt_s),
             load_kg,
             numerical_stiffness: numerical.then(|| single(&structure.numerical_stiffness, 1.0)),
+            physical: structure.physical.min(N),
             rate_hz: (1.0 / dt_s) as f32,
             rate_squared: (1.0 / (dt_s * dt_s)) as f32,
         })
@@ -176,7 +179,7 @@ impl<const N: usize> Newmark<N> {
                 s[i] += k.flexibility[i][j].times(unbalanced[j]);
             }
         }
-        if added_damping.iter().any(|&c| c != 0.0) {
+        if (0..N.min(k.physical)).any(|j| added_damping[j] != 0.0) {
             solve_with_added_damping(k, added_damping, &mut s);
         }
         for j in 0..N {
@@ -196,6 +199,7 @@ impl<const N: usize> Newmark<N> {
 ///
 /// Gauss without pivoting: for C_cor >= 0 every leading minor is at least 1, since those of `A` (symmetric
 /// positive definite) and of a non-negative diagonal are non-negative. The guard keeps it away from 0 otherwise.
+/// Without an actuator there is no damping: those columns are of the identity.
 #[inline]
 fn solve_with_added_damping<const N: usize>(
     k: &Coefficients<N>,
@@ -203,24 +207,25 @@ fn solve_with_added_damping<const N: usize>(
     s: &mut [f32; N],
 ) {
     let mut m = [[0.0_f32; N]; N];
+    let physical = N.min(k.physical);
     for i in 0..N {
-        for j in 0..N {
+        for j in 0..physical {
             m[i][j] = k.flexibility[i][j].value() * added_damping[j] * (0.5 * k.rate_hz);
         }
         m[i][i] += 1.0;
     }
-    for p in 0..N {
+    for p in 0..physical {
         let inverse = 1.0 / m[p][p];
         for i in p + 1..N {
             let factor = m[i][p] * inverse;
-            for j in p + 1..N {
+            for j in p + 1..physical {
                 m[i][j] -= factor * m[p][j];
             }
             s[i] -= factor * s[p];
         }
     }
-    for p in (0..N).rev() {
-        for j in p + 1..N {
+    for p in (0..physical).rev() {
+        for j in p + 1..physical {
             s[p] -= m[p][j] * s[j];
         }
         s[p] /= m[p][p];

@@ -269,7 +269,7 @@ impl<const N: usize> OuterLoop<N> {
             displacement_m: estimate.displacement_m,
             force_n: estimate.force_n,
         };
-        let energy = self.energy.update(&now);
+        let energy = self.energy.update(&now, self.design.physical);
 
         let Acting {
             force_n,
@@ -294,11 +294,12 @@ impl<const N: usize> OuterLoop<N> {
         let mut correction_n = self
             .newmark
             .advance(&k.newmark, &load_n, &force_n, &damping);
-        for j in 0..N {
+        for j in 0..N.min(k.physical) {
             correction_n[j] += force_n[j] - now.force_n[j];
         }
         let hsem_j = self.energy.cumulative().hsem_j;
-        self.monitor.update(&now, load_n, correction_n, hsem_j);
+        self.monitor
+            .update(&now, k.physical, load_n, correction_n, hsem_j);
 
         self.signal.aim(&k.signal, self.target());
         self.close_step(ground_m_per_s2);
@@ -319,7 +320,7 @@ impl<const N: usize> OuterLoop<N> {
     fn close_step(&mut self, ground_m_per_s2: f32) {
         let k = &self.design;
         let mut added_ratio = 0.0_f32;
-        for j in 0..N {
+        for j in 0..N.min(k.physical) {
             let ratio = self.correction.damping[j] * k.per_critical[j];
             added_ratio = larger(added_ratio, ratio.abs());
         }

@@ -53,8 +53,7 @@ fn worst<const N: usize>(image: &Path, code: &Code, method: Method) -> Cost {
     let scenario = scenario::<N>(method);
     let shaking = shaking();
     let filter = code.filter();
-    let mut machine =
-        Machine::<N>::start_filtered(image, Clock::Tracing, Some(&filter)).unwrap();
+    let mut machine = Machine::<N>::start_filtered(image, Clock::Tracing, Some(&filter)).unwrap();
     let trace = machine.trace().unwrap();
     let test = Test {
         config: &scenario.config,
@@ -85,9 +84,13 @@ fn cycles_of_a_step_with_every_method() {
     };
     let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
     let _ = bench::plain;
-    println!("worst step, one storey in the laboratory   1 storey             2 storeys            3 storeys");
+    println!(
+        "worst step, one storey in the laboratory   1 storey             2 storeys            3 storeys"
+    );
     println!("instructions, cycles without waiting, cycles from the flash at 168 MHz");
-    let behind = Prediction::ALL[1..].iter().map(|&p| Method::Paper.behind(p));
+    let behind = Prediction::ALL[1..]
+        .iter()
+        .map(|&p| Method::Paper.behind(p));
     for method in Method::ALL.into_iter().chain(behind) {
         let costs = [
             worst::<1>(&image, &code, method),
@@ -96,7 +99,10 @@ fn cycles_of_a_step_with_every_method() {
         ];
         print!("{:28}", method.name());
         for c in costs {
-            print!("  {:5} {:5} {:5}", c.instructions, c.without_waiting, c.cycles);
+            print!(
+                "  {:5} {:5} {:5}",
+                c.instructions, c.without_waiting, c.cycles
+            );
         }
         println!();
     }

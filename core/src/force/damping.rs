@@ -75,6 +75,8 @@ pub(crate) struct Constants<const N: usize> {
     hold_share: f32,
     /// What the running peak keeps from one integration step to the next.
     peak_memory: f32,
+    /// Number of axes in the laboratory.
+    physical: usize,
 }
 
 /// The variable damping and its memory.
@@ -142,6 +144,7 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             }),
             hold_share: c.hold_share as f32,
             peak_memory: context.peak_memory(),
+            physical: context.physical(),
         }
     }
 
@@ -158,7 +161,7 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
     fn act(&mut self, k: &Constants<N>, reached: &Reached<'_, N>) -> Acting<N> {
         let (now, energy) = (reached.now, reached.energy);
         let mut out = Correction::NONE;
-        for j in 0..N {
+        for j in 0..N.min(k.physical) {
             let du = energy.increment_m[j];
             let velocity = reached.velocity_dt_m[j];
             let gain = if F::GAINED {
@@ -214,6 +217,7 @@ mod tests {
         smallest: [0.0],
         hold_share: 0.05,
         peak_memory: 0.999,
+        physical: 1,
     };
 
     /// One step with the energy error `energy_j` over the increment `du`; velocity and predictor velocity are given.

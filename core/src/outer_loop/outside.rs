@@ -95,7 +95,9 @@ impl<const N: usize> OuterLoop<N> {
             correction_n[j] = self.answer_n[j] - now.force_n[j];
         }
         let hsem_j = self.energy.cumulative().hsem_j;
-        self.monitor.update(&now, [0.0; N], correction_n, hsem_j);
+        let physical = self.design.physical;
+        self.monitor
+            .update(&now, physical, [0.0; N], correction_n, hsem_j);
         self.close_step(0.0);
     }
 }
