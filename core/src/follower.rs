@@ -168,7 +168,7 @@ impl<const N: usize> Follower<N> {
         let velocity_dt_m = motion.map(|m| m.velocity_m);
         let mut correction_n = [0.0; N];
         if !matches!(self.law, Law::None(..)) {
-            let energy = self.energy.update(&now);
+            let energy = self.energy.update(&now, k.physical);
             let Acting {
                 force_n: acting_n,
                 damping,

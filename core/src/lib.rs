@@ -1,8 +1,6 @@
-//! The outer loop of a fast pseudodynamic (PSD) test: `no_std`, fixed capacity, f32, no heap, no panic.
+#![doc = include_str!("../README.md")]
 //!
-//! A computer integrates the equation of motion, an actuator pushes a specimen to each computed displacement, and the
-//! measured force goes back into the equation. The actuator is late, and lateness puts energy in; this crate measures
-//! that energy at every step and takes it out again by a variable viscous damping.
+//! # Map
 //!
 //! ```text
 //!  Config ──check, f64──► Design ──► OuterLoop::step(sample, ground motion) ──► command, record

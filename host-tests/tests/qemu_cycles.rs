@@ -1,7 +1,7 @@
 //! Cycles of a step on the board, by a model of its core and its flash, against the deadline.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{self, Test, drive, rig, solved};
+use host_tests::qemu::bench::{Test, drive, rig, solved};
 use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::{Clock, Machine};
@@ -13,7 +13,7 @@ use std::path::Path;
 const DEADLINE: u64 = 4200;
 
 /// Control periods from power-up on: idle, armed, then strong motion.
-const PERIODS: u32 = 130;
+const PERIODS: u32 = 90;
 
 /// Five metres a second squared from the first point on, so that predictors learn and dampings act after some steps.
 fn shaking() -> Shaking {
@@ -72,7 +72,7 @@ fn worst<const N: usize>(image: &Path, code: &Code, method: Method) -> Cost {
     assert_eq!(costs.len(), records.len(), "a step each period");
     let costs = costs.iter().zip(&records);
     let costs: Vec<_> = costs.filter(|(_, words)| solved(words)).collect();
-    assert!(costs.len() > 100, "{method}: {} steps solved", costs.len());
+    assert!(costs.len() > 60, "{method}: {} steps solved", costs.len());
     let dearest = costs.iter().max_by_key(|(cost, _)| cost.cycles);
     dearest.map(|(cost, _)| **cost).unwrap_or_default()
 }
@@ -83,11 +83,11 @@ fn cycles_of_a_step_with_every_method() {
         return;
     };
     let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
-    let _ = bench::plain;
     println!(
         "worst step, one storey in the laboratory   1 storey             2 storeys            3 storeys"
     );
     println!("instructions, cycles without waiting, cycles from the flash at 168 MHz");
+    let mut too_long = Vec::new();
     let behind = Prediction::ALL[1..]
         .iter()
         .map(|&p| Method::Paper.behind(p));
@@ -104,7 +104,19 @@ fn cycles_of_a_step_with_every_method() {
                 c.instructions, c.without_waiting, c.cycles
             );
         }
-        println!();
+        let late = costs.iter().any(|c| c.cycles > DEADLINE);
+        println!(
+            "{}",
+            if late {
+                "  later than the deadline"
+            } else {
+                ""
+            }
+        );
+        // A pair of force law and predictor that is too long for a board is refused by it.
+        if late && Method::ALL.contains(&method) {
+            too_long.push(method.name());
+        }
     }
-    let _ = DEADLINE;
+    assert_eq!(too_long, [""; 0], "more than {DEADLINE} cycles");
 }
