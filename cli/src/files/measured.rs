@@ -1,6 +1,6 @@
 //! Measured data as a diagnosis takes it: `FILE[@T0..T1]`, in mm, N and s.
 
-use super::read;
+use super::columns::Columns;
 use super::recording::Recording;
 use crate::failure::Failure;
 use crate::trace::Trace;
@@ -59,9 +59,18 @@ impl std::str::FromStr for Part {
 #[derive(Debug, Default)]
 pub struct Library {
     read: HashMap<PathBuf, Recording>,
+    columns: Columns,
 }
 
 impl Library {
+    /// With what is said on the command line about the files' columns.
+    pub fn with(columns: &Columns) -> Self {
+        Self {
+            read: HashMap::new(),
+            columns: columns.clone(),
+        }
+    }
+
     /// The parts, in order.
     ///
     /// # Errors
@@ -99,8 +108,7 @@ impl Library {
     fn whole(&mut self, path: &Path) -> Result<&Recording, Failure> {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
-            let name = path.display().to_string();
-            let recording = Recording::parse_with_any_time(&name, &read(path)?)?;
+            let recording = Recording::load_with_any_time(path, &self.columns)?;
             self.read.insert(same.clone(), recording);
         }
         Ok(&self.read[&same])

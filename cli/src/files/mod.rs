@@ -1,6 +1,12 @@
 //! Files that people write and read: tests, ground motions, recorded data, results.
 
+pub mod binary;
+pub mod channels;
+pub mod columns;
+pub mod decode;
+pub mod dialect;
 pub mod ground_motion;
+pub mod header;
 pub mod measured;
 pub mod model;
 pub mod near_fault;
@@ -13,11 +19,10 @@ pub mod test;
 use crate::failure::Failure;
 use std::path::Path;
 
-/// Reads a text file.
+/// Reads a text file, whatever its encoding is.
 ///
 /// # Errors
-/// A file that cannot be read, by its name.
+/// A file that cannot be read or is no text, by its name.
 pub fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|e| Failure::input(format!("{}: cannot be read: {e}", path.display())))
+    decode::text(&path.display().to_string(), decode::bytes(path)?)
 }

@@ -1,57 +1,23 @@
 //! `record.csv`: every quantity of every control step, in the format of recorded data ([`super::recording`]).
 
+use super::channels;
 use crate::trace::Trace;
 use std::fmt::Write as _;
 
 /// The record as CSV. Values are single precision and written with as many digits as identify them, so that they read
 /// back to the same bits; time is that of the laboratory.
 pub fn to_csv(trace: &Trace) -> String {
-    let mut columns: Vec<(String, &[f32])> = Vec::new();
-    for (j, floor) in trace.floors.iter().enumerate() {
-        let axis = if j == 0 {
-            String::new()
-        } else {
-            (j + 1).to_string()
-        };
-        for (quantity, unit, values) in [
-            ("command", "m", &floor.sent_m),
-            ("displacement", "m", &floor.displacement_m),
-            ("force", "n", &floor.force_n),
-            ("target", "m", &floor.command_m),
-            (
-                "estimated_displacement",
-                "m",
-                &floor.estimated_displacement_m,
-            ),
-            ("estimated_force", "n", &floor.estimated_force_n),
-            ("velocity", "m_per_s", &floor.velocity_m_per_s),
-            ("acceleration", "m_per_s2", &floor.acceleration_m_per_s2),
-            ("added_damping", "n_s_per_m", &floor.added_damping_n_s_per_m),
-            ("gain", "1", &floor.gain),
-        ] {
-            columns.push((format!("{quantity}{axis}_{unit}"), values));
-        }
-    }
-    for (name, values) in [
-        ("ground_acceleration_m_per_s2", &trace.ground_m_per_s2),
-        ("energy_error_j", &trace.energy_modified_j),
-        ("energy_error_hsem_j", &trace.energy_hsem_j),
-        ("energy_error_stiffness_j", &trace.energy_stiffness_j),
-        ("energy_input_j", &trace.energy_input_j),
-        ("energy_ratio_1", &trace.energy_ratio),
-    ] {
-        columns.push((name.into(), values));
-    }
+    let columns = channels::of(trace);
     let mut text = String::with_capacity(trace.len() * 12 * (columns.len() + 3));
     text.push_str("time_s");
-    for (name, _) in &columns {
-        let _ = write!(text, ",{name}");
+    for channel in &columns {
+        let _ = write!(text, ",{}", channel.name);
     }
     text.push_str(",step_1,flags_1\n");
     for i in 0..trace.len() {
         let _ = write!(text, "{}", trace.time_s(i));
-        for (_, values) in &columns {
-            let _ = write!(text, ",{:?}", values[i]);
+        for channel in &columns {
+            let _ = write!(text, ",{:?}", channel.values[i]);
         }
         let _ = writeln!(text, ",{},{}", trace.step[i], trace.flags[i]);
     }

@@ -1,18 +1,30 @@
-//! Recorded data: CSV whose header names `quantity_unit`, for example `time_s,command_mm,displacement_mm,force_kn`.
+//! Recorded data: columns whose header names `quantity_unit`, for example `time_s,command_mm,displacement_mm,force_kn`,
+//! as CSV in any dialect ([`super::table`]), MAT or HDF5 ([`super::binary`]). Headers as instruments write them are
+//! understood ([`super::header`]), and what they do not say is said on the command line ([`super::columns`]).
 //!
 //! Several axes are told apart by a number after the quantity: `force_n` is that of axis 1, `force2_n` that of axis 2.
 //! [`crate::files::record_csv`] writes the same format.
 
-use super::read;
+use super::columns::{Assignment, Columns};
+use super::header::Header;
 use super::table::NumberTable;
+use super::{binary, decode};
 use crate::failure::Failure;
 use std::path::Path;
 
 /// A unit, what it is in SI, and whether the SI value is the number as it stands.
 type UnitOf = (&'static str, f64);
 
-const LENGTH: &[UnitOf] = &[("m", 1.0), ("mm", 1e-3)];
-const FORCE: &[UnitOf] = &[("n", 1.0), ("kn", 1e3), ("1", 1.0)];
+const LENGTH: &[UnitOf] = &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254)];
+/// Pounds are those of NIST SP 811.
+const FORCE: &[UnitOf] = &[
+    ("n", 1.0),
+    ("kn", 1e3),
+    ("mn", 1e6),
+    ("lbf", 4.448_222),
+    ("kip", 4448.222),
+    ("1", 1.0),
+];
 const ENERGY: &[UnitOf] = &[("j", 1.0)];
 const PLAIN: &[UnitOf] = &[("1", 1.0)];
 
@@ -50,6 +62,8 @@ pub struct Recording {
     pub columns: Vec<Column>,
     /// Line of each row.
     pub lines: Vec<u64>,
+    /// What a row is called in messages.
+    row_name: &'static str,
 }
 
 /// One measured quantity.
@@ -66,13 +80,51 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
+/// The longest displacement of a test rig, m: beyond it the unit is not what the file says.
+const LONGEST_M: f64 = 20.0;
+
 impl Recording {
     /// Reads `path`.
     ///
     /// # Errors
     /// A file that cannot be read, and all of [`Recording::parse`].
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        Self::parse(&path.display().to_string(), &read(path)?)
+        Self::load_with_any_time(path, &Columns::default())?.with_rising_time()
+    }
+
+    /// The same, but time is left to be judged by [`Recording::refuse_time`]'s caller: where it is written with few
+    /// digits it may repeat itself, and a part of a record may be sound where the whole is not.
+    ///
+    /// # Errors
+    /// As [`Recording::load`], but for time that does not increase.
+    pub fn load_with_any_time(path: &Path, columns: &Columns) -> Result<Self, Failure> {
+        let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
+        let table = if binary::is_binary(&bytes) {
+            binary::parse(&file, bytes)?
+        } else {
+            NumberTable::parse(&file, &decode::text(&file, bytes)?)?
+        };
+        let recording = Self::of(table, columns)?;
+        recording.check_lengths()?;
+        Ok(recording)
+    }
+
+    /// That no displacement is longer than a rig.
+    fn check_lengths(&self) -> Result<(), Failure> {
+        let lengths = ["command", "displacement"];
+        for column in self
+            .columns
+            .iter()
+            .filter(|c| lengths.contains(&c.quantity.as_str()))
+        {
+            if let Some(row) = column.values.iter().position(|x| x.abs() > LONGEST_M) {
+                return Err(Failure::input(format!(
+                    "{}, {} {}: {} is {:.3e} m: accepted are up to {LONGEST_M} m; is the unit right?",
+                    self.file, self.row_name, self.lines[row], column.quantity, column.values[row]
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Reads `text`, which came from `file`.
@@ -81,58 +133,86 @@ impl Recording {
     /// With the line: a unit that the quantity cannot have, a quantity twice, time that is missing or does not
     /// increase, a row of another length than the header, a cell that is no finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
-        let recording = Self::parse_with_any_time(file, text)?;
-        let late = recording.time_s.windows(2).position(|t| t[1] <= t[0]);
-        match late {
-            Some(row) => Err(recording.refuse_time(row + 1)),
-            None => Ok(recording),
+        Self::of(NumberTable::parse(file, text)?, &Columns::default())?.with_rising_time()
+    }
+
+    fn with_rising_time(self) -> Result<Self, Failure> {
+        match self.time_s.windows(2).position(|t| t[1] <= t[0]) {
+            Some(row) => Err(self.refuse_time(row + 1)),
+            None => Ok(self),
         }
     }
 
-    /// The same, but time is left to be judged by [`Recording::refuse_time`]'s caller: where it is written with few
-    /// digits it may repeat itself, and a part of a record may be sound where the whole is not.
-    ///
-    /// # Errors
-    /// As [`Recording::parse`], but for time that does not increase.
-    pub fn parse_with_any_time(file: &str, text: &str) -> Result<Self, Failure> {
-        let table = NumberTable::parse(file, text)?;
-        let mut columns: Vec<Column> = Vec::with_capacity(table.names.len());
-        for (name, values) in table.names.iter().zip(&table.columns) {
-            let (column, factor) = column(&table, name)?;
+    /// The quantities in a table.
+    fn of(table: NumberTable, said: &Columns) -> Result<Self, Failure> {
+        let assigned = assign(&table, &said.assigned)?;
+        let mut columns: Vec<Column> = Vec::with_capacity(table.headers.len());
+        for (j, (header, values)) in table.headers.iter().zip(&table.columns).enumerate() {
+            let (column, factor) = match assigned.iter().find(|(at, _)| *at == j) {
+                Some((_, a)) => assigned_column(&table, header, a)?,
+                None => {
+                    let found = column(&table, header)?;
+                    // What was said on the command line stands above what a name suggests.
+                    let taken = |(_, a): &(usize, &Assignment)| a.quantity == found.0.quantity;
+                    if found.0.axis == 1 && assigned.iter().any(taken) {
+                        (unknown(&header.text), 1.0)
+                    } else {
+                        found
+                    }
+                }
+            };
             let twice = |c: &&Column| c.quantity == column.quantity && c.axis == column.axis;
             if columns.iter().any(|c| twice(&c)) {
                 return Err(table.refuse_header(format!(
-                    "{} of axis {} stands twice: accepted is one column of each quantity",
+                    "{} of axis {} stands twice: accepted is one column of each quantity; --column says which",
                     column.quantity, column.axis
                 )));
             }
-            let values = values.iter().map(|x| x * factor).collect();
+            let values: Vec<f64> = values.iter().map(|x| x * factor).collect();
             columns.push(Column { values, ..column });
         }
+        let rows = table.lines.len();
         let at = columns
             .iter()
-            .position(|c| c.quantity == "time" && c.axis == 1)
-            .ok_or_else(|| table.refuse_header("has no time: accepted are time_s and time_ms"))?;
-        let time_s = columns.remove(at).values;
+            .position(|c| c.quantity == "time" && c.axis == 1);
+        let time_s = match (at, said.rate) {
+            (Some(at), None) => columns.remove(at).values,
+            (None, Some(hz)) if hz > 0.0 && hz <= 1e7 => (0..rows).map(|i| i as f64 / hz).collect(),
+            (None, Some(hz)) => {
+                return Err(Failure::input(format!(
+                    "--rate {hz} is refused: accepted are above 0 to 1e7 Hz"
+                )));
+            }
+            (Some(_), Some(_)) => {
+                return Err(Failure::input(format!(
+                    "{}: has times of its own: accepted is a file without, beside --rate",
+                    table.file
+                )));
+            }
+            (None, None) => return Err(no_time(&table)),
+        };
         if time_s.len() < 2 {
             return Err(Failure::input(format!(
-                "{file}: has {} rows: accepted are at least 2",
+                "{}: has {} rows: accepted are at least 2",
+                table.file,
                 time_s.len()
             )));
         }
         Ok(Self {
-            file: file.to_owned(),
+            file: table.file,
             time_s,
             columns,
             lines: table.lines,
+            row_name: table.row_name,
         })
     }
 
     /// That time is wrong at a row.
     pub fn refuse_time(&self, row: usize) -> Failure {
         Failure::input(format!(
-            "{}, line {}: time {} s follows on {} s: accepted is time that increases, by equal intervals",
+            "{}, {} {}: time {} s follows on {} s: accepted is time that increases, by equal intervals",
             self.file,
+            self.row_name,
             self.lines[row],
             self.time_s[row],
             self.time_s[row - 1]
@@ -167,44 +247,154 @@ impl Recording {
     }
 }
 
+/// The columns that the command line names, by their places.
+fn assign<'a>(
+    table: &NumberTable,
+    assigned: &'a [Assignment],
+) -> Result<Vec<(usize, &'a Assignment)>, Failure> {
+    let place = |a: &'a Assignment| {
+        let wanted = a.column.to_lowercase();
+        let named = table
+            .headers
+            .iter()
+            .position(|h| h.text.to_lowercase() == wanted || h.base == wanted);
+        let numbered = wanted
+            .parse()
+            .ok()
+            .filter(|n| (1..=table.headers.len()).contains(n));
+        named
+            .or(numbered.map(|n: usize| n - 1))
+            .map(|at| (at, a))
+            .ok_or_else(|| {
+                let names: Vec<&str> = table.headers.iter().map(|h| h.text.as_str()).collect();
+                table.refuse_header(format!(
+                    "has no column `{}`: accepted are {}",
+                    a.column,
+                    names.join(", ")
+                ))
+            })
+    };
+    assigned.iter().map(place).collect()
+}
+
+/// The unit of a column that the command line names: from there, else from its header.
+fn assigned_column(
+    table: &NumberTable,
+    header: &Header,
+    a: &Assignment,
+) -> Result<(Column, f64), Failure> {
+    let units = QUANTITIES
+        .iter()
+        .find(|(quantity, _)| *quantity == a.quantity)
+        .map_or(PLAIN, |(_, units)| units);
+    let unit = a.unit.unwrap_or(&header.unit);
+    match units.iter().find(|(text, _)| *text == unit) {
+        Some((_, factor)) => Ok((
+            Column {
+                unit: unit.to_owned(),
+                ..unknown(&a.quantity)
+            },
+            *factor,
+        )),
+        None => {
+            let accepted: Vec<_> = units.iter().map(|(text, _)| *text).collect();
+            Err(table.refuse_header(format!(
+                "the unit of `{}` is {}: accepted is --column {}={}:UNIT with one of {}",
+                header.text,
+                if unit.is_empty() { "not said" } else { unit },
+                a.quantity,
+                a.column,
+                accepted.join(", ")
+            )))
+        }
+    }
+}
+
+/// A column under a name that is not looked into.
+fn unknown(name: &str) -> Column {
+    Column {
+        quantity: name.to_owned(),
+        axis: 1,
+        unit: String::new(),
+        values: Vec::new(),
+    }
+}
+
+/// That a table has no time, and how to say which column it is.
+fn no_time(table: &NumberTable) -> Failure {
+    let names: Vec<&str> = table.headers.iter().map(|h| h.text.as_str()).collect();
+    table.refuse_header(format!(
+        "has no time: accepted are time_s, time_ms, `Time (s)`, --column time=COLUMN:s, or --rate HZ; its columns are {}",
+        names.join(", ")
+    ))
+}
+
 /// What a name in the header means, and the factor to SI.
-fn column(table: &NumberTable, name: &str) -> Result<(Column, f64), Failure> {
+fn column(table: &NumberTable, header: &Header) -> Result<(Column, f64), Failure> {
+    let name = header.name(|name| matches!(known(name), Some((_, _, Some(_)))));
+    match known(&name) {
+        Some((quantity, units, Some((axis, unit)))) => {
+            let factor = units
+                .iter()
+                .find(|(text, _)| *text == unit)
+                .map_or(1.0, |(_, f)| *f);
+            let column = Column {
+                axis,
+                unit: unit.to_owned(),
+                ..unknown(quantity)
+            };
+            Ok((column, factor))
+        }
+        Some((quantity, units, None)) => Err(refuse_unit(table, header, quantity, units)),
+        None => match header.likely() {
+            Some(quantity) if header.unit.is_empty() && quantity != "acc" => {
+                let units = QUANTITIES.iter().find(|(q, _)| *q == quantity);
+                Err(refuse_unit(
+                    table,
+                    header,
+                    quantity,
+                    units.map_or(PLAIN, |(_, u)| u),
+                ))
+            }
+            _ => Ok((unknown(&name), 1.0)),
+        },
+    }
+}
+
+/// A name that means a quantity and does not say in which unit it is, or in one that it cannot have.
+fn refuse_unit(table: &NumberTable, header: &Header, quantity: &str, units: &[UnitOf]) -> Failure {
+    let accepted: Vec<_> = units
+        .iter()
+        .map(|(text, _)| format!("{quantity}_{text}"))
+        .collect();
+    table.refuse_header(format!(
+        "the column `{}` is refused: accepted are {}, a unit in brackets or in a row beneath, or --column \
+         {quantity}={}:UNIT",
+        header.text,
+        accepted.join(", "),
+        header.text
+    ))
+}
+
+/// The quantity that a name begins with; its axis and unit where the rest of the name says both.
+type Known<'a> = (&'static str, &'static [UnitOf], Option<(usize, &'a str)>);
+
+fn known(name: &str) -> Option<Known<'_>> {
     // The longest quantity that the name begins with: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.
-    let known = QUANTITIES
+    let (quantity, units, rest) = QUANTITIES
         .iter()
         .filter_map(|(quantity, units)| Some((*quantity, *units, name.strip_prefix(quantity)?)))
-        .max_by_key(|(quantity, ..)| quantity.len());
-    let empty = |quantity: &str, axis, unit: &str| Column {
-        quantity: quantity.to_owned(),
-        axis,
-        unit: unit.to_owned(),
-        values: Vec::new(),
-    };
-    let Some((quantity, units, rest)) = known else {
-        return Ok((empty(name, 1, ""), 1.0));
-    };
+        .max_by_key(|(quantity, ..)| quantity.len())?;
     let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let axis = match &rest[..digits] {
         "" => Some(1),
         number => number.parse().ok().filter(|n| *n >= 1),
     };
-    let unit = rest[digits..].strip_prefix('_').unwrap_or(&rest[digits..]);
-    let found = units.iter().find(|(text, _)| *text == unit);
-    match (axis, found) {
-        (Some(axis), Some((_, factor))) if rest[digits..].starts_with('_') => {
-            Ok((empty(quantity, axis, unit), *factor))
-        }
-        _ => {
-            let accepted: Vec<_> = units
-                .iter()
-                .map(|(text, _)| format!("{quantity}_{text}"))
-                .collect();
-            Err(table.refuse_header(format!(
-                "the column `{name}` is refused: accepted are {}",
-                accepted.join(", ")
-            )))
-        }
-    }
+    let unit = rest[digits..].strip_prefix('_');
+    let says = axis
+        .zip(unit)
+        .filter(|(_, unit)| units.iter().any(|(text, _)| text == unit));
+    Some((quantity, units, says))
 }
 
 #[cfg(test)]
@@ -239,6 +429,54 @@ mod tests {
     }
 
     #[test]
+    fn what_the_header_does_not_say_is_said_beside_it() {
+        let table =
+            || NumberTable::parse("r.csv", "Zeit;A;B;Disp (mm)\n0;1;2;3\n0,5;4;5;6\n").unwrap();
+        let of = |said: &[&str], rate| {
+            let assigned = said.iter().map(|s| s.parse().unwrap()).collect();
+            Recording::of(table(), &Columns { assigned, rate }).map_err(|e| e.to_string())
+        };
+        let r = of(&["time=zeit:ms", "command=2:mm", "force=B:kn"], None).unwrap();
+        assert_eq!(r.time_s, [0.0, 5e-4]);
+        assert_eq!(r.command_m().unwrap(), [0.001, 0.004]);
+        assert_eq!(r.force().unwrap(), [2000.0, 5000.0]);
+        assert_eq!(r.displacement_m().unwrap(), [0.003, 0.006]);
+        let r = of(&["time=zeit:s", "displacement=A:m"], None).unwrap();
+        assert_eq!(r.displacement_m().unwrap(), [1.0, 4.0]);
+        for (said, rate, words) in [
+            (&[][..], None, "`Zeit` is refused: accepted are time_s"),
+            (
+                &["time=T:s"],
+                None,
+                "no column `T`: accepted are Zeit, A, B",
+            ),
+            (&["time=Zeit:mm"], None, "unit of `Zeit` is mm"),
+            (
+                &["time=Zeit:s", "command=A"],
+                None,
+                "unit of `A` is not said",
+            ),
+            (&["time=Zeit:s"], Some(10.0), "has times of its own"),
+        ] {
+            let e = of(said, rate).unwrap_err();
+            assert!(e.contains(words), "{words}: {e}");
+        }
+        let table = || NumberTable::parse("r.csv", "command_mm,force_n\n1,2\n3,4\n").unwrap();
+        let of = |rate| {
+            Recording::of(
+                table(),
+                &Columns {
+                    assigned: vec![],
+                    rate,
+                },
+            )
+        };
+        assert_eq!(of(Some(500.0)).unwrap().time_s, [0.0, 0.002]);
+        assert!(of(Some(0.0)).unwrap_err().to_string().contains("--rate 0"));
+        assert!(of(None).unwrap_err().to_string().contains("has no time"));
+    }
+
+    #[test]
     fn each_mistake_is_refused_with_its_line() {
         for (text, said) in [
             (
@@ -260,6 +498,10 @@ mod tests {
             ("time_s,force_n\n0,1\n1,high\n", "line 3: force_n is `high`"),
             ("time_s,force_n\n0,1\n1\n", "line 3: has 1 columns"),
             ("time_s,force_n\n0,1\n", "has 1 rows"),
+            (
+                "time_s,command_mm\n0,1\n1,1e12\n",
+                "line 3: command is 1.000e9 m",
+            ),
         ] {
             let e = parse(text).unwrap_err();
             assert!(e.contains(said) && !e.contains('\n'), "{e}");

@@ -1,118 +1,181 @@
-//! CSV of numbers under a header, with the line of everything that is wrong in it.
+//! A table of numbers under a header, from text, MAT or HDF5, with the place of everything that is wrong in it.
 
+use super::dialect::{Dialect, without_end};
+use super::header::{Header, unit_named};
 use crate::failure::Failure;
+use std::collections::HashMap;
 
-/// Columns of finite numbers. Lines that begin with `#` are comments.
+/// Columns of finite numbers. Lines that begin with `#` or `%` are comments.
 #[derive(Clone, Debug)]
 pub struct NumberTable {
     /// The file's name, for messages.
     pub file: String,
-    /// Line of the header.
-    pub header_line: u64,
-    /// Names in the header, trimmed, in lower case; no two alike.
-    pub names: Vec<String>,
-    /// Line of each row.
+    /// Where the header stands, for messages, as `line 3`.
+    pub header_place: String,
+    /// The columns' names.
+    pub headers: Vec<Header>,
+    /// Line of each row; counted from 1 where the file has no lines.
     pub lines: Vec<u64>,
     /// Values, one vector a column.
     pub columns: Vec<Vec<f64>>,
+    /// What a row is called: `line`, or `value` where the file has no lines.
+    pub row_name: &'static str,
+}
+
+/// A line of the file that is neither blank nor a comment.
+#[derive(Clone, Copy)]
+struct Line<'a> {
+    number: u64,
+    text: &'a str,
 }
 
 impl NumberTable {
-    /// Reads `text`, which came from `file`.
+    /// Reads `text`, which came from `file`, in whatever dialect it is written.
     ///
     /// # Errors
-    /// A name that stands twice, a row of another length than the header, or a cell that is no finite number.
+    /// No header, a name that stands twice, a row of another length than the header, or a cell that is no finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
+        let lines: Vec<Line<'_>> = text
+            .lines()
+            .zip(1..)
+            .filter(|(text, _)| !is_comment(text))
+            .map(|(text, number)| Line { number, text })
+            .collect();
+        if lines.is_empty() {
+            return Err(Failure::input(format!("{file}: is empty")));
+        }
+        let dialect = Dialect::of(lines.iter().map(|l| l.text));
         let refuse =
             |line: u64, what: String| Failure::input(format!("{file}, line {line}: {what}"));
-        let mut rows = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .comment(Some(b'#'))
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes())
-            .into_records();
-        let malformed = |e: csv::Error| {
-            let line = e.position().map_or(0, csv::Position::line);
-            refuse(line, "is not CSV".into())
-        };
-        // The reader counts a row from where the one before it ended: comments and blank lines are still to be skipped.
-        let text_lines: Vec<&str> = text.lines().map(str::trim_start).collect();
-        let line_of = |row: &csv::StringRecord| {
-            let from = row.position().map_or(0, csv::Position::line);
-            let skipped = text_lines
-                .iter()
-                .skip((from as usize).saturating_sub(1))
-                .take_while(|l| l.is_empty() || l.starts_with('#'))
-                .count();
-            from + skipped as u64
-        };
-        let header = match rows.next() {
-            Some(row) => row.map_err(malformed)?,
-            None => return Err(Failure::input(format!("{file}: is empty"))),
-        };
-        let header_line = line_of(&header);
-        let names: Vec<String> = header.iter().map(str::to_lowercase).collect();
-        for (i, name) in names.iter().enumerate() {
-            if names[..i].contains(name) {
+        let head = Head::of(&lines, &dialect);
+        let header = lines[head.header];
+        let cells = dialect.cells(header.text);
+        let cells = without_end(&cells);
+        if let Some(number) = cells.iter().find(|c| dialect.any_number(c).is_some()) {
+            return Err(refuse(
+                header.number,
+                format!(
+                    "`{number}` stands where the header should be: accepted are names such as time_s or `Time (s)`"
+                ),
+            ));
+        }
+        let units = head.units.map(|at| dialect.cells(lines[at].text));
+        let beneath = |j: usize| units.as_ref().and_then(|u| u.get(j).copied());
+        let headers: Vec<Header> = (0..cells.len())
+            .map(|j| Header::of(cells[j], beneath(j)))
+            .collect();
+        let mut seen: HashMap<String, ()> = HashMap::new();
+        for h in &headers {
+            let name = h.text.to_lowercase();
+            if seen.insert(name.clone(), ()).is_some() {
                 return Err(refuse(
-                    header_line,
+                    header.number,
                     format!("the column `{name}` stands twice"),
                 ));
             }
-            if name.parse::<f64>().is_ok() {
-                return Err(refuse(
-                    header_line,
-                    format!(
-                        "`{name}` stands where the header should be: accepted are names such as time_s"
-                    ),
-                ));
-            }
         }
-        let mut columns = vec![Vec::new(); names.len()];
-        let mut lines = Vec::new();
-        for row in rows {
-            let row = row.map_err(malformed)?;
-            let line = line_of(&row);
-            if row.len() != names.len() {
+        let rows = &lines[head.first_row..];
+        let mut columns = vec![Vec::with_capacity(rows.len()); headers.len()];
+        for line in rows {
+            let cells = dialect.cells(line.text);
+            let cells = if cells.len() > headers.len() {
+                without_end(&cells)
+            } else {
+                &cells
+            };
+            if cells.len() != headers.len() {
                 return Err(refuse(
-                    line,
+                    line.number,
                     format!(
                         "has {} columns where the header has {}",
-                        row.len(),
-                        names.len()
+                        cells.len(),
+                        headers.len()
                     ),
                 ));
             }
-            for (j, cell) in row.iter().enumerate() {
-                columns[j].push(number(cell).ok_or_else(|| {
+            for ((cell, column), header) in cells.iter().zip(&mut columns).zip(&headers) {
+                column.push(dialect.number(cell).ok_or_else(|| {
                     refuse(
-                        line,
-                        format!("{} is `{cell}`: accepted is a finite number", names[j]),
+                        line.number,
+                        format!(
+                            "{} is `{cell}`: accepted is a finite number",
+                            header.text.to_lowercase()
+                        ),
                     )
                 })?);
             }
-            lines.push(line);
         }
         Ok(Self {
             file: file.to_owned(),
-            header_line,
-            names,
-            lines,
+            header_place: format!("line {}", header.number),
+            headers,
+            lines: rows.iter().map(|l| l.number).collect(),
             columns,
+            row_name: "line",
         })
     }
 
     /// A refusal at row `row`.
     pub fn refuse_row(&self, row: usize, what: impl std::fmt::Display) -> Failure {
-        let line = self.lines.get(row).copied().unwrap_or(self.header_line);
-        Failure::input(format!("{}, line {line}: {what}", self.file))
+        let line = self.lines.get(row).copied().unwrap_or(0);
+        Failure::input(format!("{}, {} {line}: {what}", self.file, self.row_name))
     }
 
     /// A refusal of the header.
     pub fn refuse_header(&self, what: impl std::fmt::Display) -> Failure {
-        Failure::input(format!("{}, line {}: {what}", self.file, self.header_line))
+        Failure::input(format!("{}, {}: {what}", self.file, self.header_place))
     }
+}
+
+/// Where the table begins.
+struct Head {
+    header: usize,
+    units: Option<usize>,
+    first_row: usize,
+}
+
+impl Head {
+    /// Before the table an instrument may write lines about itself. The header is the last line before the first row of
+    /// numbers that has as many cells as the row and no number among them; a row of units may stand between the two.
+    fn of(lines: &[Line<'_>], dialect: &Dialect) -> Self {
+        let cells = |at: usize| dialect.cells(lines[at].text);
+        let is_row = |at: &usize| {
+            let cells = cells(*at);
+            let cells = without_end(&cells);
+            cells.len() > 1 && cells.iter().all(|c| dialect.number(c).is_some())
+        };
+        let plain = Self {
+            header: 0,
+            units: None,
+            first_row: 1,
+        };
+        let Some(row) = (0..lines.len()).find(is_row) else {
+            return plain;
+        };
+        let width = without_end(&cells(row)).len();
+        let names = |at: &usize| {
+            let cells = cells(*at);
+            let cells = without_end(&cells);
+            cells.len() == width && cells.iter().all(|c| dialect.any_number(c).is_none())
+        };
+        let Some(last) = (0..row).rev().find(names) else {
+            return plain;
+        };
+        let is_units = cells(last)
+            .iter()
+            .all(|c| c.is_empty() || unit_named(c).is_some());
+        let above = (0..last).rev().find(names).filter(|_| is_units);
+        Self {
+            header: above.unwrap_or(last),
+            units: above.map(|_| last),
+            first_row: last + 1,
+        }
+    }
+}
+
+fn is_comment(line: &str) -> bool {
+    let line = line.trim_start();
+    line.is_empty() || line.starts_with(['#', '%'])
 }
 
 /// A finite number, or nothing.
@@ -140,10 +203,22 @@ mod tests {
             ("0,1\n2,3\n", "line 1: `0` stands where the header"),
             ("a,b\n1\n", "line 2: has 1 columns where the header has 2"),
             ("a,b\n1,inf\n", "line 2: b is `inf`"),
-            ("a,b\n1,\n", "line 2: b is ``"),
+            ("a,b\n1,\n2,3\n", "line 2: b is ``"),
+            ("a,b\n1,oops\n2,3\n", "line 2: b is `oops`"),
+            ("a;b\n1,5;oops\n2,5;3,1\n", "line 2: b is `oops`"),
         ] {
             let e = NumberTable::parse("f.csv", text).unwrap_err().to_string();
             assert!(e.contains(said) && !e.contains('\n'), "{e}");
         }
+    }
+
+    #[test]
+    fn an_instrument_may_introduce_itself() {
+        let text = "LabVIEW Measurement\nOperator;Smith\nRate;1000;Hz\n\nTime;Cmd;Disp;\ns;mm;mm;\n0,000;1,5;1,4;\n0,001;1,6;1,5;\n";
+        let t = NumberTable::parse("f.txt", text).unwrap();
+        let names: Vec<String> = t.headers.iter().map(|h| h.name(|_| false)).collect();
+        assert_eq!(names, ["time_s", "command_mm", "displacement_mm"]);
+        assert_eq!(t.columns[1], [1.5, 1.6]);
+        assert_eq!((t.lines[0], t.header_place.as_str()), (7, "line 5"));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::json;
 use crate::failure::Failure;
+use crate::files::columns::Columns;
 use crate::files::measured::{Library, Part};
 use crate::files::{model, output};
 use crate::report;
@@ -35,6 +36,8 @@ pub struct Diagnose {
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -55,7 +58,7 @@ impl Diagnose {
                 path.display()
             )));
         }
-        let mut library = Library::default();
+        let mut library = Library::with(&self.columns);
         let train = library.parts(&self.train)?;
         let test = library.parts(&self.test)?;
         let rest = library.parts(&self.rest)?;

@@ -2,6 +2,7 @@
 
 use super::json;
 use crate::failure::Failure;
+use crate::files::columns::Columns;
 use crate::files::measured::{Library, Part};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
@@ -20,6 +21,8 @@ pub struct Identify {
     /// Write the actuator into this test file: plant.actuator, and the delays that compensation and estimation begin with
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -31,7 +34,7 @@ impl Identify {
     /// # Errors
     /// A record or a test file that cannot be used.
     pub fn go(&self) -> Result<(), Failure> {
-        let recording = Library::default()
+        let recording = Library::with(&self.columns)
             .parts(std::slice::from_ref(&self.record))?
             .remove(0);
         let found = diagnosis::identify(&recording).map_err(|e| Failure::input(e.to_string()))?;

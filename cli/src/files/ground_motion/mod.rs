@@ -1,5 +1,10 @@
-//! Ground motions: CSV with `time_s,acc_g`, PEER AT2, or one acceleration a line.
+//! Ground motions: CSV with `time_s,acc_g` in any dialect, PEER AT2, the networks' formats, or accelerations alone.
 
+mod at2;
+mod fortran;
+mod strong_motion;
+
+use super::header::unit_named;
 use super::read;
 use super::table::{NumberTable, number};
 use crate::failure::Failure;
@@ -40,6 +45,14 @@ pub enum Unit {
 }
 
 impl Unit {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::G => "g",
+            Self::MetrePerSecondSquared => "m/s2",
+            Self::Gal => "gal",
+        }
+    }
+
     fn in_si(self) -> f64 {
         match self {
             Self::G => 9.80665,
@@ -48,12 +61,12 @@ impl Unit {
         }
     }
 
-    /// The unit of a column `acc_...`.
-    fn of_column(name: &str) -> Option<Self> {
-        match name {
-            "acc_g" => Some(Self::G),
-            "acc_m/s2" | "acc_m_per_s2" => Some(Self::MetrePerSecondSquared),
-            "acc_gal" => Some(Self::Gal),
+    /// By its name, in lower case.
+    fn named(name: &str) -> Option<Self> {
+        match unit_named(name)? {
+            "g" => Some(Self::G),
+            "m_per_s2" => Some(Self::MetrePerSecondSquared),
+            "gal" => Some(Self::Gal),
             _ => None,
         }
     }
@@ -62,8 +75,13 @@ impl Unit {
 /// The strongest that was ever recorded is 4.4 g (Iwate-Miyagi 2008): beyond this the unit is not what the file says.
 const STRONGEST_M_PER_S2: f64 = 6.0 * 9.80665;
 
-/// Points in m/s^2 and their interval in s.
-type Points = (f64, Vec<f64>);
+/// What a file holds.
+struct Points {
+    interval_s: f64,
+    acc_m_per_s2: Vec<f64>,
+    /// The unit that the file itself says; `None`: it was said beside it.
+    unit: Option<Unit>,
+}
 
 impl GroundMotionFile {
     /// Reads a file by its ending and its first lines.
@@ -77,13 +95,25 @@ impl GroundMotionFile {
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("at2"));
         let first = text.lines().find(|l| !is_comment(l)).unwrap_or("");
-        let (interval_s, acc) = if at2 {
-            read_at2(&file, &text)?
-        } else if number(first).is_some() {
-            read_column(&file, &text, columns)?
+        let points = if at2 || at2::is_at2(&text) {
+            at2::parse(&file, &text)?
+        } else if let Some(format) = strong_motion::Format::of(&text) {
+            format.parse(&file, &text)?
+        } else if first.split_whitespace().all(|w| number(w).is_some()) && !first.is_empty() {
+            read_numbers(&file, &text, columns)?
         } else {
             read_csv(&file, &text)?
         };
+        let (interval_s, acc) = (points.interval_s, points.acc_m_per_s2);
+        if let (Some(own), Some(said)) = (points.unit, columns.unit)
+            && own != said
+        {
+            return Err(Failure::input(format!(
+                "{file}: is in {} and --unit says {}: accepted is the file's own",
+                own.name(),
+                said.name()
+            )));
+        }
         if acc.len() < 2 {
             return Err(Failure::input(format!(
                 "{file}: has {} points: accepted are at least 2",
@@ -119,31 +149,56 @@ fn is_comment(line: &str) -> bool {
     line.trim().is_empty() || line.trim_start().starts_with('#')
 }
 
-fn number_at(file: &str, line: usize, text: &str) -> Result<f64, Failure> {
-    number(text).ok_or_else(|| {
-        Failure::input(format!(
-            "{file}, line {line}: `{}` is refused: accepted is a finite number",
-            text.trim()
-        ))
-    })
+/// That something in a line, counted from 0, is not what it should be.
+fn refuse_line(file: &str, line: usize, text: &str, accepted: &str) -> Failure {
+    let shown: String = text.trim().chars().take(SHOWN).collect();
+    let line = line + 1;
+    Failure::input(format!(
+        "{file}, line {line}: `{shown}` is refused: accepted is {accepted}"
+    ))
+}
+
+/// Letters of a line that a message shows.
+const SHOWN: usize = 60;
+
+/// All numbers from line `from`, counted from 0, to the end, in m/s^2.
+fn values(
+    file: &str,
+    text: &str,
+    from: usize,
+    width: Option<usize>,
+    unit: Unit,
+) -> Result<Vec<f64>, Failure> {
+    let mut acc = Vec::new();
+    for (i, line) in text.lines().enumerate().skip(from) {
+        for value in fortran::numbers(line, width) {
+            let value = value.map_err(|word| refuse_line(file, i, word, "a finite number"))?;
+            acc.push(value * unit.in_si());
+        }
+    }
+    Ok(acc)
 }
 
 fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {
     let table = NumberTable::parse(file, text)?;
-    let names: Vec<&str> = table.names.iter().map(String::as_str).collect();
-    let unit = match names[..] {
-        ["time_s", acc] => Unit::of_column(acc),
+    let names: Vec<String> = table.headers.iter().map(|h| h.name(|_| false)).collect();
+    let unit = match &names[..] {
+        [time, acc] if time == "time_s" => acc.strip_prefix("acc_").and_then(Unit::named),
         _ => None,
     }
     .ok_or_else(|| {
+        let header: String = names.join(",").chars().take(SHOWN).collect();
         table.refuse_header(format!(
-            "the header `{}` is refused: accepted are time_s and one of acc_g, acc_m/s2 and acc_gal",
-            names.join(",")
+            "the header `{header}` is refused: accepted are time_s and one of acc_g, acc_m_per_s2 and acc_gal; read too \
+             are PEER AT2, COSMOS, CSMIP, SMC and ESM files, and plain numbers with --dt and --unit"
         ))
     })?;
     let interval = interval_s(&table)?;
-    let acc = table.columns[1].iter().map(|a| a * unit.in_si()).collect();
-    Ok((interval, acc))
+    Ok(Points {
+        interval_s: interval,
+        acc_m_per_s2: table.columns[1].iter().map(|a| a * unit.in_si()).collect(),
+        unit: Some(unit),
+    })
 }
 
 /// The constant interval of a time column, s.
@@ -183,70 +238,45 @@ fn interval_s(table: &NumberTable) -> Result<f64, Failure> {
     Ok((mean * 1e7).round() / 1e7)
 }
 
-/// PEER's format: three lines of text, the last of them with the unit, then NPTS and DT, then the values.
-fn read_at2(file: &str, text: &str) -> Result<Points, Failure> {
-    let mut head = None;
-    let mut acc = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        if head.is_some() {
-            for word in line.split_whitespace() {
-                acc.push(number_at(file, i + 1, word)? * Unit::G.in_si());
-            }
-            continue;
-        }
-        let upper = line.to_uppercase();
-        if i == 2 && !(upper.contains("ACCELERATION") && upper.trim_end().ends_with(" G")) {
-            return Err(Failure::input(format!(
-                "{file}, line 3: `{}` is refused: accepted is an acceleration in units of g",
-                line.trim()
-            )));
-        }
-        head = points_and_interval(&upper);
-    }
-    let (points, interval) = head.ok_or_else(|| {
-        Failure::input(format!(
-            "{file}: has no line with NPTS and DT, which a PEER AT2 file has"
-        ))
-    })?;
-    if points != acc.len() as f64 || interval.is_nan() || interval <= 0.0 {
+/// Accelerations alone, any number of them a line, or time and acceleration in two columns without a header.
+fn read_numbers(file: &str, text: &str, columns: Columns) -> Result<Points, Failure> {
+    let Some(unit) = columns.unit else {
         return Err(Failure::input(format!(
-            "{file}: the header says NPTS = {points} and DT = {interval} s, and the file has {} points: accepted are \
-             as many as the header says, at an interval above 0",
-            acc.len()
-        )));
-    }
-    Ok((interval, acc))
-}
-
-/// `NPTS= 7500, DT= .02 SEC`, or in the older files `7500 .02 NPTS, DT`.
-fn points_and_interval(upper: &str) -> Option<(f64, f64)> {
-    let plain = upper.replace(['=', ','], " ");
-    let words: Vec<&str> = plain.split_whitespace().collect();
-    let at = |key: &str| words.iter().position(|w| *w == key);
-    let (points, interval) = (at("NPTS")?, at("DT")?);
-    let value = |i: usize| number(words.get(i)?);
-    match (value(points + 1), value(interval + 1)) {
-        (Some(n), Some(dt)) => Some((n, dt)),
-        _ => Some((value(0)?, value(1)?)),
-    }
-}
-
-fn read_column(file: &str, text: &str, columns: Columns) -> Result<Points, Failure> {
-    let (Some(interval), Some(unit)) = (columns.interval_s, columns.unit) else {
-        return Err(Failure::input(format!(
-            "{file}: has one number a line and no header: accepted with --dt S and --unit g|m/s2|gal"
+            "{file}: has numbers and no header: accepted with --unit g|m/s2|gal, and --dt S unless it has two columns, \
+             time and acceleration"
         )));
     };
-    if !(interval > 0.0 && interval < 10.0) {
+    if let Some(dt) = columns.interval_s
+        && !(dt > 0.0 && dt < 10.0)
+    {
         return Err(Failure::input(format!(
-            "--dt = {interval} is refused: accepted are seconds above 0 and below 10"
+            "--dt = {dt} is refused: accepted are seconds above 0 and below 10"
         )));
     }
-    let lines = text.lines().enumerate().filter(|(_, l)| !is_comment(l));
-    let acc = lines
-        .map(|(i, line)| Ok(number_at(file, i + 1, line)? * unit.in_si()))
-        .collect::<Result<_, Failure>>()?;
-    Ok((interval, acc))
+    let mut rows = Vec::new();
+    for (i, line) in text.lines().enumerate().filter(|(_, l)| !is_comment(l)) {
+        let row: Result<Vec<f64>, &str> = fortran::numbers(line, None).into_iter().collect();
+        rows.push(row.map_err(|word| refuse_line(file, i, word, "a finite number"))?);
+    }
+    let points = |interval_s: f64, acc: &[f64]| Points {
+        interval_s,
+        acc_m_per_s2: acc.iter().map(|a| a * unit.in_si()).collect(),
+        unit: None,
+    };
+    match columns.interval_s {
+        Some(interval_s) => Ok(points(interval_s, &rows.concat())),
+        None if rows.iter().all(|row| row.len() == 2) => {
+            let named: String = rows
+                .iter()
+                .map(|r| format!("{},{}\n", r[0], r[1]))
+                .collect();
+            let table = NumberTable::parse(file, &format!("time_s,acc\n{named}"))?;
+            Ok(points(interval_s(&table)?, &table.columns[1]))
+        }
+        None => Err(Failure::input(format!(
+            "{file}: has numbers and no times: accepted with --dt S"
+        ))),
+    }
 }
 
 #[cfg(test)]
@@ -288,6 +318,95 @@ mod tests {
                 assert!((a - b).abs() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn the_networks_formats_hold_the_same_motion() {
+        // 0.1, -0.2 and 0.3 g in cm/s^2, eight fields of ten a line.
+        let fixed = "   98.0665 -196.1330  294.1995\n";
+        let csmip = format!(
+            "CORRECTED ACCELEROGRAM\nstation\n      3 points of accel data equally spaced at  .020 sec, in cm/sec2. \
+             (8f10.4)\n{fixed}      3 points of veloc data equally spaced at  .020 sec, in cm/sec.  (8f10.4)\n{fixed}"
+        );
+        let reals: String = (1..=100)
+            .map(|i| {
+                let x = if i == 62 { 0.02 } else { f64::from(i) };
+                format!("{x:15.6E}{}", if i % 5 == 0 { "\n" } else { "" })
+            })
+            .collect();
+        let cosmos = format!(
+            "Corrected acceleration  (Format v01.20 with 13 text lines)\n 100 Real-header values follow on 20 lines, \
+             Format= (5E15.6)\n{reals}      3 acceleration pts, approx 0 secs, units=cm/sec2 (04), \
+             Format=(8F10.4)\n{fixed}End-of-data for Chan  1 acceleration\n"
+        );
+        let integers: String = (1..=48)
+            .map(|i| {
+                let n = match i {
+                    16 => 1,
+                    17 => 3,
+                    _ => -32768,
+                };
+                format!("{n:10}{}", if i % 8 == 0 { "\n" } else { "" })
+            })
+            .collect();
+        let reals: String = (1..=50)
+            .map(|i| {
+                let x = if i == 2 { 50.0 } else { 1.7e38 };
+                format!("{x:15.7E}{}", if i % 5 == 0 { "\n" } else { "" })
+            })
+            .collect();
+        let smc = format!(
+            "2 CORRECTED ACCELEROGRAM\n{}{integers}{reals}|a comment\n{fixed}",
+            "text\n".repeat(10)
+        );
+        let esm = "EVENT_NAME: central_italy\nSAMPLING_INTERVAL_S: 0.020000\nNDATA: 3\nUNITS: cm/s^2\n\
+                   DATA_TYPE: ACCELERATION\n98.0665\n-196.133\n294.1995\n";
+        let at2 = "PEER\nKöln\nACCELERATION TIME HISTORY IN UNITS OF CM/SEC/SEC\nNPTS= 3, DT= .0200 SEC\n\
+                   .980665D+02-.196133D+03 .2941995D+03\n";
+        let dialect = "Zeit [s];Acceleration (m/s²)\n0,00;0,980665\n0,02;-1,96133\n0,04;2,941995\n";
+        for (name, text) in [
+            ("a.v2", csmip.as_str()),
+            ("b.V2C", &cosmos),
+            ("c.smc", &smc),
+            ("d.ASC", esm),
+            ("e.txt", at2),
+            ("f.csv", dialect),
+        ] {
+            let g = load(name, text, Columns::default()).unwrap();
+            assert!(
+                (g.interval_s - 0.02).abs() < 1e-9,
+                "{name}: {}",
+                g.interval_s
+            );
+            let expected = [0.1, -0.2, 0.3].map(|x| (x * 9.80665) as f32);
+            assert_eq!(g.acc_m_per_s2.len(), 3, "{name}");
+            for (a, b) in g.acc_m_per_s2.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-5, "{name}: {a} {b}");
+            }
+        }
+        let one_line = load("g.txt", "98.0665 -196.133 294.1995", plain(0.02, Unit::Gal)).unwrap();
+        assert_eq!(one_line.acc_m_per_s2.len(), 3);
+        let unit = Columns {
+            unit: Some(Unit::Gal),
+            ..Columns::default()
+        };
+        let two = load("h.txt", "0 98.0665\n0.02 -196.133\n0.04 294.1995\n", unit).unwrap();
+        assert!((two.interval_s - 0.02).abs() < 1e-9 && two.acc_m_per_s2.len() == 3);
+
+        let less = esm.replace("NDATA: 3", "NDATA: 4");
+        let velocity = esm.replace("ACCELERATION", "VELOCITY");
+        let few = csmip.replacen("      3", "     30", 1);
+        for (name, text, said) in [
+            ("d.ASC", less.as_str(), "NPTS = 4"),
+            ("d.ASC", &velocity, "line 5: `VELOCITY`"),
+            ("a.v2", &few, "line 5: `3 po`"),
+            ("e.txt", &at2.replace("CM/SEC/SEC", "FT/SEC/SEC"), "line 3"),
+        ] {
+            let e = load(name, text, Columns::default()).unwrap_err();
+            assert!(e.contains(said), "{said} is not in: {e}");
+        }
+        let e = load("a.csv", "time_s,acc_g\n0,0\n0.02,1\n", unit).unwrap_err();
+        assert!(e.contains("is in g and --unit says gal"), "{e}");
     }
 
     #[test]

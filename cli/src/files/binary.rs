@@ -1,0 +1,161 @@
+//! Recorded data in binary files: MAT (version 5 and 7.3) and HDF5.
+
+use super::header::Header;
+use super::table::NumberTable;
+use crate::failure::Failure;
+use hdf5_pure::{File, Group};
+use matfile::{MatFile, NumericData};
+
+/// Beyond so many columns a matrix is a picture and no record.
+const MOST_COLUMNS: usize = 64;
+
+/// Whether `bytes` are of a file that [`parse`] reads.
+pub fn is_binary(bytes: &[u8]) -> bool {
+    is_mat5(bytes) || hdf5_pure::is_hdf5_bytes(bytes)
+}
+
+fn is_mat5(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MATLAB 5.0")
+}
+
+/// The vectors and the columns of the matrices in a file, those of the length that most of them have.
+///
+/// # Errors
+/// A file that cannot be read, or in which nothing is a series.
+pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
+    let all = if is_mat5(&bytes) {
+        mat5(&bytes)
+    } else {
+        hdf5(bytes)
+    }
+    .map_err(|why| Failure::input(format!("{file}: cannot be read: {why}")))?;
+    let length = usual_length(&all).ok_or_else(|| {
+        Failure::input(format!(
+            "{file}: holds no series of numbers: accepted are vectors, or matrices with a quantity a column; {}",
+            if all.is_empty() {
+                "structures and cells are not read: save their fields as variables of their own"
+            } else {
+                "single numbers are no record"
+            }
+        ))
+    })?;
+    let (names, columns): (Vec<String>, Vec<Vec<f64>>) = all
+        .into_iter()
+        .filter(|(_, values)| values.len() == length)
+        .unzip();
+    for (name, values) in names.iter().zip(&columns) {
+        if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+            return Err(Failure::input(format!(
+                "{file}, value {}: {name} is {}: accepted is a finite number",
+                at + 1,
+                values[at]
+            )));
+        }
+    }
+    Ok(NumberTable {
+        file: file.to_owned(),
+        header_place: "its variables".into(),
+        headers: names.iter().map(|name| Header::of(name, None)).collect(),
+        lines: (1..=length as u64).collect(),
+        columns,
+        row_name: "value",
+    })
+}
+
+/// The length that most series have; of two that are as frequent, the longer one.
+fn usual_length(all: &[(String, Vec<f64>)]) -> Option<usize> {
+    let lengths = || all.iter().map(|(_, v)| v.len()).filter(|n| *n > 1);
+    lengths().max_by_key(|n| (lengths().filter(|m| m == n).count(), *n))
+}
+
+type Series = Vec<(String, Vec<f64>)>;
+
+fn mat5(bytes: &[u8]) -> Result<Series, String> {
+    let mat = MatFile::parse(bytes).map_err(|e| e.to_string())?;
+    let mut all = Series::new();
+    for array in mat.arrays() {
+        let values = match array.data() {
+            NumericData::Double { real, .. } => real.clone(),
+            NumericData::Single { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::Int8 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::UInt8 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::Int16 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::UInt16 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::Int32 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::UInt32 { real, .. } => real.iter().map(|x| f64::from(*x)).collect(),
+            NumericData::Int64 { real, .. } => real.iter().map(|x| *x as f64).collect(),
+            NumericData::UInt64 { real, .. } => real.iter().map(|x| *x as f64).collect(),
+        };
+        let [rows, columns] = match array.size()[..] {
+            [1, n] | [n, 1] | [n] => [n, 1],
+            [rows, columns] => [rows, columns],
+            _ => continue,
+        };
+        // MATLAB writes column by column.
+        add(&mut all, array.name(), &values, rows, columns, false);
+    }
+    Ok(all)
+}
+
+fn hdf5(bytes: Vec<u8>) -> Result<Series, String> {
+    let file = File::from_bytes(bytes).map_err(|e| e.to_string())?;
+    let root = file.root();
+    // MATLAB's matrices are transposed in the file: its rows are the file's columns.
+    let of_matlab = root
+        .datasets()
+        .map_err(|e| e.to_string())?
+        .iter()
+        .filter_map(|name| root.dataset(name).ok()?.attrs().ok())
+        .any(|attributes| attributes.contains_key("MATLAB_class"));
+    let mut all = Series::new();
+    collect(&root, "", of_matlab, &mut all)?;
+    Ok(all)
+}
+
+fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Result<(), String> {
+    for name in group.datasets().map_err(|e| e.to_string())? {
+        let data = group.dataset(&name).map_err(|e| e.to_string())?;
+        let whole = format!("{path}{name}");
+        let shape = data.shape().map_err(|e| e.to_string())?;
+        let [rows, columns] = match shape[..] {
+            [1, n] | [n, 1] | [n] => [n, 1],
+            [columns, rows] if of_matlab => [rows, columns],
+            [rows, columns] => [rows, columns],
+            _ => continue,
+        };
+        // What is no number, such as text, is no series.
+        if let Ok(values) = data.read_f64() {
+            let (rows, columns) = (rows as usize, columns as usize);
+            add(all, &whole, &values, rows, columns, !of_matlab);
+        }
+    }
+    for name in group.groups().map_err(|e| e.to_string())? {
+        // MATLAB keeps its bookkeeping in groups of such names.
+        if !name.starts_with('#') {
+            let inner = group.group(&name).map_err(|e| e.to_string())?;
+            collect(&inner, &format!("{path}{name}/"), of_matlab, all)?;
+        }
+    }
+    Ok(())
+}
+
+/// A vector, or a matrix column by column: `name(1)`, `name(2)`, ... `by_row`: how its numbers follow each other.
+fn add(all: &mut Series, name: &str, values: &[f64], rows: usize, columns: usize, by_row: bool) {
+    if values.len() != rows * columns || columns > MOST_COLUMNS {
+        return;
+    }
+    for j in 0..columns {
+        let at = |i: usize| {
+            if by_row {
+                i * columns + j
+            } else {
+                j * rows + i
+            }
+        };
+        let name = match columns {
+            1 => name.to_owned(),
+            _ => format!("{name}({})", j + 1),
+        };
+        all.push((name, (0..rows).map(|i| values[at(i)]).collect()));
+    }
+}

@@ -1,0 +1,128 @@
+//! Text in the encodings that laboratories export: UTF-8, UTF-16, and the one of Western Windows.
+
+use crate::failure::Failure;
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use std::path::Path;
+
+/// Reads a file as bytes.
+///
+/// # Errors
+/// A file that cannot be read, by its name.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path)
+        .map_err(|e| Failure::input(format!("{}: cannot be read: {e}", path.display())))
+}
+
+/// The text in `bytes`, which came from `file`.
+///
+/// # Errors
+/// Bytes that are no text.
+pub fn text(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
+    if let Some(encoding) = wide(&bytes) {
+        return Ok(encoding.decode(&bytes).0.into_owned());
+    }
+    if bytes.contains(&0) {
+        return Err(Failure::input(format!(
+            "{file}: is a binary file{}: accepted are CSV and other text, MAT and HDF5",
+            kind(&bytes)
+        )));
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok(text
+            .strip_prefix('\u{feff}')
+            .map(str::to_owned)
+            .unwrap_or(text)),
+        // Every byte is a letter there: an umlaut in a title, a degree sign, a superscript two.
+        Err(e) => Ok(WINDOWS_1252.decode(e.as_bytes()).0.into_owned()),
+    }
+}
+
+/// UTF-16, by its mark or because every other byte is zero, as of digits and Western letters.
+fn wide(bytes: &[u8]) -> Option<&'static Encoding> {
+    if let Some((encoding, _)) = Encoding::for_bom(bytes) {
+        return (encoding != encoding_rs::UTF_8).then_some(encoding);
+    }
+    let head = &bytes[..bytes.len().min(512) & !1];
+    let zeros = |from: usize| {
+        head.iter()
+            .skip(from)
+            .step_by(2)
+            .filter(|b| **b == 0)
+            .count()
+    };
+    let most = 9 * (head.len() / 2) / 10;
+    match (zeros(0), zeros(1)) {
+        (0, odd) if odd > most.max(1) => Some(UTF_16LE),
+        (even, 0) if even > most.max(1) => Some(UTF_16BE),
+        _ => None,
+    }
+}
+
+/// What a binary file seems to be, and what to do with it.
+fn kind(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => {
+            " of NumPy: write it with numpy.savetxt or scipy.io.savemat"
+        }
+        [b'P', b'K', 3, 4, ..] => ", a ZIP archive such as .xlsx or .npz: export its table as CSV",
+        [b'T', b'D', b'S', b'm', ..] => {
+            " of LabVIEW (TDMS): export it as text, or read it with npTDMS and save it as MAT"
+        }
+        [
+            b'0'..=b'9',
+            b'0'..=b'9',
+            b'0'..=b'9',
+            b'0'..=b'9',
+            b'0'..=b'9',
+            b'0'..=b'9',
+            b'D' | b'R' | b'Q' | b'M',
+            b' ',
+            ..,
+        ] => {
+            " of MiniSEED, which holds counts of a recorder and not accelerations: ObsPy applies the instrument's \
+             response and writes text"
+        }
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_text_in_every_encoding() {
+        let said = "time_s,acc_g\n0,1 ö\n";
+        let wide =
+            |order: fn(u16) -> [u8; 2]| said.encode_utf16().flat_map(order).collect::<Vec<_>>();
+        let (little, big) = (wide(u16::to_le_bytes), wide(u16::to_be_bytes));
+        let western = said.replace('ö', "\u{1}").into_bytes();
+        let western: Vec<u8> = western
+            .into_iter()
+            .map(|b| if b == 1 { 0xf6 } else { b })
+            .collect();
+        for bytes in [
+            said.as_bytes().to_vec(),
+            [b"\xef\xbb\xbf", said.as_bytes()].concat(),
+            [&b"\xff\xfe"[..], &little].concat(),
+            [&b"\xfe\xff"[..], &big].concat(),
+            little,
+            big,
+            western,
+        ] {
+            assert_eq!(text("f", bytes).unwrap(), said);
+        }
+    }
+
+    #[test]
+    fn a_binary_file_is_named() {
+        for (bytes, said) in [
+            (&b"\x93NUMPY\x01\x00v\x00"[..], "NumPy"),
+            (b"000001D IU \x00\x00", "MiniSEED"),
+            (b"PK\x03\x04\x00\x00", "ZIP"),
+        ] {
+            let e = text("f", bytes.to_vec()).unwrap_err().to_string();
+            assert!(e.contains(said), "{e}");
+        }
+    }
+}

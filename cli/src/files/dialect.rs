@@ -1,0 +1,133 @@
+//! How a text file separates its columns, writes its decimals, and where its table begins.
+
+/// Separator of columns and sign of the decimals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dialect {
+    /// Between two cells; `None`: any run of blanks.
+    pub separator: Option<char>,
+    /// Whether decimals are written with a comma.
+    pub decimal_comma: bool,
+}
+
+/// Every dialect, the likeliest first.
+const DIALECTS: [Dialect; 7] = [
+    Dialect::new(Some(','), false),
+    Dialect::new(Some('\t'), false),
+    Dialect::new(Some(';'), false),
+    Dialect::new(Some(';'), true),
+    Dialect::new(Some('\t'), true),
+    Dialect::new(None, false),
+    Dialect::new(None, true),
+];
+
+/// Lines that are looked at to tell the dialect.
+const LOOKED_AT: usize = 200;
+
+impl Dialect {
+    const fn new(separator: Option<char>, decimal_comma: bool) -> Self {
+        Self {
+            separator,
+            decimal_comma,
+        }
+    }
+
+    /// The one in which most lines are numbers; where none is, the one with the most cells in the first line.
+    pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let looked_at = || lines.clone().take(LOOKED_AT);
+        let rows = |d: &Self| looked_at().filter(|l| d.is_row(l)).count();
+        let best = DIALECTS.iter().rev().max_by_key(|d| rows(d));
+        let first = looked_at().next().unwrap_or("");
+        match best {
+            Some(best) if rows(best) > 0 => *best,
+            _ => DIALECTS
+                .into_iter()
+                .find(|d| d.separator.is_some_and(|s| first.contains(s)))
+                .unwrap_or(DIALECTS[0]),
+        }
+    }
+
+    /// The cells of a line, without the blanks and quotes around them.
+    pub fn cells<'a>(&self, line: &'a str) -> Vec<&'a str> {
+        let bare = |cell: &'a str| cell.trim().trim_matches('"').trim();
+        match self.separator {
+            None => line.split_whitespace().map(bare).collect(),
+            Some(separator) => {
+                let mut quoted = false;
+                line.split(|c| {
+                    quoted ^= c == '"';
+                    c == separator && !quoted
+                })
+                .map(bare)
+                .collect()
+            }
+        }
+    }
+
+    /// A cell as a number, finite or not.
+    pub fn any_number(&self, cell: &str) -> Option<f64> {
+        if self.decimal_comma && cell.contains(',') {
+            // A point beside a decimal comma would be a thousand's separator: which is meant cannot be known.
+            return (!cell.contains('.'))
+                .then(|| cell.replace(',', ".").parse().ok())
+                .flatten();
+        }
+        cell.parse().ok()
+    }
+
+    /// A cell as a finite number.
+    pub fn number(&self, cell: &str) -> Option<f64> {
+        self.any_number(cell).filter(|x| x.is_finite())
+    }
+
+    /// Whether a line has at least two cells, all numbers. A line that ends with its separator has one cell less.
+    fn is_row(&self, line: &str) -> bool {
+        let cells = self.cells(line);
+        let cells = without_end(&cells);
+        cells.len() > 1 && cells.iter().all(|c| self.number(c).is_some())
+    }
+}
+
+/// The cells of a row without the empty one behind a last separator.
+pub fn without_end<'a, 'b>(cells: &'b [&'a str]) -> &'b [&'a str] {
+    match cells {
+        [all @ .., ""] if all.len() > 1 => all,
+        all => all,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dialect_is_told_from_the_rows() {
+        for (text, separator, decimal_comma) in [
+            ("t,x\n0,1\n1,2", Some(','), false),
+            ("t,x\n0, 1\n1, 2", Some(','), false),
+            ("t\tx\n0.0\t1.5\n", Some('\t'), false),
+            ("t\tx\n0,0\t1,5\n", Some('\t'), true),
+            ("t;x\n0,0;1,5\n", Some(';'), true),
+            ("t;x\n0.0;1.5;\n", Some(';'), false),
+            ("t x\n 0.0  1.5\n", None, false),
+            ("t x\n 0,0  1,5\n", None, true),
+            ("t;x\noops;no\n", Some(';'), false),
+            ("\"t\",\"x\"\n\"0\",\"1\"\n", Some(','), false),
+        ] {
+            let d = Dialect::of(text.lines());
+            assert_eq!(
+                (d.separator, d.decimal_comma),
+                (separator, decimal_comma),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn cells_are_bare() {
+        let d = DIALECTS[0];
+        assert_eq!(d.cells(" a , \"b, c\",1 "), ["a", "b, c", "1"]);
+        let comma = Dialect::new(Some(';'), true);
+        assert_eq!(comma.number("-1,5e-3"), Some(-1.5e-3));
+        assert_eq!(comma.number("1.234,5"), None);
+    }
+}

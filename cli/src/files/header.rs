@@ -1,0 +1,234 @@
+//! Names of columns as laboratories write them: `Time (s)`, `Cmd [mm]`, `Force/kN`, `displacement_mm`.
+
+/// A column's name, and its unit where it says one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// The cell as it stands in the file.
+    pub text: String,
+    /// The name without its unit, in lower case, with `_` between its words.
+    pub base: String,
+    /// The unit as this program writes it; empty: none is said.
+    pub unit: String,
+}
+
+/// Units as they are written, and as this program writes them.
+const UNITS: &[(&str, &[&str])] = &[
+    ("s", &["s", "sec", "secs", "second", "seconds", "sek"]),
+    ("ms", &["ms", "msec", "millisecond", "milliseconds"]),
+    ("m", &["m", "meter", "metre", "meters", "metres"]),
+    ("mm", &["mm", "millimeter", "millimetre"]),
+    ("cm", &["cm"]),
+    ("in", &["in", "inch", "inches"]),
+    ("n", &["n", "newton", "newtons"]),
+    ("kn", &["kn", "kilonewton"]),
+    ("mn", &["mn", "meganewton"]),
+    ("lbf", &["lbf", "lb"]),
+    ("kip", &["kip", "kips"]),
+    ("m_per_s", &["m_per_s", "m/s"]),
+    ("mm_per_s", &["mm_per_s", "mm/s"]),
+    ("g", &["g"]),
+    (
+        "gal",
+        &[
+            "gal",
+            "cm/s2",
+            "cm/s^2",
+            "cm/s²",
+            "cm/s/s",
+            "cm/sec2",
+            "cm/sec^2",
+            "cm/sec/sec",
+        ],
+    ),
+    (
+        "m_per_s2",
+        &[
+            "m_per_s2",
+            "m/s2",
+            "m/s^2",
+            "m/s²",
+            "m/s/s",
+            "m/sec2",
+            "m/sec/sec",
+        ],
+    ),
+    ("1", &["1", "-", "volt", "v"]),
+];
+
+/// Names as laboratories write them, and as this program does.
+const ALIASES: &[(&str, &[&str])] = &[
+    (
+        "time",
+        &[
+            "time",
+            "t",
+            "elapsed_time",
+            "running_time",
+            "test_time",
+            "zeit",
+            "temps",
+        ],
+    ),
+    (
+        "command",
+        &[
+            "command",
+            "cmd",
+            "reference",
+            "ref",
+            "setpoint",
+            "set_point",
+            "desired",
+            "demand",
+            "soll",
+            "axial_command",
+        ],
+    ),
+    (
+        "displacement",
+        &[
+            "displacement",
+            "disp",
+            "displ",
+            "position",
+            "pos",
+            "stroke",
+            "lvdt",
+            "weg",
+            "axial_displacement",
+            "measured_displacement",
+        ],
+    ),
+    (
+        "force",
+        &[
+            "force",
+            "load",
+            "load_cell",
+            "kraft",
+            "axial_force",
+            "measured_force",
+        ],
+    ),
+    (
+        "acc",
+        &[
+            "acc",
+            "acceleration",
+            "ground_acceleration",
+            "acc_x",
+            "accel",
+        ],
+    ),
+];
+
+impl Header {
+    /// A cell of the header, with the cell of the row of units beneath it, where there is one.
+    pub fn of(text: &str, beneath: Option<&str>) -> Self {
+        let text = text.trim();
+        let (base, mut unit) = split(text);
+        if unit.is_empty() {
+            unit = beneath.and_then(unit_named).unwrap_or("").to_owned();
+        }
+        Self {
+            text: text.to_owned(),
+            base: words(base),
+            unit,
+        }
+    }
+
+    /// `quantity_unit`, as this program writes it. `known`: whether a name is one already.
+    pub fn name(&self, known: impl Fn(&str) -> bool) -> String {
+        let plain = words(&self.text);
+        if self.unit.is_empty() || known(&plain) {
+            return plain;
+        }
+        let base = alias(&self.base).unwrap_or(&self.base);
+        format!("{base}_{}", self.unit)
+    }
+
+    /// What a column without a unit would be, by its name.
+    pub fn likely(&self) -> Option<&'static str> {
+        alias(&self.base)
+    }
+}
+
+/// The unit that a text names, if it does.
+pub fn unit_named(text: &str) -> Option<&'static str> {
+    let bare = text.trim().trim_matches(|c| "()[]{}".contains(c)).trim();
+    let lower = bare.to_lowercase();
+    let found = UNITS
+        .iter()
+        .find(|(_, names)| names.contains(&lower.as_str()));
+    found.map(|(unit, _)| *unit)
+}
+
+fn alias(base: &str) -> Option<&'static str> {
+    let found = ALIASES.iter().find(|(_, names)| names.contains(&base));
+    found.map(|(name, _)| *name)
+}
+
+/// The name and the unit behind it, in brackets or behind a stroke.
+fn split(text: &str) -> (&str, String) {
+    let brackets = [('(', ')'), ('[', ']'), ('{', '}')];
+    for (open, close) in brackets {
+        if let Some((base, rest)) = text.split_once(open)
+            && let Some((unit, _)) = rest.split_once(close)
+            && let Some(unit) = unit_named(unit)
+        {
+            return (base, unit.to_owned());
+        }
+    }
+    for mark in [" in ", "/", ",", " ", "_"] {
+        if let Some(at) = text.find(mark)
+            && let Some(unit) = unit_named(&text[at + mark.len()..])
+        {
+            return (&text[..at], unit.to_owned());
+        }
+    }
+    (text, String::new())
+}
+
+/// In lower case, with `_` between words.
+fn words(text: &str) -> String {
+    let letters = text.trim().chars().map(|c| {
+        if c.is_whitespace() || "-.".contains(c) {
+            ' '
+        } else {
+            c
+        }
+    });
+    let text: String = letters.collect::<String>().to_lowercase();
+    text.split_whitespace().collect::<Vec<_>>().join("_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_laboratories_write_has_one_name() {
+        let known = |name: &str| name == "force2_kn";
+        for (text, beneath, name) in [
+            ("time_s", None, "time_s"),
+            ("Time (s)", None, "time_s"),
+            ("Time", Some("[sec]"), "time_s"),
+            ("Cmd [mm]", None, "command_mm"),
+            ("Axial Command", Some("mm"), "command_mm"),
+            ("Disp. (m)", None, "displacement_m"),
+            ("Position in mm", None, "displacement_mm"),
+            ("Force/kN", None, "force_kn"),
+            ("Load kN", None, "force_kn"),
+            ("force2_kn", None, "force2_kn"),
+            ("acc_m/s2", None, "acc_m_per_s2"),
+            ("Acceleration (cm/s²)", None, "acc_gal"),
+            ("Oil temperature", None, "oil_temperature"),
+            ("oil_c", None, "oil_c"),
+            ("energy_error_hsem_j", None, "energy_error_hsem_j"),
+        ] {
+            assert_eq!(Header::of(text, beneath).name(known), name, "{text}");
+        }
+        assert_eq!(Header::of("Cmd", None).likely(), Some("command"));
+        assert_eq!(Header::of("Oil", None).likely(), None);
+    }
+}
