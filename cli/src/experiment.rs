@@ -33,6 +33,15 @@ pub struct Experiment {
     interval_s: f64,
 }
 
+/// The points that are laid under a test, rest and factor and all.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaking<'a> {
+    /// Ground acceleration, m/s^2.
+    pub acc_m_per_s2: &'a [f32],
+    /// Interval of the points, s of model time.
+    pub interval_s: f64,
+}
+
 /// A test that has run.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -92,6 +101,34 @@ impl Experiment {
             .iter_mut()
             .for_each(|a| *a *= factor);
         Ok(experiment)
+    }
+
+    /// A test as it was laid out before: `shaking` is taken as it is.
+    pub fn again(
+        test: TestFile,
+        record: String,
+        seconds: f64,
+        scale: f64,
+        shaking: &Shaking<'_>,
+    ) -> Self {
+        let points = shaking.acc_m_per_s2;
+        Self {
+            test,
+            record,
+            seconds,
+            scale,
+            shaken_s: points.len() as f64 * shaking.interval_s,
+            acc_m_per_s2: points.to_vec(),
+            interval_s: shaking.interval_s,
+        }
+    }
+
+    /// What is laid under it.
+    pub fn shaking(&self) -> Shaking<'_> {
+        Shaking {
+            acc_m_per_s2: &self.acc_m_per_s2,
+            interval_s: self.interval_s,
+        }
     }
 
     /// The test file's factor, or the one with which the elastic structure answers as the file wants it to.

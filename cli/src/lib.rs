@@ -16,6 +16,7 @@
 //! | [`declared`](mod@declared) | what the laboratory believes of its rig, apart from the simulated truth |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
+//! | [`provenance`] | who ran what, when, with which files |
 //! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`serve`] | the rig as an element of a finite-element model |
 //! | [`report`] | the self-contained HTML page |
@@ -38,6 +39,7 @@ pub mod failure;
 pub mod files;
 pub mod improvement;
 pub mod numbers;
+pub mod provenance;
 pub mod report;
 pub mod score;
 pub mod serve;

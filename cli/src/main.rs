@@ -17,6 +17,7 @@ struct Arguments {
 enum Verb {
     Demo(verb::demo::Demo),
     Run(verb::run::Run),
+    Replay(verb::replay::Replay),
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
     MonteCarlo(verb::monte_carlo::MonteCarlo),
@@ -62,6 +63,7 @@ fn main() -> ExitCode {
     let outcome = match arguments.verb {
         Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
+        Verb::Replay(v) => v.go(),
         Verb::Compare(v) => v.go(),
         Verb::Check(v) => v.go(),
         Verb::MonteCarlo(v) => v.go(),

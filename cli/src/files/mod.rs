@@ -1,5 +1,6 @@
 //! Files that people write and read: tests, ground motions, recorded data, results.
 
+pub mod archive;
 pub mod binary;
 pub mod channels;
 pub mod columns;

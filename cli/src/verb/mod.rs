@@ -11,6 +11,7 @@ pub mod identify;
 pub mod improve;
 pub mod monte_carlo;
 pub mod place;
+pub mod replay;
 pub mod run;
 pub mod serve;
 

@@ -8,6 +8,7 @@ use crate::failure::Failure;
 use crate::story::Site;
 use crate::trace::{Response, Witness};
 use outerloop_core::Method;
+use serde::{Deserialize, Serialize};
 
 /// On the simulated rig, on a board, or on an emulated one.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -22,6 +23,37 @@ pub struct Place {
     /// Ask nobody between the approach and the start of a test on a board
     #[arg(long, requires = "port")]
     yes: bool,
+}
+
+/// The kind of rig that a test ran on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Where {
+    /// The simulated rig, in this process.
+    Simulated,
+    /// An emulated board, with the simulated rig behind its converters.
+    Emulated,
+    /// A board.
+    Board,
+}
+
+impl Place {
+    /// A simulated or emulated rig; of a board the port is not known.
+    pub fn at(place: Where) -> Self {
+        Self {
+            port: None,
+            emulated: place == Where::Emulated,
+        }
+    }
+
+    /// What kind of rig it is.
+    pub fn kind(&self) -> Where {
+        match (&self.port, self.emulated) {
+            (Some(_), _) => Where::Board,
+            (None, true) => Where::Emulated,
+            (None, false) => Where::Simulated,
+        }
+    }
 }
 
 impl Site for Place {

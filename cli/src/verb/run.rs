@@ -3,11 +3,16 @@
 use super::place::Place;
 use super::{Common, json, method};
 use crate::failure::Failure;
+use crate::files::archive::{self, Ran};
 use crate::files::{model, output, record_csv};
 use crate::improvement;
+use crate::provenance::Provenance;
 use crate::report::{self, Section};
 use crate::story::Site;
+use crate::summary::Summary;
 use crate::terminal::{self, Progress};
+use crate::trace::Response;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// One closed-loop test
@@ -21,9 +26,12 @@ pub struct Run {
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME")]
     compensation: Option<String>,
-    /// Write report.html, record.csv and summary.json there
+    /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3) and summary.json there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write everything that is needed to judge and to repeat the test into this file; `outerloop replay` reads it
+    #[arg(long, value_name = "FILE")]
+    archive: Option<PathBuf>,
     /// What is known of the rig, for example from `diagnose --save-model`: taken into account in this test
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -56,26 +64,23 @@ impl Run {
         let run = {
             let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
-            let keep = self.out.is_some();
+            let keep = self.out.is_some() || self.archive.is_some();
             let tell = progress.witness();
             let seed = self.common.seed;
             let run = self
                 .place
                 .run(&experiment, kind, &ideal, seed, keep, tell)?;
-            if let (Some(folder), Some(trace)) = (&self.out, &run.trace) {
-                let section = Section {
-                    experiment: &experiment,
-                    summary: &run.summary,
-                    trace,
-                    ideal: &ideal,
-                };
-                output::write_all(
-                    folder,
-                    &[
-                        ("report.html", report::of_run(&section)?),
-                        ("record.csv", record_csv::to_csv(trace)),
-                        ("summary.json", json(&run.summary)?),
-                    ],
+            if let Some(trace) = &run.trace {
+                self.write(
+                    &Ran {
+                        experiment: &experiment,
+                        method: kind,
+                        place: self.place.kind(),
+                        seed,
+                        summary: &run.summary,
+                        trace,
+                    },
+                    &ideal,
                 )?;
             }
             run
@@ -104,4 +109,44 @@ impl Run {
         }
         run.summary.outcome()
     }
+
+    /// Writes what was asked for.
+    fn write(&self, ran: &Ran<'_>, ideal: &Response) -> Result<(), Failure> {
+        let archived = archive::to_bytes(ran)?;
+        if let Some(file) = &self.archive {
+            output::write(file, &archived)?;
+        }
+        let Some(folder) = &self.out else {
+            return Ok(());
+        };
+        let section = Section {
+            experiment: ran.experiment,
+            summary: ran.summary,
+            trace: ran.trace,
+            ideal,
+        };
+        let summary = Told {
+            summary: ran.summary,
+            seed: ran.seed,
+            provenance: Provenance::of_this_run(),
+        };
+        output::write_all(
+            folder,
+            &[
+                ("report.html", report::of_run(&section)?.into_bytes()),
+                ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
+                ("record.h5", archived),
+                ("summary.json", json(&summary)?.into_bytes()),
+            ],
+        )
+    }
+}
+
+/// What summary.json says: the figures, and where they come from.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    seed: u64,
+    provenance: &'a Provenance,
 }

@@ -1,0 +1,243 @@
+//! `record.h5`: one file with everything that is needed to judge a test and to repeat it.
+//!
+//! HDF5 with MATLAB's conventions, so that it is a MAT file of version 7.3 as well: `h5py.File` and MATLAB's `load` open
+//! it. Every channel is a vector under the name that `record.csv` gives it, time in double and all others in single
+//! precision as the controller has them; `units` names their units. `test_file`, `summary`, `provenance` and `repeat` are
+//! text; `ground_motion_m_per_s2` are the points that were laid under the test.
+
+use super::channels;
+use crate::experiment::{Experiment, Shaking};
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use crate::provenance::Provenance;
+use crate::summary::Summary;
+use crate::trace::Trace;
+use crate::verb::place::Where;
+use hdf5_pure::File;
+use hdf5_pure::mat::builder::MatBuilder;
+use hdf5_pure::mat::{MatError, Options};
+use outerloop_core::{Config, Method};
+use plant::RigSpec;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What has to be given to a test to repeat it, beside the points of its ground motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Repeat {
+    /// Version of this list.
+    pub format: u32,
+    /// Where it ran.
+    pub place: Where,
+    /// Seed of everything random in a simulated rig.
+    pub seed: u64,
+    /// The compensation that was in force.
+    pub method: Method,
+    /// What core was configured with.
+    pub config: Config,
+    /// The simulated rig.
+    pub plant: RigSpec,
+    /// Name of the ground motion.
+    pub record: String,
+    /// Length, s of model time.
+    pub seconds: f64,
+    /// Factor that the points were multiplied with.
+    pub scale: f64,
+    /// Interval of the points, s.
+    pub interval_s: f64,
+}
+
+/// Version of [`Repeat`].
+const FORMAT: u32 = 1;
+
+/// A test that ran.
+#[derive(Clone, Copy, Debug)]
+pub struct Ran<'a> {
+    /// What was tested.
+    pub experiment: &'a Experiment,
+    /// With which compensation.
+    pub method: Method,
+    /// Where.
+    pub place: Where,
+    /// With which seed.
+    pub seed: u64,
+    /// Its figures.
+    pub summary: &'a Summary,
+    /// Its channels.
+    pub trace: &'a Trace,
+}
+
+/// The file's bytes.
+///
+/// # Errors
+/// A test whose numbers a file cannot hold.
+pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
+    let shaking = ran.experiment.shaking();
+    let repeat = Repeat {
+        format: FORMAT,
+        place: ran.place,
+        seed: ran.seed,
+        method: ran.method,
+        config: ran.experiment.test.config.clone(),
+        plant: ran.experiment.test.plant.clone(),
+        record: ran.experiment.record.clone(),
+        seconds: ran.experiment.seconds,
+        scale: ran.experiment.scale,
+        interval_s: shaking.interval_s,
+    };
+    let text = json(&repeat)?;
+    // An archive that could not be read back would be found out when it is too late.
+    let back: Repeat = serde_json::from_str(&text).map_err(|e| cannot(&e.to_string()))?;
+    if back != repeat {
+        return Err(cannot("its configuration does not read back as it is"));
+    }
+    let texts = [
+        ("test_file", ran.experiment.test.text.clone()),
+        ("summary", json(ran.summary)?),
+        ("provenance", json(Provenance::of_this_run())?),
+        ("repeat", text),
+    ];
+    write(ran.trace, shaking, &texts).map_err(|e| cannot(&e.to_string()))
+}
+
+fn write(
+    trace: &Trace,
+    shaking: Shaking<'_>,
+    texts: &[(&str, String)],
+) -> Result<Vec<u8>, MatError> {
+    let mut file = MatBuilder::new(Options::default());
+    let column = [trace.len(), 1];
+    let time_s: Vec<f64> = (0..trace.len()).map(|i| trace.time_s(i)).collect();
+    file.write_f64("time_s", &column, &time_s)?;
+    let channels = channels::of(trace);
+    for channel in &channels {
+        file.write_f32(&channel.name, &column, channel.values)?;
+    }
+    for (name, values) in [
+        ("tick_1", &trace.tick),
+        ("step_1", &trace.step),
+        ("flags_1", &trace.flags),
+    ] {
+        file.write_u32(name, &column, values)?;
+    }
+    let points = shaking.acc_m_per_s2;
+    file.write_f32("ground_motion_m_per_s2", &[points.len(), 1], points)?;
+    file.struct_("units", |units| {
+        units.write_char("time_s", "s")?;
+        units.write_char("ground_motion_m_per_s2", "m/s^2")?;
+        for channel in &channels {
+            units.write_char(&channel.name, channel.unit)?;
+        }
+        Ok(())
+    })?;
+    for (name, text) in texts {
+        file.write_char(name, text)?;
+    }
+    file.finish()
+}
+
+/// A test as an archive holds it.
+#[derive(Clone, Debug)]
+pub struct Archived {
+    /// How to repeat it.
+    pub repeat: Repeat,
+    /// It, ready to run.
+    pub experiment: Experiment,
+    /// Its channels, by name.
+    pub channels: Vec<(String, Vec<f32>)>,
+    /// Control steps.
+    pub steps: usize,
+    /// The version that wrote it.
+    pub version: String,
+}
+
+/// Reads an archive.
+///
+/// # Errors
+/// A file that cannot be read or is none.
+pub fn load(path: &Path) -> Result<Archived, Failure> {
+    let bytes = super::decode::bytes(path)?;
+    let file = path.display().to_string();
+    if !hdf5_pure::is_hdf5_bytes(&bytes) {
+        return Err(Failure::input(format!(
+            "{file}: is no archive: accepted is a record.h5 of `run --out`, or a file of `run --archive`"
+        )));
+    }
+    read(bytes, &file).map_err(|why| {
+        Failure::input(format!(
+            "{file}: cannot be replayed: {why}: accepted is an archive as `run --archive` writes it"
+        ))
+    })
+}
+
+fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
+    let h5 = File::from_bytes(bytes).map_err(|e| e.to_string())?;
+    let text = |name: &str| -> Result<String, String> {
+        let units: Vec<u16> = h5
+            .dataset(name)
+            .and_then(|d| d.read::<u16>())
+            .map_err(|e| format!("{name}: {e}"))?;
+        String::from_utf16(&units).map_err(|e| format!("{name}: {e}"))
+    };
+    let singles = |name: &str| -> Result<Vec<f32>, String> {
+        h5.dataset(name)
+            .and_then(|d| d.read::<f32>())
+            .map_err(|e| format!("{name}: {e}"))
+    };
+    let repeat: Repeat =
+        serde_json::from_str(&text("repeat")?).map_err(|e| format!("repeat: {e}"))?;
+    if repeat.format != FORMAT {
+        return Err(format!(
+            "its format is {}, this program's {FORMAT}",
+            repeat.format
+        ));
+    }
+    let provenance: serde_json::Value =
+        serde_json::from_str(&text("provenance")?).map_err(|e| format!("provenance: {e}"))?;
+    let test = TestFile::parse(&text("test_file")?, file, Path::new(""), &[])
+        .map_err(|e| e.to_string())?;
+    let test = TestFile {
+        config: repeat.config.clone(),
+        plant: repeat.plant.clone(),
+        ..test
+    };
+    let mut trace = Trace::new(
+        repeat.config.degrees_of_freedom(),
+        repeat.config.timing.rate_hz,
+    );
+    let names: Vec<String> = channels::of(&trace).into_iter().map(|c| c.name).collect();
+    let channels = names
+        .into_iter()
+        .map(|name| Ok((name.clone(), singles(&name)?)))
+        .collect::<Result<Vec<_>, String>>()?;
+    trace.tick = h5
+        .dataset("tick_1")
+        .and_then(|d| d.read::<u32>())
+        .map_err(|e| format!("tick_1: {e}"))?;
+    Ok(Archived {
+        experiment: Experiment::again(
+            test,
+            repeat.record.clone(),
+            repeat.seconds,
+            repeat.scale,
+            &Shaking {
+                acc_m_per_s2: &singles("ground_motion_m_per_s2")?,
+                interval_s: repeat.interval_s,
+            },
+        ),
+        repeat,
+        steps: trace.tick.len(),
+        channels,
+        version: provenance["version"]
+            .as_str()
+            .unwrap_or("not known")
+            .to_owned(),
+    })
+}
+
+fn json(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map_err(|e| cannot(&e.to_string()))
+}
+
+fn cannot(why: &str) -> Failure {
+    Failure::test(format!("the test cannot be archived: {why}"))
+}

@@ -1,0 +1,113 @@
+//! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
+
+use super::place::{Place, Where};
+use crate::failure::Failure;
+use crate::files::{archive, channels};
+use crate::provenance;
+use crate::story::Site;
+use crate::terminal::Progress;
+use crate::trace::Trace;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Work an archived test out again and compare the bits
+#[derive(clap::Args, Debug)]
+pub struct Replay {
+    /// The archive: the record.h5 of `run --out`, or the file of `run --archive`
+    archive: PathBuf,
+    /// One JSON object on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a replay found.
+#[derive(Clone, Debug, Serialize)]
+struct Found {
+    steps: usize,
+    channels: usize,
+    values_different: usize,
+    first_difference: Option<String>,
+    archived_by: String,
+    replayed_by: String,
+}
+
+impl Replay {
+    /// Replays.
+    ///
+    /// # Errors
+    /// No archive; a test on a real rig; another result.
+    pub fn go(&self) -> Result<(), Failure> {
+        let archived = archive::load(&self.archive)?;
+        let file = self.archive.display();
+        if archived.repeat.place == Where::Board {
+            return Err(Failure::input(format!(
+                "{file}: ran on a board, and a real rig does not repeat itself: accepted are tests on a simulated or \
+                 emulated rig; the board's steps were worked out again while it ran, and the summary in the file says \
+                 with what result"
+            )));
+        }
+        let experiment = &archived.experiment;
+        let place = Place::at(archived.repeat.place);
+        let run = {
+            let progress = Progress::over("replay", experiment.control_steps() as u64);
+            let ideal = experiment.ideal()?;
+            let (method, seed) = (archived.repeat.method, archived.repeat.seed);
+            place.run(experiment, method, &ideal, seed, true, progress.witness())?
+        };
+        let trace = run
+            .trace
+            .ok_or_else(|| Failure::test("the replay kept no record"))?;
+        let found = compare(&archived, &trace);
+        if self.json {
+            println!("{}", super::json(&found)?);
+        }
+        match &found.first_difference {
+            None => {
+                if !self.json {
+                    println!(
+                        "{file}: all {} steps of {} channels are the same to the bit. Archived by {}, replayed by {}.",
+                        found.steps, found.channels, found.archived_by, found.replayed_by
+                    );
+                }
+                Ok(())
+            }
+            Some(first) => Err(Failure::test(format!(
+                "{file}: {} values differ, the first of them {first}; archived by {}, replayed by {}",
+                found.values_different, found.archived_by, found.replayed_by
+            ))),
+        }
+    }
+}
+
+fn compare(archived: &archive::Archived, trace: &Trace) -> Found {
+    let again = channels::of(trace);
+    let mut first: Option<(usize, String)> = None;
+    let mut different = 0;
+    for ((name, before), now) in archived.channels.iter().zip(&again) {
+        let at = |x: &[f32], i: usize| x.get(i).copied();
+        for i in 0..before.len().max(now.values.len()) {
+            let (was, is) = (at(before, i), at(now.values, i));
+            if was.map(f32::to_bits) == is.map(f32::to_bits) {
+                continue;
+            }
+            different += 1;
+            if first.as_ref().is_none_or(|(step, _)| i < *step) {
+                let shown = |x: Option<f32>| x.map_or("missing".into(), |x| format!("{x:?}"));
+                let said = format!(
+                    "{name} at step {i}, {} in the archive and {} now",
+                    shown(was),
+                    shown(is)
+                );
+                first = Some((i, said));
+            }
+        }
+    }
+    Found {
+        steps: archived.steps,
+        channels: again.len(),
+        values_different: different,
+        first_difference: first.map(|(_, said)| said),
+        archived_by: archived.version.clone(),
+        replayed_by: provenance::version(),
+    }
+}
