@@ -15,6 +15,7 @@
 //! | [`story`] | a test, the diagnosis of its record, the next test |
 //! | [`declared`](mod@declared) | what the laboratory believes of its rig, apart from the simulated truth |
 //! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
+//! | [`keys`] | every key of a test file, from the code that reads it |
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`provenance`] | who ran what, when, with which files |
 //! | [`wording`] | what a diagnosis says, in sentences |
@@ -38,6 +39,7 @@ pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod improvement;
+pub mod keys;
 pub mod numbers;
 pub mod provenance;
 pub mod report;

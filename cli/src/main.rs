@@ -27,6 +27,8 @@ enum Verb {
     Serve(verb::serve::Serve),
     Identify(verb::identify::Identify),
     Effects(verb::effects::Effects),
+    New(verb::new::New),
+    Keys(verb::keys::Keys),
     Board(verb::board::Board),
 }
 
@@ -73,6 +75,8 @@ fn main() -> ExitCode {
         Verb::Serve(v) => v.go(),
         Verb::Identify(v) => v.go(),
         Verb::Effects(v) => v.go(),
+        Verb::New(v) => v.go(),
+        Verb::Keys(v) => v.go(),
         Verb::Board(v) => v.go(),
     };
     ended(outcome.and_then(|()| terminal::output::finish()))

@@ -4,7 +4,6 @@
 mod common;
 
 use common::{json, refused};
-use std::path::{Path, PathBuf};
 
 /// A motion and what a first-order actuator makes of it, 1 kHz.
 fn rows() -> Vec<[f64; 3]> {
@@ -111,14 +110,7 @@ fn one_record_in_every_dialect_is_one_record() {
 
 /// Data that others published, if they are on this machine.
 fn outside(name: &str) -> Option<String> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let data = std::env::var_os("OUTERLOOP_DATA").map_or(beside, PathBuf::from);
-    let file = data.join("outside").join(name);
-    if !file.is_file() {
-        println!("not run: {} is missing", file.display());
-        return None;
-    }
-    Some(file.display().to_string())
+    test_data::file(&format!("outside/{name}")).map(|path| path.display().to_string())
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The page of the bench of all compensations.
 
 use super::figures::figure;
-use super::plot::{Curve, HALF, IDEAL, TESTED, THIRD, WRONG};
+use super::plot::{Colour, Curve, FIFTH, FOURTH, GROUND, HALF, TESTED, THIRD, WRONG};
 use super::rths::table;
 use super::{Drawn, cannot, page, plot};
 use crate::comparison::Row;
@@ -9,17 +9,16 @@ use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
 use crate::failure::Failure;
 use crate::terminal::{percent, standings_head, standings_row};
-use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
 /// What the plots show; more curves would hide each other.
-const SHOWN: [(&str, RGBColor); 6] = [
-    ("none", IDEAL),
+const SHOWN: [(&str, Colour); 6] = [
+    ("none", GROUND),
     ("paper", WRONG),
-    ("lagrange", RGBColor(176, 111, 0)),
+    ("lagrange", FOURTH),
     ("ats", THIRD),
-    ("afp", RGBColor(126, 87, 160)),
-    ("tangent", TESTED),
+    ("tangent", FIFTH),
+    ("tangent+ats", TESTED),
 ];
 
 /// The bench: standings, errors over the delay, every condition.
@@ -89,7 +88,7 @@ fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
             Curve::new(colour, places.iter().map(point).collect()).named(name)
         })
         .collect();
-    let svg = plot::plot(HALF, "delay [ms]", "log10 of eps_rms (-2: 1 %)", &curves)?;
+    let svg = plot::plot(HALF.of_percent(), "delay [ms]", "eps_rms", &curves)?;
     Ok(figure(&svg, &format!("Actuator: {actuator}.")))
 }
 

@@ -1,7 +1,8 @@
 //! The figures of a test, with what to see in them.
 
+pub(super) use super::plot::GROUND;
 use super::plot::{
-    self, Curve, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history, path,
+    self, Colour, Curve, HALF, IDEAL, RAW, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history, path,
 };
 use super::{Drawn, Section};
 use crate::summary::{Verdict, Worth};
@@ -9,11 +10,10 @@ use crate::trace::Floor;
 use outerloop_core::Method;
 use outerloop_core::config::Filter;
 use outerloop_core::record::flag;
-use plotters::style::RGBColor;
 use std::ops::Range;
 
-/// Dark grey: what shakes, and the ideal where it lies on top.
-pub(super) const GROUND: RGBColor = RGBColor(110, 116, 122);
+/// Of a test that ran away, so many times the largest ideal displacement is shown.
+const SHOWN_BEYOND: f64 = 3.0;
 /// Half of a closer look, in periods of the fundamental mode.
 const LOOK_PERIODS: f64 = 3.0;
 
@@ -26,7 +26,7 @@ pub struct Figures<'a> {
     step_s: f64,
     /// The integration steps around the largest ideal displacement.
     look: Range<usize>,
-    colour: RGBColor,
+    colour: Colour,
 }
 
 impl<'a> Figures<'a> {
@@ -135,13 +135,22 @@ impl<'a> Figures<'a> {
             });
             let curve = Curve::new(WRONG, error);
             html += &time_plot(
-                WIDE,
+                self.cut(WIDE, j),
                 "error [mm]",
                 &[curve],
                 &self.on_floor(j, "What is left: test less ideal."),
             )?;
         }
         Ok(html)
+    }
+
+    /// A shape whose vertical axis ends where a test that ran away has nothing more to show.
+    fn cut(&self, shape: Shape, j: usize) -> Shape {
+        let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
+        match self.section.summary.verdict {
+            Verdict::Completed => shape,
+            Verdict::Tripped | Verdict::Diverged => shape.within(SHOWN_BEYOND * ideal_mm),
+        }
     }
 
     fn displacement_of(
@@ -166,7 +175,7 @@ impl<'a> Figures<'a> {
             ],
             Verdict::Completed | Verdict::Tripped => [ideal.broad(), test],
         };
-        time_plot(shape, "displacement [mm]", &curves, caption)
+        time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
     }
 
     fn on_floor(&self, j: usize, caption: &str) -> String {
@@ -279,6 +288,16 @@ impl<'a> Figures<'a> {
                     "What the compensation adds, in per cent of the critical damping of the first mode (Fig 11).",
                 ),
             )?;
+            let curve = Curve::new(
+                TESTED,
+                self.over(self.look.clone(), |i| percent * f64::from(c[i])),
+            );
+            html += &time_plot(
+                WIDE,
+                "added damping [%]",
+                &[curve],
+                &self.on_floor(j, "The same over the strongest part."),
+            )?;
             if method == Method::Paper.name() {
                 html += &self.gain_of(j, floor)?;
             }
@@ -327,7 +346,7 @@ impl<'a> Figures<'a> {
                     WIDE,
                     label,
                     &[
-                        curve("as measured", RGBColor(214, 205, 196), raw),
+                        curve("as measured", RAW, raw),
                         curve("as estimated", TESTED, estimate),
                     ],
                     &self.on_floor(j, "What the sensors said and what the loop made of it."),

@@ -5,12 +5,15 @@ mod diagnosis;
 mod figures;
 mod plot;
 mod rths;
+mod scale;
 
 pub use comparison::of_comparison;
 pub use rths::of_rths;
 
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
+use crate::numbers::length;
+use crate::provenance::Provenance;
 use crate::story::Story;
 use crate::summary::{Summary, Worth};
 use crate::terminal::{joule, percent};
@@ -72,11 +75,11 @@ pub fn of_demo(
     let body = || -> Drawn {
         let (bare, cured) = (Figures::of(none), Figures::of(paper));
         Ok([
+            verdict(paper.summary),
             "<p>A computer integrates the equation of motion of a structure, an actuator pushes a specimen to each \
              computed displacement, and the measured force goes back into the equation. The actuator is a few \
              milliseconds late. That is enough to put more energy into the structure than its damping takes out.</p>"
                 .into(),
-            table(rows),
             bare.ground_motion()?,
             "<h2>Without compensation</h2>".into(),
             verdict(none.summary),
@@ -86,12 +89,13 @@ pub fn of_demo(
             "<p>The energy that the actuator's error puts in is measured in every step, and a viscous damping of just \
              that size takes it out again.</p>"
                 .into(),
-            verdict(paper.summary),
             tiles(paper.summary),
             cured.displacement()?,
             cured.loops()?,
             cured.energy()?,
             cured.damping()?,
+            "<h2>Every compensation in this test</h2>".into(),
+            table(rows),
             story("When the rig has something in it that nobody declared", undeclared)?,
             test_file(paper.experiment),
         ]
@@ -240,10 +244,7 @@ fn tiles(s: &Summary) -> String {
             "rms error, of the largest ideal displacement (Eq 18)",
         ),
         tile(percent(s.eps_max), "largest error (Eq 17)"),
-        tile(
-            format!("{:.2} mm", s.peak_displacement_m * 1e3),
-            "largest displacement",
-        ),
+        tile(length(s.peak_displacement_m), "largest displacement"),
         tile(
             percent(s.mean_added_damping_ratio),
             "mean added damping, of critical",
@@ -264,14 +265,14 @@ fn table(rows: &[Summary]) -> String {
     for s in rows {
         let _ = write!(
             html,
-            "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.1} mm</td>\
+            "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td><td>{}</td></tr>",
             class(s),
             s.compensation,
             s.trip.unwrap_or(s.verdict.name()),
             percent(s.eps_max),
             percent(s.eps_rms),
-            s.peak_displacement_m * 1e3,
+            length(s.peak_displacement_m),
             percent(s.mean_added_damping_ratio),
             joule(s.energy_error_j),
         );
@@ -283,9 +284,29 @@ fn table(rows: &[Summary]) -> String {
 
 fn test_file(e: &Experiment) -> String {
     format!(
-        "<details><summary>The test file, as it was used</summary><pre>{}</pre></details>",
+        "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
         escape(e.test.text.trim())
     )
+}
+
+/// Who, when, with what: at the end of every report.
+fn origin(p: &Provenance) -> String {
+    let mut html = String::from("<div class=\"origin\"><dl>");
+    let mut line = |name: &str, value: &str| {
+        let _ = write!(html, "<dt>{name}</dt><dd>{}</dd>", escape(value));
+    };
+    line("date", &p.date);
+    line("operator", &format!("{} on {}", p.operator, p.machine));
+    line("command", &p.command);
+    line("in", &p.folder);
+    for file in &p.files {
+        line(&escape(&file.file), &format!("SHA-256 {}", file.sha256));
+    }
+    line(
+        "program",
+        &format!("{}, SHA-256 {}", p.version, p.program_sha256),
+    );
+    html + "</dl></div>"
 }
 
 fn escape(text: &str) -> String {
@@ -297,8 +318,9 @@ fn page(title: &str, lead: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width,initial-scale=1\"><title>{title}</title><style>{}</style></head><body>\
-         <h1>{title}</h1><p class=\"lead\">{lead}</p>{body}<footer>outerloop {}</footer></body></html>\n",
+         <h1>{title}</h1><p class=\"lead\">{lead}</p>{body}{}<script>{}</script></body></html>\n",
         include_str!("style.css"),
-        env!("CARGO_PKG_VERSION"),
+        origin(Provenance::of_this_run()),
+        include_str!("zoom.js"),
     )
 }

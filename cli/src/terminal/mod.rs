@@ -12,7 +12,7 @@ use crate::numbers::{length, si};
 use crate::summary::Summary;
 use crate::trace::Witness;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ContentArrangement, Table, TableComponent};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use outerloop_core::Record;
 use std::sync::Mutex;
@@ -23,7 +23,11 @@ pub fn table(head: &[&str]) -> Table {
     let mut table = Table::new();
     table
         .load_preset(UTF8_HORIZONTAL_ONLY)
-        .set_content_arrangement(ContentArrangement::Disabled)
+        // A rule after every row makes a table twice as long.
+        .remove_style(TableComponent::HorizontalLines)
+        .remove_style(TableComponent::MiddleIntersections)
+        // As wide as the terminal; as wide as it needs where there is none.
+        .set_content_arrangement(ContentArrangement::Dynamic)
         .set_header(head);
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);

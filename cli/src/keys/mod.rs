@@ -1,0 +1,182 @@
+//! Every key of a test file: its unit, default, range and meaning, from the code that reads it.
+//!
+//! Names and meanings are those of the structures and their documentation, defaults are those that the structures have,
+//! and what is accepted is what the refusal of a wrong value says. So this list cannot say anything else than the code.
+
+mod probe;
+mod render;
+mod source;
+
+pub use render::{markdown, schema};
+
+use crate::files::test::Excitation;
+use outerloop_core::Config;
+use plant::RigSpec;
+use serde_json::{Value, json};
+use source::{Kind, Structure};
+use std::collections::HashMap;
+
+/// A key of the test file.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Key {
+    /// Its path, `loop.rate_hz`.
+    pub path: String,
+    /// Its unit; `1` for a ratio or count, empty for a text.
+    pub unit: &'static str,
+    /// What stands there where it is left out; `None`: it has to be given, or nothing is meant by leaving it out.
+    pub default: Option<String>,
+    /// What is accepted.
+    pub accepted: String,
+    /// What it means.
+    pub meaning: String,
+    /// What it holds.
+    #[serde(skip)]
+    kind: Kind,
+}
+
+/// A table of the test file with its keys.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Group {
+    /// Its path.
+    pub path: String,
+    /// What it is.
+    pub meaning: String,
+    /// Its keys.
+    pub keys: Vec<Key>,
+}
+
+/// The tables at the top, and the structures behind them.
+const TOP: [(&str, &str); 4] = [
+    ("", "Config"),
+    ("excitation", "Excitation"),
+    ("plant", "RigSpec"),
+    ("declared", "Model"),
+];
+
+/// Every table in the order of the test file.
+pub fn all() -> Vec<Group> {
+    let structures = source::structures();
+    let mut groups = Vec::new();
+    let mut defaults =
+        serde_json::to_value(Config::shear_frame([1.0], [1.0], [0.0])).unwrap_or(Value::Null);
+    defaults["excitation"] = serde_json::to_value(Excitation::default()).unwrap_or(Value::Null);
+    defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
+    // What a test file has to say has no default.
+    defaults["structure"] = json!({});
+    for (path, name) in TOP {
+        walk(path, name, &structures, &defaults, &mut groups);
+    }
+    groups
+}
+
+fn walk(
+    path: &str,
+    name: &str,
+    structures: &HashMap<String, Structure>,
+    defaults: &Value,
+    groups: &mut Vec<Group>,
+) {
+    let Some(structure) = structures.get(name) else {
+        return;
+    };
+    let at = |key: &str| match path {
+        "" => key.to_owned(),
+        path => format!("{path}.{key}"),
+    };
+    let place = groups.len();
+    let mut keys = Vec::new();
+    let mut inner = Vec::new();
+    for field in &structure.fields {
+        let path = at(&field.name);
+        match &field.kind {
+            // A value with its tolerance is written in one line.
+            Kind::Table(name) if name == "Declared" => keys.push(declared(path, &field.meaning)),
+            Kind::Table(name) if structures.contains_key(name) => {
+                inner.push((path, name.clone()));
+            }
+            kind => {
+                let kind = match kind {
+                    Kind::Table(_) => Kind::Name,
+                    kind => kind.clone(),
+                };
+                let default = defaults.pointer(&format!("/{}", path.replace('.', "/")));
+                keys.push(Key {
+                    unit: unit(&field.name, &kind),
+                    default: default.and_then(written),
+                    accepted: probe::accepted(&path, &kind, &field.meaning),
+                    meaning: field.meaning.clone(),
+                    kind,
+                    path,
+                });
+            }
+        }
+    }
+    if !keys.is_empty() {
+        groups.insert(
+            place,
+            Group {
+                path: path.to_owned(),
+                meaning: structure.meaning.clone(),
+                keys,
+            },
+        );
+    }
+    for (path, name) in inner {
+        walk(&path, &name, structures, defaults, groups);
+    }
+}
+
+fn declared(path: String, meaning: &str) -> Key {
+    let name = path.rsplit('.').next().unwrap_or(&path);
+    Key {
+        unit: unit(name, &Kind::Number),
+        default: None,
+        accepted: "{ value = , tolerance = }, the tolerance at least 0".into(),
+        meaning: meaning.to_owned(),
+        kind: Kind::Table("Declared".into()),
+        path,
+    }
+}
+
+/// A default as it would be written.
+fn written(value: &Value) -> Option<String> {
+    match value {
+        Value::Null => None,
+        Value::Array(list) if list.is_empty() => None,
+        value => Some(value.to_string()),
+    }
+}
+
+/// Endings of keys and the units that they name, the longest first.
+const UNITS: [(&str, &str); 20] = [
+    ("_n_s_per_mm", "N s/mm"),
+    ("_n_per_mm", "N/mm"),
+    ("_n_per_m", "N/m"),
+    ("_mm_per_s", "mm/s"),
+    ("_m_per_s2", "m/s²"),
+    ("_m_per_s", "m/s"),
+    ("_ms_per_s", "ms/s"),
+    ("_walk_per_s", "1/s"),
+    ("_steps", "steps"),
+    ("_bits", "bit"),
+    ("_hz", "Hz"),
+    ("_kg", "kg"),
+    ("_ms", "ms"),
+    ("_mm", "mm"),
+    ("_kn", "kN"),
+    ("_n", "N"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_j", "J"),
+    ("_c", "°C"),
+];
+
+fn unit(name: &str, kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Text | Kind::Name | Kind::Tables | Kind::Table(_) => "",
+        _ => UNITS
+            .iter()
+            .find(|(ending, _)| name.ends_with(ending))
+            .map_or("1", |(_, unit)| unit),
+    }
+}

@@ -1,0 +1,77 @@
+//! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
+
+use super::source::Kind;
+use crate::files::test::TestFile;
+use plant::Rig;
+use std::path::Path;
+
+/// A test file that is accepted.
+const PLAIN: &str =
+    "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
+/// Kinds under which a key of the rig is looked at, where another kind would refuse it for being there at all.
+const KINDS: [&str; 8] = [
+    "",
+    "plant.actuator.kind=\"lag_delay\"",
+    "plant.actuator.kind=\"second_order\"",
+    "plant.actuator.kind=\"random_multiplier\"",
+    "plant.actuator.kind=\"servo_hydraulic\"",
+    "plant.specimen.kind=\"bilinear\"",
+    "plant.specimen.kind=\"bouc_wen\"",
+    "plant.actuator.delay_jump={at_s=1,delay_ms=1}",
+];
+
+/// In words.
+pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
+    let wrong: &[&str] = match kind {
+        Kind::Number | Kind::Numbers => &["nan", "-1e30", "1e30"],
+        Kind::List(_) => &["[nan, nan, nan]"],
+        Kind::Integer => &["65535", "255", "0"],
+        Kind::Name => &["\"no such name\""],
+        Kind::Text => return "a text".into(),
+        Kind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
+        Kind::Table(_) => return String::new(),
+    };
+    for value in wrong {
+        for kind in KINDS {
+            if let Some(said) =
+                refusal(&[kind, &format!("{path}={value}")]).and_then(|e| said(&e, path))
+            {
+                return said;
+            }
+        }
+    }
+    match kind {
+        Kind::Integer => "whole numbers from 0".into(),
+        _ if meaning.contains(" to ") => "see there".into(),
+        _ => "finite numbers".into(),
+    }
+}
+
+/// What the code says against a test file with these values, as file or as rig.
+fn refusal(overrides: &[&str]) -> Option<String> {
+    let overrides: Vec<String> = overrides
+        .iter()
+        .filter(|o| !o.is_empty())
+        .map(|o| (*o).to_owned())
+        .collect();
+    let test = match TestFile::parse(PLAIN, "test", Path::new(""), &overrides) {
+        Ok(test) => test,
+        Err(e) => return Some(e.to_string()),
+    };
+    let storeys = &test.config.structure.stiffness_n_per_m;
+    let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1);
+    rig.err().map(|e| e.to_string())
+}
+
+/// The accepted values in a refusal of `path`.
+fn said(refusal: &str, path: &str) -> Option<String> {
+    let key = path.rsplit('.').next()?;
+    let (before, after) = refusal
+        .rsplit_once("accepted are ")
+        .or_else(|| refusal.rsplit_once("accepted is "))
+        .or_else(|| refusal.rsplit_once("expected one of "))?;
+    // The refusal has to be of this key, not of another one that its value contradicts.
+    before
+        .contains(key)
+        .then(|| after.trim_end_matches('.').replace('`', ""))
+}

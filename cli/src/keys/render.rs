@@ -1,0 +1,119 @@
+//! The list of keys as a page and as a JSON Schema for editors.
+
+use super::source::Kind;
+use super::{Group, Key};
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+
+/// The page of the documents.
+pub fn markdown(groups: &[Group]) -> String {
+    let mut text = String::from(
+        "# Keys of a test file\n\nEvery key that a test file can have, as `outerloop keys --markdown` prints them from the \
+         code. One degree of freedom is written as numbers, several as lists from the ground up. A key that is misspelt \
+         is refused. Editors check a test file as it is written with the schema that `outerloop keys --schema` prints.\n",
+    );
+    for group in groups {
+        let _ = write!(
+            text,
+            "\n## [{}]\n\n{}\n\n| key | unit | default | accepted | meaning |\n|---|---|---|---|---|\n",
+            group.path, group.meaning
+        );
+        for key in &group.keys {
+            let name = key.path.rsplit('.').next().unwrap_or(&key.path);
+            let _ = writeln!(
+                text,
+                "| `{name}` | {} | {} | {} | {} |",
+                key.unit,
+                key.default
+                    .as_ref()
+                    .map_or_else(String::new, |d| format!("`{d}`")),
+                cell(&key.accepted),
+                cell(&key.meaning),
+            );
+        }
+    }
+    text
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+/// A JSON Schema (draft 2020-12) of the test file.
+pub fn schema(groups: &[Group]) -> Value {
+    let mut root = table("A test of outerloop");
+    root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    for group in groups {
+        let place = descend(&mut root, &group.path);
+        place["description"] = json!(group.meaning);
+        for key in &group.keys {
+            let name = key.path.rsplit('.').next().unwrap_or(&key.path);
+            place["properties"][name] = property(key);
+        }
+    }
+    root["required"] = json!(["structure"]);
+    root
+}
+
+fn table(title: &str) -> Value {
+    json!({ "type": "object", "title": title, "additionalProperties": false, "properties": {} })
+}
+
+/// The table at `path`, made where it is missing.
+fn descend<'a>(root: &'a mut Value, path: &str) -> &'a mut Value {
+    let mut here = root;
+    for name in path.split('.').filter(|n| !n.is_empty()) {
+        let properties = &mut here["properties"];
+        if properties[name].is_null() {
+            properties[name] = table(name);
+        }
+        here = &mut properties[name];
+    }
+    here
+}
+
+fn property(key: &Key) -> Value {
+    let number = json!({ "type": "number" });
+    let mut schema = match &key.kind {
+        Kind::Number => number,
+        Kind::Integer => json!({ "type": "integer", "minimum": 0 }),
+        Kind::Numbers => {
+            json!({ "anyOf": [number, { "type": "array", "items": number, "maxItems": 8 }] })
+        }
+        Kind::List(n) => json!({ "type": "array", "items": number, "minItems": n, "maxItems": n }),
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Name => json!({ "type": "string", "enum": names(&key.accepted) }),
+        Kind::Tables => json!({ "type": "array", "items": { "type": "object" } }),
+        Kind::Table(_) => json!({
+            "type": "object",
+            "properties": { "value": number, "tolerance": { "type": "number", "minimum": 0 } },
+            "required": ["value", "tolerance"],
+        }),
+    };
+    let mut said = key.meaning.clone();
+    if !matches!(key.kind, Kind::Name | Kind::Table(_)) {
+        let _ = write!(said, " Accepted: {}.", key.accepted);
+    }
+    if !matches!(key.unit, "" | "1") {
+        let _ = write!(said, " Unit: {}.", key.unit);
+    }
+    if let Some(map) = schema.as_object_mut() {
+        describe(map, said, key);
+    }
+    schema
+}
+
+fn describe(schema: &mut Map<String, Value>, said: String, key: &Key) {
+    schema.insert("description".into(), said.into());
+    let default = key
+        .default
+        .as_ref()
+        .and_then(|d| serde_json::from_str(d).ok());
+    if let Some(default) = default {
+        schema.insert("default".into(), default);
+    }
+}
+
+fn names(accepted: &str) -> Vec<&str> {
+    accepted.split(", ").map(str::trim).collect()
+}

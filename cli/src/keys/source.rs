@@ -1,0 +1,148 @@
+//! The structures behind a test file, read from their own source: names, types and what their documentation says.
+
+use std::collections::HashMap;
+use syn::{Attribute, Expr, Fields, GenericArgument, Item, Lit, Meta, PathArguments, Type};
+
+/// The files that define what a test file holds.
+const SOURCES: [&str; 10] = [
+    include_str!("../../../core/src/config/mod.rs"),
+    include_str!("../../../core/src/config/compensation.rs"),
+    include_str!("../../../core/src/config/rig.rs"),
+    include_str!("../../../plant/src/rig.rs"),
+    include_str!("../../../plant/src/actuator/spec.rs"),
+    include_str!("../../../plant/src/actuator/servo_hydraulic.rs"),
+    include_str!("../../../plant/src/measurement.rs"),
+    include_str!("../../../plant/src/specimen/spec.rs"),
+    include_str!("../../../diagnosis/src/model.rs"),
+    include_str!("../files/test.rs"),
+];
+
+/// What a key holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// A number, or a list with one for each floor or axis.
+    Numbers,
+    /// A list of so many numbers.
+    List(usize),
+    /// A text, for example a path.
+    Text,
+    /// A name out of a list that the code has.
+    Name,
+    /// A table by its structure's name.
+    Table(String),
+    /// A list of tables, whose keys depend on each other.
+    Tables,
+}
+
+/// A field of a structure.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Its key.
+    pub name: String,
+    /// What it holds.
+    pub kind: Kind,
+    /// Its documentation, in one paragraph.
+    pub meaning: String,
+}
+
+/// A structure: what it is, and its fields.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// Its documentation.
+    pub meaning: String,
+    /// Its fields, in their order.
+    pub fields: Vec<Field>,
+}
+
+/// Every structure with named fields, by its name.
+pub fn structures() -> HashMap<String, Structure> {
+    let mut all = HashMap::new();
+    for source in SOURCES {
+        // It has been compiled: it can be parsed.
+        let Ok(file) = syn::parse_file(source) else {
+            continue;
+        };
+        for item in file.items {
+            if let Item::Struct(s) = item
+                && let Fields::Named(fields) = &s.fields
+            {
+                let fields = fields.named.iter().map(field).collect();
+                let meaning = documentation(&s.attrs);
+                all.insert(s.ident.to_string(), Structure { meaning, fields });
+            }
+        }
+    }
+    all
+}
+
+fn field(f: &syn::Field) -> Field {
+    let name = f.ident.as_ref().map(ToString::to_string);
+    Field {
+        name: renamed(&f.attrs).or(name).unwrap_or_default(),
+        kind: kind(&f.ty),
+        meaning: documentation(&f.attrs),
+    }
+}
+
+fn kind(ty: &Type) -> Kind {
+    match ty {
+        Type::Array(list) => match &list.len {
+            Expr::Lit(n) => match &n.lit {
+                Lit::Int(n) => Kind::List(n.base10_parse().unwrap_or(0)),
+                _ => Kind::Numbers,
+            },
+            _ => Kind::Numbers,
+        },
+        Type::Path(path) => {
+            let Some(last) = path.path.segments.last() else {
+                return Kind::Name;
+            };
+            let inner = match &last.arguments {
+                PathArguments::AngleBracketed(a) => a.args.iter().find_map(|a| match a {
+                    GenericArgument::Type(ty) => Some(ty),
+                    _ => None,
+                }),
+                _ => None,
+            };
+            match (last.ident.to_string().as_str(), inner) {
+                ("Option", Some(inner)) => kind(inner),
+                ("Vec", Some(_)) => Kind::Tables,
+                ("f64" | "f32", _) => Kind::Number,
+                ("u8" | "u16" | "u32" | "u64" | "usize", _) => Kind::Integer,
+                ("PerFloor" | "PerActuator" | "PerAxis", _) => Kind::Numbers,
+                ("String" | "PathBuf", _) => Kind::Text,
+                (name, _) => Kind::Table(name.to_owned()),
+            }
+        }
+        _ => Kind::Name,
+    }
+}
+
+fn renamed(attributes: &[Attribute]) -> Option<String> {
+    attributes.iter().find_map(|a| {
+        let Meta::List(list) = &a.meta else {
+            return None;
+        };
+        let text = list.tokens.to_string();
+        let (_, rest) = text.split_once("rename = \"")?;
+        Some(rest.split_once('"')?.0.to_owned())
+    })
+}
+
+fn documentation(attributes: &[Attribute]) -> String {
+    let lines = attributes.iter().filter_map(|a| match &a.meta {
+        Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
+            Expr::Lit(text) => match &text.lit {
+                Lit::Str(text) => Some(text.value().trim().to_owned()),
+                _ => None,
+            },
+            _ => None,
+        },
+        _ => None,
+    });
+    lines.collect::<Vec<_>>().join(" ").trim().to_owned()
+}

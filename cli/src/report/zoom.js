@@ -1,0 +1,105 @@
+// Zoom, cursor and legend of the plots: drag over a part, double-click for the whole, click a name to hide its curve.
+"use strict";
+for (const plot of document.querySelectorAll(".plot")) {
+  const svg = plot.querySelector("svg.drawing"), area = svg.querySelector("svg.area");
+  const grid = svg.querySelector("g.grid"), readout = plot.querySelector(".cursor");
+  const numbers = (name) => svg.dataset[name].split(" ").map(Number);
+  const [left, top, right, bottom] = numbers("box"), whole = { x: numbers("x"), y: numbers("y") };
+  const percent = svg.dataset.percent, still = { grid: grid.innerHTML };
+  const curves = [...area.querySelectorAll("path.curve")].map((path) => {
+    const raw = atob(path.dataset.points), points = [];
+    const word = (i) => raw.charCodeAt(i) + 256 * raw.charCodeAt(i + 1);
+    const value = (share, [a, b]) => a + (b - a) * ((share / 65535 - 0.25) / 0.5);
+    for (let i = 0; i + 3 < raw.length; i += 4)
+      points.push([value(word(i), whole.x), value(word(i + 2), whole.y)]);
+    const rising = points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
+    return { path, points, rising, d: path.getAttribute("d"), cls: path.getAttribute("class") };
+  });
+  const rising = curves.length > 0 && curves.every((c) => c.rising);
+  let view = { x: [...whole.x], y: [...whole.y] };
+  const px = (v) => left + (right - left) * (v - view.x[0]) / (view.x[1] - view.x[0]);
+  const py = (v) => bottom - (bottom - top) * (v - view.y[0]) / (view.y[1] - view.y[0]);
+  const label = (v) => { const a = Math.abs(v); return a < 1e-12 ? "0" : a < 1e-3 || a >= 1e6 ? v.toExponential(1) : String(+v.toPrecision(5)); };
+  const ticks = ([a, b], most) => {
+    const coarse = (b - a) / most, power = 10 ** Math.floor(Math.log10(coarse));
+    const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= coarse), all = [];
+    for (let k = Math.ceil(a / step); k <= Math.floor(b / step); k++) all.push(k * step);
+    return all;
+  };
+  const draw = () => {
+    let marks = "";
+    for (const v of ticks(view.x, svg.classList.contains("half") ? 6 : 11))
+      marks += `<path d="M${px(v)} ${bottom}V${top}"/><text class="x" x="${px(v)}" y="${bottom + 18}">${label(v)}</text>`;
+    for (const v of ticks(view.y, 6)) {
+      if (percent && v % 1) continue;
+      marks += `<path d="M${left} ${py(v)}H${right}"/><text class="y" x="${left - 7}" y="${py(v) + 4.5}">${label(percent ? 100 * 10 ** v : v)}</text>`;
+    }
+    grid.innerHTML = marks;
+    for (const c of curves) {
+      let d = "", n = 0;
+      for (let i = 0; i < c.points.length; i++) {
+        const outside = (k) => k in c.points && (c.points[k][0] < view.x[0] || c.points[k][0] > view.x[1]);
+        if (c.rising && outside(i) && outside(i - 1) && outside(i + 1)) continue;
+        d += `${n++ ? "L" : "M"}${px(c.points[i][0]).toFixed(1)} ${py(c.points[i][1]).toFixed(1)}`;
+      }
+      c.path.setAttribute("d", d || "M0 0");
+      c.path.classList.remove("band");
+    }
+  };
+  const reset = () => {
+    view = { x: [...whole.x], y: [...whole.y] };
+    grid.innerHTML = still.grid;
+    for (const c of curves) { c.path.setAttribute("d", c.d); c.path.setAttribute("class", c.cls); }
+  };
+  const at = (event) => {
+    const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const clamp = (v, a, b) => Math.min(Math.max(v, a), b), x = clamp(p.x, left, right), y = clamp(p.y, top, bottom);
+    return { px: x, py: y, x: view.x[0] + (view.x[1] - view.x[0]) * (x - left) / (right - left),
+      y: view.y[0] + (view.y[1] - view.y[0]) * (bottom - y) / (bottom - top) };
+  };
+  const shape = (name) => document.createElementNS("http://www.w3.org/2000/svg", name);
+  const frame = svg.appendChild(shape("rect")), line = svg.appendChild(shape("path"));
+  frame.setAttribute("class", "frame"); line.setAttribute("class", "hair");
+  let from = null;
+  svg.addEventListener("pointerdown", (e) => { from = at(e); svg.setPointerCapture(e.pointerId); });
+  svg.addEventListener("pointermove", (e) => {
+    const here = at(e), named = curves.filter((c) => !c.path.classList.contains("off"));
+    if (rising) {
+      line.setAttribute("d", `M${here.px} ${top}V${bottom}`);
+      const values = named.map((c) => {
+        let a = 0, b = c.points.length - 1;
+        while (a < b) { const m = (a + b) >> 1; if (c.points[m][0] < here.x) a = m + 1; else b = m; }
+        const name = plot.querySelector(`.key[data-curve="${c.path.dataset.curve}"]`);
+        const value = c.points[a][1];
+        return (name ? name.textContent + " " : "") + (percent ? (100 * 10 ** value).toPrecision(3) + " %" : value.toPrecision(3));
+      });
+      readout.textContent = `${+here.x.toPrecision(5)}: ${values.join(", ")}`;
+    } else readout.textContent = `${here.x.toPrecision(3)}, ${here.y.toPrecision(3)}`;
+    if (!from) return;
+    const box = { x: Math.min(from.px, here.px), y: rising ? top : Math.min(from.py, here.py),
+      width: Math.abs(here.px - from.px), height: rising ? bottom - top : Math.abs(here.py - from.py) };
+    for (const key in box) frame.setAttribute(key, box[key]);
+  });
+  svg.addEventListener("pointerup", (e) => {
+    const to = at(e), x = [from.x, to.x].sort((a, b) => a - b), moved = Math.abs(to.px - from.px) > 6;
+    if (moved) {
+      let y = [from.y, to.y].sort((a, b) => a - b);
+      if (rising) {
+        const inside = curves.filter((c) => !c.path.classList.contains("off"))
+          .flatMap((c) => c.points.filter((p) => p[0] >= x[0] && p[0] <= x[1]).map((p) => p[1]));
+        const low = inside.reduce((m, v) => Math.min(m, v), Infinity), high = inside.reduce((m, v) => Math.max(m, v), -Infinity);
+        const room = 0.06 * (high - low) || 1;
+        y = inside.length ? [low - room, high + room] : view.y;
+      }
+      if (x[1] > x[0] && y[1] > y[0]) { view = { x, y }; draw(); plot.classList.add("zoomed"); }
+    }
+    from = null;
+    for (const key of ["width", "height"]) frame.setAttribute(key, 0);
+  });
+  svg.addEventListener("pointerleave", () => { line.setAttribute("d", ""); readout.textContent = ""; });
+  svg.addEventListener("dblclick", () => { reset(); plot.classList.remove("zoomed"); });
+  for (const key of plot.querySelectorAll(".key")) key.addEventListener("click", () => {
+    const off = key.classList.toggle("off");
+    area.querySelector(`path[data-curve="${key.dataset.curve}"]`).classList.toggle("off", off);
+  });
+}

@@ -1,0 +1,74 @@
+//! `outerloop keys`: every key of a test file.
+
+use super::json;
+use crate::failure::Failure;
+use crate::keys;
+use crate::terminal::table;
+use comfy_table::CellAlignment;
+
+/// Every key of a test file: unit, default, what is accepted, meaning
+#[derive(clap::Args, Debug)]
+pub struct Keys {
+    /// Only keys whose path or meaning has this in it, e.g. `delay` or `plant.actuator`
+    filter: Option<String>,
+    /// As a page of documents
+    #[arg(long, conflicts_with_all = ["schema", "json"])]
+    markdown: bool,
+    /// As a JSON Schema, with which editors check a test file as it is written
+    #[arg(long, conflicts_with = "json")]
+    schema: bool,
+    /// One JSON list on standard output and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+impl Keys {
+    /// Lists them.
+    ///
+    /// # Errors
+    /// A filter that no key has in it.
+    pub fn go(&self) -> Result<(), Failure> {
+        let mut groups = keys::all();
+        if let Some(filter) = &self.filter {
+            let wanted = filter.to_lowercase();
+            for group in &mut groups {
+                group.keys.retain(|k| {
+                    k.path.contains(&wanted) || k.meaning.to_lowercase().contains(&wanted)
+                });
+            }
+            groups.retain(|g| !g.keys.is_empty());
+            if groups.is_empty() {
+                return Err(Failure::input(format!(
+                    "no key has `{filter}` in its path or meaning: `outerloop keys` lists all"
+                )));
+            }
+        }
+        if self.markdown {
+            println!("{}", keys::markdown(&groups).trim_end());
+        } else if self.schema {
+            println!("{}", json(&keys::schema(&groups))?);
+        } else if self.json {
+            println!("{}", json(&groups)?);
+        } else {
+            for group in &groups {
+                println!("[{}]  {}", group.path, group.meaning);
+                let mut t = table(&["key", "unit", "default", "accepted", "meaning"]);
+                for column in t.column_iter_mut() {
+                    column.set_cell_alignment(CellAlignment::Left);
+                }
+                for key in &group.keys {
+                    let name = key.path.rsplit('.').next().unwrap_or(&key.path);
+                    t.add_row([
+                        name,
+                        key.unit,
+                        key.default.as_deref().unwrap_or(""),
+                        &key.accepted,
+                        &key.meaning,
+                    ]);
+                }
+                println!("{t}\n");
+            }
+        }
+        Ok(())
+    }
+}
