@@ -45,6 +45,15 @@ fn arguments() -> Result<Arguments, clap::Error> {
             verb.allow_negative_numbers(true).after_help(EXIT_STATUSES)
         });
     }
+    let compensations = format!("{}\n\n{EXIT_STATUSES}", verb::help::compensations());
+    let effects = format!("{}\n\n{EXIT_STATUSES}", verb::help::effects());
+    for (verb, lines) in [
+        ("run", &compensations),
+        ("compare", &compensations),
+        ("diagnose", &effects),
+    ] {
+        command = command.mut_subcommand(verb, |verb| verb.after_long_help(lines.clone()));
+    }
     Arguments::from_arg_matches(&command.try_get_matches()?)
 }
 

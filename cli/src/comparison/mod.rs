@@ -6,7 +6,7 @@ pub mod standing;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::summary::Summary;
-use crate::terminal::Progress;
+use crate::terminal::{Progress, interrupt};
 use condition::{Condition, Family};
 use outerloop_core::{Method, Prediction};
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ impl Row {
     }
 }
 
-/// Runs every contestant under every condition on every ground motion, on all cores.
+/// Runs every contestant under every condition on every ground motion, on all cores. After Ctrl-C the rows are fewer.
 ///
 /// # Errors
 /// A test that is refused under some condition.
@@ -71,6 +71,7 @@ pub fn run(
             let ideal = experiment.ideal()?;
             contestants
                 .par_iter()
+                .filter(|_| !interrupt::asked())
                 .map(|&method| {
                     let witness = progress.witness();
                     let run = experiment.run(method, &ideal, seed, false, witness)?;

@@ -1,16 +1,29 @@
 //! Text in the encodings that laboratories export: UTF-8, UTF-16, and the one of Western Windows.
 
+use super::plain;
 use crate::failure::Failure;
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use std::io::Read;
 use std::path::Path;
 
-/// Reads a file as bytes.
+/// Reads a file as bytes; `-` is standard input.
 ///
 /// # Errors
 /// A file that cannot be read, by its name.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path)
-        .map_err(|e| Failure::input(format!("{}: cannot be read: {e}", path.display())))
+    let read = if path == Path::new("-") {
+        let mut all = Vec::new();
+        std::io::stdin().read_to_end(&mut all).map(|_| all)
+    } else {
+        std::fs::read(path)
+    };
+    read.map_err(|e| {
+        Failure::input(format!(
+            "{}: cannot be read: {}",
+            path.display(),
+            plain::reason(&e)
+        ))
+    })
 }
 
 /// The text in `bytes`, which came from `file`.

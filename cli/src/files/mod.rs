@@ -12,6 +12,7 @@ pub mod measured;
 pub mod model;
 pub mod near_fault;
 pub mod output;
+pub mod plain;
 pub mod record_csv;
 pub mod recording;
 pub mod table;

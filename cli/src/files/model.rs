@@ -1,6 +1,6 @@
 //! The declared model: what the laboratory believes of its rig, and what a diagnosis made of it.
 
-use super::read;
+use super::{plain, read};
 use crate::failure::Failure;
 use diagnosis::Model;
 use std::path::Path;
@@ -15,14 +15,13 @@ pub fn load(path: &Path) -> Result<Model, Failure> {
 
 fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
-    let one_line = |said: &str| said.split_whitespace().collect::<Vec<_>>().join(" ");
     let model: Model = toml::from_str(text).map_err(|e| {
         let at = e.span().map_or(1, |s| line(s.start));
         let said = match fit_vectors(text) {
             true => "its effects are amplitudes and shapes, as an earlier version wrote them: accepted are the parameters \
                      that `outerloop effects` lists; diagnose the records again with --save-model"
                 .to_owned(),
-            false => one_line(e.message()),
+            false => plain::sentence(e.message()),
         };
         Failure::input(format!("{file}, line {at}: {said}"))
     })?;

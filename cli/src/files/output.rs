@@ -1,5 +1,6 @@
 //! A folder of results that is there whole or not at all.
 
+use super::plain;
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io::{Error, Write};
@@ -97,7 +98,11 @@ fn beside(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::TempPath, E
 }
 
 fn cannot(path: &Path, e: &Error) -> Failure {
-    Failure::input(format!("{}: cannot be written: {e}", path.display()))
+    Failure::input(format!(
+        "{}: cannot be written: {}",
+        path.display(),
+        plain::reason(e)
+    ))
 }
 
 #[cfg(all(test, unix))]

@@ -1,6 +1,6 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
-use super::read;
+use super::{plain, read};
 use crate::declared::{self, Expected};
 use crate::failure::Failure;
 use crate::serve::settings::Settings;
@@ -64,7 +64,7 @@ pub struct Excitation {
     pub scale: f64,
     /// Instead of a factor: the largest displacement, mm, that the linear structure on an ideal rig shall have.
     pub peak_response_mm: Option<f64>,
-    /// Seconds of model time; left out: the whole record.
+    /// Seconds of model time, above 0 to 3600; left out: the whole record.
     pub duration_s: Option<f64>,
     /// Seconds of model time at rest before the ground motion begins: a second of it tells a diagnosis the noise.
     pub rest_s: f64,
@@ -134,7 +134,10 @@ impl TestFile {
             let line = e
                 .span()
                 .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
-            Failure::input(format!("{file}, line {line}: {}", one_line(e.message())))
+            Failure::input(format!(
+                "{file}, line {line}: {}",
+                plain::sentence(e.message())
+            ))
         })?;
         let mut table = plain.clone();
         for assignment in overrides {
@@ -220,7 +223,7 @@ fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
             ("", inner) => inner,
             (root, inner) => format!("{root}.{inner}"),
         };
-        let said = one_line(e.inner().message());
+        let said = plain::sentence(e.inner().message());
         if path.is_empty() {
             said
         } else {
@@ -292,10 +295,6 @@ fn set(table: &mut Table, assignment: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -343,8 +342,23 @@ mod tests {
             ("loop.rate=2000", &["--set loop.rate=2000", "rate_hz"][..]),
             ("plant.actuator.delay=8", &["plant.actuator", "delay_ms"]),
             ("plant.motor.kind=ideal", &["plant", "motor", "actuator"]),
-            ("nonsense.x=1", &["nonsense"]),
-            ("loop.rate_hz=fast", &["loop.rate_hz", "\"fast\"", "f64"]),
+            (
+                "nonsense.x=1",
+                &["nonsense", "plant", "excitation", "structure"],
+            ),
+            (
+                "loop.rate_hz=fast",
+                &["loop.rate_hz", "\"fast\"", "a number"],
+            ),
+            ("loop=5", &["loop", "expected a table"]),
+            (
+                "loop.substeps=1000000",
+                &["substeps", "a whole number to 65535"],
+            ),
+            (
+                "structure.mass_kg=[1,2,3,4,5,6,7,8,9,10]",
+                &["mass_kg", "at most 8 values"],
+            ),
             ("loop.rate_hz=1", &["loop.rate_hz = 1", "10 to 100000 Hz"]),
             (
                 "compensation.kind=magic",

@@ -9,12 +9,14 @@ use std::path::Path;
 const PLAIN: &str =
     "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
 /// Kinds under which a key of the rig is looked at, where another kind would refuse it for being there at all.
-const KINDS: [&str; 8] = [
+const KINDS: [&str; 10] = [
     "",
+    "estimation.kind=\"low_pass\"",
+    "compensation.kind=\"ats\"",
     "plant.actuator.kind=\"lag_delay\"",
     "plant.actuator.kind=\"second_order\"",
     "plant.actuator.kind=\"random_multiplier\"",
-    "plant.actuator.kind=\"servo_hydraulic\"",
+    "plant.actuator.kind=\"servo_hydraulic\";plant.actuator.delay_ms=20",
     "plant.specimen.kind=\"bilinear\"",
     "plant.specimen.kind=\"bouc_wen\"",
     "plant.actuator.delay_jump={at_s=1,delay_ms=1}",
@@ -42,15 +44,27 @@ pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
     }
     match kind {
         Kind::Integer => "whole numbers from 0".into(),
-        _ if meaning.contains(" to ") => "see there".into(),
-        _ => "finite numbers".into(),
+        Kind::Name => "a name".into(),
+        _ => range(meaning).unwrap_or("finite numbers").to_owned(),
     }
+}
+
+/// The part of a meaning that is a range, as `0 to 1`.
+fn range(meaning: &str) -> Option<&str> {
+    let parts = meaning
+        .trim_end_matches('.')
+        .split([',', ';'])
+        .map(str::trim);
+    parts
+        .into_iter()
+        .find(|part| part.contains(" to ") && part.ends_with(|c: char| c.is_ascii_digit()))
 }
 
 /// What the code says against a test file with these values, as file or as rig.
 fn refusal(overrides: &[&str]) -> Option<String> {
     let overrides: Vec<String> = overrides
         .iter()
+        .flat_map(|o| o.split(';'))
         .filter(|o| !o.is_empty())
         .map(|o| (*o).to_owned())
         .collect();
@@ -69,9 +83,13 @@ fn said(refusal: &str, path: &str) -> Option<String> {
     let (before, after) = refusal
         .rsplit_once("accepted are ")
         .or_else(|| refusal.rsplit_once("accepted is "))
-        .or_else(|| refusal.rsplit_once("expected one of "))?;
+        .or_else(|| refusal.rsplit_once("expected one of "))
+        .or_else(|| refusal.rsplit_once(", expected "))?;
     // The refusal has to be of this key, not of another one that its value contradicts.
-    before
-        .contains(key)
-        .then(|| after.trim_end_matches('.').replace('`', ""))
+    before.contains(key).then(|| {
+        after
+            .trim_end_matches('.')
+            .replace("` or `", ", ")
+            .replace('`', "")
+    })
 }

@@ -67,7 +67,9 @@ pub fn structures() -> HashMap<String, Structure> {
             continue;
         };
         for item in file.items {
+            // Only what is read from files; a working part may have the name of its description.
             if let Item::Struct(s) = item
+                && s.attrs.iter().any(is_read)
                 && let Fields::Named(fields) = &s.fields
             {
                 let fields = fields.named.iter().map(field).collect();
@@ -77,6 +79,14 @@ pub fn structures() -> HashMap<String, Structure> {
         }
     }
     all
+}
+
+/// Whether an attribute derives `Deserialize`.
+fn is_read(attribute: &Attribute) -> bool {
+    match &attribute.meta {
+        Meta::List(list) => list.tokens.to_string().contains("Deserialize"),
+        _ => false,
+    }
 }
 
 fn field(f: &syn::Field) -> Field {

@@ -1,13 +1,14 @@
 //! The page of the bench of all compensations.
 
-use super::figures::figure;
+use super::figures::{Figures, figure};
 use super::plot::{Colour, Curve, FIFTH, FOURTH, GROUND, HALF, TESTED, THIRD, WRONG};
 use super::rths::table;
-use super::{Drawn, cannot, page, plot};
+use super::{Drawn, Section, cannot, escape, page, plot};
 use crate::comparison::Row;
 use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
 use crate::failure::Failure;
+use crate::summary::{Summary, Verdict};
 use crate::terminal::{percent, standings_head, standings_row};
 use std::fmt::Write as _;
 
@@ -20,6 +21,63 @@ const SHOWN: [(&str, Colour); 6] = [
     ("tangent", FIFTH),
     ("tangent+ats", TESTED),
 ];
+
+/// Curves of a comparison beside the ideal one.
+const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
+
+/// The same test under several compensations: the closer look first, then a row each.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
+    let body = || -> Drawn {
+        let mut html = String::new();
+        let mut records: Vec<&str> = sections.iter().map(|s| s.summary.record.as_str()).collect();
+        records.dedup();
+        for record in records {
+            let own = || sections.iter().filter(|s| s.summary.record == record);
+            let mut ranked: Vec<&Section<'_>> = own().collect();
+            let wrong =
+                |s: &Section<'_>| (s.summary.verdict != Verdict::Completed, s.summary.eps_rms);
+            ranked.sort_by(|a, b| {
+                let (a, b) = (wrong(a), wrong(b));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+            });
+            let _ = write!(html, "<h2>{}</h2>", escape(record));
+            if let Some(best) = ranked.first() {
+                html += &verdict_of_best(best);
+                // The best, and the worst as what they are seen against.
+                let mut shown: Vec<&Section<'_>> =
+                    ranked.iter().take(BESIDE.len() - 1).copied().collect();
+                shown.extend(ranked.iter().skip(shown.len()).last());
+                html += &Figures::of(best).beside(&shown, &BESIDE)?;
+            }
+            let rows: Vec<Summary> = own().map(|s| s.summary.clone()).collect();
+            html += &super::table(&rows);
+        }
+        if let Some(first) = sections.first() {
+            html += &super::test_file(first.experiment);
+        }
+        Ok(html)
+    };
+    Ok(page(
+        "One test under several compensations",
+        &format!(
+            "{} tests. A dot is good, a diamond fair, a triangle not the structure's response.",
+            sections.len()
+        ),
+        &body().map_err(cannot)?,
+    ))
+}
+
+fn verdict_of_best(best: &Section<'_>) -> String {
+    format!(
+        "<p class=\"verdict {}\"><b>{}</b> comes nearest. {}</p>",
+        super::class(best.summary),
+        best.summary.compensation,
+        escape(&best.summary.sentence())
+    )
+}
 
 /// The bench: standings, errors over the delay, every condition.
 ///

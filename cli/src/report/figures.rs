@@ -178,6 +178,30 @@ impl<'a> Figures<'a> {
         time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
     }
 
+    /// The strongest part of this test under several compensations, lowest floor.
+    pub fn beside(&self, sections: &[&Section<'a>], colours: &[Colour]) -> Drawn {
+        let range = self.look.clone();
+        let mut curves = vec![
+            Curve::new(IDEAL, self.ideal(0, range.clone()))
+                .named("ideal actuator")
+                .broad(),
+        ];
+        for (section, colour) in sections.iter().zip(colours) {
+            let other = Figures::of(section);
+            let end = range.end.min(other.solved.len());
+            let command = &section.trace.floors[0].command_m;
+            let points = other.over(range.start.min(end)..end, |i| f64::from(command[i]) * 1e3);
+            curves.push(Curve::new(*colour, points).named(section.summary.compensation));
+        }
+        let shape = TALL.within(SHOWN_BEYOND * self.section.ideal.peaks_m()[0] * 1e3);
+        time_plot(
+            shape,
+            "displacement of the lowest floor [mm]",
+            &curves,
+            "The strongest part of the test.",
+        )
+    }
+
     fn on_floor(&self, j: usize, caption: &str) -> String {
         match self.section.trace.floors.len() {
             1 => caption.to_owned(),

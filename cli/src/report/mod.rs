@@ -7,7 +7,7 @@ mod plot;
 mod rths;
 mod scale;
 
-pub use comparison::of_comparison;
+pub use comparison::{of_compare, of_comparison};
 pub use rths::of_rths;
 
 use crate::experiment::{Experiment, Run};

@@ -201,9 +201,11 @@ pub fn plot(
     }
     let _ = write!(
         svg,
-        "</div><svg class=\"drawing{}\" viewBox=\"0 0 {width} {height}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" \
+        "</div><svg class=\"drawing{}{}\" viewBox=\"0 0 {width} {height}\" data-x=\"{:e} {:e}\" data-y=\"{:e} {:e}\" \
          data-box=\"{LEFT} {TOP} {} {}\"{} role=\"img\" aria-label=\"{}\">",
         if shape.width > 600 { "" } else { " half" },
+        // Dashes tell curves apart; one alone needs none.
+        if finite.len() == 1 { " single" } else { "" },
         x.range.start,
         x.range.end,
         y.range.start,

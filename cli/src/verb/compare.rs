@@ -3,13 +3,14 @@
 use super::{Common, json, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::report;
+use crate::provenance::Provenance;
+use crate::report::{self, Section};
 use crate::summary::{Summary, Worth};
-use crate::terminal::{self, Progress};
+use crate::terminal::{self, Progress, interrupt};
 use outerloop_core::Method;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -30,8 +31,8 @@ pub struct Compare {
     /// was told wrong, in place of the test file's rig
     #[arg(long)]
     bench: bool,
-    /// Write report.html and bench.json there
-    #[arg(long, value_name = "DIR", requires = "bench")]
+    /// Write report.html there, and the rows as compare.json, or as bench.json with --bench
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
@@ -51,26 +52,63 @@ impl Compare {
         };
         let experiments = self.experiments(&test)?;
         let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
-        let rows = {
+        interrupt::watch();
+        let ideals = experiments
+            .par_iter()
+            .map(Experiment::ideal)
+            .collect::<Result<Vec<_>, _>>()?;
+        let runs: Vec<(usize, Run)> = {
             let progress = Progress::over("compare", (steps * methods.len()) as u64);
-            let rows: Vec<Vec<Summary>> = experiments
-                .par_iter()
-                .map(|e| {
-                    let ideal = e.ideal()?;
-                    let run = |kind: &Method| {
-                        e.run(*kind, &ideal, self.common.seed, false, progress.witness())
-                            .map(|run| run.summary)
-                    };
-                    methods.par_iter().map(run).collect()
+            let tests: Vec<(usize, Method)> = (0..experiments.len())
+                .flat_map(|e| methods.iter().map(move |m| (e, *m)))
+                .collect();
+            let keep = self.out.is_some();
+            tests
+                .into_par_iter()
+                .filter(|_| !interrupt::asked())
+                .map(|(e, method)| {
+                    let (seed, tell) = (self.common.seed, progress.witness());
+                    let run = experiments[e].run(method, &ideals[e], seed, keep, tell)?;
+                    Ok((e, run))
                 })
-                .collect::<Result<_, Failure>>()?;
-            rows.concat()
+                .collect::<Result<_, Failure>>()?
         };
-        if self.common.json {
-            println!("{}", json(&serde_json::json!({ "rows": rows }))?);
-        } else {
-            println!("{}", terminal::summaries(&rows));
+        let rows: Vec<Summary> = runs.iter().map(|(_, run)| run.summary.clone()).collect();
+        let all = serde_json::json!({ "rows": rows });
+        if let Some(folder) = &self.out {
+            let sections: Vec<Section<'_>> = runs
+                .iter()
+                .filter_map(|(e, run)| {
+                    Some(Section {
+                        experiment: &experiments[*e],
+                        summary: &run.summary,
+                        trace: run.trace.as_ref()?,
+                        ideal: &ideals[*e],
+                    })
+                })
+                .collect();
+            let told = serde_json::json!({
+                "rows": rows,
+                "seed": self.common.seed,
+                "provenance": Provenance::of_this_run(),
+            });
+            output::write_all(
+                folder,
+                &[
+                    ("report.html", report::of_compare(&sections)?),
+                    ("compare.json", json(&told)?),
+                ],
+            )?;
         }
+        if self.common.json {
+            println!("{}", json(&all)?);
+        } else {
+            println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
+            if let Some(folder) = &self.out {
+                println!("Look at {}", folder.join("report.html").display());
+            }
+        }
+        whole(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
         if rows.iter().all(|r| r.worth() == Worth::Bad) {
             return Err(Failure::test(
@@ -100,6 +138,7 @@ impl Compare {
         };
         let experiments = self.experiments(&test)?;
         let conditions = Condition::all(&test.config, &yielding(&test.plant.specimen));
+        interrupt::watch();
         let began = Instant::now();
         let rows = comparison::run(&experiments, &conditions, &contestants, self.common.seed)?;
         let lead = format!(
@@ -133,6 +172,19 @@ impl Compare {
                 println!("Look at {}", folder.join("report.html").display());
             }
         }
-        Ok(())
+        whole(
+            rows.len(),
+            experiments.len() * conditions.len() * contestants.len(),
+        )
     }
+}
+
+/// That all tests ran; Ctrl-C leaves a part of them.
+fn whole(done: usize, asked: usize) -> Result<(), Failure> {
+    if done == asked {
+        return Ok(());
+    }
+    Err(Failure::test(format!(
+        "interrupted: {done} of {asked} tests ran, and only they are told of"
+    )))
 }

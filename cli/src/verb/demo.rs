@@ -67,9 +67,10 @@ impl Demo {
                 .collect::<Result<Vec<_>, _>>()?
         };
         let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
-        println!("{}\n", terminal::summaries(&rows));
-        for row in &rows {
-            println!("{:21}{}", row.compensation, row.sentence());
+        println!("{}\n{}\n", terminal::summaries(&rows), terminal::LEGEND);
+        let shown = [Method::None, Method::Paper].map(Method::name);
+        for row in rows.iter().filter(|r| shown.contains(&r.compensation)) {
+            println!("{}: {}", row.compensation, row.sentence());
         }
         let section = |kind: Method| {
             let run = runs

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod demo;
 pub mod diagnose;
 pub mod effects;
+pub mod help;
 pub mod identify;
 pub mod improve;
 pub mod keys;

@@ -96,6 +96,7 @@ impl Run {
                 "{}",
                 terminal::summaries(std::slice::from_ref(&run.summary))
             );
+            println!("{}\n", terminal::LEGEND);
             // A test that failed says so once, at the end.
             if run.summary.outcome().is_ok() {
                 println!("{}", run.summary.sentence());
