@@ -10,7 +10,7 @@ use std::process::Command;
 
 const FRAME: &str = "examples/steel-frame.toml";
 
-/// A second and a half of the noisy steel frame, archived.
+/// A second and a half of the noisy steel frame, ten times slower than real time, archived.
 fn archived(folder: &Path) -> String {
     let file = folder.join("test.h5").display().to_string();
     let out = folder.join("out").display().to_string();
@@ -140,5 +140,5 @@ print(len(rows) - 1, len(rows[0]))
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "3000 19");
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "30000 19");
 }

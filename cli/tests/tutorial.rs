@@ -22,7 +22,7 @@ fn steps(page: &str) -> Vec<Step<'_>> {
         match line {
             "```console" => inside = true,
             "```" => inside = false,
-            line if !inside => {}
+            _ if !inside => {}
             line => match (line.strip_prefix("$ "), steps.last_mut()) {
                 (Some(command), _) => steps.push(Step {
                     command,

@@ -46,15 +46,10 @@ impl Run {
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
         let mut test = self.common.load()?;
-        if let Some(told) = test.told_the_truth().filter(|_| !self.common.json) {
-            println!("{told}");
-        }
+        let mut remarks: Vec<String> = test.told_the_truth().into_iter().collect();
         if let Some(path) = &self.model {
-            for done in improvement::apply(&model::load(path)?, &mut test.config) {
-                if !self.common.json {
-                    println!("{}: {done}", path.display());
-                }
-            }
+            let done = improvement::apply(&model::load(path)?, &mut test.config);
+            remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
         }
         let kind = match &self.compensation {
             Some(name) => method(name)?,
@@ -89,7 +84,7 @@ impl Run {
             println!("{}", json(&run.summary)?);
         } else {
             println!("{}", experiment.in_words());
-            for remark in experiment.remarks() {
+            for remark in remarks.into_iter().chain(experiment.remarks()) {
                 println!("{remark}");
             }
             println!(
