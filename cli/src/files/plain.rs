@@ -17,7 +17,7 @@ const WORDS: [(&str, &str); 10] = [
     // The tables that are read apart from the rest.
     (
         "expected one of `structure`",
-        "expected one of `plant`, `excitation`, `declared`, `structure`",
+        "expected one of `plant`, `excitation`, `declared`, `board`, `serve`, `structure`",
     ),
 ];
 

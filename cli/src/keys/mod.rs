@@ -10,6 +10,7 @@ mod source;
 pub use render::{markdown, schema};
 
 use crate::files::test::Excitation;
+use crate::serve::settings::Settings;
 use outerloop_core::Config;
 use plant::RigSpec;
 use serde_json::{Value, json};
@@ -46,11 +47,13 @@ pub struct Group {
 }
 
 /// The tables at the top, and the structures behind them.
-const TOP: [(&str, &str); 4] = [
+const TOP: [(&str, &str); 6] = [
     ("", "Config"),
     ("excitation", "Excitation"),
     ("plant", "RigSpec"),
     ("declared", "Model"),
+    ("board", "BoardWanted"),
+    ("serve", "Settings"),
 ];
 
 /// Every table in the order of the test file.
@@ -60,6 +63,7 @@ pub fn all() -> Vec<Group> {
     let mut defaults =
         serde_json::to_value(Config::shear_frame([1.0], [1.0], [0.0])).unwrap_or(Value::Null);
     defaults["excitation"] = serde_json::to_value(Excitation::default()).unwrap_or(Value::Null);
+    defaults["serve"] = serde_json::to_value(Settings::default()).unwrap_or(Value::Null);
     defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
     // What a test file has to say has no default.
     defaults["structure"] = json!({});
@@ -173,7 +177,7 @@ const UNITS: [(&str, &str); 20] = [
 
 fn unit(name: &str, kind: &Kind) -> &'static str {
     match kind {
-        Kind::Text | Kind::Name | Kind::Tables | Kind::Table(_) => "",
+        Kind::Text | Kind::Flag | Kind::Name | Kind::Tables | Kind::Table(_) => "",
         _ => UNITS
             .iter()
             .find(|(ending, _)| name.ends_with(ending))

@@ -30,6 +30,7 @@ pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
         Kind::Integer => &["65535", "255", "0"],
         Kind::Name => &["\"no such name\""],
         Kind::Text => return "a text".into(),
+        Kind::Flag => return "true, false".into(),
         Kind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
         Kind::Table(_) => return String::new(),
     };

@@ -82,6 +82,7 @@ fn property(key: &Key) -> Value {
         }
         Kind::List(n) => json!({ "type": "array", "items": number, "minItems": n, "maxItems": n }),
         Kind::Text => json!({ "type": "string" }),
+        Kind::Flag => json!({ "type": "boolean" }),
         Kind::Name => json!({ "type": "string", "enum": names(&key.accepted) }),
         Kind::Tables => json!({ "type": "array", "items": { "type": "object" } }),
         Kind::Table(_) => json!({

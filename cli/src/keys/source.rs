@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use syn::{Attribute, Expr, Fields, GenericArgument, Item, Lit, Meta, PathArguments, Type};
 
 /// The files that define what a test file holds.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     include_str!("../../../core/src/config/mod.rs"),
     include_str!("../../../core/src/config/compensation.rs"),
     include_str!("../../../core/src/config/rig.rs"),
@@ -15,6 +15,7 @@ const SOURCES: [&str; 10] = [
     include_str!("../../../plant/src/specimen/spec.rs"),
     include_str!("../../../diagnosis/src/model.rs"),
     include_str!("../files/test.rs"),
+    include_str!("../serve/settings.rs"),
 ];
 
 /// What a key holds.
@@ -30,6 +31,8 @@ pub enum Kind {
     List(usize),
     /// A text, for example a path.
     Text,
+    /// True or false.
+    Flag,
     /// A name out of a list that the code has.
     Name,
     /// A table by its structure's name.
@@ -125,6 +128,7 @@ fn kind(ty: &Type) -> Kind {
                 ("u8" | "u16" | "u32" | "u64" | "usize", _) => Kind::Integer,
                 ("PerFloor" | "PerActuator" | "PerAxis", _) => Kind::Numbers,
                 ("String" | "PathBuf", _) => Kind::Text,
+                ("bool", _) => Kind::Flag,
                 (name, _) => Kind::Table(name.to_owned()),
             }
         }

@@ -41,8 +41,8 @@ impl Place {
     /// A simulated or emulated rig; of a board the port is not known.
     pub fn at(place: Where) -> Self {
         Self {
-            port: None,
             emulated: place == Where::Emulated,
+            ..Self::default()
         }
     }
 

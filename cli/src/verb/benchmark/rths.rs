@@ -257,10 +257,10 @@ fn commands(file: &Path, targets_m: &[f64]) -> Result<Vec<f64>, Failure> {
         .map_err(|e| Failure::input(format!("{name}: cannot be read: {e}")))?;
     let mut table = NumberTable::parse(&name, &text)?;
     let mut take = |wanted: &str| {
-        let place = table.names.iter().position(|n| n == wanted).ok_or_else(|| {
-            Failure::input(format!(
-                "{name}, line {}: the column `{wanted}` is missing: time_s, target_m and command_m are accepted",
-                table.header_line
+        let found = table.headers.iter().position(|h| h.text == wanted);
+        let place = found.ok_or_else(|| {
+            table.refuse_header(format!(
+                "the column `{wanted}` is missing: time_s, target_m and command_m are accepted"
             ))
         })?;
         Ok::<_, Failure>(std::mem::take(&mut table.columns[place]))
