@@ -150,12 +150,16 @@ fn draw_look(name: &str, case: &Case, ground: Ground<'_>, baseline: &Trace, ours
     Ok(html + "</div>")
 }
 
-/// Columns that fit into the width of the text.
+/// Columns, and letters in a row, that fit into the width of the text.
 const TEXT_COLUMNS: usize = 9;
+const TEXT_LETTERS: usize = 90;
 
 pub(super) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    // More columns than the text is wide for go beyond it on both sides.
-    let wide = if head.len() > TEXT_COLUMNS {
+    let rows: Vec<Vec<String>> = rows.collect();
+    let letters = |row: &Vec<String>| row.iter().map(String::len).sum::<usize>();
+    let longest = rows.iter().map(letters).max().unwrap_or(0);
+    // What the text is not wide enough for goes beyond it on both sides.
+    let wide = if head.len() > TEXT_COLUMNS || longest > TEXT_LETTERS {
         " wide"
     } else {
         ""
