@@ -53,7 +53,8 @@ pub fn diagnose(
             rest,
             drive: drive.take(),
         };
-        let (answer, found) = channel.judge(&mut improved);
+        let (mut answer, found) = channel.judge(&mut improved);
+        driven::not_above(&mut answer, f64::INFINITY);
         channels.push(answer);
         let known = found.map(|solution| Drive {
             cutoff_hz: channel.cutoff_hz(),
@@ -414,6 +415,13 @@ impl Channelled<'_> {
                 &b,
                 if answer.effects.is_empty() { &b } else { &a },
             );
+            if answer.verdict != Verdict::None {
+                let learned = solution
+                    .problem
+                    .residuals(&solution.effects, &solution.problem.scales);
+                let judged = if answer.effects.is_empty() { &b } else { &a };
+                self.look_at_the_rest(&mut answer, &learned, judged);
+            }
         }
         answer
     }

@@ -16,6 +16,8 @@ const TO_THE_NOISE: f64 = 0.5;
 const ABOUT_THE_NOISE: f64 = 1.3;
 /// What leaves no more than this share of the held-out error accounts for the record.
 const ACCOUNTS: f64 = 0.3;
+/// A noise may be so many times what is reached by chance.
+const BY_CHANCE: f64 = 1.1;
 /// Half a two-sided 90 % interval of the normal distribution.
 const NINETY: f64 = 1.645;
 
@@ -217,16 +219,19 @@ impl Channelled<'_> {
 }
 
 /// A floor is not above what is reached: what was taken for noise then changes with the motion.
-fn not_above(answer: &mut ChannelAnswer, trained: f64) {
+pub(super) fn not_above(answer: &mut ChannelAnswer, trained: f64) {
     let reached = trained.min(answer.error_after.test_rms);
-    if answer.noise_floor_rms > reached {
+    if answer.verdict == Verdict::NotAssessed || answer.noise_floor_rms <= reached {
+        return;
+    }
+    if answer.noise_floor_rms > BY_CHANCE * reached {
         answer.notes.push(format!(
             "A noise of {:.3} {} was read off the record, and the model leaves less: that noise changes with the motion, and \
              what is left is stated as the floor.",
             answer.noise_floor_rms, answer.unit
         ));
-        answer.noise_floor_rms = reached;
     }
+    answer.noise_floor_rms = reached;
 }
 
 fn refitted(base: &Base, fit: &Fit) -> Vec<Refitted> {
