@@ -132,9 +132,8 @@ pub struct Laboratory {
     mutant: Option<Mutant>,
     dac: Dac,
     permission: Permission,
-    /// Where the rig stands while it is blocked, m, and how fast it sinks then, m/s.
+    /// Where the rig stands while it is blocked, m.
     stands_at_m: f64,
-    sinks_m_per_s: f64,
     last_trigger_ns: u64,
     permit_steps: u64,
     steps: u64,
@@ -185,7 +184,6 @@ impl Laboratory {
             dac: Dac::default(),
             permission: Permission::default(),
             stands_at_m: 0.0,
-            sinks_m_per_s: 0.0,
             last_trigger_ns: 0,
             permit_steps: 0,
             steps: 0,
@@ -217,12 +215,6 @@ impl Laboratory {
         self
     }
 
-    /// With a rig that sinks at this speed while nothing holds it.
-    pub fn sinking(mut self, sinks_m_per_s: f64) -> Self {
-        self.sinks_m_per_s = sinks_m_per_s;
-        self
-    }
-
     /// Ends by itself, ns after power-up.
     pub fn until_ns(mut self, ends_at_ns: u64) -> Self {
         self.ends_at_ns = ends_at_ns;
@@ -249,9 +241,6 @@ impl Laboratory {
         let pin = self.dac.pin(&self.registers);
         let told_m = converters::command_m(&self.wired, pin.unwrap_or(0));
         let moves = self.permission.closed(at_ns, period_ns);
-        if !moves {
-            self.stands_at_m -= self.sinks_m_per_s * period_ns as f64 * 1e-9;
-        }
         let command_m = if moves { told_m } else { self.stands_at_m };
         let reading = self.rig.step(&[command_m]);
         let (at_m, n) = (reading.displacement_m[0], reading.force_n[0]);

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn it_closes_on_level_and_pulses_and_opens_without_either() {
         let mut p = Permission::default();
-        let mut run = |p: &mut Permission, ms: std::ops::Range<u64>, level, pulses| {
+        let run = |p: &mut Permission, ms: std::ops::Range<u64>, level, pulses| {
             let mut closed = Vec::new();
             for half in ms.start * 2..ms.end * 2 {
                 p.set_level(level);

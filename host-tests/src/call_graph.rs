@@ -112,6 +112,30 @@ impl CallGraph {
         (self.begin, &self.code)
     }
 
+    /// The bytes of the function with `part` in its name, from its beginning to its first call or jump elsewhere.
+    ///
+    /// # Errors
+    /// There is no such function, or more than one.
+    pub fn before_first_call(&self, part: &str) -> Result<&[u8], String> {
+        let mut all = self
+            .functions
+            .iter()
+            .filter(|(_, (_, name))| name.contains(part));
+        let (Some((&begin, (end, _))), None) = (all.next(), all.next()) else {
+            return Err(format!("there is not one {part}"));
+        };
+        let mut until = *end;
+        self.branches(begin..*end, |at, flow| match flow {
+            Flow::To(to) if (begin..*end).contains(&to) => {}
+            Flow::On => {}
+            Flow::To(_) | Flow::Register => until = until.min(at),
+        });
+        let range = (begin - self.begin) as usize..(until - self.begin) as usize;
+        self.code
+            .get(range)
+            .ok_or(format!("{part} lies outside the code"))
+    }
+
     /// Names of all functions with `part` in them.
     pub fn names<'a>(&'a self, part: &'a str) -> impl Iterator<Item = &'a str> {
         let names = self.functions.values().map(|(_, name)| name.as_str());

@@ -115,6 +115,32 @@ fn the_stack_is_deep_enough() {
     assert!(worst + 1024 <= room, "{worst} of {room}");
 }
 
+/// On every way out PERMIT is low before a word of the reason is put together: four instructions that read no memory and call
+/// nothing stand before the first call.
+#[test]
+fn permit_drops_before_anything_is_called_on_every_way_out() {
+    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
+        return;
+    };
+    let graph = CallGraph::new(&std::fs::read(image).unwrap()).unwrap();
+    // As an assembler gives them: movw r1, #0x1018; movt r1, #0x4002; mov.w r2, #0x2000000; str r2, [r1].
+    let drop_permit = [
+        0x41, 0xf2, 0x18, 0x01, 0xc4, 0xf2, 0x02, 0x01, 0x4f, 0xf0, 0x00, 0x72, 0x0a, 0x60,
+    ];
+    for way_out in [
+        "HardFault",
+        "__cortex_m_rt_NonMaskableInt",
+        "PVD",
+        "rust_begin_unwind",
+    ] {
+        let before = graph.before_first_call(way_out).unwrap();
+        let drops = before.windows(drop_permit.len()).any(|w| w == drop_permit);
+        assert!(drops, "{way_out}: {before:02x?}");
+    }
+    let first = graph.before_first_call("HardFault").unwrap();
+    assert!(first.starts_with(&drop_permit), "{first:02x?}");
+}
+
 #[test]
 fn the_test_on_the_board_builds() {
     let Some(built) = on_target() else {

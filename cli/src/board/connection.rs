@@ -18,7 +18,7 @@ const STEPS_A_SIGN: u32 = 200;
 /// And after so long at most, should no steps arrive.
 const TIME_A_SIGN: Duration = Duration::from_millis(100);
 
-/// How often a command is sent, under its one number, before the board counts as silent.
+/// For how many times the patience with silence a command is repeated, under its one number.
 const ATTEMPTS: u32 = 4;
 
 /// How long the PC waits.
@@ -42,7 +42,7 @@ impl Patience {
 
     /// For an emulator, whose seconds are longer than the wall's.
     pub const EMULATED: Self = Self {
-        answer: Duration::from_secs(30),
+        answer: Duration::from_secs(3),
         stop: Duration::from_secs(1),
         silence: Duration::from_secs(30),
     };
@@ -96,13 +96,14 @@ impl<P: Port> Connection<P> {
             command,
             Command::Event(Event::Stop | Event::Hold | Event::Finish | Event::Fault)
         );
-        // What stops is repeated soon; in all it is given as long as any other.
+        // What stops is repeated soon; in all it is given as long as any other. A board that is still starting loses what
+        // comes too early, so an emulated one is asked again soon, too.
         let patience = if urgent {
             self.patience.stop
         } else {
             self.patience.answer
         };
-        let given_up = Instant::now() + self.patience.answer * ATTEMPTS;
+        let given_up = Instant::now() + self.patience.silence * ATTEMPTS;
         while Instant::now() < given_up {
             // The zero ends whatever stood on the line before.
             self.send(&[0])?;

@@ -130,49 +130,6 @@ fn the_watchdogs_clock_at_both_ends_of_its_range() {
     }
 }
 
-/// The output pin floats from the reset until the start has put the DAC where the rig is. The relay is open then, so the rig
-/// stands; it would go to the end of its stroke otherwise.
-#[test]
-fn the_rig_stands_while_the_pin_floats() {
-    let mut desk = in_mid_test(Fault::Drill(5));
-    desk.until_reset();
-    let log = desk.log();
-    let floats = log
-        .pin
-        .iter()
-        .skip(2000)
-        .filter(|pin| pin.is_none())
-        .count();
-    assert!(floats > 10, "{floats} periods");
-    let moves = log.position_m.windows(2).map(|w| (w[1] - w[0]).abs());
-    let largest = moves.fold(0.0, f64::max);
-    // 0.25 m/s at most, in half a millisecond.
-    assert!(largest < 2e-4, "the rig jumped by {largest} m");
-}
-
-/// A rig that sinks when nothing holds it is followed: the next arming begins where it is.
-#[test]
-fn a_rig_that_sinks_without_permission_is_armed_where_it_has_sunk_to() {
-    let mut desk = on_bench(
-        Fault::EmergencyStop,
-        Bench {
-            sinks_m_per_s: 0.005,
-            ..Bench::default()
-        },
-    );
-    desk.until(State::Tripped);
-    for _ in 0..1000 {
-        desk.step();
-    }
-    let log = desk.log();
-    let now = *log.position_m.last().unwrap();
-    let highest = log.position_m.iter().copied().fold(f64::MIN, f64::max);
-    assert!(
-        now < highest - 0.002,
-        "it has sunk from {highest} to {now} m"
-    );
-}
-
 #[test]
 fn an_exhausted_stack() {
     dies_at_once(3, Cause::StackOverflow);

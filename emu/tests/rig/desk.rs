@@ -93,7 +93,6 @@ pub struct Bench {
     pub lsi_hz: u64,
     pub plan: Option<Planned>,
     pub mutant: Option<Mutant>,
-    pub sinks_m_per_s: f64,
 }
 
 impl Default for Bench {
@@ -104,7 +103,6 @@ impl Default for Bench {
             lsi_hz: USUAL_LSI_HZ,
             plan: None,
             mutant: None,
-            sinks_m_per_s: 0.0,
         }
     }
 }
@@ -161,7 +159,6 @@ impl Desk {
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
             .with_plan(bench.plan)
             .mutated(bench.mutant)
-            .sinking(bench.sinks_m_per_s)
             .until_ns(LONGEST_S * 1_000_000_000);
         let log = laboratory.log();
         let theirs = wire.clone();

@@ -36,7 +36,7 @@ const CASES: [Case; 20] = [
     ("DAC_CR.TSEL1", DAC_CR, 7 << 3, 4 << 3, ShowsNothing),
     ("GPIOA_MODER.PA4", GPIOA_MODER, 3 << 8, 0, ShowsNothing),
     ("ADC1_CR2.JEXTEN", ADC1_CR2, 3 << 20, 0, SamplesNothing),
-    ("ADC1_JSQR", ADC1_JSQR, 31 << 15, 3 << 15, SamplesNothing),
+    ("ADC1_JSQR", ADC1_JSQR, 31 << 10, 3 << 10, SamplesNothing),
     ("ADC1_SMPR2.SMP3", ADC1_SMPR2, 7 << 9, 0, SamplesNothing),
     ("ADC_CCR.ADCPRE", ADC_CCR, 3 << 16, 3 << 16, SamplesNothing),
     ("TIM2_PSC", TIM2_PSC, 0xffff, 1, SamplesNothing),

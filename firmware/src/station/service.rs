@@ -382,7 +382,7 @@ impl Service {
     /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
     fn work_out(&self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
         let clock = &self.board.clock;
-        *place = Setup::new(config, clock)?;
+        place.replace(config, clock)?;
         let step = place.outer.rehearse(self.board.now);
         let ticks = step.saturating_add(clock.around_step_ticks);
         if ticks > clock.deadline_ticks {

@@ -50,39 +50,33 @@ impl Setup {
     }
 
     fn with(config: &Config, clock: &Clock, configured: bool) -> Result<Self, Refusal> {
-        let rate_hz = config.timing.rate_hz;
-        // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
-        let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
-        let divides = f64::from(period_ticks) * rate_hz == f64::from(clock.timer_hz);
-        let range = f64::from(clock.slowest_rate_hz)..=f64::from(clock.fastest_rate_hz);
-        if !(divides && range.contains(&rate_hz)) {
-            return Err(Refusal {
-                name: "loop.rate_hz",
-                value: rate_hz,
-                accepted: "whole divisors of the sampling timer's 84 MHz, from 100 Hz to what the link's telemetry carries (see identify)",
-            });
-        }
-        let floors = config.structure.mass_kg.len();
-        let physical = config
-            .structure
-            .physical_storeys
-            .map_or(floors, usize::from);
-        if physical != 1 {
-            return Err(Refusal {
-                name: "structure.physical_storeys",
-                value: physical as f64,
-                accepted: "1 on this board, which has one actuator",
-            });
-        }
+        let period_ticks = period_ticks(config, clock)?;
         Ok(Self {
             outer: AnyLoop::new(config)?,
             time: StepTime::new(clock.deadline_ticks),
             period_ticks,
-            rate_hz: rate_hz as f32,
+            rate_hz: config.timing.rate_hz as f32,
             model_step_s: config.model_step_s(),
-            patience: Patience::at(rate_hz),
+            patience: Patience::at(config.timing.rate_hz),
             configured,
         })
+    }
+
+    /// Works `config` out in the place of this test, which stays where `config` is refused. For a deep stack: nothing large
+    /// lies on it.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn replace(&mut self, config: &Config, clock: &Clock) -> Result<(), Refusal> {
+        let period_ticks = period_ticks(config, clock)?;
+        self.outer.replace(config)?;
+        self.time = StepTime::new(clock.deadline_ticks);
+        self.period_ticks = period_ticks;
+        self.rate_hz = config.timing.rate_hz as f32;
+        self.model_step_s = config.model_step_s();
+        self.patience = Patience::at(config.timing.rate_hz);
+        self.configured = true;
+        Ok(())
     }
 
     /// What a board starts with: it samples and reports at 2 kHz and cannot be armed.
@@ -93,6 +87,35 @@ impl Setup {
         let config = Config::shear_frame([1.0], [1.0], [0.02]);
         Self::with(&config, clock, false)
     }
+}
+
+/// The sampling timer's ticks in a period of a test that a board with one actuator can run.
+fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
+    let rate_hz = config.timing.rate_hz;
+    // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
+    let period_ticks = (f64::from(clock.timer_hz) / rate_hz) as u32;
+    let divides = f64::from(period_ticks) * rate_hz == f64::from(clock.timer_hz);
+    let range = f64::from(clock.slowest_rate_hz)..=f64::from(clock.fastest_rate_hz);
+    if !(divides && range.contains(&rate_hz)) {
+        return Err(Refusal {
+            name: "loop.rate_hz",
+            value: rate_hz,
+            accepted: "whole divisors of the sampling timer's 84 MHz, from 100 Hz to what the link's telemetry carries (see identify)",
+        });
+    }
+    let floors = config.structure.mass_kg.len();
+    let physical = config
+        .structure
+        .physical_storeys
+        .map_or(floors, usize::from);
+    if physical != 1 {
+        return Err(Refusal {
+            name: "structure.physical_storeys",
+            value: physical as f64,
+            accepted: "1 on this board, which has one actuator",
+        });
+    }
+    Ok(period_ticks)
 }
 
 #[cfg(test)]

@@ -99,7 +99,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// Stack that is left for telling of a fault, at least; a test holds the call graph to it.
+/// Stack that is left for telling of a fault, at least: what tells takes some 900 bytes of it.
 pub const ROOM_TO_TELL: u32 = 2048;
 
 /// A fault of the processor: drops PERMIT, then finds a stack that can be used.
