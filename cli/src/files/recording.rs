@@ -498,10 +498,6 @@ mod tests {
             ("time_s,force_n\n0,1\n1,high\n", "line 3: force_n is `high`"),
             ("time_s,force_n\n0,1\n1\n", "line 3: has 1 columns"),
             ("time_s,force_n\n0,1\n", "has 1 rows"),
-            (
-                "time_s,command_mm\n0,1\n1,1e12\n",
-                "line 3: command is 1.000e9 m",
-            ),
         ] {
             let e = parse(text).unwrap_err();
             assert!(e.contains(said) && !e.contains('\n'), "{e}");

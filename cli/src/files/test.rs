@@ -375,7 +375,7 @@ mod tests {
             ("excitation.scale=nan", &["excitation.scale = NaN"]),
             ("excitation.peak_response_mm=-1", &["peak_response_mm = -1"]),
             (
-                "board.calibration=12",
+                "board.calibration=12ab",
                 &["board.calibration", "eight hexadecimal"],
             ),
             ("excitation.rest_s=-1", &["rest_s = -1", "0 to 60 s"]),
