@@ -20,6 +20,7 @@
 //! | [`provenance`] | who ran what, when, with which files |
 //! | [`wording`] | what a diagnosis says, in sentences |
 //! | [`serve`] | the rig as an element of a finite-element model |
+//! | [`scope`] | a picture in the browser while a test runs |
 //! | [`report`] | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
@@ -43,6 +44,7 @@ pub mod keys;
 pub mod numbers;
 pub mod provenance;
 pub mod report;
+pub mod scope;
 pub mod score;
 pub mod serve;
 pub mod soundness;

@@ -1,12 +1,22 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
-use outerloop_core::Record;
 use outerloop_core::record::flag;
+use outerloop_core::{Event, Record};
 
 /// Sees every record of a running test, from its first step to its last.
 pub trait Witness {
     /// One control step.
     fn see<const N: usize>(&mut self, record: &Record<N>);
+
+    /// A control step that is not part of the test: before its start, while it is held, after its end.
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        let _ = record;
+    }
+
+    /// What whoever looks on wants to happen, once.
+    fn wish(&mut self) -> Option<Event> {
+        None
+    }
 }
 
 impl Witness for () {
@@ -21,6 +31,37 @@ impl<W: Witness> Witness for Option<W> {
             witness.see(record);
         }
     }
+
+    #[inline]
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        if let Some(witness) = self {
+            witness.glance(record);
+        }
+    }
+
+    #[inline]
+    fn wish(&mut self) -> Option<Event> {
+        self.as_mut()?.wish()
+    }
+}
+
+impl<A: Witness, B: Witness> Witness for (A, B) {
+    #[inline]
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.see(record);
+        self.1.see(record);
+    }
+
+    #[inline]
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.glance(record);
+        self.1.glance(record);
+    }
+
+    #[inline]
+    fn wish(&mut self) -> Option<Event> {
+        self.0.wish().or_else(|| self.1.wish())
+    }
 }
 
 impl<A: Witness, B: Witness, C: Witness> Witness for (A, B, C) {
@@ -29,6 +70,21 @@ impl<A: Witness, B: Witness, C: Witness> Witness for (A, B, C) {
         self.0.see(record);
         self.1.see(record);
         self.2.see(record);
+    }
+
+    #[inline]
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.glance(record);
+        self.1.glance(record);
+        self.2.glance(record);
+    }
+
+    #[inline]
+    fn wish(&mut self) -> Option<Event> {
+        self.0
+            .wish()
+            .or_else(|| self.1.wish())
+            .or_else(|| self.2.wish())
     }
 }
 

@@ -109,8 +109,22 @@ impl Bench for PlantBench<'_> {
                 }
                 State::Idle => idle += 1,
                 State::Armed => drop(outer.handle(Event::Start)),
-                State::Approaching | State::Returning | State::Commissioning => {}
-                State::Holding | State::Finished | State::Tripped => {}
+                State::Approaching
+                | State::Returning
+                | State::Commissioning
+                | State::Holding
+                | State::Finished
+                | State::Tripped => witness.glance(step.record),
+            }
+            // What means nothing in this mode is refused, and nothing happens.
+            if let Some(wish) = witness.wish()
+                && outer.handle(wish).is_ok()
+                && wish == Event::Stop
+            {
+                return Err(Failure::test(format!(
+                    "the test was stopped by hand after {done} of {} control steps",
+                    assignment.steps
+                )));
             }
             if matches!(outer.state(), State::Finished | State::Tripped) {
                 break;

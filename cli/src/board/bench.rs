@@ -333,6 +333,14 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
         Ok(())
     }
 
+    /// Somebody who looks on wants something. What the board refuses by now does not happen, and nothing is lost.
+    fn ask_for(&mut self, wish: Event) -> Result<(), Failure> {
+        match self.send(wish) {
+            Err(_) if self.state.after(wish).is_err() => Ok(()),
+            sent => sent,
+        }
+    }
+
     fn run(
         mut self,
         steps: usize,
@@ -349,24 +357,35 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
         let mut see = |record: Option<Record<N>>| {
             let running = |r: &Record<N>| r.mode().is_some_and(State::integrates);
             let held = |r: &Record<N>| matches!(r.mode(), Some(State::Holding | State::Returning));
-            if let Some(record) = record.filter(held) {
+            if let Some(record) = record.as_ref().filter(|r| held(r)) {
                 in_hold = record.tick.wrapping_sub(last_running);
             }
-            if let Some(record) = record.filter(running) {
+            if let Some(record) = record.as_ref().filter(|r| running(r)) {
                 let first = first.get_or_insert(record.tick);
                 *first = first.wrapping_add(std::mem::take(&mut in_hold));
                 last_running = record.tick;
                 done = record.tick.wrapping_sub(*first) as usize + 1;
                 if done <= steps {
-                    witness.see(&record);
+                    witness.see(record);
                 }
+            } else if let Some(record) = record {
+                witness.glance(&record);
             }
-            done
+            (done, witness.wish())
         };
         let ended = loop {
             match self.next() {
                 Ok((tick, step)) => {
-                    let done = see(self.mirror.take(tick, step));
+                    let (done, wish) = see(self.mirror.take(tick, step));
+                    match wish {
+                        Some(Event::Stop) if !stopped => {
+                            stopped = true;
+                            self.end(Event::Stop)?;
+                            by_hand = true;
+                        }
+                        Some(wish) if !stopped => self.ask_for(wish)?,
+                        _ => {}
+                    }
                     // The record on the board is at most some steps longer than the test.
                     if done >= steps && self.state.integrates() && !stopped {
                         stopped = true;
@@ -396,7 +415,7 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
             }
             held = holds;
         };
-        let done_steps = see(self.mirror.last());
+        let (done_steps, _) = see(self.mirror.last());
         let wall_s = began.elapsed().as_secs_f64();
         let vitals = match &lost {
             None => Some(status(self.board)?),

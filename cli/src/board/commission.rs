@@ -7,10 +7,11 @@ use super::orders::{clear, done, event, identify, status};
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::trace::Witness;
 use link::Command;
 use link::command::Signal;
 use link::limits::Shown;
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Record, State};
 use std::fmt::Write as _;
 
 /// Steps for which the command has to stand after the end.
@@ -29,6 +30,7 @@ pub fn commission<P: Port>(
     test: &TestFile,
     signal: Signal,
     operator: &Operator,
+    witness: &mut impl Witness,
 ) -> Result<(String, Option<String>), Failure> {
     let identity = identify(board)?;
     clear(board)?;
@@ -89,6 +91,18 @@ pub fn commission<P: Port>(
             Ok(None) => continue,
             Err(lost) => break Some(lost.to_string()),
         };
+        let calibration = &identity.calibration;
+        let displacement_m = calibration.displacement.quantity(step.displacement);
+        let force_n = calibration.force.quantity(step.force);
+        let mut record = Record::<1>::EMPTY;
+        (record.tick, record.flags) = (tick, step.flags);
+        (record.command_m, record.sent_m) = ([step.command_m], [step.command_m]);
+        (record.displacement_m, record.force_n) = ([displacement_m], [force_n]);
+        witness.see(&record);
+        if let Some(wish) = witness.wish() {
+            // Refused only by a board that has ended the signal by itself.
+            stopped |= event(board, wish).is_ok();
+        }
         match step.state() {
             Some(State::Commissioning) => {
                 let begin = *begin.get_or_insert(tick);
@@ -97,11 +111,8 @@ pub fn commission<P: Port>(
                     "{},{},{},{}",
                     f64::from(tick.wrapping_sub(begin)) / config.timing.rate_hz,
                     step.command_m,
-                    identity
-                        .calibration
-                        .displacement
-                        .quantity(step.displacement),
-                    identity.calibration.force.quantity(step.force)
+                    displacement_m,
+                    force_n
                 );
             }
             Some(State::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),

@@ -6,6 +6,7 @@ use super::settings::Settings;
 use crate::bench::with_floors;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::scope::Scope;
 use crate::trace::{Trace, Witness};
 use outerloop_core::outer_loop::Pace;
 use outerloop_core::record::flag;
@@ -23,7 +24,12 @@ const GAP_S: f64 = 0.05;
 ///
 /// # Errors
 /// A parameter that is refused.
-pub fn simulated(test: &TestFile, seed: u64, keep: bool) -> Result<Box<dyn Mover>, Failure> {
+pub fn simulated(
+    test: &TestFile,
+    seed: u64,
+    keep: bool,
+    scope: Option<Scope>,
+) -> Result<Box<dyn Mover>, Failure> {
     let config = &test.config;
     with_floors!(config.degrees_of_freedom(), N => {
         let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
@@ -45,9 +51,11 @@ pub fn simulated(test: &TestFile, seed: u64, keep: bool) -> Result<Box<dyn Mover
             rate_hz,
             shear_n_per_m: shear_frame(stiffness),
             steps: 0,
+            moves: false,
             clock: None,
             ledger: Ledger::default(),
             trace: keep.then(|| Trace::new(N, rate_hz)),
+            scope,
         }))
     })
 }
@@ -79,10 +87,13 @@ struct Simulated<const N: usize> {
     rate_hz: f64,
     shear_n_per_m: Vec<f64>,
     steps: u64,
+    /// A client is being served: a test that ends meanwhile was stopped by a person.
+    moves: bool,
     /// Where the pace is the wall clock's: an instant and the step that belonged to it.
     clock: Option<(Instant, u64)>,
     ledger: Ledger,
     trace: Option<Trace>,
+    scope: Option<Scope>,
 }
 
 impl<const N: usize> Simulated<N> {
@@ -100,13 +111,24 @@ impl<const N: usize> Simulated<N> {
         self.command_m = step.command_m.map(f64::from);
         let record = *step.record;
         self.steps += 1;
-        if before == Mode::Running {
+        self.scope.glance(&record);
+        // What means nothing in this mode is refused, and nothing happens.
+        if let Some(wish) = self.scope.wish() {
+            let _ = self.outer.handle(wish);
+        }
+        if self.outer.state() == Mode::Holding && self.clock.is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if before.integrates() {
             self.observed += usize::from(record.has(flag::SOLVED));
             self.ledger.see(&record);
             self.trace.see(&record);
         }
         if let Some(trip) = self.outer.trip() {
             return Err(Stop::Tripped(trip));
+        }
+        if before == Mode::Finished && self.moves {
+            return Err(Stop::Operator);
         }
         // What core takes out of a sample is taken out of the reading, which has more digits.
         let better = |reading: f64, estimate: f32, sample: f32| {
@@ -225,6 +247,7 @@ impl<const N: usize> Mover for Simulated<N> {
 
     fn go_to(&mut self, target_m: &[f64]) -> Result<Reached, Stop> {
         self.target_m = std::array::from_fn(|j| target_m[j] as f32);
+        self.moves = true;
         self.outer.set_next_target(self.target_m);
         self.given += 1;
         self.start()?;
@@ -250,11 +273,13 @@ impl<const N: usize> Mover for Simulated<N> {
     }
 
     fn meanwhile(&mut self) -> Result<(), Stop> {
-        // Where the rig stands, its time stands, too.
-        if self.clock.is_some() && self.outer.state() == Mode::Running {
+        // Where the rig stands, its time stands, too; but for somebody who looks on.
+        if self.clock.is_some() {
             while self.due() >= 1.0 {
                 self.step()?;
             }
+        } else if self.scope.is_some() && self.moves {
+            self.step()?;
         }
         Ok(())
     }
@@ -264,9 +289,14 @@ impl<const N: usize> Mover for Simulated<N> {
     }
 
     fn end(&mut self) -> Result<(), Failure> {
-        self.clock = None;
-        if self.outer.state() == Mode::Running {
+        (self.clock, self.moves) = (None, false);
+        if !matches!(
+            self.outer.state(),
+            Mode::Idle | Mode::Armed | Mode::Approaching | Mode::Finished | Mode::Tripped
+        ) {
             self.event(Event::Stop)?;
+        }
+        if self.outer.state() == Mode::Finished {
             let mut before = [f64::NAN; N];
             while self.command_m != before && self.outer.state() == Mode::Finished {
                 before = self.command_m;

@@ -7,6 +7,7 @@ use crate::board::{self, Connection, Operator, Patience, Port, Serial};
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
+use crate::scope::Scoped;
 use clap::{Args, Subcommand, ValueEnum};
 use link::Calibration;
 use link::command::{Channel, Shape, Signal};
@@ -243,6 +244,8 @@ struct Commission {
     /// The recording, CSV; `outerloop identify` reads it
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    scope: Scoped,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -290,7 +293,11 @@ impl Commission {
                 (connection, Operator::nobody())
             }
         };
-        let (text, early) = board::commission(&mut connection, &test, signal, &operator)?;
+        let title = format!("{:?} under {}", self.signal, self.test.display());
+        let rate_hz = test.config.timing.rate_hz;
+        let mut scope = self.scope.open(&title, rate_hz, false)?;
+        let (text, early) =
+            board::commission(&mut connection, &test, signal, &operator, &mut scope)?;
         let steps = text.lines().skip(1).count();
         output::write(&self.out, &text)?;
         println!("{steps} steps are in {}.", self.out.display());

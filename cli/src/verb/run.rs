@@ -1,6 +1,6 @@
 //! `outerloop run`: one closed-loop test.
 
-use super::place::Place;
+use super::place::{Place, Where};
 use super::{Common, json, method};
 use crate::failure::Failure;
 use crate::files::archive::{self, Ran};
@@ -8,6 +8,7 @@ use crate::files::{model, output, record_csv};
 use crate::improvement;
 use crate::provenance::Provenance;
 use crate::report::{self, Section};
+use crate::scope::Scoped;
 use crate::story::Site;
 use crate::summary::Summary;
 use crate::terminal::{self, Progress};
@@ -37,6 +38,8 @@ pub struct Run {
     model: Option<PathBuf>,
     #[command(flatten)]
     place: Place,
+    #[command(flatten)]
+    scope: Scoped,
 }
 
 impl Run {
@@ -60,7 +63,11 @@ impl Run {
             let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
             let keep = self.out.is_some() || self.archive.is_some();
-            let tell = progress.witness();
+            let rate_hz = test.config.timing.rate_hz;
+            let title = format!("{} under {}", self.common.test.display(), experiment.record);
+            let simulated = self.place.kind() == Where::Simulated;
+            let scope = self.scope.open(&title, rate_hz, simulated)?;
+            let tell = (progress.witness(), scope);
             let seed = self.common.seed;
             let run = self
                 .place

@@ -4,6 +4,7 @@ use super::json;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::files::{output, record_csv};
+use crate::scope::Scoped;
 use crate::serve::{Element, Summary, Verdict, serve_client, simulated};
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -34,6 +35,8 @@ pub struct Serve {
     /// One JSON object a client on standard output, a line each, and nothing else
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    scope: Scoped,
 }
 
 /// How often it is looked whether the operator wants to end.
@@ -48,7 +51,10 @@ impl Serve {
     pub fn go(&self) -> Result<(), Failure> {
         let test = TestFile::load(&self.test, &self.overrides)?;
         let element = Element::of(&test)?;
-        let mut rig = simulated(&test, self.seed, self.out.is_some())?;
+        let title = format!("serves {}", self.test.display());
+        let rate_hz = test.config.timing.rate_hz;
+        let scope = self.scope.open(&title, rate_hz, false)?;
+        let mut rig = simulated(&test, self.seed, self.out.is_some(), scope)?;
         let listener = TcpListener::bind(self.listen).map_err(|e| {
             Failure::input(format!(
                 "--listen {}: cannot be listened at ({e}): accepted is an address of this machine with a free port",

@@ -1,0 +1,116 @@
+//! A picture in the browser while a test runs, and a few buttons. It is not the emergency stop.
+//!
+//! ```text
+//!  control steps ─► see ─► decimate ─► every 20 ms to each browser (server, WebSocket)
+//!                   ▲                                   │
+//!                   └──────── wish ◄──── Hold, Stop, Resume, Clear
+//! ```
+//!
+//! A browser sees every peak: of all steps between two points smallest and largest value are sent. It disturbs nothing: a
+//! step is handed over in memory, and whoever reads too slowly is dropped.
+
+mod decimate;
+mod server;
+
+use crate::failure::Failure;
+use crate::trace::Witness;
+use decimate::{Band, Columns};
+use outerloop_core::{Event, Mode, Record};
+use server::Shared;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Where the page is, where nobody says otherwise: this machine alone, any free port.
+pub const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
+
+/// Steps between two looks at the clock, where the scope gives the pace.
+const PACE_STEPS: u64 = 16;
+
+/// A page that is being served.
+pub struct Scope {
+    shared: Arc<Shared>,
+    /// A simulated rig runs by the wall clock then, as one in the laboratory would: when it began, and its steps.
+    clock: Option<(Instant, u64)>,
+    rate_hz: f64,
+}
+
+impl Scope {
+    /// Opens the page and says where it is. `real_time`: the test runs by the wall clock.
+    ///
+    /// # Errors
+    /// An address that cannot be listened at.
+    pub fn open(
+        address: SocketAddr,
+        title: &str,
+        rate_hz: f64,
+        real_time: bool,
+    ) -> Result<Self, Failure> {
+        let shared = server::open(address, title, rate_hz)?;
+        eprintln!("outerloop: the scope is at {}", shared.url());
+        Ok(Self {
+            shared,
+            clock: real_time.then(|| (Instant::now(), 0)),
+            rate_hz,
+        })
+    }
+
+    fn show<const N: usize>(&mut self, record: &Record<N>) {
+        self.shared.take(
+            record.mode().unwrap_or(Mode::Idle),
+            &Band::of(record),
+            &Columns::of(record),
+        );
+        if let Some((began, steps)) = &mut self.clock {
+            *steps += 1;
+            if *steps % PACE_STEPS == 0 {
+                let due = Duration::from_secs_f64(*steps as f64 / self.rate_hz);
+                std::thread::sleep(due.saturating_sub(began.elapsed()));
+            }
+        }
+    }
+}
+
+impl Witness for Scope {
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        self.show(record);
+    }
+
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        self.show(record);
+    }
+
+    fn wish(&mut self) -> Option<Event> {
+        self.shared.wish()
+    }
+}
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        self.shared.end();
+    }
+}
+
+/// `--scope`: a page in the browser with what happens.
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
+pub struct Scoped {
+    /// Show the running test in a browser, at this address; left out: 127.0.0.1 and a free port
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
+    scope: Option<SocketAddr>,
+}
+
+impl Scoped {
+    /// The scope, where one was asked for.
+    ///
+    /// # Errors
+    /// As [`Scope::open`].
+    pub fn open(
+        &self,
+        title: &str,
+        rate_hz: f64,
+        real_time: bool,
+    ) -> Result<Option<Scope>, Failure> {
+        let open = |address| Scope::open(address, title, rate_hz, real_time);
+        self.scope.map(open).transpose()
+    }
+}

@@ -1,0 +1,242 @@
+//! The scope's page in headless Chromium, driven over its DevTools protocol.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{command, root};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::stream::MaybeTlsStream;
+use tungstenite::{Message, WebSocket};
+
+/// Seconds for which a browser looks on; OUTERLOOP_SCOPE_SECONDS makes them more.
+const SECONDS: u64 = 8;
+
+/// A process that ends with the test.
+struct Ended(Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Starts `command` and gives the first line of its standard error that holds `mark`.
+fn started(command: &mut Command, mark: &str) -> (Ended, String) {
+    let mut child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let child = Ended(child);
+    let mut line = String::new();
+    while !line.contains(mark) {
+        line.clear();
+        assert!(
+            said.read_line(&mut line).unwrap() > 0,
+            "it ended without {mark}"
+        );
+    }
+    std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+    (child, line.trim().to_owned())
+}
+
+/// A page of a browser.
+struct Page {
+    socket: WebSocket<MaybeTlsStream<TcpStream>>,
+    number: u64,
+}
+
+impl Page {
+    fn open(devtools: &str) -> Self {
+        let host = devtools.split('/').nth(2).unwrap();
+        let began = Instant::now();
+        loop {
+            let mut stream = TcpStream::connect(host).unwrap();
+            write!(
+                stream,
+                "GET /json/list HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
+            )
+            .unwrap();
+            let mut answer = String::new();
+            stream.read_to_string(&mut answer).unwrap();
+            let (_, body) = answer.split_once("\r\n\r\n").unwrap();
+            let pages: Value = serde_json::from_str(body).unwrap();
+            if let Some(url) = pages
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(|p| p["type"] == "page")
+                .and_then(|p| p["webSocketDebuggerUrl"].as_str())
+            {
+                let socket = tungstenite::connect(url).unwrap().0;
+                return Self { socket, number: 0 };
+            }
+            assert!(began.elapsed() < Duration::from_secs(20), "{pages}");
+        }
+    }
+
+    fn ask(&mut self, method: &str, parameters: Value) -> Value {
+        self.number += 1;
+        let request = json!({ "id": self.number, "method": method, "params": parameters });
+        self.socket
+            .send(Message::text(request.to_string()))
+            .unwrap();
+        loop {
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                let answer: Value = serde_json::from_str(&text).unwrap();
+                if answer["id"] == self.number {
+                    return answer["result"].clone();
+                }
+            }
+        }
+    }
+
+    fn value(&mut self, expression: &str) -> Value {
+        let parameters = json!({ "expression": expression, "returnByValue": true });
+        self.ask("Runtime.evaluate", parameters)["result"]["value"].clone()
+    }
+
+    fn wait(&mut self, expression: &str) {
+        let began = Instant::now();
+        while self.value(expression) != true {
+            let text = self.value("document.body.innerText");
+            assert!(
+                began.elapsed() < Duration::from_secs(30),
+                "{expression}: {text}"
+            );
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+fn chromium() -> Option<&'static str> {
+    let found = ["chromium", "google-chrome", "chromium-browser"]
+        .into_iter()
+        .find(|name| {
+            let asked = Command::new(name).arg("--version").output();
+            asked.is_ok_and(|out| out.status.success())
+        });
+    if found.is_none() {
+        test_data::not_run("Chromium is not installed (scripts/setup)");
+    }
+    found
+}
+
+fn look_on(arguments: &[&str]) {
+    let Some(chromium) = chromium() else { return };
+    let seconds = std::env::var("OUTERLOOP_SCOPE_SECONDS");
+    let seconds = seconds.ok().and_then(|s| s.parse().ok()).unwrap_or(SECONDS);
+    let duration = (seconds * 3 + 60).to_string();
+    let (mut test, line) = started(
+        command(arguments).args(["--scope", "--duration", &duration]),
+        "the scope is at",
+    );
+    let url = line.split_whitespace().last().unwrap();
+    let profile = tempfile::tempdir().unwrap();
+    let (browser, line) = started(
+        Command::new(chromium)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-background-networking",
+            ])
+            .args(["--remote-debugging-port=0", "--window-size=1200,1000"])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg(url),
+        "DevTools listening on",
+    );
+    let mut page = Page::open(line.split_whitespace().last().unwrap());
+    page.wait("document.getElementById('mode').textContent === 'running'");
+    assert!(
+        page.value("document.body.innerText")
+            .to_string()
+            .contains("not the emergency stop")
+    );
+    // While it looks on: every step comes, in order, and soon.
+    let before = page.value("[steps, Date.now()]");
+    let mut latency: Vec<f64> = Vec::new();
+    let began = Instant::now();
+    while began.elapsed() < Duration::from_secs(seconds) {
+        std::thread::sleep(Duration::from_millis(200));
+        // How old the newest message is when the page is asked, at worst: its age and the period between two.
+        latency.push(page.value("Date.now() - newest.wall_ms").as_f64().unwrap());
+    }
+    let after = page.value("[steps, Date.now()]");
+    let number = |v: &Value, i: usize| v[i].as_f64().unwrap();
+    let rate = (number(&after, 0) - number(&before, 0)) / (number(&after, 1) - number(&before, 1));
+    latency.sort_by(f64::total_cmp);
+    let typical = latency[latency.len() / 2];
+    println!(
+        "{rate:.2} steps a ms; the newest point is {typical} ms old, {} ms at most",
+        latency[latency.len() - 1]
+    );
+    assert_eq!(page.value("lost"), 0, "no step is missing");
+    if arguments.contains(&"--emulated") {
+        assert!(rate > 0.1, "{rate}");
+    } else {
+        assert!((1.8..2.2).contains(&rate), "{rate} steps a ms");
+    }
+    assert!(typical < 100.0, "{latency:?}");
+    // What it draws is there: a picture of one colour would be empty.
+    let drawn = "[...document.querySelectorAll('canvas')].every(c => { const d = c.getContext('2d').getImageData(60, 0, c.width - 70, c.height).data; return new Set(new Uint32Array(d.buffer)).size > 4 })";
+    assert_eq!(page.value(drawn), true, "every plot has a curve");
+    if let Some(file) = std::env::var_os("OUTERLOOP_SCREENSHOT") {
+        let shot = page.ask("Page.captureScreenshot", json!({ "format": "png" }));
+        let text = shot["data"].as_str().unwrap();
+        std::fs::write(root().join(file), base64(text)).unwrap();
+    }
+    // Buttons.
+    assert_eq!(
+        page.value("document.getElementById('resume').disabled"),
+        true
+    );
+    page.value("document.getElementById('hold').click()");
+    page.wait("document.getElementById('mode').textContent === 'holding'");
+    page.value("document.getElementById('resume').click()");
+    page.wait("document.getElementById('mode').textContent === 'running'");
+    // A browser that is gone disturbs nothing.
+    drop(page);
+    drop(browser);
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(test.0.try_wait().unwrap().is_none(), "the test goes on");
+}
+
+/// The bytes of base64 without a library: one picture, when a person wants it.
+fn base64(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let letters: Vec<u8> = text.bytes().filter(|c| *c != b'=').collect();
+    let mut bytes = Vec::new();
+    for four in letters.chunks(4) {
+        let bits = four
+            .iter()
+            .fold(0_u32, |bits, c| bits << 6 | u32::from(digit(*c)));
+        let bits = bits << (6 * (4 - four.len()));
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..four.len()]);
+    }
+    bytes
+}
+
+#[test]
+fn a_browser_sees_every_step_of_a_running_test_and_its_buttons_work() {
+    look_on(&["run", "examples/table1.toml"]);
+}
+
+/// Builds image and emulator: `cargo test -p cli --release --test chromium -- --ignored`.
+#[test]
+#[ignore = "needs the image and the emulator, which scripts/emu-test builds"]
+fn a_browser_sees_every_step_of_a_test_on_the_emulated_board() {
+    look_on(&["run", "examples/table1.toml", "--emulated"]);
+}

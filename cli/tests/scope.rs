@@ -1,0 +1,237 @@
+//! `--scope`: what a browser sees of a running test and what it may do. With Chromium itself: `tests/chromium.rs`.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::command;
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::stream::MaybeTlsStream;
+use tungstenite::{Message, WebSocket};
+
+/// A test of 8 s in real time with its scope.
+struct Running {
+    child: Child,
+    host: String,
+    token: String,
+}
+
+impl Running {
+    fn start(seconds: &str) -> Self {
+        let arguments = [
+            "run",
+            "examples/table1.toml",
+            "--json",
+            "--scope",
+            "--duration",
+            seconds,
+        ];
+        let mut child = command(&arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        said.read_line(&mut line).unwrap();
+        let url = line.split("http://").nth(1).expect(&line).trim();
+        let (host, token) = url.split_once('/').unwrap();
+        let (host, token) = (host.to_owned(), token.trim_end_matches('/').to_owned());
+        assert!(
+            host.starts_with("127.0.0.1:"),
+            "the loopback unless told otherwise"
+        );
+        assert_eq!(token.len(), 32, "128 random bits");
+        std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+        Self { child, host, token }
+    }
+
+    /// Status and body of a GET.
+    fn get(&self, path: &str, host: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        let status = answer.split(' ').nth(1).unwrap().parse().unwrap();
+        (status, answer)
+    }
+
+    fn socket(
+        &self,
+        path: &str,
+        origin: Option<&str>,
+    ) -> Option<WebSocket<MaybeTlsStream<TcpStream>>> {
+        let mut request = format!("ws://{}{path}", self.host)
+            .into_client_request()
+            .unwrap();
+        if let Some(origin) = origin {
+            let origin = origin.parse().unwrap();
+            request.headers_mut().insert("Origin", origin);
+        }
+        tungstenite::connect(request).ok().map(|(socket, _)| socket)
+    }
+
+    fn own_socket(&self) -> WebSocket<MaybeTlsStream<TcpStream>> {
+        let origin = format!("http://{}", self.host);
+        let path = format!("/{}/ws", self.token);
+        self.socket(&path, Some(&origin)).expect("its own page may")
+    }
+
+    fn account(mut self) -> Value {
+        let mut out = String::new();
+        self.child
+            .stdout
+            .as_mut()
+            .unwrap()
+            .read_to_string(&mut out)
+            .unwrap();
+        let _ = self.child.wait();
+        serde_json::from_str(&out).unwrap()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn next(socket: &mut WebSocket<MaybeTlsStream<TcpStream>>) -> Option<Value> {
+    loop {
+        match socket.read().ok()? {
+            Message::Text(text) => return serde_json::from_str(&text).ok(),
+            Message::Close(_) => return None,
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn every_step_of_twelve_channels_arrives_in_time_and_no_peak_is_lost() {
+    let running = Running::start("6");
+    let mut socket = running.own_socket();
+    let hello = next(&mut socket).unwrap();
+    assert_eq!(hello["channels"].as_array().unwrap().len(), 12);
+    let (mut expected, mut peak, mut steps, mut latency) = (None, 0.0_f64, 0, Vec::new());
+    let mut last = Value::Null;
+    while let Some(message) = next(&mut socket) {
+        let now = std::time::SystemTime::now();
+        let now = now
+            .duration_since(std::time::UNIX_EPOCH)
+            .unwrap()
+            .as_millis() as f64;
+        latency.push(now - message["wall_ms"].as_f64().unwrap());
+        for point in message["points"].as_array().unwrap() {
+            let number = |i: usize| point[i].as_f64().unwrap();
+            let first = number(0);
+            assert!(expected.is_none_or(|tick| tick == first), "no step is lost");
+            expected = Some(first + number(1));
+            steps += number(1) as usize;
+            peak = peak.max(number(4)).max(-number(3));
+        }
+        last = message;
+    }
+    assert_eq!(last["ended"], true);
+    let account = running.account();
+    assert_eq!(account["steps"], 12_000);
+    assert!(steps >= 12_000, "{steps}");
+    // Six digits travel.
+    let true_peak = account["peak_displacement_m"].as_f64().unwrap() * 1e3;
+    assert!((peak / true_peak - 1.0).abs() < 1e-5, "{peak} {true_peak}");
+    // A message is written every 20 ms; the worst few belong to a machine that builds something else beside.
+    latency.sort_by(f64::total_cmp);
+    assert!(latency[latency.len() * 9 / 10] < 100.0, "{latency:?}");
+}
+
+#[test]
+fn without_the_token_or_from_another_origin_nothing_is_read_or_pressed() {
+    let running = Running::start("20");
+    let (host, token) = (running.host.clone(), running.token.clone());
+    let (status, page) = running.get(&format!("/{token}/"), &host);
+    assert!(status == 200 && page.contains("not the emergency stop"));
+    assert!(
+        !page.contains("http://") && !page.contains("https://"),
+        "no network"
+    );
+    let wrong = "0".repeat(32);
+    for (path, name) in [
+        ("/".to_owned(), host.as_str()),
+        (format!("/{wrong}/"), &host),
+        // A name that somebody else has given this address.
+        (format!("/{token}/"), "rebound.example:80"),
+    ] {
+        let (status, body) = running.get(&path, name);
+        assert!(status == 403 && !body.contains("<html"), "{path} {name}");
+    }
+    let own = format!("http://{host}");
+    let path = format!("/{token}/ws");
+    for (path, origin) in [
+        (path.as_str(), None),
+        (&path, Some("http://foreign.example")),
+        (&path, Some("null")),
+        (&format!("/{wrong}/ws"), Some(own.as_str())),
+        ("/ws", Some(&own)),
+    ] {
+        assert!(running.socket(path, origin).is_none(), "{path} {origin:?}");
+    }
+}
+
+#[test]
+fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
+    let mut running = Running::start("60");
+    let began = Instant::now();
+    let mut socket = running.own_socket();
+    let wait = |socket: &mut WebSocket<_>, mode: &str| {
+        let began = Instant::now();
+        loop {
+            let message = next(socket).expect("the test goes on");
+            if message["mode"] == mode {
+                return message;
+            }
+            assert!(began.elapsed() < Duration::from_secs(20), "never {mode}");
+        }
+    };
+    let message = wait(&mut socket, "running");
+    assert_eq!(message["allowed"], serde_json::json!(["hold", "stop"]));
+    // What means nothing now, or nothing at all, does nothing.
+    for nothing in ["resume", "clear", "arm", "{}"] {
+        socket.send(Message::text(nothing)).unwrap();
+    }
+    socket.send(Message::text("hold")).unwrap();
+    let message = wait(&mut socket, "holding");
+    assert_eq!(message["allowed"], serde_json::json!(["stop", "resume"]));
+    let step = message["step"].as_u64().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    // Another browser, closed in the middle of everything.
+    drop(running.own_socket());
+    socket.send(Message::text("resume")).unwrap();
+    let message = wait(&mut socket, "running");
+    assert!(message["step"].as_u64().unwrap() < step + 400, "it stood");
+    socket.send(Message::text("stop")).unwrap();
+    while let Some(message) = next(&mut socket) {
+        assert!(
+            began.elapsed() < Duration::from_secs(40),
+            "never stopped: {message}"
+        );
+    }
+    assert_eq!(
+        running.child.wait().unwrap().code(),
+        Some(1),
+        "stopped by hand"
+    );
+}
+
+#[test]
+fn a_scope_that_cannot_listen_is_refused_in_one_sentence() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    common::refused(
+        &["run", "examples/table1.toml", "--scope", &address],
+        &["--scope", &address, "free port"],
+    );
+}
