@@ -30,6 +30,8 @@ enum Verb {
     New(verb::new::New),
     Keys(verb::keys::Keys),
     Board(verb::board::Board),
+    Completions(verb::shell::Completions),
+    Man(verb::shell::Man),
 }
 
 /// The command line, or what is to be said instead: the help, or what is wrong with it.
@@ -87,6 +89,8 @@ fn main() -> ExitCode {
         Verb::New(v) => v.go(),
         Verb::Keys(v) => v.go(),
         Verb::Board(v) => v.go(),
+        Verb::Completions(v) => v.go(Arguments::command()),
+        Verb::Man(v) => v.go(Arguments::command()),
     };
     ended(outcome.and_then(|()| terminal::output::finish()))
 }

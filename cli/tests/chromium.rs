@@ -63,14 +63,20 @@ impl Page {
                 "GET /json/list HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
             )
             .unwrap();
-            let mut answer = String::new();
-            stream.read_to_string(&mut answer).unwrap();
-            let (_, body) = answer.split_once("\r\n\r\n").unwrap();
-            let pages: Value = serde_json::from_str(body).unwrap();
+            // It keeps the connection open, whatever it is asked.
+            let wait = Some(Duration::from_millis(300));
+            stream.set_read_timeout(wait).unwrap();
+            let (mut answer, mut part) = (Vec::new(), [0; 4096]);
+            while let Ok(count @ 1..) = stream.read(&mut part) {
+                answer.extend_from_slice(&part[..count]);
+            }
+            let answer = String::from_utf8_lossy(&answer);
+            let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+            let pages: Value = serde_json::from_str(body).unwrap_or_default();
             if let Some(url) = pages
                 .as_array()
-                .unwrap()
-                .iter()
+                .into_iter()
+                .flatten()
                 .find(|p| p["type"] == "page")
                 .and_then(|p| p["webSocketDebuggerUrl"].as_str())
             {

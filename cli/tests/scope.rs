@@ -231,7 +231,7 @@ fn a_scope_that_cannot_listen_is_refused_in_one_sentence() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
     common::refused(
-        &["run", "examples/table1.toml", "--scope", &address],
+        &["run", "examples/table1.toml", "--json", "--scope", &address],
         &["--scope", &address, "free port"],
     );
 }

@@ -4,13 +4,16 @@ use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else that of the present checkout.
+/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else a release's, else that of the present checkout.
 ///
 /// # Errors
 /// No checkout here, or a build that fails.
 pub fn built_image() -> Result<PathBuf, Failure> {
     if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
         return Ok(built.into());
+    }
+    if let Some(released) = beside("outerloop-nucleo_f429zi.elf") {
+        return Ok(released);
     }
     let root = checkout()?;
     let target = target_folder(&root);
@@ -29,13 +32,19 @@ pub fn built_image() -> Result<PathBuf, Failure> {
     Ok(built)
 }
 
-/// The emulator: the one that OUTERLOOP_EMULATOR names, else that of the present checkout.
+/// The emulator: the one that OUTERLOOP_EMULATOR names, else a release's, else that of the present checkout.
 ///
 /// # Errors
 /// No checkout here, or a build that fails.
 pub fn built_emulator() -> Result<PathBuf, Failure> {
     if let Some(built) = std::env::var_os("OUTERLOOP_EMULATOR") {
         return Ok(built.into());
+    }
+    if let Some(released) = beside(&format!(
+        "outerloop-emulator{}",
+        std::env::consts::EXE_SUFFIX
+    )) {
+        return Ok(released);
     }
     let root = checkout()?;
     let target = target_folder(&root).join("emu");
@@ -48,6 +57,12 @@ pub fn built_emulator() -> Result<PathBuf, Failure> {
         .current_dir(root.join("emu"))
         .env("CARGO_TARGET_DIR", &target))?;
     Ok(built)
+}
+
+/// What a release has beside this program.
+fn beside(name: &str) -> Option<PathBuf> {
+    let program = std::env::current_exe().ok()?;
+    Some(program.parent()?.join(name)).filter(|file| file.is_file())
 }
 
 /// Says before a long build what is built and how long that takes; a build that only looks whether something has changed

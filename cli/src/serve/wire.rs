@@ -6,6 +6,7 @@
 //!    measures (the same five), and the length `n` of every message after that.
 //! 2. Messages of `n` doubles; the first is the [`Action`].
 
+#[cfg(target_os = "linux")]
 use socket2::SockRef;
 use std::fmt;
 use std::io::{ErrorKind, Read, Write};

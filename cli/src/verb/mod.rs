@@ -17,6 +17,7 @@ pub mod place;
 pub mod replay;
 pub mod run;
 pub mod serve;
+pub mod shell;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
