@@ -293,7 +293,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         seconds: 10.0,
     };
     let (text, early) =
-        board::commission(&mut connection, &t, signal, &Operator::nobody()).unwrap();
+        board::commission(&mut connection, &t, signal, &Operator::nobody(), &mut ()).unwrap();
     assert_eq!(early, None);
     let recording = Recording::parse("chirp.csv", &text).unwrap();
     let command = recording.command_m().unwrap();
