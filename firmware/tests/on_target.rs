@@ -23,12 +23,13 @@ mod tests {
     use embassy_stm32::flash::Flash;
     use embassy_stm32::gpio::{Level, Output, Speed};
     use embassy_stm32::{Peripherals, pac};
-    use firmware::board::nucleo_f429zi::sampling::{Command, OUTPUT_DELAY_US, Period, Sensors};
-    use firmware::board::nucleo_f429zi::store::{self, Store};
+    use firmware::board::nucleo_f429zi::sampling::{
+        CODES, Command, OUTPUT_DELAY_US, Period, Sensors,
+    };
+    use firmware::board::nucleo_f429zi::store::{Memory, Store};
     use firmware::board::nucleo_f429zi::{Irqs, clocks, lower_priorities};
-    use firmware::station::Settings;
+    use firmware::station::Wiring;
     use link::channel::Calibration;
-    use link::{AdcCode, DacCode};
     use outerloop_core::Config;
 
     /// 2 kHz, in ticks of the timer.
@@ -53,10 +54,6 @@ mod tests {
         Bench { external_clock, p }
     }
 
-    fn code(code: u16) -> DacCode {
-        DacCode::new(code).unwrap()
-    }
-
     fn feed() {
         pac::IWDG
             .kr()
@@ -64,9 +61,9 @@ mod tests {
     }
 
     /// The next sample that the timer has asked for, and when it was there.
-    fn next(sensors: &mut Sensors) -> (AdcCode, AdcCode, u32) {
+    fn next(sensors: &mut Sensors) -> (u16, u16, u32) {
         loop {
-            if let Some((displacement, force)) = sensors.codes() {
+            if let Some([displacement, force]) = sensors.codes() {
                 feed();
                 return (displacement, force, DWT::cycle_count());
             }
@@ -83,23 +80,23 @@ mod tests {
     fn what_the_dac_shows_both_channels_read(bench: Bench) {
         let p = bench.p;
         let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
-        let command = Command::new(p.DAC1, p.PA4, code(*SPAN.start()));
+        let command = Command::new(p.DAC1, p.PA4, *SPAN.start());
         let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS);
         period.start();
         let mut last = 0;
         for shown in SPAN.step_by(100) {
-            command.write(code(shown));
+            command.write(shown);
             // One period until the DAC takes it over, one until it is sampled, one to be sure.
             let (mut d, mut f, _) = next(&mut sensors);
             for _ in 0..3 {
                 (d, f, _) = next(&mut sensors);
             }
             // Offset, gain and noise of both converters: 1 % of the range.
-            for read in [d.value(), f.value()] {
+            for read in [d, f] {
                 assert!(read.abs_diff(2 * shown) < 82, "{shown}: {read}");
             }
-            assert!(d.value() > last, "{shown}: {} after {last}", d.value());
-            last = d.value();
+            assert!(d > last, "{shown}: {d} after {last}");
+            last = d;
         }
     }
 
@@ -122,14 +119,14 @@ mod tests {
     #[test]
     fn the_dac_takes_a_command_over_at_its_instant(bench: Bench) {
         let p = bench.p;
-        let command = Command::new(p.DAC1, p.PA4, code(1000));
+        let command = Command::new(p.DAC1, p.PA4, 1000);
         let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS);
         let ticks_per_us = clocks::TIMER_HZ / 1_000_000;
         period.start();
         for shown in [2000, 1000, 3000] {
             feed();
             while pac::TIM2.cnt().read() < PERIOD_TICKS - 1000 {}
-            command.write(code(shown));
+            command.write(shown);
             while pac::TIM2.cnt().read() > PERIOD_TICKS / 2 {}
             while pac::DAC1.dor(0).read().dor() != shown {
                 assert!(pac::TIM2.cnt().read() < 100 * ticks_per_us);
@@ -154,12 +151,11 @@ mod tests {
     #[test]
     fn saved_settings_come_back(bench: Bench) {
         let mut store = Store::new(Flash::new(bench.p.FLASH, Irqs));
-        let settings = Settings {
-            config: Config::shear_frame([1000.0], [158e3], [0.02]),
-            calibration: Calibration::UNCALIBRATED,
-        };
+        let test = Config::shear_frame([1000.0], [158e3], [0.02]);
+        let wiring = Wiring::new(Calibration::placeholder(&CODES), &CODES);
         feed();
-        assert!(embassy_futures::block_on(store.save(&settings)));
-        assert!(store::load() == Some(settings));
+        let saving = store.save(Some(&test), Some(&wiring));
+        assert!(embassy_futures::block_on(saving));
+        assert!(Memory.test() == Some(test) && Memory.calibration() == Some(wiring));
     }
 }
