@@ -415,28 +415,27 @@ impl<const N: usize> OuterLoop<N> {
             velocity_m = *self.signal.velocity_m();
             acceleration_m = self.signal.acceleration_m(&k.signal);
         }
-        let lead_steps = k.lead_steps;
         let followed = core::array::from_fn(|j| Followed {
             target_m: self.target_m[j] + self.led_by_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
             learn: live && fit,
         });
-        let ahead: [Ahead; N] = core::array::from_fn(|j| {
-            Ahead {
-                displacement_m: next_m[j],
-                velocity_m: velocity_m[j],
-                acceleration_m: acceleration_m[j],
-            }
-            .led_by(lead_steps)
+        let mut ahead: [Ahead; N] = core::array::from_fn(|j| Ahead {
+            displacement_m: next_m[j],
+            velocity_m: velocity_m[j],
+            acceleration_m: acceleration_m[j],
         });
-        let mut send_m = ahead.map(|a| a.displacement_m);
-        for j in 0..N {
-            self.led_by_m[j] = send_m[j] - next_m[j];
-        }
-        // Numerical degrees of freedom are where they are wanted.
-        for j in k.physical..N {
-            send_m[j] = next_m[j];
+        let mut send_m = next_m;
+        if k.lead_steps != 0.0 {
+            // Numerical degrees of freedom are sent where they are wanted.
+            for j in 0..N {
+                ahead[j] = ahead[j].led_by(k.lead_steps);
+                self.led_by_m[j] = ahead[j].displacement_m - next_m[j];
+                if j < k.physical {
+                    send_m[j] = ahead[j].displacement_m;
+                }
+            }
         }
         self.predictor
             .command(&followed, &ahead, k.physical, &mut send_m);
