@@ -263,6 +263,7 @@ mod tests {
                 offset_n: None,
                 effects: Vec::new(),
                 remainder: None,
+                elements: Vec::new(),
             }),
         };
         let d = diagnosis::diagnose(&model, &[record("a", 0.9)], &[record("b", 1.3)], &[]).unwrap();

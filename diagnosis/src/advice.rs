@@ -2,6 +2,7 @@
 
 use crate::answer::{ChannelAnswer, Refitted, Verdict};
 use crate::base::Base;
+use crate::joint::Outcome;
 use crate::noise::Noise;
 use plant::{Channel, Effect, Family};
 
@@ -81,6 +82,44 @@ pub fn notes(
         notes.push(
             "On the held-out data the improvement is not certain: its interval includes 0.".into(),
         );
+    }
+    notes
+}
+
+/// Sentences on what a joint search came to.
+pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> {
+    let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
+    let unit = &answer.unit;
+    let mut notes = Vec::new();
+    match answer.verdict {
+        Verdict::None => notes.push(format!(
+            "No element beside the declared specimen and no parameter outside its tolerance is worth its price: what is \
+             left is {before:.4} {unit} rms."
+        )),
+        Verdict::Unknown => notes.push(format!(
+            "What the declared specimen leaves ({before:.4} {unit} rms) has no name that can be vouched for on data that \
+             took no part; the model is left as it was."
+        )),
+        _ => notes.push(format!(
+            "Beside the declared specimen, elements of free strength lower the held-out error from {before:.4} to \
+             {after:.4} {unit} rms."
+        )),
+    }
+    match outcome {
+        Some(Outcome::Named(_, true)) => notes.push(
+            "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
+                .into(),
+        ),
+        Some(Outcome::Set(..)) if answer.verdict == Verdict::Ambiguous => {
+            notes.push(
+                "Each member of the set fits these data nearly as well in the place of the first; the model has the first."
+                    .into(),
+            );
+            if let Some(first) = answer.effects.first() {
+                notes.push(experiment(first.name).to_owned());
+            }
+        }
+        _ => {}
     }
     notes
 }

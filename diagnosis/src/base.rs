@@ -1,5 +1,6 @@
 //! The declared parameters of a channel.
 
+use crate::joint::SavedElement;
 use crate::linear::Bound;
 use crate::model::{ActuatorModel, Declared, SpecimenModel};
 use plant::{Channel, EffectSpec};
@@ -24,6 +25,8 @@ pub struct Base {
     pub free: Vec<Free>,
     /// Effects that the model already has.
     pub known: Vec<EffectSpec>,
+    /// Elements beside the specimen that it already has.
+    pub elements: Vec<SavedElement>,
 }
 
 /// Declared parameters move by so many tolerances.
@@ -47,7 +50,10 @@ impl Base {
             model.mass_kg,
             model.offset_n,
         ];
-        Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
+        Self {
+            elements: model.elements.clone(),
+            ..Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
+        }
     }
 
     fn new(
@@ -69,7 +75,14 @@ impl Base {
                 })
                 .collect(),
             known: known.to_vec(),
+            elements: Vec::new(),
         }
+    }
+
+    /// The tolerance of a parameter; 0 where it is not free.
+    pub fn tolerance(&self, index: usize) -> f64 {
+        let own = self.free.iter().find(|f| f.index == index);
+        own.map_or(0.0, |f| f.tolerance)
     }
 
     /// How far each free parameter may go from `theta`.

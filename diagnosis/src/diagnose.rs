@@ -2,10 +2,12 @@
 
 mod anatomy;
 mod driven;
+mod joined;
 mod obstacle;
 
 use crate::answer::*;
 use crate::base::Base;
+use crate::criteria::{DOWN_TO_NOISE, NEARLY_ALL};
 use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
@@ -94,6 +96,12 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
 }
 
+/// Whether the first search leaves nothing to explain: hardly more than the noise, or hardly anything of what was there.
+fn accounts(e: &Explanation, noise: &Noise) -> bool {
+    let most = (DOWN_TO_NOISE * noise.rms).max(NEARLY_ALL * e.structured[0]);
+    !e.vetoed && e.structured[1] <= most
+}
+
 /// One channel and its data.
 struct Channelled<'a> {
     drive: Option<Drive>,
@@ -180,7 +188,17 @@ impl Channelled<'_> {
         let Some(problem) = self.problem(self.train, cutoff_hz) else {
             return (self.not_assessed("a signal is missing"), None);
         };
-        let Some(noise) = self.noise(cutoff_hz) else {
+        let noise = self.noise(cutoff_hz);
+        let specimen = self.base.channel == Channel::Specimen;
+        // Without a rest nothing tells how near an effect is to the noise: rivals have to.
+        let at_rest = noise.as_ref().is_some_and(|n| n.from == Source::Rest);
+        if specimen
+            && !at_rest
+            && let Some(answer) = self.joined(noise.as_ref(), improved)
+        {
+            return (answer, None);
+        }
+        let Some(noise) = noise else {
             return (self.unjudged(&problem, cutoff_hz), None);
         };
         let explanation = settle(&problem, &self.base, &noise, &[]).and_then(|mut settled| {
@@ -194,6 +212,15 @@ impl Channelled<'_> {
             let why = "the declared parameters cannot be told apart in this record";
             return (self.not_assessed(why), None);
         };
+        if specimen && !accounts(&explanation, &noise) {
+            let mut with = improved.clone();
+            let joined = self.joined(Some(&noise), &mut with);
+            let speaks = |a: &ChannelAnswer| explanation.vetoed || !a.effects.is_empty();
+            if let Some(answer) = joined.filter(speaks) {
+                *improved = with;
+                return (answer, None);
+            }
+        }
         let mut with = improved.clone();
         let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
         if self.base.channel == Channel::Actuator

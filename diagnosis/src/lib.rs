@@ -8,6 +8,7 @@
 mod advice;
 mod answer;
 mod base;
+mod criteria;
 mod diagnose;
 mod drive;
 mod drivetrain;
@@ -16,6 +17,7 @@ mod fit;
 mod identify;
 mod improved;
 mod interval;
+mod joint;
 mod lattice;
 mod library;
 mod linear;
@@ -38,6 +40,7 @@ pub use answer::{
 };
 pub use diagnose::diagnose;
 pub use identify::{Identified, identify};
+pub use joint::SavedElement;
 pub use model::{ActuatorModel, Declared, Model, SpecimenModel};
 pub use recording::Recording;
 pub use refusal::Refusal;

@@ -1,6 +1,7 @@
 //! What the laboratory declares: each parameter with its standard tolerance.
 
 use crate::Refusal;
+use crate::joint::SavedElement;
 use crate::library;
 use crate::remainder::Correction;
 use plant::{Channel, EffectSpec};
@@ -92,6 +93,9 @@ pub struct SpecimenModel {
     /// What the rest depends on, without a name: taken off the force before anything is asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<Correction>,
+    /// Elements beside the specimen, of a strength of their own, that earlier diagnoses added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub elements: Vec<SavedElement>,
 }
 
 /// The declared model; a channel that is left out is not looked at.
@@ -156,6 +160,8 @@ impl Model {
                 )));
             }
         }
+        let elements = self.specimen.iter().flat_map(|s| &s.elements);
+        elements.into_iter().try_for_each(SavedElement::check)?;
         let actuator = self.actuator.iter().flat_map(|a| &a.effects);
         let specimen = self.specimen.iter().flat_map(|s| &s.effects);
         actuator

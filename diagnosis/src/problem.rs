@@ -258,6 +258,13 @@ impl Problem {
 
     /// What the model already knows beyond its parameters.
     fn add_known(&mut self, base: &Base) {
+        for element in &base.elements {
+            for stretch in &mut self.stretches {
+                let s = &mut stretch.signals;
+                let force = element.force(&s.x, &s.v, &s.time_s, s.interval_s);
+                add_scaled(&mut s.base, &force, 1.0);
+            }
+        }
         for known in &base.known {
             let Some(candidate) = form(base.channel, known) else {
                 continue;

@@ -6,6 +6,7 @@ pub mod call_graph;
 pub mod data;
 pub mod exam;
 pub mod loopback;
+pub mod outside;
 pub mod qemu;
 
 use outerloop_core::config::Filter;

@@ -59,6 +59,7 @@ fn model(paper: &Paper) -> Model {
             offset_n: s.offset_n.map(known),
             effects: Vec::new(),
             remainder: None,
+            elements: Vec::new(),
         }),
     }
 }

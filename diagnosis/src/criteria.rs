@@ -1,0 +1,76 @@
+//! Every threshold of the joint search, each with its reason.
+
+/// Contiguous blocks of the training data; each is left out once. Fewer leave too little to learn from, more are shorter
+/// than what a rig remembers.
+pub const BLOCKS: usize = 6;
+/// Elements at most in one model: with five, real records get a forth and back of elements that cancel.
+pub const MOST_ELEMENTS: usize = 4;
+/// What an element of one shape must lower the logarithm of the cross-validated squares by: some 15 % of the squares,
+/// the scatter of one block's share.
+pub const PRICE: f64 = 0.16;
+/// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
+pub const FLOOR: f64 = 0.01;
+/// Declared parameters are held within so many tolerances.
+pub const REACH: f64 = 3.0;
+
+/// Cut-offs that are tried.
+pub const CUTOFFS: usize = 10;
+/// The lowest, and no cut-off below so many times the band of any span, the held-out one too: its accelerations would be missing.
+pub const BAND_ROOM: f64 = 1.3;
+/// The lowest cut-off within this of the best is taken: what it leaves out is noise.
+pub const CUTOFF_ROOM: f64 = 1.03;
+/// Share of the speed's power that ends the band of the motion.
+pub const BAND_POWER: f64 = 0.9;
+
+/// The best of so many sets are carried on.
+pub const LEADING: usize = 12;
+/// Shapes of so many sets are moved to their best.
+pub const POLISHED: usize = 3;
+/// Samples that a search makes do with, as long as they show the band: averages of neighbours lose nothing else.
+pub const SEARCHED: usize = 6000;
+/// Samples a cycle of the cut-off that averaging leaves.
+pub const A_CYCLE: f64 = 4.0;
+/// No more samples than these are searched.
+pub const MOST_SEARCHED: usize = 16_000;
+
+/// Yield below this share of half the range: the elastic part is the give of a contact, the element is friction.
+pub const FRICTION_YIELD: f64 = 0.04;
+/// The same for friction that drops with speed.
+pub const STRIBECK_YIELD: f64 = 0.06;
+/// Exponents of speed: below the first friction, below the second viscous, above it quadratic.
+pub const EXPONENTS: [f64; 2] = [0.35, 1.25];
+/// A force that saturates below this share of the top speed is friction.
+pub const FRICTION_SPEED: f64 = 0.08;
+
+/// A name is given where rivals of every other kind leave so many times the squares (`joint/certificate.rs`: the table
+/// of false names among 300 simulated and 43 real records).
+pub const CERTAIN: f64 = 2.0;
+/// Beside an unnamed rest of all other kinds an element must still lower the squares by this share.
+pub const BESIDE_THE_REST: f64 = 0.03;
+/// A set of more names says nothing.
+pub const LARGEST_SET: usize = 5;
+/// Two causes cannot be told apart whose forces differ by less than this many variances of the noise, all samples taken
+/// together: on simulated pairs 10 of 12 sets are complete then and 1 of 38 single effects gets a needless rival.
+pub const INSEPARABLE: f64 = 100.0;
+/// What leaves no more than this share of the rms accounts for the record.
+pub const ACCOUNTS: f64 = 0.3;
+/// So many times a known noise are the noise.
+pub const NOISE: f64 = 1.3;
+/// The odds of two members of a set are the ratio of their squares to this power: with 4 a rival that leaves 1.3 times
+/// the squares is right once in four, as on real records.
+pub const WEIGHT: f64 = 4.0;
+/// Up to so many times the border between friction and damping an element is no rival of friction: it is nearly that.
+pub const NEARLY: f64 = 1.7;
+/// Friction and hysteresis are one kind, told apart by where they yield; a name needs the other to leave so many times
+/// the squares.
+pub const WITHIN_A_KIND: f64 = 1.2;
+/// A rival that leaves less than this share of the squares gets no more odds for it.
+pub const LEAST_TIMES: f64 = 0.8;
+/// A member of a set that is less probable is not worth a line.
+pub const LEAST_PROBABLE: f64 = 0.02;
+/// A set whose model leaves more than this share of the held-out error says nothing: anything takes off a little.
+pub const SET_LEAVES: f64 = 0.6;
+/// An effect of the first search accounts for the record where it leaves no more than so many times the noise...
+pub const DOWN_TO_NOISE: f64 = 0.5;
+/// ...or than this share of what was there.
+pub const NEARLY_ALL: f64 = 0.12;

@@ -1,0 +1,214 @@
+//! The specimen's channel by the joint search: what is said of what it came to.
+
+use super::Channelled;
+use crate::answer::{
+    ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces, Verdict,
+};
+use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES};
+use crate::joint::{self, Explained, Fit, Outcome, SavedElement};
+use crate::model::{Declared, Model, SpecimenModel};
+use crate::noise::Noise;
+use crate::problem::rms;
+use crate::recording::Recording;
+use crate::{advice, interval};
+use plant::Effect;
+
+/// What a model leaves of training and held-out data.
+struct Left {
+    train: Vec<Vec<f64>>,
+    test: Vec<Vec<f64>>,
+    errors: Errors,
+}
+
+/// Training and held-out data without what the model already has.
+struct Data<'a> {
+    train: &'a [Recording],
+    test: &'a [Recording],
+    bare: [Vec<Recording>; 2],
+}
+
+impl Data<'_> {
+    fn left(&self, fit: &Fit) -> Option<Left> {
+        let nrmse = |residuals: &[Vec<f64>], whole: &[Recording]| {
+            let forces = whole.iter().filter_map(|r| r.force_n.as_ref());
+            let force: Vec<f64> = forces.flatten().copied().collect();
+            let mean = force.iter().sum::<f64>() / force.len() as f64;
+            let spread = rms(&[force.iter().map(|f| f - mean).collect()]);
+            rms(residuals) / spread.max(f64::MIN_POSITIVE)
+        };
+        let train = fit.residuals(&self.bare[0])?;
+        let test = fit.residuals(&self.bare[1])?;
+        Some(Left {
+            errors: Errors {
+                train_nrmse: nrmse(&train, self.train),
+                test_nrmse: nrmse(&test, self.test),
+                test_rms: rms(&test),
+            },
+            train,
+            test,
+        })
+    }
+}
+
+impl Channelled<'_> {
+    /// What elements of free strength beside the declared specimen tell; `None` where a signal is missing.
+    pub(super) fn joined(
+        &self,
+        noise: Option<&Noise>,
+        improved: &mut Model,
+    ) -> Option<ChannelAnswer> {
+        let data = Data {
+            train: self.train,
+            test: self.test,
+            bare: [
+                joint::without_known(&self.base, self.train)?,
+                joint::without_known(&self.base, self.test)?,
+            ],
+        };
+        let found = joint::find(&self.base, &data.bare[0], &data.bare[1])?;
+        let before = data.left(&found.declared)?;
+        let mut answer = self.blank(Verdict::None);
+        (answer.error_before, answer.error_after) = (before.errors, before.errors);
+        answer.refitted = advice::refitted(&self.base, &found.declared.parameters);
+        let explained = match &found.outcome {
+            Outcome::Named(explained, _) | Outcome::Set(explained, _) => Some(explained),
+            _ => None,
+        };
+        let after = explained.and_then(|e| data.left(&e.fit));
+        let lowest = after.as_ref().map_or(&before, |a| a).errors.test_rms;
+        // A floor above what is reached is none.
+        answer.noise_floor_rms = noise.map_or(0.0, |n| n.rms.min(lowest));
+        let fits_noise = before.errors.test_rms <= NOISE * answer.noise_floor_rms;
+        match (&found.outcome, explained.zip(after.as_ref())) {
+            (Outcome::Nothing, _) if noise.is_none() || fits_noise => {}
+            (Outcome::Nothing, _) => answer.verdict = Verdict::Unknown,
+            (outcome, Some((explained, after))) => {
+                let h = self.train[0].interval_s();
+                let gain = interval::improvement(&before.test, &after.test, h);
+                let certain = matches!(outcome, Outcome::Named(..));
+                let first = explained.names[0].0;
+                // A name must help on data that took no part; a set of names must account for most of it.
+                let most = if certain { 1.0 } else { SET_LEAVES };
+                let little = after.errors.test_rms > most * before.errors.test_rms;
+                if little || (certain && gain[0] <= 0.0) {
+                    answer.verdict = Verdict::Unknown;
+                    answer.nearest = Some(nearest(first, &before, after));
+                    answer.notes = advice::joined(&answer, Some(&found.outcome));
+                    answer.traces = self.drawn(&before.test, &before.test);
+                    self.look_at_the_rest(&mut answer, &before.train, &before.test);
+                    return Some(answer);
+                }
+                answer.improvement_ci90 = gain;
+                answer.error_after = after.errors;
+                answer.refitted = advice::refitted(&self.base, &explained.fit.parameters);
+                answer.effects = effects(explained);
+                self.save(explained, improved);
+                answer.verdict = match outcome {
+                    Outcome::Set(_, members) => {
+                        answer.alternatives = members[1..].iter().map(|m| m.0).collect();
+                        let member =
+                            |&(name, probability): &(Effect, f64)| Member { name, probability };
+                        answer.members = members.iter().map(member).collect();
+                        Verdict::Ambiguous
+                    }
+                    Outcome::Named(_, more) => {
+                        let share = ACCOUNTS * before.errors.test_rms;
+                        let most = share.max(NOISE * answer.noise_floor_rms);
+                        if !more && after.errors.test_rms <= most {
+                            Verdict::Effect
+                        } else {
+                            Verdict::Partial
+                        }
+                    }
+                    _ => Verdict::Unknown,
+                };
+            }
+            (Outcome::Unknown(name), _) => {
+                answer.verdict = Verdict::Unknown;
+                answer.nearest = Some(Nearest {
+                    name: *name,
+                    explained: 0.0,
+                });
+            }
+            _ => answer.verdict = Verdict::Unknown,
+        }
+        answer.notes = advice::joined(&answer, Some(&found.outcome));
+        let after = after.as_ref().filter(|_| !answer.effects.is_empty());
+        let left = after.unwrap_or(&before);
+        answer.traces = self.drawn(&before.test, &left.test);
+        self.look_at_the_rest(&mut answer, &left.train, &left.test);
+        Some(answer)
+    }
+
+    /// Puts a fit into the model: parameters that have moved, elements beside them.
+    fn save(&self, explained: &Explained, improved: &mut Model) {
+        let Some(specimen) = &mut improved.specimen else {
+            return;
+        };
+        let fit = &explained.fit;
+        let SpecimenModel {
+            stiffness_n_per_mm,
+            damping_n_s_per_mm,
+            mass_kg,
+            offset_n,
+            elements,
+            ..
+        } = specimen;
+        let all = [stiffness_n_per_mm, damping_n_s_per_mm, mass_kg, offset_n];
+        for (i, place) in all.into_iter().enumerate() {
+            if place.is_some() || fit.moved[i] {
+                let tolerance = place.map_or(0.0, |d: Declared| d.tolerance);
+                *place = Some(Declared {
+                    value: fit.parameters[i],
+                    tolerance,
+                });
+            }
+        }
+        elements.extend(SavedElement::of(fit, explained.names[0].0));
+    }
+
+    /// The first held-out record, for pictures.
+    fn drawn(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
+        let Some(((r, before), after)) = self.test.iter().zip(before).zip(after).next() else {
+            return Traces::default();
+        };
+        let (Some(force), Some(x)) = (&r.force_n, &r.displacement_mm) else {
+            return Traces::default();
+        };
+        let model = |left: &[f64]| force.iter().zip(left).map(|(f, l)| f - l).collect();
+        Traces {
+            time_s: r.time_s.clone(),
+            input: x.clone(),
+            measured: force.clone(),
+            before: model(before),
+            after: model(after),
+        }
+    }
+}
+
+/// What a name explains of the held-out squares.
+fn nearest(name: Effect, before: &Left, after: &Left) -> Nearest {
+    let share = after.errors.test_rms / before.errors.test_rms.max(f64::MIN_POSITIVE);
+    Nearest {
+        name,
+        explained: (1.0 - share * share).clamp(0.0, 1.0),
+    }
+}
+
+fn effects(explained: &Explained) -> Vec<FoundEffect> {
+    let effect = |(name, rho, figures): &(Effect, Option<f64>, Vec<joint::Sure>)| FoundEffect {
+        name: *name,
+        family: name.entry().family,
+        q: rho.map(joint::q),
+        parameters: figures
+            .iter()
+            .map(|&(name, unit, value, ci90)| FoundParameter {
+                name: name.into(),
+                value,
+                unit: unit.into(),
+                ci90,
+            })
+            .collect(),
+    };
+    explained.names.iter().map(effect).collect()
+}

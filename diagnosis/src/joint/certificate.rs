@@ -1,0 +1,373 @@
+//! What speaks for a name: rivals of every other family are given every chance in its place.
+
+use super::element::{Element, Kind, Law};
+use super::polish::Polished;
+use super::search::restrict;
+use super::separable::inseparable;
+use super::set::{DECLARED, Library, Set, column};
+use crate::criteria::{BESIDE_THE_REST, BLOCKS, PRICE};
+use nalgebra::{DMatrix, DVector};
+use plant::Effect;
+use rayon::prelude::*;
+
+/// A name and what speaks for it.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The name.
+    pub name: Effect,
+    /// Places of its elements in the library; none for a declared parameter that has left its tolerance.
+    pub elements: Vec<usize>,
+    /// rms of its force, N.
+    pub rms: f64,
+    /// How many times the squares grow with the best rival of any other kind in its place.
+    pub rho: f64,
+    /// It is no better beside an unnamed rest of all other kinds.
+    pub void: bool,
+    /// Names of other kinds that this motion cannot tell from it, whatever fits.
+    pub inseparable: Vec<(Effect, Kind)>,
+    /// The best of each other family and kind; best first.
+    pub rivals: Vec<Rival>,
+    /// Of one kind with it but of another family.
+    pub kin: Option<Rival>,
+}
+
+/// What could be in the place of a name.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    /// Its model.
+    pub set: Set,
+    /// Its name.
+    pub name: Effect,
+    /// Its kind.
+    pub kind: Kind,
+    /// How many times the squares it leaves.
+    pub times: f64,
+    /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
+    pub priced: f64,
+}
+
+/// Names of declared parameters that have left their tolerance, where no element is beside them.
+const PARAMETERS: [Effect; DECLARED] = [
+    Effect::GainError,
+    Effect::ViscousDamping,
+    Effect::InertiaForce,
+    Effect::Offset,
+];
+
+/// The names of a polished set, each with its certificate, the strongest first.
+pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) {
+    let set = taken(library, best);
+    let mut candidates: Vec<Candidate> = groups(library, &set)
+        .into_iter()
+        .map(|g| certificate(library, &set, g))
+        .collect();
+    candidates.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+    (set, candidates)
+}
+
+/// A polished set in the library.
+pub fn taken(library: &mut Library, polished: &Polished) -> Set {
+    let first = library.add(&polished.elements);
+    Set {
+        elements: (first..library.elements.len()).collect(),
+        moved: polished.moved,
+    }
+}
+
+/// Elements of one kind, with their name and the rms of their force.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The kind.
+    pub kind: Kind,
+    /// The name.
+    pub name: Effect,
+    /// Places in the library.
+    pub elements: Vec<usize>,
+    /// Of the strongest, N.
+    pub rms: f64,
+}
+
+/// The kinds of a set.
+pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
+    let Some(strengths) = library.strengths(set) else {
+        return Vec::new();
+    };
+    let sizes = &library.sizes;
+    let mut groups: Vec<Group> = Vec::new();
+    for (&place, strength) in set.elements.iter().zip(&strengths[DECLARED..]) {
+        let element = &library.elements[place];
+        let name = element.name(sizes, *strength);
+        let by = library.blocks.scale[DECLARED + place];
+        let rms = if by > 0.0 { strength.abs() / by } else { 0.0 };
+        let kind = element.kind(sizes);
+        match groups.iter_mut().find(|g| g.kind == kind) {
+            Some(g) => {
+                let falls = |n| n == Effect::StribeckFriction;
+                let slides = |n| n == Effect::CoulombFriction;
+                // Friction that drops with speed beside friction is friction that drops.
+                if slides(g.name) && falls(name) || slides(name) && falls(g.name) {
+                    g.name = Effect::StribeckFriction;
+                } else if rms > g.rms {
+                    g.name = name;
+                }
+                g.rms = g.rms.max(rms);
+                g.elements.push(place);
+            }
+            None => groups.push(Group {
+                kind,
+                name,
+                elements: vec![place],
+                rms,
+            }),
+        }
+    }
+    if groups.is_empty() {
+        let moved = (0..DECLARED).filter(|&i| set.moved[i]);
+        groups.extend(moved.map(|i| Group {
+            kind: Kind::Parameter,
+            name: PARAMETERS[i],
+            elements: Vec::new(),
+            rms: (strengths[i] - library.declared_value(i)).abs()
+                / library.blocks.scale[i].max(f64::MIN_POSITIVE),
+        }));
+    }
+    groups
+}
+
+fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
+    let own = set_fall(library, set);
+    let mut rest = set.clone();
+    rest.elements.retain(|e| !group.elements.contains(e));
+    if group.kind == Kind::Parameter
+        && let Some(i) = PARAMETERS.iter().position(|p| *p == group.name)
+    {
+        rest.moved[i] = false;
+    }
+    let most = group.elements.len().max(1);
+    let other = |e: usize| {
+        let element = &library.elements[e];
+        element.kind(&library.sizes) != group.kind && !element.is_nearly(group.kind, &library.sizes)
+    };
+    let family = group.name.entry().family;
+    let relative = |e: usize| {
+        let element = &library.elements[e];
+        element.kind(&library.sizes) == group.kind
+            && element.name(&library.sizes, 1.0).entry().family != family
+    };
+    let shapes = |s: &Set| {
+        let prices = s.elements.iter().map(|&e| library.elements[e].price());
+        PRICE * prices.sum::<f64>()
+    };
+    let own_price = shapes(set);
+    let mut rivals: Vec<Rival> = Vec::new();
+    let mut all = in_place_of(library, &rest, other, most, group.kind);
+    all.extend(in_place_of(library, &rest, relative, most, group.kind));
+    for (name, set, kind, fall) in all {
+        let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
+        let times = (fall - own).exp();
+        let priced = times * (shapes(&set) - own_price).exp();
+        match rivals.iter_mut().find(same) {
+            Some(r) => {
+                r.times = r.times.min(times);
+                if priced < r.priced {
+                    (r.priced, r.name, r.set) = (priced, name, set);
+                }
+            }
+            None => rivals.push(Rival {
+                set,
+                name,
+                kind,
+                times,
+                priced,
+            }),
+        }
+    }
+    let (kin, mut rivals): (Vec<Rival>, Vec<Rival>) =
+        rivals.into_iter().partition(|r| r.kind == group.kind);
+    rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
+    Candidate {
+        name: group.name,
+        void: varies(library, &group.elements)
+            || !group.elements.is_empty() && is_void(library, group.kind, &group.elements),
+        inseparable: if group.elements.is_empty() {
+            Vec::new()
+        } else {
+            inseparable(library, set, group.kind, &group.elements)
+        },
+        elements: group.elements,
+        rms: group.rms,
+        rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
+        rivals,
+        kin: kin.into_iter().min_by(|a, b| a.times.total_cmp(&b.times)),
+    }
+}
+
+fn set_fall(library: &Library, set: &Set) -> f64 {
+    let costs = library.cross_validated(set);
+    costs.map_or(0.0, |c| library.fall(&c))
+}
+
+/// The set or the same with all declared parameters free, whichever is better: every chance.
+fn freest(library: &Library, set: Set) -> (Set, f64) {
+    let free = Set {
+        moved: [true; DECLARED],
+        ..set.clone()
+    };
+    let (held, loose) = (set_fall(library, &set), set_fall(library, &free));
+    if loose < held {
+        (free, loose)
+    } else {
+        (set, held)
+    }
+}
+
+/// Rivals whose second element is tried.
+const FOLLOWED: usize = 6;
+
+/// A model with its name, its kind and its fall.
+type Placed = (Effect, Set, Kind, f64);
+
+/// The models with other elements in place of some, as many at most.
+fn in_place_of(
+    library: &Library,
+    rest: &Set,
+    allowed: impl Fn(usize) -> bool + Sync,
+    most: usize,
+    not: Kind,
+) -> Vec<Placed> {
+    let others: Vec<usize> = (0..library.elements.len())
+        .filter(|&e| allowed(e) && !rest.elements.contains(&e))
+        .collect();
+    let with = |set: &Set, e: usize| {
+        let (set, fall) = freest(library, set.with(e));
+        let strengths = library.strengths(&set).unwrap_or_default();
+        let at = set.elements.iter().position(|o| *o == e).unwrap_or(0);
+        let strength = strengths.get(DECLARED + at).copied().unwrap_or(0.0);
+        let element = &library.elements[e];
+        let name = element.name(&library.sizes, strength);
+        (name, set, element.kind(&library.sizes), fall)
+    };
+    let mut found: Vec<Placed> = others.par_iter().map(|&e| with(rest, e)).collect();
+    found.sort_by(|a, b| a.3.total_cmp(&b.3));
+    if most > 1 {
+        let leading = &found[..FOLLOWED.min(found.len())];
+        let more: Vec<Placed> = leading
+            .par_iter()
+            .flat_map_iter(|(name, set, kind, _)| {
+                let free = others.iter().filter(|e| !set.elements.contains(e));
+                free.map(move |&e| {
+                    let (_, set, _, fall) = with(set, e);
+                    (*name, set, *kind, fall)
+                })
+            })
+            .collect();
+        found.extend(more);
+    }
+    // Nothing in its place, but a parameter that leaves its tolerance.
+    if not != Kind::Parameter {
+        for (i, name) in PARAMETERS.iter().enumerate() {
+            let mut set = rest.clone();
+            set.moved[i] = true;
+            let fall = set_fall(library, &set);
+            found.push((*name, set, Kind::Parameter, fall));
+        }
+    }
+    found
+}
+
+/// Hats over a range, memory, filters and time of the unnamed rest.
+const HATS: usize = 9;
+/// Ridge of the unnamed rest.
+const RIDGE: f64 = 1e-4;
+
+/// Columns of an unnamed rest, with the kind that each stands for.
+fn rest_columns(library: &Library) -> Vec<(Kind, Vec<f64>)> {
+    let s = library.sizes;
+    let t = library.tracks;
+    let mut all = Vec::new();
+    for i in 0..HATS {
+        let at = -1.0 + 2.0 * i as f64 / (HATS - 1) as f64;
+        let width = 2.0 / (HATS - 1) as f64;
+        let hat = |u: f64| (1.0 - (u - at).abs() / width).max(0.0);
+        let in_x = |x: &f64| hat((x - s.middle) / s.x);
+        let in_v = |v: &f64| hat((v / s.v).clamp(-1.0, 1.0));
+        all.push((
+            Kind::Place,
+            column(t, library.every, |t| t.x.iter().map(in_x).collect()),
+        ));
+        all.push((
+            Kind::Speed,
+            column(t, library.every, |t| t.v.iter().map(in_v).collect()),
+        ));
+    }
+    for i in 0..library.elements.len() {
+        let e: &Element = &library.elements[i];
+        let kind = match e.law {
+            Law::Slider => Kind::Memory,
+            Law::Relaxing => Kind::Linear,
+            Law::Settling => Kind::Time,
+            _ => continue,
+        };
+        all.push((kind, library.columns[DECLARED + i].clone()));
+    }
+    all
+}
+
+/// Whether elements are nothing but friction that varies along the way: without a part that is the same everywhere it is no
+/// friction that a name could be given to, but some product of place and speed.
+fn varies(library: &Library, elements: &[usize]) -> bool {
+    let along = |law| matches!(law, Law::SliderAway | Law::SliderAlong);
+    let mut laws = elements.iter().map(|&e| library.elements[e].law);
+    !elements.is_empty() && laws.all(along)
+}
+
+/// Whether elements are worth nothing beside an unnamed rest of all other kinds.
+fn is_void(library: &Library, kind: Kind, elements: &[usize]) -> bool {
+    let rest = rest_columns(library).into_iter().filter(|r| r.0 != kind);
+    let mut columns: Vec<Vec<f64>> = library.columns[..DECLARED].to_vec();
+    columns.extend(rest.map(|r| r.1));
+    let without = ridge_costs(&columns, &library.force);
+    columns.extend(
+        elements
+            .iter()
+            .map(|e| library.columns[DECLARED + e].clone()),
+    );
+    let with = ridge_costs(&columns, &library.force);
+    match (without, with) {
+        (Some(without), Some(with)) => {
+            library.fall(&with) > library.fall(&without) + (1.0 - BESIDE_THE_REST).ln()
+        }
+        _ => false,
+    }
+}
+
+/// Cross-validated squares of many columns with a ridge.
+fn ridge_costs(columns: &[Vec<f64>], force: &[f64]) -> Option<[f64; BLOCKS]> {
+    let blocks = super::blocks::Blocks::new(columns, force);
+    let n = columns.len();
+    let mut costs = [0.0; BLOCKS];
+    for (b, cost) in costs.iter_mut().enumerate() {
+        let p = &blocks.each[b];
+        let mut gram: DMatrix<f64> = &blocks.all.gram - &p.gram;
+        let right: DVector<f64> = &blocks.all.right - &p.right;
+        for i in 0..n {
+            let own = blocks.all.gram[(i, i)];
+            gram[(i, i)] += RIDGE * own.max(1e-12);
+        }
+        let w = gram.cholesky()?.solve(&right);
+        *cost = (p.square - 2.0 * w.dot(&p.right) + w.dot(&(&p.gram * &w))).max(0.0);
+    }
+    Some(costs)
+}
+
+/// The set with these elements only, its parameters moved as far as that pays.
+pub fn only(library: &Library, set: &Set, elements: &[usize]) -> Set {
+    let kept = Set {
+        elements: elements.to_vec(),
+        moved: set.moved,
+    };
+    let score = library.score(&kept).unwrap_or(f64::INFINITY);
+    let settled = restrict(library, vec![(kept.clone(), score)]);
+    let same = |s: &&(Set, f64)| s.0.elements == kept.elements;
+    settled.iter().find(same).map_or(kept, |s| s.0.clone())
+}

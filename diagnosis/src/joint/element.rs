@@ -1,0 +1,317 @@
+//! An element beside the declared specimen: a law, its shape, and the force that it makes of a motion at strength 1.
+
+use super::laws;
+use super::track::{Sizes, Track};
+use crate::criteria::{EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, NEARLY, STRIBECK_YIELD};
+use crate::linear::Bound;
+use plant::Effect;
+use serde::{Deserialize, Serialize};
+
+/// The law of an element; what its shape holds is in brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// Elastic, then it slides [give mm].
+    Slider,
+    /// A slider whose force falls with speed [give mm, speed mm/s].
+    Stribeck,
+    /// Bouc-Wen [give mm, exponent, load, unload].
+    BoucWen,
+    /// Five sliders [largest give mm].
+    Distributed,
+    /// Friction in series with a spring [give mm, creep mm/s, exponent].
+    InSeries,
+    /// `|v|^a sign v` [exponent].
+    PowerOfSpeed,
+    /// `tanh(v / speed)` [speed mm/s].
+    Saturating,
+    /// Spring behind a dashpot [time constant s].
+    Relaxing,
+    /// `|x|^p x` [exponent].
+    PowerOfPlace,
+    /// `|x - place|` [place mm].
+    Away,
+    /// `x^2`.
+    Square,
+    /// Spring beyond a place on one side [place mm, side], or on both of a middle [gap mm, 0, middle mm].
+    Beyond,
+    /// What a play takes from a spring [half width mm].
+    Lost,
+    /// A slider whose force grows with the distance from a place [give mm, place mm].
+    SliderAway,
+    /// A slider whose force grows along the way [give mm, place mm].
+    SliderAlong,
+    /// `|v|`.
+    SizeOfSpeed,
+    /// Settling in time [time constant s].
+    Settling,
+    /// A slider whose force is worn away [give mm, travel mm].
+    Worn,
+    /// A slider that is weak around a place [give mm, width mm, place mm].
+    Pinched,
+}
+
+/// An element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// Its law.
+    pub law: Law,
+    /// Its shape, as the law reads it.
+    pub shape: [f64; 4],
+}
+
+/// How a shape is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// By factors: it stays positive.
+    Log,
+    /// By steps of the given unit.
+    Straight,
+}
+
+/// What an element's force depends on. Rivals are of another kind; within a kind the shape tells the name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A declared parameter that has left its tolerances.
+    Parameter,
+    /// A function of displacement.
+    Place,
+    /// A function of velocity.
+    Speed,
+    /// The way since the last reversals: friction and hysteresis.
+    Memory,
+    /// Lost motion.
+    Play,
+    /// A linear filter.
+    Linear,
+    /// Time.
+    Time,
+}
+
+impl Element {
+    /// With a shape; what the law does not read is 0.
+    pub fn new<const N: usize>(law: Law, given: [f64; N]) -> Self {
+        let mut shape = [0.0; 4];
+        shape[..N].copy_from_slice(&given);
+        Self { law, shape }
+    }
+
+    /// Its force at strength 1, over the whole motion of a track.
+    pub fn force(&self, t: &Track, sizes: &Sizes) -> Vec<f64> {
+        let [p, q, r, s] = self.shape;
+        let h = t.interval_s;
+        let x = &t.x;
+        let of_x = |f: &dyn Fn(f64) -> f64| x.iter().map(|x| f(*x)).collect::<Vec<f64>>();
+        let of_v = |f: &dyn Fn(f64) -> f64| t.v.iter().map(|v| f(*v)).collect::<Vec<f64>>();
+        let times = |z: Vec<f64>, by: &[f64], f: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            z.into_iter().zip(by).map(|(z, b)| z * f(*b)).collect()
+        };
+        match self.law {
+            Law::Slider => laws::slider(x, p),
+            Law::Stribeck => times(laws::slider(x, p), &t.v, &|v| (-(v / q).powi(2)).exp()),
+            Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
+            Law::Distributed => laws::distributed(x, p),
+            Law::InSeries => laws::in_series(x, h, p, q, r),
+            Law::PowerOfSpeed => of_v(&|v| (v / sizes.v).abs().powf(p).copysign(v)),
+            Law::Saturating => of_v(&|v| (v / p).tanh()),
+            Law::Relaxing => laws::relaxing(x, h, p),
+            Law::PowerOfPlace => of_x(&|x| x * (x / sizes.x).abs().powf(p)),
+            Law::Away => of_x(&|x| (x - p).abs()),
+            Law::Square => of_x(&|x| x * x / sizes.x),
+            Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
+            Law::Beyond => of_x(&|x| q * (q * (x - p)).max(0.0)),
+            Law::Lost => laws::slider(x, p).into_iter().map(|z| -p * z).collect(),
+            Law::SliderAway => times(laws::slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
+            Law::SliderAlong => times(laws::slider(x, p), x, &|x| (x - q) / sizes.x),
+            Law::SizeOfSpeed => of_v(&f64::abs),
+            Law::Settling => {
+                let from = t.time_s[0] - h * t.first as f64;
+                let time = (0..x.len()).map(|i| from + h * i as f64);
+                time.map(|t| 1.0 - (-t.max(0.0) / p).exp()).collect()
+            }
+            Law::Worn => {
+                let mut way = 0.0;
+                let z = laws::slider(x, p).into_iter().zip(&t.v);
+                z.map(|(z, v)| {
+                    way += h * v.abs();
+                    z * (-way / q).exp()
+                })
+                .collect()
+            }
+            Law::Pinched => times(laws::slider(x, p), x, &|x| {
+                1.0 - (-((x - r) / q).powi(2)).exp()
+            }),
+        }
+    }
+
+    /// What its strength may be.
+    pub fn bound(&self) -> Bound {
+        match self.law {
+            Law::PowerOfPlace
+            | Law::Away
+            | Law::Square
+            | Law::SizeOfSpeed
+            | Law::Settling
+            | Law::SliderAlong => Bound::FREE,
+            // Softening beyond a gap is a spring that gives way.
+            Law::Beyond => Bound::FREE,
+            _ => Bound::POSITIVE,
+        }
+    }
+
+    /// What it costs, in units of an element of one shape.
+    pub fn price(&self) -> f64 {
+        match self.law {
+            Law::BoucWen | Law::InSeries | Law::Worn | Law::Pinched => 1.6,
+            Law::Stribeck | Law::SliderAway | Law::SliderAlong => 1.3,
+            _ => 1.0,
+        }
+    }
+
+    /// Its kind.
+    pub fn kind(&self, sizes: &Sizes) -> Kind {
+        match self.law {
+            Law::Slider
+            | Law::Stribeck
+            | Law::BoucWen
+            | Law::Distributed
+            | Law::InSeries
+            | Law::SliderAway
+            | Law::SliderAlong
+            | Law::Worn
+            | Law::Pinched => Kind::Memory,
+            Law::Lost => Kind::Play,
+            // What hardly grows with speed is friction whose reversals are smooth.
+            Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => Kind::Memory,
+            Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => Kind::Memory,
+            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => Kind::Speed,
+            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => Kind::Place,
+            Law::Relaxing => Kind::Linear,
+            Law::Settling => Kind::Time,
+        }
+    }
+
+    /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
+    pub fn name(&self, sizes: &Sizes, strength: f64) -> Effect {
+        let [p, q, ..] = self.shape;
+        let give = p / sizes.x;
+        match self.law {
+            Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
+            Law::Slider | Law::InSeries | Law::SliderAway | Law::SliderAlong | Law::Distributed
+                if self.yields_at() < FRICTION_YIELD * sizes.x =>
+            {
+                Effect::CoulombFriction
+            }
+            Law::BoucWen if self.yields_at() < FRICTION_YIELD * sizes.x => Effect::CoulombFriction,
+            Law::Slider | Law::SliderAway | Law::SliderAlong | Law::Stribeck => {
+                Effect::BilinearHysteresis
+            }
+            Law::BoucWen | Law::Distributed | Law::InSeries | Law::Worn | Law::Pinched => {
+                Effect::BoucWenHysteresis
+            }
+            Law::PowerOfSpeed if p < EXPONENTS[0] => Effect::CoulombFriction,
+            Law::PowerOfSpeed if p < EXPONENTS[1] => Effect::ViscousDamping,
+            Law::PowerOfSpeed => Effect::QuadraticDamping,
+            Law::Saturating if p < FRICTION_SPEED * sizes.v => Effect::CoulombFriction,
+            Law::Saturating | Law::SizeOfSpeed => Effect::ViscousDamping,
+            Law::Relaxing => Effect::MaxwellDamper,
+            Law::PowerOfPlace if strength < 0.0 => Effect::Softening,
+            Law::PowerOfPlace => Effect::Hardening,
+            Law::Beyond if q == 0.0 && strength < 0.0 => Effect::Softening,
+            Law::Beyond if q == 0.0 => Effect::Hardening,
+            Law::Away | Law::Square | Law::Beyond => Effect::AsymmetricStiffness,
+            Law::Lost => Effect::Backlash,
+            Law::Settling => Effect::Drift,
+        }
+    }
+
+    /// Whether it lies so near to another kind that it is no rival of it: a force that saturates soon is nearly friction.
+    pub fn is_nearly(&self, kind: Kind, sizes: &Sizes) -> bool {
+        let near = match self.law {
+            Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
+            Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
+            _ => false,
+        };
+        near && kind == Kind::Memory
+    }
+
+    /// Where it yields, mm.
+    fn yields_at(&self) -> f64 {
+        let [give, n, load, _] = self.shape;
+        match self.law {
+            // The force that its loading rate leads to, over its first stiffness.
+            Law::BoucWen if load > 0.0 => give * load.powf(-1.0 / n),
+            Law::BoucWen => f64::INFINITY,
+            // Half of the force is there at half of the largest give.
+            Law::Distributed => 0.6 * give,
+            _ => give,
+        }
+    }
+
+    /// The shapes that can be moved, and how.
+    pub fn movable(&self) -> &'static [(usize, Scale)] {
+        use Scale::{Log, Straight};
+        match self.law {
+            Law::Slider
+            | Law::Distributed
+            | Law::PowerOfSpeed
+            | Law::Saturating
+            | Law::Relaxing
+            | Law::Lost
+            | Law::Settling => &[(0, Log)],
+            Law::Stribeck => &[(0, Log), (1, Log)],
+            // Where it is written in its own rates, the give is the unit of its force.
+            Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
+            Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
+            Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
+            Law::PowerOfPlace => &[(0, Straight)],
+            Law::SliderAway | Law::SliderAlong => &[(0, Log)],
+            Law::Worn | Law::Pinched => &[(0, Log), (1, Log)],
+            Law::Beyond if self.shape[1] == 0.0 => &[(0, Log)],
+            Law::Away | Law::Beyond => &[],
+            Law::Square | Law::SizeOfSpeed => &[],
+        }
+    }
+
+    /// Whether the shape can be one of its law.
+    pub fn is_sound(&self, sizes: &Sizes) -> bool {
+        let [p, q, r, s] = self.shape;
+        let x = sizes.x;
+        match self.law {
+            Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
+            Law::Stribeck => (1e-4 * x..=0.5 * x).contains(&p) && q > 1e-3 * sizes.v && q < sizes.v,
+            Law::BoucWen => {
+                let grows = r * (MOST_GROWTH * x / p).powf(q);
+                (2e-3 * x..=3.0 * x).contains(&p)
+                    && (0.5..=8.0).contains(&q)
+                    && (-1.0..=30.0).contains(&r)
+                    && (-0.95..=30.0).contains(&s)
+                    && grows > -4.0
+            }
+            // Longer yields are springs of unknown state.
+            Law::Distributed => (5e-3 * x..=0.6 * x).contains(&p),
+            Law::InSeries => {
+                (1e-3 * x..=0.6 * x).contains(&p)
+                    && (1e-3 * sizes.v..=3.0 * sizes.v).contains(&q)
+                    && (1.5..=12.0).contains(&r)
+            }
+            Law::PowerOfSpeed => (0.1..=4.0).contains(&p),
+            Law::Saturating => (3e-3 * sizes.v..=2.0 * sizes.v).contains(&p),
+            Law::Relaxing => (2.0 * sizes.interval_s..=0.3 * sizes.seconds).contains(&p),
+            Law::PowerOfPlace => (0.3..=7.0).contains(&p),
+            Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
+            Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
+            Law::Settling => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,
+            Law::Worn => {
+                (1e-3 * x..=0.9 * x).contains(&p)
+                    && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
+            }
+            Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
+            Law::Beyond => p.abs() < 1e12,
+            Law::Away | Law::Square | Law::SizeOfSpeed => true,
+        }
+    }
+}
+
+/// Half ranges over which the growth of a stiffening loop is judged.
+const MOST_GROWTH: f64 = 1.0;

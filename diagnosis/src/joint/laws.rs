@@ -1,0 +1,135 @@
+//! Forces with a memory, over a whole motion. Each begins relaxed.
+
+/// Elastic up to `give`, then it slides with force 1.
+pub fn slider(x: &[f64], give: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    let step = |&x: &f64| {
+        z = (z + (x - last) / give).clamp(-1.0, 1.0);
+        last = x;
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+/// Five sliders of equal force whose gives are spread evenly up to `most` (Iwan's parallel elements).
+pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
+    let mut sum = vec![0.0; x.len()];
+    for i in 1..=5 {
+        let one = slider(x, most * f64::from(i) / 5.0);
+        sum.iter_mut().zip(one).for_each(|(s, z)| *s += 0.2 * z);
+    }
+    sum
+}
+
+fn power(z: f64, n: f64) -> f64 {
+    if n == 1.0 {
+        z.abs()
+    } else if n == 2.0 {
+        z * z
+    } else {
+        z.abs().powf(n)
+    }
+}
+
+/// Largest force of an element whose rates let it grow, relative to the unit it is written in.
+const MOST: f64 = 50.0;
+
+/// Bouc-Wen: `z' = x' (1 - load |z|^n) / give` on the way out, `x' (1 + unload |z|^n) / give` on the way back.
+pub fn bouc_wen(x: &[f64], give: f64, n: f64, load: f64, unload: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    let rate = |z: f64, dx: f64| {
+        let way = if dx * z >= 0.0 { -load } else { unload };
+        dx / give * (1.0 + way * power(z, n))
+    };
+    let step = |&x: &f64| {
+        let dx = x - last;
+        // The midpoint: an explicit step is off by what a sample moves.
+        let there = z + 0.5 * rate(z, dx);
+        z = (z + rate(there, dx)).clamp(-MOST, MOST);
+        last = x;
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+/// Friction in series with a spring: `z' = (x' - creep |z|^n sign z) / give`, an implicit step.
+pub fn in_series(x: &[f64], interval_s: f64, give: f64, creep: f64, n: f64) -> Vec<f64> {
+    let (mut z, mut last) = (0.0_f64, x[0]);
+    let share = interval_s * creep / give;
+    let step = |&x: &f64| {
+        let aim = z + (x - last) / give;
+        last = x;
+        // z + share |z|^n sign z = aim, by Newton from outside, where the function is convex.
+        let size = aim.abs();
+        let mut y = size.min((size / share.max(1e-300)).powf(1.0 / n));
+        for _ in 0..4 {
+            let p = y.powf(n - 1.0);
+            y = (y - (y + share * p * y - size) / (1.0 + share * n * p)).max(0.0);
+        }
+        z = y * aim.signum();
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+/// Deflection of a spring behind a dashpot: `z' = v - z / tau`.
+pub fn relaxing(x: &[f64], interval_s: f64, tau_s: f64) -> Vec<f64> {
+    let decay = (-interval_s / tau_s).exp();
+    let passed = tau_s / interval_s * (1.0 - decay);
+    let (mut z, mut last) = (0.0, x[0]);
+    let step = |&x: &f64| {
+        z = z * decay + (x - last) * passed;
+        last = x;
+        z
+    };
+    x.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine(n: usize) -> Vec<f64> {
+        (0..n).map(|i| (i as f64 * 0.01).sin()).collect()
+    }
+
+    /// Work over closed cycles, from the second on.
+    fn work(x: &[f64], f: &[f64]) -> f64 {
+        let period = 628;
+        (period..x.len() - 1)
+            .map(|i| 0.5 * (f[i] + f[i + 1]) * (x[i + 1] - x[i]))
+            .sum()
+    }
+
+    #[test]
+    fn every_element_dissipates() {
+        let x = sine(4 * 628);
+        for f in [
+            slider(&x, 0.1),
+            distributed(&x, 0.5),
+            bouc_wen(&x, 0.2, 2.0, 1.0, 1.0),
+            bouc_wen(&x, 1.0, 1.0, -0.3, 1.9),
+            in_series(&x, 0.01, 0.05, 0.5, 5.0),
+            relaxing(&x, 0.01, 0.3),
+        ] {
+            assert!(work(&x, &f) > 0.05, "{}", work(&x, &f));
+        }
+    }
+
+    #[test]
+    fn a_slider_loses_four_times_its_force_times_the_way_that_it_slides() {
+        let x = sine(3 * 628 + 1);
+        let give = 0.1;
+        let cycle = 4.0 * (1.0 - give);
+        assert!((work(&x, &slider(&x, give)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn friction_in_series_slides_at_the_speed_of_its_creep() {
+        // At a steady speed v the force is (v / creep)^(1/n).
+        let x: Vec<f64> = (0..20_000).map(|i| 1e-3 * f64::from(i)).collect();
+        let f = in_series(&x, 1e-3, 0.01, 8.0, 3.0);
+        let last = f[f.len() - 1];
+        assert!((last - 0.5).abs() < 1e-3, "{last}");
+    }
+}

@@ -1,0 +1,129 @@
+//! Elements beside the declared specimen, of free strength and up to four together: a joint search on data that leave
+//! one block out at a time, and a certificate for each name.
+//!
+//! The way of a record: [`band`] and [`cutoff`] (what is motion and what is noise), [`track`] (the motion before the span,
+//! for what has a memory), [`dictionary`] of [`element`]s, [`blocks`] (all scalar products, after which the data are not
+//! needed any more), [`search`], [`polish`] (shapes), [`certificate`] (which of the names can be vouched for).
+
+mod band;
+mod blocks;
+mod certificate;
+mod cutoff;
+mod dictionary;
+mod element;
+mod figures;
+mod fit;
+mod laws;
+mod outcome;
+mod polish;
+mod saved;
+mod search;
+mod separable;
+mod set;
+mod track;
+
+pub use figures::Sure;
+pub use fit::Fit;
+pub use outcome::{Explained, Outcome, q};
+pub use saved::SavedElement;
+
+use crate::base::Base;
+use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, POLISHED, SEARCHED};
+use crate::problem::Problem;
+use crate::recording::Recording;
+use rayon::prelude::*;
+use set::{Library, Set};
+use track::{Source, Track};
+
+/// What the search came to.
+#[derive(Debug)]
+pub struct Found {
+    /// The declared model, its parameters within their tolerances.
+    pub declared: Fit,
+    /// What can be said.
+    pub outcome: Outcome,
+}
+
+/// Searches; `None` where a signal is missing or the equations have no solution.
+pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Found> {
+    let sources: Vec<Source> = train.iter().map(Source::new).collect::<Option<_>>()?;
+    let held_out: Vec<Source> = test.iter().map(Source::new).collect::<Option<_>>()?;
+    let mut cutoff_hz = cutoff::choose(&sources, &held_out, None)?;
+    let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
+    let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
+    let mut best = searched(&library)?;
+    let again_hz = cutoff::choose(&sources, &held_out, Some(&best.elements))?;
+    let other: Vec<Track>;
+    if again_hz != cutoff_hz && !best.elements.is_empty() {
+        other = sources.iter().map(|s| s.track(again_hz)).collect();
+        let second = Library::new(base, &other, thinning(&other, again_hz))?;
+        let found = searched(&second)?;
+        if found.squares < best.squares {
+            (best, library, cutoff_hz) = (found, second, again_hz);
+        }
+    }
+    let (set, names) = certificate::certify(&mut library, &best);
+    let declared = Fit::new(&library, &Set::default(), cutoff_hz)?;
+    let outcome = outcome::conclude(&mut library, &set, &names, cutoff_hz)?;
+    Some(Found { declared, outcome })
+}
+
+/// Records without the force of effects and elements that the model has from before.
+pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
+    if base.known.is_empty() && base.elements.is_empty() {
+        return Some(records.to_vec());
+    }
+    records
+        .iter()
+        .map(|r| {
+            let force = known_force(base, r)?;
+            let measured = r.force_n.as_ref()?;
+            Some(Recording {
+                force_n: Some(measured.iter().zip(force).map(|(m, f)| m - f).collect()),
+                ..r.clone()
+            })
+        })
+        .collect()
+}
+
+/// The force of effects and elements that the model has from before, N.
+fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
+    let n = record.time_s.len();
+    if base.known.is_empty() && base.elements.is_empty() {
+        return Some(vec![0.0; n]);
+    }
+    let bare = Base {
+        known: Vec::new(),
+        elements: Vec::new(),
+        ..base.clone()
+    };
+    let cutoff_hz = Source::new(record)?.band_hz() * BAND_ROOM;
+    let one = std::slice::from_ref(record);
+    let with = Problem::new(base, one, cutoff_hz, &[])?;
+    let without = Problem::new(&bare, one, cutoff_hz, &[])?;
+    let pairs = with.stretches[0]
+        .signals
+        .base
+        .iter()
+        .zip(&without.stretches[0].signals.base);
+    Some(pairs.map(|(a, b)| a - b).collect())
+}
+
+/// The best set of a library, its shapes at their best.
+fn searched(library: &Library) -> Option<polish::Polished> {
+    let leading = search::search(library);
+    let polished = leading
+        .par_iter()
+        .take(POLISHED)
+        .map(|(set, score)| polish::polish(library, set, *score));
+    polished.min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// Samples that are averaged into one: as many as leave enough samples a cycle of the cut-off.
+fn thinning(tracks: &[Track], cutoff_hz: f64) -> usize {
+    let n: usize = tracks.iter().map(Track::len).sum();
+    let rate_hz = 1.0 / tracks[0].interval_s;
+    let allowed = (rate_hz / (A_CYCLE * cutoff_hz)).floor().max(1.0) as usize;
+    let wanted = n.div_ceil(SEARCHED);
+    allowed.min(wanted).max(n.div_ceil(MOST_SEARCHED))
+}

@@ -1,0 +1,168 @@
+//! Names, a set, or neither: what the certificates allow to be said.
+
+use super::certificate::{Candidate, Rival, groups, only, taken};
+use super::element::Kind;
+use super::figures::{Sure, with_intervals};
+use super::fit::Fit;
+use super::polish::polish;
+use super::search::restrict;
+use super::set::{Library, Set};
+use crate::criteria::{CERTAIN, LARGEST_SET, LEAST_PROBABLE, LEAST_TIMES, WEIGHT, WITHIN_A_KIND};
+use plant::{Effect, Family};
+
+/// A model with its names.
+#[derive(Clone, Debug)]
+pub struct Explained {
+    /// The model.
+    pub fit: Fit,
+    /// Each name, its certificate where it has one, and its parameters.
+    pub names: Vec<(Effect, Option<f64>, Vec<Sure>)>,
+}
+
+/// What the search came to.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// No element and no parameter is worth its price.
+    Nothing,
+    /// Names that can be vouched for; whether something was left out that could not be.
+    Named(Explained, bool),
+    /// No name alone: one of these is it, with their probabilities, the model's own first.
+    Set(Explained, Vec<(Effect, f64)>),
+    /// Nothing that can be said, and the nearest.
+    Unknown(Effect),
+}
+
+/// Expected share of false names at this certificate, from simulated and real records (docs/diagnosis.md).
+pub fn q(rho: f64) -> f64 {
+    match rho {
+        r if r >= 3.0 => 0.02,
+        r if r >= 2.0 => 0.04,
+        r if r >= 1.5 => 0.15,
+        r if r >= 1.2 => 0.25,
+        _ => 0.4,
+    }
+}
+
+/// How often a cause is met among those that fit a specimen's record equally well, relative to friction: every machine
+/// has that; a filter or a change with time fits many records and is the cause of few.
+fn commonness(name: Effect) -> f64 {
+    match name.entry().family {
+        Family::Friction => 1.0,
+        Family::Hysteresis | Family::Calibration => 0.7,
+        Family::Damping if name == Effect::MaxwellDamper => 0.25,
+        Family::Damping => 1.0,
+        Family::Slow => 0.1,
+        _ => 0.5,
+    }
+}
+
+/// From the best set and the certificates of its names, the strongest first.
+pub fn conclude(
+    library: &mut Library,
+    set: &Set,
+    names: &[Candidate],
+    cutoff_hz: f64,
+) -> Option<Outcome> {
+    let Some(strongest) = names.first() else {
+        return Some(Outcome::Nothing);
+    };
+    // Friction or hysteresis: of one kind, and where it yields does not tell.
+    let undecided = |n: &Candidate| {
+        let kin = n.kin.as_ref().is_some_and(|k| k.times < WITHIN_A_KIND);
+        kin || !n.inseparable.is_empty()
+    };
+    let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.void);
+    let (open, sure): (Vec<Candidate>, Vec<Candidate>) = sure.cloned().partition(undecided);
+    if !sure.is_empty() {
+        let groups: Vec<(Effect, Vec<usize>, Option<f64>)> = sure
+            .iter()
+            .map(|n| (n.name, n.elements.clone(), Some(n.rho)))
+            .collect();
+        let model = explained(library, set, &groups, cutoff_hz)?;
+        return Some(Outcome::Named(model, sure.len() < names.len()));
+    }
+    let first = open.first().unwrap_or(strongest);
+    let members = members(first);
+    if members.len() < 2 {
+        return Some(Outcome::Unknown(first.name));
+    }
+    // The model is that of the likeliest that was fitted.
+    let preferred = members[0].0;
+    let rival = first.rivals.iter().chain(&first.kin);
+    let model = match rival.clone().find(|r| r.name == preferred) {
+        Some(rival) if preferred != first.name => instead(library, rival, cutoff_hz)?,
+        _ => {
+            let own = [(first.name, first.elements.clone(), None)];
+            explained(library, set, &own, cutoff_hz)?
+        }
+    };
+    Some(Outcome::Set(model, members))
+}
+
+/// The names that could be it, with their probabilities.
+fn members(first: &Candidate) -> Vec<(Effect, f64)> {
+    let mut members = vec![(first.name, commonness(first.name))];
+    for rival in first.rivals.iter().chain(&first.kin) {
+        if rival.times < CERTAIN && members.iter().all(|m| m.0 != rival.name) {
+            let odds = rival.priced.max(LEAST_TIMES).powf(-WEIGHT);
+            members.push((rival.name, commonness(rival.name) * odds));
+        }
+    }
+    // What the motion cannot tell apart is equally probable, but for how common it is.
+    for &(name, _) in &first.inseparable {
+        if members.iter().all(|m| m.0 != name) {
+            members.push((name, commonness(name)));
+        }
+    }
+    members.sort_by(|a, b| b.1.total_cmp(&a.1));
+    members.truncate(LARGEST_SET);
+    let whole: f64 = members.iter().map(|m| m.1).sum();
+    members.iter_mut().for_each(|m| m.1 /= whole);
+    members.retain(|m| m.1 > LEAST_PROBABLE);
+    members
+}
+
+/// The model with some names and no other elements.
+fn explained(
+    library: &Library,
+    set: &Set,
+    groups: &[(Effect, Vec<usize>, Option<f64>)],
+    cutoff_hz: f64,
+) -> Option<Explained> {
+    let kept: Vec<usize> = groups.iter().flat_map(|g| g.1.clone()).collect();
+    let own = if kept.len() == set.elements.len() {
+        set.clone()
+    } else {
+        only(library, set, &kept)
+    };
+    let fit = Fit::new(library, &own, cutoff_hz)?;
+    let place = |e: &usize| own.elements.iter().position(|o| o == e);
+    let named: Vec<(Effect, Vec<usize>)> = groups
+        .iter()
+        .map(|g| (g.0, g.1.iter().filter_map(place).collect()))
+        .collect();
+    let figures = with_intervals(library, &fit, &named);
+    let names = groups.iter().zip(figures);
+    Some(Explained {
+        names: names.map(|(g, f)| (g.0, g.2, f)).collect(),
+        fit,
+    })
+}
+
+/// The model of a rival that is likelier than what fits best.
+fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Explained> {
+    let score = library.score(&rival.set)?;
+    let mut settled = restrict(library, vec![(rival.set.clone(), score)]);
+    let (set, score) = settled.pop()?;
+    let polished = polish(library, &set, score);
+    let set = taken(library, &polished);
+    let own = if rival.kind == Kind::Parameter {
+        Vec::new()
+    } else {
+        let group = groups(library, &set)
+            .into_iter()
+            .find(|g| g.kind == rival.kind);
+        group?.elements
+    };
+    explained(library, &set, &[(rival.name, own, None)], cutoff_hz)
+}

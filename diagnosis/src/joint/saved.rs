@@ -1,0 +1,93 @@
+//! An element in a model file.
+
+use super::element::{Element, Law};
+use super::fit::Fit;
+use super::track::{Sizes, Track};
+use crate::Refusal;
+use serde::{Deserialize, Serialize};
+
+/// An element beside the declared specimen that an earlier diagnosis added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedElement {
+    /// What it was named.
+    pub name: plant::Effect,
+    /// Its law.
+    pub law: Law,
+    /// Its force at full strength, N; of springs N/mm.
+    pub strength: f64,
+    /// Shapes, in the order that the law's description gives, mm, mm/s, s.
+    pub shape: [f64; 4],
+    /// Half range of the motion that it was found in, mm: what powers of displacement are relative to.
+    pub reference_mm: f64,
+    /// Top speed of that motion, mm/s: what powers of speed are relative to.
+    pub reference_mm_per_s: f64,
+}
+
+impl SavedElement {
+    /// All elements of a fit that bears one name.
+    pub fn of(fit: &Fit, name: plant::Effect) -> Vec<Self> {
+        let saved = |(element, strength): &(Element, f64)| Self {
+            name,
+            law: element.law,
+            strength: *strength,
+            shape: element.shape,
+            reference_mm: fit.sizes.x,
+            reference_mm_per_s: fit.sizes.v,
+        };
+        fit.elements.iter().map(saved).collect()
+    }
+
+    /// Whether its numbers can be what they stand for.
+    ///
+    /// # Errors
+    /// A number that is not finite, references that are not above 0, a shape that its law cannot have.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let place = format!("specimen.elements: {}", self.name);
+        let finite = self.strength.is_finite() && self.shape.iter().all(|s| s.is_finite());
+        let above = |x: f64| x.is_finite() && x > 0.0;
+        let first = match self.law {
+            Law::Away | Law::Square | Law::Beyond | Law::SizeOfSpeed => true,
+            _ => self.shape[0] > 0.0,
+        };
+        if finite && first && above(self.reference_mm) && above(self.reference_mm_per_s) {
+            return Ok(());
+        }
+        Err(Refusal::new(format!(
+            "{place} is refused: strength = {}, shape = {:?}, reference_mm = {}, reference_mm_per_s = {}: accepted are \
+             finite numbers, and references and the first shape above 0",
+            self.strength, self.shape, self.reference_mm, self.reference_mm_per_s
+        )))
+    }
+
+    /// Its force over a motion that begins with the record, N.
+    pub fn force(&self, x: &[f64], v: &[f64], time_s: &[f64], interval_s: f64) -> Vec<f64> {
+        let track = Track {
+            interval_s,
+            fine: 1,
+            x: x.to_vec(),
+            v: v.to_vec(),
+            a: Vec::new(),
+            first: 0,
+            time_s: time_s.to_vec(),
+            force: Vec::new(),
+        };
+        self.along(&track)
+    }
+
+    /// Its force over a track, N.
+    pub fn along(&self, track: &Track) -> Vec<f64> {
+        let sizes = Sizes {
+            x: self.reference_mm,
+            v: self.reference_mm_per_s,
+            ..Sizes::default()
+        };
+        let element = Element {
+            law: self.law,
+            shape: self.shape,
+        };
+        let mut force = element.force(track, &sizes);
+        force.iter_mut().for_each(|f| *f *= self.strength);
+        force
+    }
+}

@@ -1,0 +1,217 @@
+//! A model of the search: some elements, and which declared parameters may leave their tolerances.
+
+use super::blocks::{Blocks, Term};
+use super::dictionary;
+use super::element::Element;
+use super::track::{Sizes, Track};
+use crate::base::Base;
+use crate::criteria::{BLOCKS, FLOOR, PRICE, REACH};
+use crate::linear::Bound;
+use rayon::prelude::*;
+
+/// Columns of the declared parameters: displacement, velocity, acceleration, 1.
+pub const DECLARED: usize = 4;
+
+/// Elements by their place in the library, and declared parameters that are free.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Set {
+    /// Places in [`Library::elements`].
+    pub elements: Vec<usize>,
+    /// Stiffness, damping, mass, offset.
+    pub moved: [bool; DECLARED],
+}
+
+impl Set {
+    /// With one element more.
+    pub fn with(&self, element: usize) -> Self {
+        let mut more = self.clone();
+        more.elements.push(element);
+        more.elements.sort_unstable();
+        more
+    }
+
+    /// Without the element at this place of the list.
+    pub fn without(&self, place: usize) -> Self {
+        let mut less = self.clone();
+        less.elements.remove(place);
+        less
+    }
+
+    /// With one parameter the other way.
+    pub fn toggled(&self, parameter: usize) -> Self {
+        let mut other = self.clone();
+        other.moved[parameter] = !other.moved[parameter];
+        other
+    }
+}
+
+/// The data of a search: columns of the declared parameters and of all elements.
+#[derive(Debug)]
+pub struct Library<'a> {
+    base: &'a Base,
+    /// Spans of the training data.
+    pub tracks: &'a [Track],
+    /// Sizes of their motion.
+    pub sizes: Sizes,
+    /// Samples that are averaged into one.
+    pub every: usize,
+    /// The elements.
+    pub elements: Vec<Element>,
+    /// Declared columns, then one for each element.
+    pub columns: Vec<Vec<f64>>,
+    /// The measured force.
+    pub force: Vec<f64>,
+    /// Their products.
+    pub blocks: Blocks,
+    /// Squares that the declared model leaves on each block, fitted to the others.
+    pub declared: [f64; BLOCKS],
+    floor: f64,
+}
+
+/// A column over all spans.
+pub fn column(tracks: &[Track], every: usize, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
+    tracks
+        .iter()
+        .flat_map(|t| t.span_of(&of(t), every))
+        .collect()
+}
+
+/// The declared parameters' columns over a whole motion: N for one unit of each parameter.
+pub fn declared_columns(t: &Track) -> [Vec<f64>; DECLARED] {
+    [
+        t.x.clone(),
+        t.v.clone(),
+        t.a.iter().map(|a| 1e-3 * a).collect(),
+        vec![1.0; t.x.len()],
+    ]
+}
+
+impl<'a> Library<'a> {
+    /// All elements of the dictionary over these spans; `None` where the equations have no solution.
+    pub fn new(base: &'a Base, tracks: &'a [Track], every: usize) -> Option<Self> {
+        let sizes = Sizes::of(tracks);
+        let elements = dictionary::elements(&sizes);
+        let mut columns: Vec<Vec<f64>> = (0..DECLARED)
+            .map(|i| column(tracks, every, |t| declared_columns(t)[i].clone()))
+            .collect();
+        let more: Vec<Vec<f64>> = elements
+            .par_iter()
+            .map(|e| column(tracks, every, |t| e.force(t, &sizes)))
+            .collect();
+        columns.extend(more);
+        let force: Vec<f64> = tracks
+            .iter()
+            .flat_map(|t| crate::noise::averaged(&t.force, every))
+            .collect();
+        let blocks = Blocks::new(&columns, &force);
+        let mut library = Self {
+            base,
+            tracks,
+            sizes,
+            every,
+            elements,
+            columns,
+            force,
+            blocks,
+            declared: [1.0; BLOCKS],
+            floor: 0.0,
+        };
+        library.declared = library.cross_validated(&Set::default())?;
+        library.floor = FLOOR * library.declared.iter().sum::<f64>() / BLOCKS as f64;
+        library.floor = library.floor.max(f64::MIN_POSITIVE);
+        Some(library)
+    }
+
+    /// Elements that the dictionary lacks, with their products; returns the place of the first.
+    pub fn add(&mut self, elements: &[Element]) -> usize {
+        let first = self.elements.len();
+        let sizes = self.sizes;
+        for e in elements {
+            self.columns
+                .push(column(self.tracks, self.every, |t| e.force(t, &sizes)));
+            self.elements.push(*e);
+        }
+        self.blocks.grow(&self.columns, &self.force);
+        first
+    }
+
+    /// The declared value of a parameter.
+    pub fn declared_value(&self, i: usize) -> f64 {
+        self.base.values[i]
+    }
+
+    /// What a declared parameter may be.
+    pub fn parameter(&self, i: usize, moved: bool) -> Bound {
+        let value = self.base.values[i];
+        let tolerance = self.base.tolerance(i);
+        // Damping and mass are not negative, unless they are declared so.
+        let floor = if (i == 1 || i == 2) && value >= 0.0 {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
+        if moved {
+            return Bound {
+                low: floor,
+                high: f64::INFINITY,
+            };
+        }
+        Bound {
+            low: (value - REACH * tolerance).max(floor),
+            high: value + REACH * tolerance,
+        }
+    }
+
+    /// The columns of a set and what their strengths may be.
+    pub fn terms(&self, set: &Set) -> Vec<Term> {
+        let declared = (0..DECLARED).map(|i| (i, self.parameter(i, set.moved[i])));
+        let elements = set
+            .elements
+            .iter()
+            .map(|&e| (DECLARED + e, self.elements[e].bound()));
+        declared.chain(elements).collect()
+    }
+
+    /// Squares on each block, fitted to the others.
+    pub fn cross_validated(&self, set: &Set) -> Option<[f64; BLOCKS]> {
+        self.blocks.cross_validated(&self.terms(set))
+    }
+
+    /// Mean logarithm of the squares over those of the declared model: blocks with large motion have one vote each.
+    pub fn fall(&self, costs: &[f64; BLOCKS]) -> f64 {
+        let ratio = |(c, d): (&f64, &f64)| (c + self.floor) / (d + self.floor);
+        // One logarithm of the product: this is asked often.
+        let product: f64 = costs.iter().zip(&self.declared).map(ratio).product();
+        product.ln() / BLOCKS as f64
+    }
+
+    /// What a set costs.
+    pub fn price(&self, set: &Set) -> f64 {
+        let elements: f64 = set.elements.iter().map(|&e| self.elements[e].price()).sum();
+        let moved = set.moved.iter().filter(|m| **m).count() as f64;
+        PRICE * (elements + moved)
+    }
+
+    /// Fall of the cross-validated squares, and the price; the lower, the better. The declared model has 0.
+    pub fn score(&self, set: &Set) -> Option<f64> {
+        let costs = self.cross_validated(set)?;
+        Some(self.fall(&costs) + self.price(set))
+    }
+
+    /// The same on the data that it is fitted to: quicker, for a first choice.
+    pub fn quick_score(&self, set: &Set) -> Option<f64> {
+        let costs = self.blocks.trained(&self.terms(set))?;
+        Some(self.fall(&costs) + self.price(set))
+    }
+
+    /// Strengths, in the unit of the force; declared parameters in theirs.
+    pub fn strengths(&self, set: &Set) -> Option<Vec<f64>> {
+        let terms = self.terms(set);
+        let w = self.blocks.fit(&terms)?;
+        let real = w
+            .iter()
+            .zip(&terms)
+            .map(|(w, t)| w * self.blocks.scale[t.0]);
+        Some(real.collect())
+    }
+}

@@ -1,0 +1,184 @@
+//! A span as its elements feel it: with what was before it.
+
+use super::band::Band;
+use crate::noise::averaged;
+use crate::recording::{Recording, range};
+
+/// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
+/// out.
+const LOOK_BACK: f64 = 2.0;
+/// A span with less before it than this share of itself is put before itself.
+const LEAST_BEFORE: f64 = 0.1;
+/// Samples that a cycle of the cut-off has at least, where elements with a memory run through it.
+const MOTION_A_CYCLE: f64 = 12.0;
+/// No more samples of the motion for each of the record's.
+const MOST_FINE: usize = 8;
+/// A motion below this share of its top speed is at rest.
+const AT_REST: f64 = 0.01;
+
+/// Motion, time and force of a span. The motion begins before the span and has more samples than the record where its
+/// cycles have few.
+#[derive(Clone, Debug)]
+pub struct Track {
+    /// Interval of the motion's samples, s.
+    pub interval_s: f64,
+    /// So many of them for each of the record's.
+    pub fine: usize,
+    /// Displacement, mm, from before the span on.
+    pub x: Vec<f64>,
+    /// Velocity, mm/s.
+    pub v: Vec<f64>,
+    /// Acceleration, mm/s^2.
+    pub a: Vec<f64>,
+    /// First sample of the span in `x`.
+    pub first: usize,
+    /// Time of the span's samples, s.
+    pub time_s: Vec<f64>,
+    /// Measured force of the span's samples, N.
+    pub force: Vec<f64>,
+}
+
+/// A span and its displacement before any cut-off.
+#[derive(Debug)]
+pub struct Source<'a> {
+    recording: &'a Recording,
+    force: &'a [f64],
+    band: Band,
+    before: usize,
+}
+
+impl<'a> Source<'a> {
+    /// `None` where a signal is missing.
+    pub fn new(recording: &'a Recording) -> Option<Self> {
+        let here = recording.displacement_mm.as_ref()?;
+        let force = recording.force_n.as_deref()?;
+        let earlier = recording
+            .before
+            .as_ref()
+            .and_then(|b| b.displacement_mm.as_ref());
+        let most = (LOOK_BACK * here.len() as f64) as usize;
+        let earlier = earlier.map_or(&[][..], |x| &x[x.len().saturating_sub(most)..]);
+        let x: Vec<f64> = earlier.iter().chain(here).copied().collect();
+        Some(Self {
+            recording,
+            force,
+            band: Band::new(&x, recording.interval_s()),
+            before: earlier.len(),
+        })
+    }
+
+    /// Sampling interval of the record, s.
+    pub fn interval_s(&self) -> f64 {
+        self.recording.interval_s()
+    }
+
+    /// Where the motion's band ends, Hz.
+    pub fn band_hz(&self) -> f64 {
+        self.band.of_motion_hz()
+    }
+
+    /// The span below a cut-off.
+    pub fn track(&self, cutoff_hz: f64) -> Track {
+        let rate_hz = 1.0 / self.recording.interval_s();
+        let fine = (MOTION_A_CYCLE * cutoff_hz.min(0.5 * rate_hz) / rate_hz).ceil();
+        let fine = (fine as usize).clamp(1, MOST_FINE);
+        let motion = self.band.motion(cutoff_hz, fine);
+        let mut track = Track {
+            interval_s: self.recording.interval_s() / fine as f64,
+            fine,
+            x: motion.x,
+            v: motion.v,
+            a: motion.a,
+            first: self.before * fine,
+            time_s: self.recording.time_s.clone(),
+            force: self.force.to_vec(),
+        };
+        track.put_before_itself();
+        track
+    }
+}
+
+impl Track {
+    /// Length of the span, samples.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Where nothing is known of the time before and the span begins in motion, the span itself up to the sample that is
+    /// most like its first stands for it. A mirror image would add a reversal.
+    fn put_before_itself(&mut self) {
+        let n = self.len() * self.fine;
+        if self.first as f64 > LEAST_BEFORE * n as f64 {
+            return;
+        }
+        let half = 0.5 * range(&self.x);
+        let top = self.v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if self.v[0].abs() < AT_REST * top {
+            return;
+        }
+        let (x0, v0) = (self.x[0], self.v[0]);
+        let like = |i: usize| ((self.x[i] - x0) / half).abs() + ((self.v[i] - v0) / top).abs();
+        // Not within the first tenth, which is still the same passage.
+        let from = (self.len() / 10).max(1);
+        let Some(best) = (from..self.x.len() / self.fine)
+            .map(|i| i * self.fine)
+            .min_by(|&i, &j| like(i).total_cmp(&like(j)))
+        else {
+            return;
+        };
+        for signal in [&mut self.x, &mut self.v, &mut self.a] {
+            let prefix = signal[..best].to_vec();
+            signal.splice(0..0, prefix);
+        }
+        self.first += best;
+    }
+
+    /// A signal of the whole motion over the span alone, averaged over `every` samples.
+    pub fn span_of(&self, whole: &[f64], every: usize) -> Vec<f64> {
+        let own: Vec<f64> = whole[self.first..]
+            .iter()
+            .step_by(self.fine)
+            .copied()
+            .collect();
+        averaged(&own, every)
+    }
+}
+
+/// Sizes of a motion that shapes are measured by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sizes {
+    /// Half the range of the displacement, mm.
+    pub x: f64,
+    /// Middle of that range, mm.
+    pub middle: f64,
+    /// Top speed, mm/s: what one sample in two hundred exceeds.
+    pub v: f64,
+    /// Length of all spans, s.
+    pub seconds: f64,
+    /// Sampling interval, s.
+    pub interval_s: f64,
+    /// Way along which all spans go together, mm.
+    pub travel: f64,
+}
+
+impl Sizes {
+    pub fn of(tracks: &[Track]) -> Self {
+        let spans = || tracks.iter().map(|t| (&t.x[t.first..], &t.v[t.first..]));
+        let fine = tracks[0].fine as f64;
+        let low = spans().flat_map(|s| s.0).copied().fold(f64::MAX, f64::min);
+        let high = spans().flat_map(|s| s.0).copied().fold(f64::MIN, f64::max);
+        let mut speeds: Vec<f64> = spans().flat_map(|s| s.1).map(|v| v.abs()).collect();
+        let h = tracks[0].interval_s;
+        let travel = h * speeds.iter().sum::<f64>();
+        let at = speeds.len() - 1 - speeds.len() / 200;
+        let v = *speeds.select_nth_unstable_by(at, f64::total_cmp).1;
+        Self {
+            x: (0.5 * (high - low)).max(1e-12),
+            middle: 0.5 * (high + low),
+            v: v.max(1e-12),
+            seconds: h * speeds.len() as f64,
+            interval_s: h * fine,
+            travel,
+        }
+    }
+}

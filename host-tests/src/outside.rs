@@ -1,0 +1,145 @@
+//! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
+
+use diagnosis::{ChannelAnswer, Verdict};
+use outerloop_cli::files::measured::{Library, Part};
+use outerloop_cli::files::model;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// A published parameter.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Published {
+    /// Its value.
+    pub value: f64,
+    /// By how much an answer may differ.
+    pub tolerance: f64,
+}
+
+/// What a textbook fit reaches.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Reference {
+    /// Error of the declared model, a fraction of the scatter.
+    pub before_nrmse: f64,
+    /// Error of the best single textbook form.
+    pub after_nrmse: f64,
+}
+
+/// A record with its cause.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Case {
+    /// Short name.
+    pub id: String,
+    /// `actuator` or `specimen`.
+    pub channel: String,
+    model: String,
+    train: Vec<String>,
+    test: Vec<String>,
+    rest: Vec<String>,
+    /// Verdicts that are right.
+    pub verdicts: Vec<String>,
+    /// Names that are right.
+    pub names: Vec<String>,
+    /// Names that are half right.
+    pub half: Vec<String>,
+    /// A set is right that holds one of these.
+    pub set_must_hold_one_of: Vec<String>,
+    /// Names that are wrong whatever they fit.
+    pub never: Vec<String>,
+    /// What is known of the cause.
+    pub cause: String,
+    /// Parameters as published.
+    #[serde(default)]
+    pub published: BTreeMap<String, Published>,
+    /// What a textbook fit reaches.
+    pub reference: Reference,
+}
+
+#[derive(Deserialize)]
+struct Cases {
+    case: Vec<Case>,
+}
+
+/// All cases; `None` where the data are missing, which is counted.
+pub fn cases() -> Option<Vec<Case>> {
+    let path = test_data::file("outside/cases.toml")?;
+    let text = std::fs::read_to_string(path).ok()?;
+    let cases: Cases = toml::from_str(&text).unwrap_or_else(|e| panic!("cases.toml: {e}"));
+    Some(cases.case)
+}
+
+impl Case {
+    /// The answer of `outerloop diagnose`, and how long it took.
+    ///
+    /// # Errors
+    /// The sentence of a refusal.
+    pub fn diagnose(&self) -> Result<(ChannelAnswer, f64), String> {
+        let folder = test_data::file("outside").ok_or("no data")?;
+        let mut library = Library::default();
+        let mut parts = |spans: &[String]| {
+            let parse = |s: &String| {
+                let (file, span) = s.split_once('@').map_or((s.as_str(), ""), |p| p);
+                let at = if span.is_empty() {
+                    String::new()
+                } else {
+                    format!("@{span}")
+                };
+                format!("{}{at}", folder.join(file).display()).parse::<Part>()
+            };
+            let parts: Vec<Part> = spans.iter().map(parse).collect::<Result<_, _>>()?;
+            library.parts(&parts).map_err(|e| e.to_string())
+        };
+        let (train, test, rest) = (parts(&self.train)?, parts(&self.test)?, parts(&self.rest)?);
+        let declared = model::load(&folder.join(&self.model)).map_err(|e| e.to_string())?;
+        let found =
+            diagnosis::diagnose(&declared, &train, &test, &rest).map_err(|e| e.to_string())?;
+        let own = found
+            .channels
+            .into_iter()
+            .find(|c| c.channel.name() == self.channel);
+        Ok((own.ok_or("the channel is missing")?, found.seconds))
+    }
+
+    /// 1, one half or 0, by the rules of the cases: a right name or set whose error is at most 1.4 times a textbook
+    /// fit's; half for `unknown` with the right nearest; nothing for a name that is wrong.
+    pub fn points(&self, a: &ChannelAnswer) -> f64 {
+        let verdict = match a.verdict {
+            Verdict::None => "none",
+            Verdict::Effect => "effect",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Partial => "partial",
+            Verdict::Unknown => "unknown",
+            Verdict::NotAssessed => "not_assessed",
+        };
+        let has = |list: &[String], name: &str| list.iter().any(|n| n == name);
+        if verdict == "unknown" {
+            let near = a
+                .nearest
+                .as_ref()
+                .is_some_and(|n| has(&self.names, n.name.name()));
+            return match (has(&self.verdicts, "unknown"), near) {
+                (true, _) => 1.0,
+                (false, true) => 0.5,
+                _ => 0.0,
+            };
+        }
+        let named: Vec<&str> = a.effects.iter().map(|e| e.name.name()).collect();
+        if named.iter().any(|n| has(&self.never, n)) || !has(&self.verdicts, verdict) {
+            return 0.0;
+        }
+        let close = a.error_after.test_nrmse <= 1.4 * self.reference.after_nrmse;
+        let share = if close { 1.0 } else { 0.5 };
+        let mut all = named.clone();
+        if verdict == "ambiguous" {
+            all.extend(a.alternatives.iter().map(|e| e.name()));
+            let holds = all.iter().any(|n| has(&self.set_must_hold_one_of, n));
+            return if holds { share } else { 0.0 };
+        }
+        if named.iter().any(|n| has(&self.names, n)) {
+            share
+        } else if named.iter().any(|n| has(&self.half, n)) {
+            0.5 * share
+        } else {
+            0.0
+        }
+    }
+}
