@@ -44,6 +44,21 @@ pub fn headline(a: &ChannelAnswer) -> String {
 /// How much larger than the noise an error may be before it is said that more is missing.
 const MORE: f64 = 1.5;
 
+/// How sure the names are, where the search says it.
+pub fn sureness(a: &ChannelAnswer) -> Option<String> {
+    if !a.members.is_empty() {
+        let each = a.members.iter();
+        let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
+        let all: Vec<String> = each.collect();
+        return Some(format!("How probable each is: {}.", all.join(", ")));
+    }
+    let q = a.effects.iter().filter_map(|e| e.q).reduce(f64::max)?;
+    Some(format!(
+        "Of names given with this certainty or more at most {:.0} in 100 are false.",
+        100.0 * q
+    ))
+}
+
 /// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
 pub fn next(a: &ChannelAnswer) -> Option<String> {
     let left = a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE);

@@ -70,7 +70,3 @@ pub const LEAST_TIMES: f64 = 0.8;
 pub const LEAST_PROBABLE: f64 = 0.02;
 /// A set whose model leaves more than this share of the held-out error says nothing: anything takes off a little.
 pub const SET_LEAVES: f64 = 0.6;
-/// An effect of the first search accounts for the record where it leaves no more than so many times the noise...
-pub const DOWN_TO_NOISE: f64 = 0.5;
-/// ...or than this share of what was there.
-pub const NEARLY_ALL: f64 = 0.12;

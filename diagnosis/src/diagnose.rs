@@ -2,23 +2,21 @@
 
 mod anatomy;
 mod driven;
+mod found;
 mod joined;
 mod obstacle;
 
 use crate::answer::*;
 use crate::base::Base;
-use crate::criteria::{DOWN_TO_NOISE, NEARLY_ALL};
 use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
-use crate::improved::improve;
-use crate::interval;
 use crate::model::Model;
 use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
-use crate::{Refusal, advice, lattice, plausible, remainder, rest, spectrum};
-use plant::{Channel, Effect, Family};
+use crate::{Refusal, lattice, plausible, remainder, rest, spectrum};
+use plant::{Channel, Family};
 use std::time::Instant;
 
 /// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
@@ -78,9 +76,6 @@ pub fn diagnose(
     })
 }
 
-/// The held-out data as a problem, and what an answer leaves of them.
-type HeldOut = (Problem, Vec<Vec<f64>>);
-
 /// Up to so many times the noise may be missing in an actuator that is known.
 const KNOWN: f64 = 0.3;
 /// Of the noise, what steps must make at least to be most of it.
@@ -94,12 +89,6 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     let residual = settled.problem.residuals(&[], scales);
     let longest = residual.iter().max_by_key(|r| r.len())?;
     spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
-}
-
-/// Whether the first search leaves nothing to explain: hardly more than the noise, or hardly anything of what was there.
-fn accounts(e: &Explanation, noise: &Noise) -> bool {
-    let most = (DOWN_TO_NOISE * noise.rms).max(NEARLY_ALL * e.structured[0]);
-    !e.vetoed && e.structured[1] <= most
 }
 
 /// One channel and its data.
@@ -190,10 +179,10 @@ impl Channelled<'_> {
         };
         let noise = self.noise(cutoff_hz);
         let specimen = self.base.channel == Channel::Specimen;
-        // Without a rest nothing tells how near an effect is to the noise: rivals have to.
-        let at_rest = noise.as_ref().is_some_and(|n| n.from == Source::Rest);
+        // Where nothing tells how near an effect is to the noise, rivals have to.
+        let told = |n: &Noise| matches!(n.from, Source::Rest | Source::Repeats);
         if specimen
-            && !at_rest
+            && !noise.as_ref().is_some_and(told)
             && let Some(answer) = self.joined(noise.as_ref(), improved)
         {
             return (answer, None);
@@ -212,11 +201,11 @@ impl Channelled<'_> {
             let why = "the declared parameters cannot be told apart in this record";
             return (self.not_assessed(why), None);
         };
-        if specimen && !accounts(&explanation, &noise) {
+        if specimen && explanation.vetoed {
             let mut with = improved.clone();
             let joined = self.joined(Some(&noise), &mut with);
-            let speaks = |a: &ChannelAnswer| explanation.vetoed || !a.effects.is_empty();
-            if let Some(answer) = joined.filter(speaks) {
+            // With a known noise a name must account for the record.
+            if let Some(answer) = joined.filter(|a| a.verdict == Verdict::Effect) {
                 *improved = with;
                 return (answer, None);
             }
@@ -345,189 +334,5 @@ impl Channelled<'_> {
             answer.error_after = answer.error_before;
         }
         answer
-    }
-
-    /// Errors on training and held-out data, the held-out problem and its residuals.
-    fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
-        let nrmse = |problem: &Problem, residuals: &[Vec<f64>]| {
-            let targets: Vec<f64> = problem
-                .stretches
-                .iter()
-                .flat_map(|s| s.target.clone())
-                .collect();
-            let mean = targets.iter().sum::<f64>() / targets.len() as f64;
-            let spread = rms(&[targets.iter().map(|t| t - mean).collect()]);
-            rms(residuals) / spread.max(f64::MIN_POSITIVE)
-        };
-        let scales = s.problem.scales;
-        let train = s.problem.residuals(&s.effects, &scales);
-        let mut errors = Errors {
-            train_nrmse: nrmse(&s.problem, &train),
-            ..Errors::default()
-        };
-        let held_out = self.problem(self.test, cutoff_hz).map(|mut problem| {
-            // The base answer at the parameters of the fit; the shapes are measured by the training data.
-            problem.scales = scales;
-            problem.set(&self.base, s.problem.theta);
-            let residuals = problem.residuals(&s.effects, &scales);
-            (problem, residuals)
-        });
-        if let Some((problem, residuals)) = &held_out {
-            errors.test_nrmse = nrmse(problem, residuals);
-            errors.test_rms = rms(residuals);
-        }
-        (errors, held_out)
-    }
-
-    fn answer(
-        &self,
-        e: &Explanation,
-        noise: &Noise,
-        cutoff_hz: f64,
-        improved: &mut Model,
-    ) -> ChannelAnswer {
-        let mut answer = self.blank(Verdict::None);
-        answer.noise_floor_rms = noise.rms;
-        answer.tried = e
-            .tried
-            .iter()
-            .map(|&(name, rms_left, bic_gain)| Tried {
-                name,
-                rms_left,
-                bic_gain,
-            })
-            .collect();
-        let (before, held_before) = self.errors(&e.before, cutoff_hz);
-        let (after, held_after) = self.errors(&e.after, cutoff_hz);
-        (answer.error_before, answer.error_after) = (before, before);
-        let found = !e.after.effects.is_empty();
-        if let (Some((_, b)), Some((_, a))) = (&held_before, &held_after) {
-            let interval = interval::improvement(b, a, e.before.problem.scales.interval_s);
-            if found && !e.vetoed {
-                answer.improvement_ci90 = interval;
-            }
-        }
-        let worse = after.test_rms > before.test_rms;
-        if found && !e.vetoed && !worse {
-            answer.verdict = if e.alternatives.is_empty() {
-                Verdict::Effect
-            } else {
-                Verdict::Ambiguous
-            };
-            answer.error_after = after;
-            answer.alternatives.clone_from(&e.alternatives);
-            answer.effects = self.effects(&e.after, noise);
-            improve(&self.base, &e.after, &answer.effects, improved);
-        } else if e.vetoed || found {
-            answer.verdict = Verdict::Unknown;
-            answer.nearest = e.nearest.map(|(name, left)| Nearest {
-                name,
-                explained: (1.0 - (left / e.structured[0].max(f64::MIN_POSITIVE)).powi(2))
-                    .clamp(0.0, 1.0),
-            });
-        } else {
-            self.quantisation(noise, &mut answer);
-        }
-        let solution = if answer.verdict == Verdict::Unknown || !found {
-            &e.before
-        } else {
-            &e.after
-        };
-        answer.refitted = advice::refitted(&self.base, &solution.problem.theta);
-        answer.notes = advice::notes(&answer, e.structured, noise, worse && found && !e.vetoed);
-        answer.notes.extend(noise.from.note().map(String::from));
-        if let (Some((problem, b)), Some((_, a))) = (held_before, held_after) {
-            answer.traces = self.traces(
-                &problem,
-                &b,
-                if answer.effects.is_empty() { &b } else { &a },
-            );
-            if answer.verdict != Verdict::None {
-                let learned = solution
-                    .problem
-                    .residuals(&solution.effects, &solution.problem.scales);
-                let judged = if answer.effects.is_empty() { &b } else { &a };
-                self.look_at_the_rest(&mut answer, &learned, judged);
-            }
-        }
-        answer
-    }
-
-    fn effects(&self, s: &Solution, noise: &Noise) -> Vec<FoundEffect> {
-        let figures = interval::parameters(s, &self.base, noise);
-        s.effects
-            .iter()
-            .zip(figures)
-            .map(|(e, figures)| FoundEffect {
-                name: e.candidate.effect,
-                family: e.candidate.effect.entry().family,
-                q: None,
-                parameters: figures
-                    .into_iter()
-                    .map(|(name, unit, value, ci90)| FoundParameter {
-                        name: name.into(),
-                        value,
-                        unit: unit.into(),
-                        ci90,
-                    })
-                    .collect(),
-            })
-            .collect()
-    }
-
-    /// Steps of the converter that are the whole of the noise are named; they are read off the values themselves.
-    fn quantisation(&self, noise: &Noise, answer: &mut ChannelAnswer) {
-        let step = self.output_step();
-        let room = self
-            .train
-            .iter()
-            .filter_map(|r| Some(lattice::unevenness(self.target_of(r)?, step)))
-            .fold(step / 4096.0, f64::max);
-        let own = step * step / 12.0;
-        let other = (noise.rms * noise.rms - own).max(0.0).sqrt();
-        if step <= 3.0 * other || step == 0.0 {
-            return;
-        }
-        let (name, unit) = match self.base.channel {
-            Channel::Actuator => ("step_mm", "mm"),
-            Channel::Specimen => ("step_n", "N"),
-        };
-        answer.verdict = Verdict::Effect;
-        answer.effects = vec![FoundEffect {
-            name: Effect::Quantisation,
-            family: Effect::Quantisation.entry().family,
-            q: None,
-            parameters: vec![FoundParameter {
-                name: name.into(),
-                value: step,
-                unit: unit.into(),
-                // What a converter of 12 bits behind the steps makes of them.
-                ci90: [step - room, step + room],
-            }],
-        }];
-    }
-
-    fn traces(&self, held_out: &Problem, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
-        let Some(stretch) = held_out.stretches.first() else {
-            return Traces::default();
-        };
-        let model = |residual: &[f64]| {
-            stretch
-                .target
-                .iter()
-                .zip(residual)
-                .map(|(t, r)| t - r)
-                .collect()
-        };
-        Traces {
-            time_s: stretch.signals.time_s.clone(),
-            input: match self.base.channel {
-                Channel::Actuator => stretch.signals.command.clone(),
-                Channel::Specimen => stretch.signals.x.clone(),
-            },
-            measured: stretch.target.clone(),
-            before: model(&before[0]),
-            after: model(&after[0]),
-        }
     }
 }

@@ -50,7 +50,7 @@ fn the_robot_axis_has_its_published_parameters() {
     let Some((case, a)) = specimens().into_iter().find(|(c, _)| c.id == "emps") else {
         return;
     };
-    let refitted = |name: &str| a.refitted.iter().find(|r| r.0 == name).map(|r| r.1);
+    let refitted = |name: &str| a.refitted.iter().find(|r| r.name == name).map(|r| r.value);
     let found = a.effects[0].parameters.iter();
     let force = found.clone().find(|p| p.name == "force_n").map(|p| p.value);
     for (name, value) in [

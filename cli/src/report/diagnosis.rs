@@ -32,6 +32,9 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
         },
         escape(&headline(a))
     );
+    if let Some(sentence) = crate::wording::sureness(a) {
+        let _ = write!(html, "<p>{}</p>", escape(&sentence));
+    }
     html += &found(a);
     // The first note says in figures what the verdict has said, unless there is none.
     for note in a

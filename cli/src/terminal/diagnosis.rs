@@ -4,7 +4,7 @@ use super::{percent, table};
 use crate::story::Story;
 use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
-    verdict,
+    sureness, verdict,
 };
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
@@ -18,6 +18,9 @@ pub fn diagnosis(d: &Diagnosis) -> String {
     let mut text = String::new();
     for a in &d.channels {
         let _ = writeln!(text, "{}", headline(a));
+        if let Some(sentence) = sureness(a) {
+            let _ = writeln!(text, "    {sentence}");
+        }
         for e in &a.effects {
             for p in &e.parameters {
                 let _ = writeln!(text, "    {:22} {}", e.name.name(), parameter(p));

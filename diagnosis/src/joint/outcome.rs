@@ -166,3 +166,77 @@ fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Expla
     };
     explained(library, &set, &[(rival.name, own, None)], cutoff_hz)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rival(name: Effect, kind: Kind, times: f64) -> Rival {
+        Rival {
+            set: Set::default(),
+            name,
+            kind,
+            times,
+            priced: times,
+        }
+    }
+
+    fn candidate(name: Effect, rivals: Vec<Rival>) -> Candidate {
+        Candidate {
+            name,
+            elements: vec![0],
+            rms: 1.0,
+            rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
+            void: false,
+            inseparable: Vec::new(),
+            rivals,
+            kin: None,
+        }
+    }
+
+    #[test]
+    fn a_relaxation_that_fits_a_little_better_than_friction_is_less_probable() {
+        let friction = |times| rival(Effect::CoulombFriction, Kind::Memory, times);
+        let near = members(&candidate(Effect::MaxwellDamper, vec![friction(1.2)]));
+        assert_eq!(near[0].0, Effect::CoulombFriction);
+        let far = members(&candidate(Effect::MaxwellDamper, vec![friction(1.9)]));
+        assert_eq!(far[0].0, Effect::MaxwellDamper);
+        let whole: f64 = far.iter().map(|m| m.1).sum();
+        assert!((whole - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn rivals_that_fit_far_worse_are_no_members_and_a_set_has_at_most_five() {
+        let worse = rival(Effect::Hardening, Kind::Place, 1.01 * CERTAIN);
+        let alone = members(&candidate(Effect::CoulombFriction, vec![worse]));
+        assert_eq!(alone.len(), 1);
+        let all = [
+            (Effect::Hardening, Kind::Place),
+            (Effect::ViscousDamping, Kind::Speed),
+            (Effect::Offset, Kind::Parameter),
+            (Effect::Backlash, Kind::Play),
+            (Effect::MaxwellDamper, Kind::Linear),
+            (Effect::Drift, Kind::Time),
+        ];
+        let rivals = all.iter().map(|(name, kind)| rival(*name, *kind, 1.0));
+        let many = members(&candidate(Effect::CoulombFriction, rivals.collect()));
+        assert_eq!(many.len(), LARGEST_SET);
+        assert!(many.iter().all(|m| m.0 != Effect::Drift));
+    }
+
+    #[test]
+    fn what_the_motion_cannot_tell_apart_joins_whatever_fits() {
+        let mut friction = candidate(Effect::CoulombFriction, Vec::new());
+        friction.inseparable = vec![(Effect::ViscousDamping, Kind::Speed)];
+        let both = members(&friction);
+        assert_eq!(both.len(), 2);
+        assert!((both[0].1 - both[1].1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_stated_share_of_false_names_falls_with_the_certificate() {
+        let all: Vec<f64> = [1.0, 1.3, 1.7, 2.5, 5.0].map(q).to_vec();
+        assert!(all.windows(2).all(|w| w[1] < w[0]), "{all:?}");
+        assert!(q(CERTAIN) <= 0.05);
+    }
+}
