@@ -168,10 +168,7 @@ impl PredictAxis for Amb {
         let jerk_m = ahead.acceleration_m - self.acceleration_m;
         self.acceleration_m = ahead.acceleration_m;
         let [a0, a1, a2, a3] = self.coefficients;
-        a0 * ahead.displacement_m
-            + a1 * ahead.velocity_m
-            + a2 * ahead.acceleration_m
-            + a3 * jerk_m
+        a0 * ahead.displacement_m + a1 * ahead.velocity_m + a2 * ahead.acceleration_m + a3 * jerk_m
     }
 }
 
@@ -231,7 +228,10 @@ mod tests {
                 }
             }
             // The trapezoidal rule warps frequencies: 80 Hz by half a per cent.
-            assert!((f64::from(peak) / wanted - 1.0).abs() < 0.05, "{hz} Hz: {peak}");
+            assert!(
+                (f64::from(peak) / wanted - 1.0).abs() < 0.05,
+                "{hz} Hz: {peak}"
+            );
         }
     }
 

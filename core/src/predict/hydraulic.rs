@@ -70,7 +70,12 @@ impl Constants {
         let scaled = |q: Polynomial, s: f32| q.map(|x| x * (s * f));
         (
             scaled(alpha, 1.0),
-            [scaled(by_k, sk), scaled(by_a3, sa), scaled(by_b1, s1), scaled(by_b2, s2)],
+            [
+                scaled(by_k, sk),
+                scaled(by_a3, sa),
+                scaled(by_b1, s1),
+                scaled(by_b2, s2),
+            ],
         )
     }
 }
@@ -137,16 +142,28 @@ impl PredictAxis for Hydraulic {
             ("compensation.hydraulic.a1_b0", h.a1_b0),
             ("compensation.hydraulic.b1", h.b1),
             ("compensation.hydraulic.b2", h.b2),
-            ("compensation.hydraulic.stiffness_n_per_m", h.stiffness_n_per_m),
+            (
+                "compensation.hydraulic.stiffness_n_per_m",
+                h.stiffness_n_per_m,
+            ),
             ("compensation.hydraulic.mass_kg", h.mass_kg),
             ("compensation.hydraulic.noise_m", h.noise_m),
         ] {
-            between(name, value, 0.0, 1e20, "the parameter of the actuator, above 0")?;
+            between(
+                name,
+                value,
+                0.0,
+                1e20,
+                "the parameter of the actuator, above 0",
+            )?;
         }
         for (name, value) in [
             ("compensation.hydraulic.a2", h.a2),
             ("compensation.hydraulic.a3", h.a3),
-            ("compensation.hydraulic.damping_n_s_per_m", h.damping_n_s_per_m),
+            (
+                "compensation.hydraulic.damping_n_s_per_m",
+                h.damping_n_s_per_m,
+            ),
         ]
         .into_iter()
         .chain(h.spread.map(|s| ("compensation.hydraulic.spread", s)))
@@ -158,7 +175,8 @@ impl PredictAxis for Hydraulic {
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         let c = context.parameters;
-        let guessed = || config::Hydraulic::of_delay(c.delay_ms * 1e-3, context.specimen_n_per_m[0][0]);
+        let guessed =
+            || config::Hydraulic::of_delay(c.delay_ms * 1e-3, context.specimen_n_per_m[0][0]);
         let h = c.hydraulic.clone().unwrap_or_else(guessed);
         let step_s = 1.0 / context.rate_hz;
         // With the control step as the unit of time, every coefficient is of one size.
@@ -260,8 +278,7 @@ fn inverse(alpha: &Polynomial, ahead: &Ahead, past: &mut [f32; 2]) -> f32 {
     let (jerk, snap) = (first, second);
     let a_half = a - 0.5 * jerk;
     let v_half = ahead.velocity_m - 0.5 * (a - 0.25 * jerk);
-    let u_half = ahead.displacement_m
-        - 0.5 * (ahead.velocity_m - 0.25 * (a - jerk * (1.0 / 6.0)));
+    let u_half = ahead.displacement_m - 0.5 * (ahead.velocity_m - 0.25 * (a - jerk * (1.0 / 6.0)));
     alpha[0] * u_half + alpha[1] * v_half + alpha[2] * a_half + alpha[3] * jerk + alpha[4] * snap
 }
 
@@ -377,7 +394,10 @@ mod tests {
             let (moved, _) = k.polynomials(&p);
             for n in 0..6 {
                 let difference = moved[n] - alpha[n];
-                assert!((difference - by[i][n]).abs() <= 2e-5 * alpha[n].abs() + 1e-9, "{i} {n}");
+                assert!(
+                    (difference - by[i][n]).abs() <= 2e-5 * alpha[n].abs() + 1e-9,
+                    "{i} {n}"
+                );
             }
         }
     }
