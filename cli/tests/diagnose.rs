@@ -59,8 +59,10 @@ impl Laboratory {
         here.write("model.toml", MODEL);
         let (test, out) = (here.path("test.toml"), here.path("out"));
         let run = outerloop(&["run", &test, "--out", &out]);
+        // 1: what nobody declared makes the test wrong, which is what its record is for.
+        let code = run.status.code();
         assert!(
-            run.status.success(),
+            matches!(code, Some(0 | 1)),
             "{}",
             String::from_utf8_lossy(&run.stderr)
         );
@@ -212,7 +214,11 @@ fn bad_data_is_refused_with_its_place() {
         &sound,
         &["0..40 s is not inside the record", "21.499"],
     );
-    say(&span("0..0.1"), &sound, &["101 samples are too few"]);
+    say(
+        &span("0..0.1"),
+        &sound,
+        &["100 samples of training data are too few"],
+    );
     say(&span("5..2"), &sound, &["5 s is not below 2 s"]);
     say("nowhere.csv", &sound, &["nowhere.csv", "cannot be read"]);
     let moving = span("3..4");

@@ -195,7 +195,8 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
             assert!(c.step(0.0, f64::INFINITY).unwrap().is_nan());
         }),
         ("refused", "asks for action 0.25", |c| {
-            assert_eq!(c.ask(0.25), None);
+            // NaN until it leaves, or the end: OpenSees itself never notices a closed connection.
+            assert!(c.ask(0.25).is_none_or(f64::is_nan));
         }),
         (
             "refused",
@@ -206,7 +207,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
                 c.say(&[3.0, 0.001, 0.5, 0.5, 0.1]);
                 assert!(c.ask(10.0).is_some(), "another velocity is no other target");
                 c.say(&[3.0, 0.002, 0.0, 0.0, 0.1]);
-                assert_eq!(c.ask(10.0), None);
+                assert!(c.ask(10.0).is_none_or(f64::is_nan));
             },
         ),
     ];

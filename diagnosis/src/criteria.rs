@@ -56,6 +56,9 @@ pub const INSEPARABLE: f64 = 100.0;
 pub const ACCOUNTS: f64 = 0.3;
 /// So many times a known noise are the noise.
 pub const NOISE: f64 = 1.3;
+/// A name from single effects stands although it leaves more than [`NOISE`] only where elements searched jointly leave at
+/// least this share of the same held-out error: one flexible effect beats the right pair in every search that is greedy.
+pub const JOINT_LEAVES: f64 = 0.85;
 /// The odds of two members of a set are the ratio of their squares to this power: with 4 a rival that leaves 1.3 times
 /// the squares is right once in four, as on real records.
 pub const WEIGHT: f64 = 4.0;

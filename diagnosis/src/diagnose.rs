@@ -8,6 +8,7 @@ mod obstacle;
 
 use crate::answer::*;
 use crate::base::Base;
+use crate::criteria::{JOINT_LEAVES, NOISE};
 use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
@@ -219,6 +220,10 @@ impl Channelled<'_> {
         {
             return (answer, None);
         }
+        if let Some((answer, model)) = self.better_joined(&answer, &noise, improved) {
+            *improved = model;
+            return (answer, None);
+        }
         *improved = with;
         let mut solution = explanation.after;
         // What disturbs the reading does not move the specimen.
@@ -226,6 +231,25 @@ impl Channelled<'_> {
         solution.effects.retain(|e| !disturbs(e));
         let known = !explanation.vetoed && explanation.structured[1] < KNOWN * noise.rms;
         (answer, known.then_some(solution))
+    }
+
+    /// The answer of the joint search in place of one of single effects that leaves more than noise, where it leaves clearly
+    /// less on held-out data.
+    fn better_joined(
+        &self,
+        single: &ChannelAnswer,
+        noise: &Noise,
+        improved: &Model,
+    ) -> Option<(ChannelAnswer, Model)> {
+        let named = matches!(single.verdict, Verdict::Effect | Verdict::Ambiguous);
+        let left = single.error_after.test_rms;
+        if self.base.channel != Channel::Specimen || !named || left <= NOISE * noise.rms {
+            return None;
+        }
+        let mut model = improved.clone();
+        let joined = self.joined(Some(noise), &mut model)?;
+        let explains = !joined.effects.is_empty();
+        (explains && joined.error_after.test_rms < JOINT_LEAVES * left).then_some((joined, model))
     }
 
     /// Where the displacement ends and its noise begins.
