@@ -227,7 +227,8 @@ fn the_reset_button_in_mid_test() {
     let course = desk.course();
     // The pins float at once; the laboratory sees it at its next turn.
     let after = course.permit_low_ns - course.fault_ns;
-    assert!(after <= PERIOD_NS, "{after} ns");
+    // It stops between instructions, 11 ns each.
+    assert!(after <= PERIOD_NS + 11, "{after} ns");
     let first = course.first_after_reset.expect("the board started again");
     assert!(
         first.abs_diff(course.held) <= 3,
