@@ -5,9 +5,10 @@ use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
-/// A quarter of the flash's first bank, which runs while the second is written. Three sizes of loop with every method of
+/// A third of the flash's first bank, which runs while the second is written; a quarter was the aim until limits, calibration and
+/// two more methods came in (290 KiB). Three sizes of loop with every method of
 /// compensation, each with its design in software double precision, are most of it.
-const MOST_FLASH: u64 = 256 * 1024;
+const MOST_FLASH: u64 = 320 * 1024;
 
 #[test]
 fn sizes() {

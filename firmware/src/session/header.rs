@@ -9,7 +9,7 @@ const MAGIC: u32 = u32::from_le_bytes(*b"OLQ1");
 pub const MAX_CONFIG: usize = 1024;
 
 /// The longest ground motion, points.
-pub const MAX_POINTS: usize = 16_384;
+pub const MAX_POINTS: usize = 14_000;
 
 /// Announces the configuration and the ground motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
