@@ -227,7 +227,7 @@ fn bad_data_is_refused_with_its_place() {
         &span("0..11"),
         &sound,
         &["--rest", &moving],
-        &["3 s to 4 s", "rest"],
+        &["3 s to 3.999 s", "rest"],
     );
 
     let whole = |name: &str, change: &dyn Fn(usize, &mut [String; 4])| {
@@ -401,6 +401,6 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
     ]);
     let d: Value = serde_json::from_slice(&output.stdout).unwrap();
     let c = channel(&d, "specimen");
-    assert_eq!(c["verdict"], "not_assessed", "{c}");
-    assert!(c["notes"].to_string().contains("rest"), "{c}");
+    // A rest that is missing is no reason to refuse.
+    assert_eq!(c["effects"][0]["name"], "inertia_force", "{c}");
 }
