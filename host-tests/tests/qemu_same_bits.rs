@@ -68,14 +68,16 @@ fn same<const N: usize>(
     Some(states)
 }
 
-const STATES: [State; 10] = [
+const STATES: [State; 12] = [
     State::Idle,
     State::Armed,
     State::Running,
     State::Holding,
+    State::Returning,
     State::Running,
     State::Tripped,
     State::Idle,
+    State::Approaching,
     State::Armed,
     State::Running,
     State::Finished,
