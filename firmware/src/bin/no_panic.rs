@@ -41,6 +41,7 @@ fn coupled(tracker: &mut Tracker) {
 fn main() -> ! {
     static mut ONE: MaybeUninit<OuterLoop<1>> = MaybeUninit::uninit();
     static mut THREE: MaybeUninit<OuterLoop<3>> = MaybeUninit::uninit();
+    static mut COUPLED: MaybeUninit<Tracker> = MaybeUninit::uninit();
     static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
         // SAFETY: none is claimed: the image is linked and looked at, not run.
