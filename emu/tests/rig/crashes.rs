@@ -113,7 +113,6 @@ fn a_supply_that_falls() {
 
 /// The watchdog's clock is good to a factor of two: at its slowest and at its fastest a test runs, and a hang ends.
 #[test]
-#[ignore = "not yet seen to pass on the present image, see docs/firmware.md"]
 fn the_watchdogs_clock_at_both_ends_of_its_range() {
     for lsi_hz in [17_000, 47_000] {
         let bench = Bench {

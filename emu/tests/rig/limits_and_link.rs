@@ -115,7 +115,6 @@ fn each_limit() {
 }
 
 #[test]
-#[ignore = "not yet seen to pass on the present image, see docs/firmware.md"]
 fn a_relay_that_opens_by_itself() {
     // The rig stands then, so that its sensor counts as frozen long before the patience with a relay is over.
     let mut desk = begun(Some(Fault::Chain(Contact::Broken)), |_| {});
@@ -125,7 +124,6 @@ fn a_relay_that_opens_by_itself() {
 }
 
 #[test]
-#[ignore = "not yet seen to pass on the present image, see docs/firmware.md"]
 fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     let mut desk = begun(Some(Fault::Chain(Contact::Welded)), |_| {});
     desk.until(State::Finished);
