@@ -86,6 +86,7 @@ pub fn from_plant(config: &Config, rig: &RigSpec) -> Option<Model> {
             offset_n: known(0.0, offset_mm * stiffness),
             ..SpecimenModel::default()
         }),
+        ..Model::default()
     })
 }
 

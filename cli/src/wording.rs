@@ -280,6 +280,7 @@ mod tests {
                 remainder: None,
                 elements: Vec::new(),
             }),
+            ..Model::default()
         };
         let d = diagnosis::diagnose(&model, &[record("a", 0.9)], &[record("b", 1.3)], &[]).unwrap();
         d.channels[0].clone()

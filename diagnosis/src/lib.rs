@@ -41,7 +41,7 @@ pub use answer::{
 pub use diagnose::diagnose;
 pub use identify::{Identified, identify};
 pub use joint::SavedElement;
-pub use model::{ActuatorModel, Declared, Model, SpecimenModel};
+pub use model::{ActuatorModel, Declared, Limits, Model, SpecimenModel};
 pub use recording::Recording;
 pub use refusal::Refusal;
 pub use remainder::{Correction, Range};

@@ -98,6 +98,45 @@ pub struct SpecimenModel {
     pub elements: Vec<SavedElement>,
 }
 
+/// What the rig may do, around its zero; what is left out is taken from a record's own span.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Largest displacement to either side, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_mm: Option<f64>,
+    /// Top speed, mm/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_mm_per_s: Option<f64>,
+    /// Largest force of either sign, N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+}
+
+impl Limits {
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn check(&self) -> Result<(), Refusal> {
+        let all = [
+            ("displacement_mm", self.displacement_mm),
+            ("velocity_mm_per_s", self.velocity_mm_per_s),
+            ("force_n", self.force_n),
+        ];
+        let wrong = |x: f64| !(x.is_finite() && x > 0.0);
+        match all
+            .iter()
+            .find_map(|(name, x)| Some((name, (*x)?)).filter(|(_, x)| wrong(*x)))
+        {
+            None => Ok(()),
+            Some((name, value)) => Err(Refusal::new(format!(
+                "limits.{name} = {value} is refused: accepted are numbers above 0"
+            ))),
+        }
+    }
+}
+
 /// The declared model; a channel that is left out is not looked at.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -108,14 +147,18 @@ pub struct Model {
     /// Displacement to force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen: Option<SpecimenModel>,
+    /// What the rig may do: a next test is designed inside it.
+    #[serde(default, skip_serializing_if = "Limits::is_empty")]
+    pub limits: Limits,
 }
 
 impl Model {
     /// Whether every number can be what it stands for.
     ///
     /// # Errors
-    /// A value that is not finite, a negative tolerance, a negative delay, lag or mass.
+    /// A value that is not finite, a negative tolerance, a negative delay, lag or mass, a limit that is not above 0.
     pub fn check(&self) -> Result<(), Refusal> {
+        self.limits.check()?;
         let actuator = self.actuator.iter().flat_map(|a| {
             [
                 ("actuator.gain", a.gain, f64::MIN),

@@ -309,6 +309,7 @@ mod tests {
                 ..crate::ActuatorModel::default()
             }),
             specimen: None,
+            ..Model::default()
         };
         assert_eq!(slower_than_declared(&model, 1.0), Some(0.031));
         assert_eq!(slower_than_declared(&model, 1e-3), None);

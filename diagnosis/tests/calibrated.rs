@@ -183,6 +183,7 @@ fn answer(seed: u64) -> (Cause, ChannelAnswer) {
             offset_n: declared(0.0, 2.0),
             ..SpecimenModel::default()
         }),
+        ..Model::default()
     };
     let found = diagnose(&model, &[train], &[test], &[]).unwrap_or_else(|e| panic!("{e}"));
     (cause, found.channels.into_iter().next().unwrap())

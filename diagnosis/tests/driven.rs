@@ -75,6 +75,7 @@ fn model() -> Model {
             remainder: None,
         }),
         specimen: None,
+        ..Model::default()
     }
 }
 

@@ -183,6 +183,7 @@ mod tests {
                 effects: vec![gain_error],
                 ..SpecimenModel::default()
             }),
+            ..Model::default()
         }
     }
 

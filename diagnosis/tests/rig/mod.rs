@@ -84,6 +84,7 @@ pub fn model() -> Model {
             offset_n: declared(0.0, 10.0),
             ..SpecimenModel::default()
         }),
+        ..Model::default()
     }
 }
 

@@ -61,5 +61,6 @@ fn model(paper: &Paper) -> Model {
             remainder: None,
             elements: Vec::new(),
         }),
+        ..Model::default()
     }
 }
