@@ -200,6 +200,22 @@ fn nothing_is_missing_where_nothing_was_added() {
 }
 
 #[test]
+fn uneven_time_is_laid_on_a_grid_and_that_is_said() {
+    let lab = Laboratory::with("");
+    let jitter = lab.changed("jitter.csv", |i, row| {
+        let t: f64 = row[0].parse().unwrap();
+        row[0] = (t + if i % 2 == 0 { 2e-4 } else { 0.0 }).to_string();
+    });
+    let told = lab.halves(&lab.path("model.toml"), &jitter, &[]);
+    let told = String::from_utf8_lossy(&told.stdout);
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        told.contains("time stamps lie 0.800 to 1.200 ms apart"),
+        "{told}"
+    );
+}
+
+#[test]
 fn bad_data_is_refused_with_its_place() {
     let lab = Laboratory::with("");
     let (model, record) = (lab.path("model.toml"), lab.record());
@@ -257,14 +273,14 @@ fn bad_data_is_refused_with_its_place() {
             }
         },
     );
-    change("jitter.csv", &["equal intervals"], &|i, row| {
-        let t: f64 = row[0].parse().unwrap();
-        row[0] = (t + if i % 2 == 0 { 2e-4 } else { 0.0 }).to_string();
-    });
-    change("gap.csv", &["line 5002", "equal intervals"], &|i, row| {
-        let t: f64 = row[0].parse().unwrap();
-        row[0] = (t + if i >= 5000 { 0.02 } else { 0.0 }).to_string();
-    });
+    change(
+        "gap.csv",
+        &["nothing is recorded from 4.999 s to 7 s"],
+        &|i, row| {
+            let t: f64 = row[0].parse().unwrap();
+            row[0] = (t + if i >= 5000 { 2.0 } else { 0.0 }).to_string();
+        },
+    );
     change("swapped.csv", &["swapped"], &|_, row| row.swap(2, 3));
     change(
         "unit.csv",

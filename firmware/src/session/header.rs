@@ -75,7 +75,7 @@ mod tests {
     const HEADER: Header = Header {
         dof: 3,
         config_bytes: 600,
-        points: 16_384,
+        points: MAX_POINTS as u32,
         deadline_ticks: u32::MAX,
         point_interval_s: 0.005,
     };
@@ -93,7 +93,7 @@ mod tests {
         other[3] = b'2';
         assert_eq!(Header::decode(&other), Err(Malformed));
         let long = Header {
-            points: 16_385,
+            points: MAX_POINTS as u32 + 1,
             ..HEADER
         };
         assert_eq!(Header::decode(&long.encode()), Err(Malformed));
