@@ -1,6 +1,6 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
-use crate::bench::{Assignment, Bench, Ending, PlantBench, with_floors};
+use crate::bench::{Assignment, Bench, Ending, PlantBench, ideal, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;
@@ -163,14 +163,11 @@ impl Experiment {
         config.limits = Default::default();
         config.structure.physical_mass_kg.clear();
         config.rig = Default::default();
-        let mut response = Response::new(config.degrees_of_freedom());
-        let bench = PlantBench {
-            spec: rig,
-            seed: 0,
-            stop_beyond_m: f64::INFINITY,
-            breaks: None,
-        };
-        self.on(&bench, &config, &mut response)?;
+        let ground = self.ground(&config)?;
+        let response = with_floors!(config.degrees_of_freedom(), N => {
+            let design = Design::<N>::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+            ideal::response(rig, &config, &design, &ground, self.control_steps())
+        })?;
         let peaks = response.peaks_m();
         if let Some(floor) = peaks.iter().position(|p| !(*p > 0.0 && p.is_finite())) {
             return Err(Failure::input(format!(
@@ -240,14 +237,7 @@ impl Experiment {
         config: &Config,
         witness: &mut impl Witness,
     ) -> Result<Ending, Failure> {
-        let step_s = config.model_step_s();
-        let ground =
-            GroundMotion::new(&self.acc_m_per_s2, self.interval_s, step_s).ok_or_else(|| {
-                Failure::input(format!(
-                    "{}: an interval of {} s cannot be laid over integration steps of {step_s} s",
-                    self.record, self.interval_s
-                ))
-            })?;
+        let ground = self.ground(config)?;
         let steps = self.control_steps();
         with_floors!(config.degrees_of_freedom(), N => {
             let design = Design::<N>::new(config).map_err(|e| Failure::input(e.to_string()))?;
@@ -260,6 +250,17 @@ impl Experiment {
                 steps,
             };
             bench.run(&assignment, witness)
+        })
+    }
+
+    /// What shakes the structure, step by step.
+    fn ground(&self, config: &Config) -> Result<GroundMotion<'_>, Failure> {
+        let step_s = config.model_step_s();
+        GroundMotion::new(&self.acc_m_per_s2, self.interval_s, step_s).ok_or_else(|| {
+            Failure::input(format!(
+                "{}: an interval of {} s cannot be laid over integration steps of {step_s} s",
+                self.record, self.interval_s
+            ))
         })
     }
 

@@ -107,6 +107,19 @@ impl Response {
         }
     }
 
+    /// The same, with room for so many.
+    pub(crate) fn with_room(floors: usize, steps: usize) -> Self {
+        Self {
+            floors,
+            command_m: Vec::with_capacity(floors * (steps + 1)),
+        }
+    }
+
+    /// The floors of the next integration step, m.
+    pub(crate) fn push(&mut self, command_m: &[f32]) {
+        self.command_m.extend_from_slice(command_m);
+    }
+
     /// Number of integration steps.
     pub fn steps(&self) -> usize {
         self.command_m.len() / self.floors
@@ -143,7 +156,7 @@ impl Witness for Response {
     #[inline]
     fn see<const N: usize>(&mut self, record: &Record<N>) {
         if record.has(flag::SOLVED) {
-            self.command_m.extend_from_slice(&record.command_m);
+            self.push(&record.command_m);
         }
     }
 }

@@ -33,16 +33,19 @@ impl Floor {
     }
 
     /// Displacement of the floor, m.
+    #[inline]
     pub(crate) fn displacement_m(&self) -> f64 {
         self.motion.displacement_m()
     }
 
     /// Force on the actuator without inertia, N.
+    #[inline]
     pub(crate) fn restoring_n(&self) -> f64 {
         self.restoring_n
     }
 
     /// Force on the load cell, N.
+    #[inline]
     pub(crate) fn force_n(&self) -> f64 {
         self.restoring_n + self.mass_kg * self.motion.acceleration_m_s2()
     }
@@ -65,6 +68,7 @@ impl Frame {
         }
     }
 
+    #[inline]
     pub(crate) fn floors(&self) -> &[Floor] {
         &self.floors
     }
@@ -72,23 +76,30 @@ impl Frame {
     /// Puts the floors where the actuators' dynamics would have them, less what gives way to the forces there.
     #[inline]
     pub(crate) fn step(&mut self, wanted_m: impl Iterator<Item = f64>) {
-        for (at, wanted) in self.at_m.iter_mut().zip(wanted_m) {
-            *at = wanted;
-        }
         if self.gives_way {
+            for (at, wanted) in self.at_m.iter_mut().zip(wanted_m) {
+                *at = wanted;
+            }
             give_way::find_equilibrium(&self.floors, &mut self.at_m);
-        }
-        let mut below = 0.0;
-        for (floor, &at) in self.floors.iter_mut().zip(&self.at_m) {
-            floor.motion.advance(at);
-            floor.drift.advance(at - below);
-            floor.shear_n = floor.storey.step(&floor.drift);
-            below = at;
+            Self::advance(&mut self.floors, self.at_m.iter().copied());
+        } else {
+            Self::advance(&mut self.floors, wanted_m);
         }
         let mut above_n = 0.0;
         for floor in self.floors.iter_mut().rev() {
             floor.restoring_n = floor.shear_n - above_n;
             above_n = floor.shear_n;
+        }
+    }
+    /// Every floor goes to where it is, from the ground up; the storeys below answer with their shear.
+    #[inline]
+    fn advance(floors: &mut [Floor], at_m: impl Iterator<Item = f64>) {
+        let mut below = 0.0;
+        for (floor, at) in floors.iter_mut().zip(at_m) {
+            floor.motion.advance(at);
+            floor.drift.advance(at - below);
+            floor.shear_n = floor.storey.step(&floor.drift);
+            below = at;
         }
     }
 }

@@ -10,8 +10,8 @@ pub struct Kinematics {
     displacement_m: f64,
     first_m: f64,
     second_m: f64,
-    velocity_m_s: f64,
-    acceleration_m_s2: f64,
+    /// The second difference a sample before.
+    second_before_m: f64,
 }
 
 impl Kinematics {
@@ -28,32 +28,34 @@ impl Kinematics {
     pub fn advance(&mut self, displacement_m: f64) {
         let first = displacement_m - self.displacement_m;
         let second = first - self.first_m;
-        // v = (3 x0 - 4 x1 + x2) / 2 dt and a = (2 x0 - 5 x1 + 4 x2 - x3) / dt^2, written with backward differences.
-        self.velocity_m_s = (first + 0.5 * second) * self.rate_hz;
-        self.acceleration_m_s2 = (2.0 * second - self.second_m) * self.rate_hz * self.rate_hz;
         self.displacement_m = displacement_m;
         self.first_m = first;
+        self.second_before_m = self.second_m;
         self.second_m = second;
     }
 
     /// The latest sample, m.
+    #[inline]
     pub fn displacement_m(&self) -> f64 {
         self.displacement_m
     }
 
     /// Change of displacement over the last period, m.
+    #[inline]
     pub fn increment_m(&self) -> f64 {
         self.first_m
     }
 
-    /// Velocity at the latest sample, m/s.
+    /// Velocity at the latest sample, m/s: `(3 x0 - 4 x1 + x2) / 2 dt`, with backward differences.
+    #[inline]
     pub fn velocity_m_s(&self) -> f64 {
-        self.velocity_m_s
+        (self.first_m + 0.5 * self.second_m) * self.rate_hz
     }
 
-    /// Acceleration at the latest sample, m/s^2.
+    /// Acceleration at the latest sample, m/s^2: `(2 x0 - 5 x1 + 4 x2 - x3) / dt^2`, with backward differences.
+    #[inline]
     pub fn acceleration_m_s2(&self) -> f64 {
-        self.acceleration_m_s2
+        (2.0 * self.second_m - self.second_before_m) * self.rate_hz * self.rate_hz
     }
 }
 

@@ -1,5 +1,6 @@
 //! Where a test runs. Whoever asks for a test does not know what stands behind the trait.
 
+pub(crate) mod ideal;
 mod plant;
 
 pub use self::plant::{Breakage, PlantBench};

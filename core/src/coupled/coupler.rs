@@ -25,10 +25,8 @@ impl Coupler {
 
     /// Strokes of the actuators, m, at `x` (m) and `theta` (rad).
     pub fn strokes_m(&self, x_m: f32, theta_rad: f32) -> Pair {
-        let sine = libm::sinf(theta_rad);
-        // cos - 1 = -2 sin^2(theta / 2) keeps its digits at small angles.
-        let half = libm::sinf(0.5 * theta_rad);
-        let fall = -2.0 * half * half;
+        let sine = sine(theta_rad);
+        let fall = cosine_less_one(theta_rad);
         core::array::from_fn(|i| x_m + self.pin_x_m[i] * fall - self.pin_y_m[i] * sine)
     }
 
@@ -48,7 +46,7 @@ impl Coupler {
             let at = self.strokes_m(x, theta);
             let (e0, e1) = (stroke_m[0] - at[0], stroke_m[1] - at[1]);
             // d stroke / d theta = -p_x sin - p_y cos.
-            let (sine, cosine) = (libm::sinf(theta), libm::cosf(theta));
+            let (sine, cosine) = (sine(theta), 1.0 + cosine_less_one(theta));
             let slope: Pair =
                 core::array::from_fn(|i| -self.pin_x_m[i] * sine - self.pin_y_m[i] * cosine);
             let turn = (e0 - e1) / (slope[0] - slope[1]);
@@ -67,6 +65,26 @@ impl Coupler {
     }
 }
 
+/// The largest rotation that the coupler's geometry is worked out for, rad.
+pub const LARGEST_ROTATION: f32 = 0.5;
+
+/// The sine up to [`LARGEST_ROTATION`], where the next term, `x^9 / 9!`, is below half a unit in the last place. A library's
+/// is in double precision, which the microcontroller has no hardware for.
+#[inline]
+fn sine(x: f32) -> f32 {
+    let square = x * x;
+    let rest = 1.0 / 120.0 - square * (1.0 / 5040.0);
+    x - x * square * (1.0 / 6.0 - square * rest)
+}
+
+/// `cos x - 1`, which keeps its digits at small angles.
+#[inline]
+fn cosine_less_one(x: f32) -> f32 {
+    let square = x * x;
+    let rest = 1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40_320.0));
+    -square * (0.5 - square * rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +93,18 @@ mod tests {
         pin_x_m: [0.2667, 0.2667],
         pin_y_m: [-0.127, 0.127],
     };
+
+    #[test]
+    fn sine_and_cosine_are_those_of_the_library() {
+        for i in -500..=500 {
+            let x = i as f32 * 1e-3;
+            let (s, c) = (libm::sin(f64::from(x)), libm::cos(f64::from(x)) - 1.0);
+            let off =
+                |mine: f32, exact: f64| (f64::from(mine) - exact).abs() / (exact.abs() + 1e-12);
+            assert!(off(sine(x), s) < 2e-7, "sine of {x}");
+            assert!(off(cosine_less_one(x), c) < 3e-7, "cosine of {x}");
+        }
+    }
 
     #[test]
     fn strokes_lead_back_to_where_they_came_from() {

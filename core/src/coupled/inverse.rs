@@ -11,20 +11,23 @@ use super::plant::Plant;
 /// A signal and its derivatives with time, the signal first.
 pub type Jet<const K: usize> = [f32; K];
 
-/// `c_j0` to `c_j4`: the series of `e^(s T / 2) / D_j`.
-pub fn series(plant: &Plant, j: usize, period_s: f32) -> [f32; 5] {
+/// `c_j0` to `c_j4` of both columns: the series of `e^(s T / 2) / D_j`.
+#[inline]
+pub fn series(plant: &Plant, period_s: f32) -> [[f32; 5]; 2] {
     let f = plant.natural_rad_per_s;
     let h = 0.5 * period_s;
-    let mut c = [1.0, h, h * h / 2.0, h * h * h / 6.0, h * h * h * h / 24.0];
-    multiply(&mut c, 1.0 / plant.slow_pole_rad_per_s[j], 0.0);
-    multiply(&mut c, 1.0 / plant.fast_pole_rad_per_s[j], 0.0);
-    multiply(&mut c, 2.0 * plant.damping_ratio / f, 1.0 / (f * f));
-    for lead in plant.lead_s[j] {
-        for n in 1..5 {
-            c[n] -= lead * c[n - 1];
+    core::array::from_fn(|j| {
+        let mut c = [1.0, h, h * h / 2.0, h * h * h / 6.0, h * h * h * h / 24.0];
+        multiply(&mut c, 1.0 / plant.slow_pole_rad_per_s[j], 0.0);
+        multiply(&mut c, 1.0 / plant.fast_pole_rad_per_s[j], 0.0);
+        multiply(&mut c, 2.0 * plant.damping_ratio / f, 1.0 / (f * f));
+        for lead in plant.lead_s[j] {
+            for n in 1..5 {
+                c[n] -= lead * c[n - 1];
+            }
         }
-    }
-    c
+        c
+    })
 }
 
 /// `c (1 + a s + b s^2)`, up to the fourth power.
@@ -64,8 +67,9 @@ impl Inverse {
             rho[i][at] + lead * next
         };
         let per = 1.0 / d0;
+        let columns = series(plant, period_s);
         core::array::from_fn(|j| {
-            let c = series(plant, j, period_s);
+            let c = &columns[j];
             let mut command = 0.0;
             for at in 0..5 {
                 let w = if j == 0 {
@@ -117,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_series_is_that_of_the_inverse() {
-        let c = series(&FRAME, 1, 1e-3);
+        let c = series(&FRAME, 1e-3)[1];
         let s = 0.5_f64;
         let f = f64::from(FRAME.natural_rad_per_s);
         let exact = (1.0 + s / f64::from(FRAME.slow_pole_rad_per_s[1]))

@@ -1,7 +1,7 @@
 //! Everything for a pair of coupled actuators, one call a sample.
 
 use super::Pair;
-use super::coupler::Coupler;
+use super::coupler::{Coupler, LARGEST_ROTATION};
 use super::estimate::{self, Estimator};
 use super::inverse::{Inverse, Jet};
 use super::observer::{self, Observer};
@@ -60,6 +60,10 @@ impl Constants {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(refused(name, value, "a number above 0"));
             }
+        }
+        if theta > LARGEST_ROTATION {
+            let accepted = "at most 0.5 rad: the coupler's geometry is worked out up to there";
+            return Err(refused("coupled.interface_limit_rad", theta, accepted));
         }
         let period_s = settings.estimate.period_s;
         let observers = [

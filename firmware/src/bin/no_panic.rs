@@ -9,6 +9,7 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use firmware as _;
+use outerloop_core::coupled::tracker::Tracker;
 use outerloop_core::{Event, GroundMotion, OuterLoop, Sample};
 
 unsafe extern "C" {
@@ -30,10 +31,17 @@ fn period<const N: usize>(outer: &mut OuterLoop<N>) {
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }
 
+#[inline(never)]
+fn coupled(tracker: &mut Tracker) {
+    let target = black_box([0.0; 2]);
+    black_box(tracker.step(&target, &black_box([0.0; 2]), black_box(0.0)));
+}
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut ONE: MaybeUninit<OuterLoop<1>> = MaybeUninit::uninit();
     static mut THREE: MaybeUninit<OuterLoop<3>> = MaybeUninit::uninit();
+    static mut COUPLED: MaybeUninit<Tracker> = MaybeUninit::uninit();
     static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
         // SAFETY: none is claimed: the image is linked and looked at, not run.
@@ -41,6 +49,7 @@ fn main() -> ! {
             period(black_box(&mut *ONE).assume_init_mut());
             period(black_box(&mut *THREE).assume_init_mut());
             period(black_box(&mut *EIGHT).assume_init_mut());
+            coupled(black_box(&mut *COUPLED).assume_init_mut());
         }
         #[cfg(feature = "planted-panic")]
         black_box([0_u8; 4][black_box(1_usize)]);

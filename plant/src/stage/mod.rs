@@ -97,6 +97,15 @@ impl Stages {
 
     #[inline]
     pub(crate) fn step(&mut self, x: f64) -> f64 {
+        if self.0.is_empty() {
+            return x;
+        }
+        self.pass(x)
+    }
+
+    /// Not inlined: most channels have no stages, and what they would need in registers is dear.
+    #[inline(never)]
+    fn pass(&mut self, x: f64) -> f64 {
         self.0.iter_mut().fold(x, |x, stage| stage.step(x))
     }
 }
