@@ -92,6 +92,7 @@ impl Scenario {
                 period_s: PERIOD_S,
             },
             target: [target(SHOWN[0], 2e-8), target(SHOWN[1], 1.2e-7)],
+            ahead_s: 0.0,
             trust_reading_hz: 5.0,
             stroke_limit_m: 0.028,
             interface_limit: [0.02, 0.1],

@@ -118,6 +118,7 @@ impl Calibration {
                     period_s: PERIOD_S as f32,
                 },
                 target: [target(reference, X, 0), target(reference, ROTATION, 1)],
+                ahead_s: 0.0,
                 trust_reading_hz: TRUST_READING_HZ as f32,
                 stroke_limit_m: 28e-3,
                 interface_limit: [20e-3, 0.1],

@@ -21,6 +21,8 @@
 //! | [`inverse`] | commands for a target, cross terms included |
 //! | [`observer`] | smooth derivatives of a target that is driven by a known ground motion |
 //! | [`tracker`] | all of them, one call a sample |
+//! | [`outer_loop`] | a whole test: modes, interlocks in both systems of coordinates, integration, tracker |
+//! | [`response`] | the modes of a structure as the observers want them |
 //!
 //! # When not to use it
 //! A single actuator, or actuators that do not feel each other: the predictors in [`crate::Prediction`] need a tenth of
@@ -32,7 +34,9 @@ pub mod filter;
 pub mod forward;
 pub mod inverse;
 pub mod observer;
+pub mod outer_loop;
 pub mod plant;
+pub mod response;
 pub mod tracker;
 
 /// A value for each of the two actuators, or for `x` and `theta`.

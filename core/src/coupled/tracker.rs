@@ -17,6 +17,8 @@ pub struct Settings {
     pub estimate: estimate::Settings,
     /// How the target moves, x and theta.
     pub target: [observer::Settings; 2],
+    /// The target is given so many seconds ahead of its time, 0 to 0.1; it is held back by them.
+    pub ahead_s: f32,
     /// Below this frequency, Hz, the estimated strokes follow the readings, above it the model.
     pub trust_reading_hz: f32,
     /// Largest stroke that may be commanded, m.
@@ -61,6 +63,9 @@ impl Constants {
                 return Err(refused(name, value, "a number above 0"));
             }
         }
+        if !(0.0..=0.1).contains(&settings.ahead_s) {
+            return Err(refused("coupled.ahead_s", settings.ahead_s, "0 to 0.1 s"));
+        }
         if theta > LARGEST_ROTATION {
             let accepted = "at most 0.5 rad: the coupler's geometry is worked out up to there";
             return Err(refused("coupled.interface_limit_rad", theta, accepted));
@@ -92,6 +97,17 @@ pub enum Limit {
     NotFinite,
 }
 
+/// A limit that was broken, and by what; in m, of a rotation in rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Broken {
+    /// Which.
+    pub limit: Limit,
+    /// The value that was reached.
+    pub value: f32,
+    /// The largest that is allowed.
+    pub largest: f32,
+}
+
 /// What a sample gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracked {
@@ -102,7 +118,7 @@ pub struct Tracked {
     /// The same as x (m) and theta (rad).
     pub interface: Pair,
     /// The first limit that the target or the commands broke.
-    pub broken: Option<Limit>,
+    pub broken: Option<Broken>,
 }
 
 /// The tracker of a pair of coupled actuators.
@@ -129,6 +145,11 @@ impl Tracker {
         }
     }
 
+    /// The actuators were sent this and not what [`Tracker::command`] wanted.
+    pub(super) fn was_sent(&mut self, command_m: Pair) {
+        self.sent_m = command_m;
+    }
+
     /// The plant as known now.
     pub fn plant(&self) -> &Plant {
         self.estimator.plant()
@@ -151,10 +172,12 @@ impl Tracker {
     }
 
     /// Commands that bring the interface to `target` (x in m, theta in rad), and the first limit that was broken.
-    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<Limit>) {
+    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<Broken>) {
         let k = &self.constants;
         let x = self.observers[0].update(&k.observers[0], target[0], ground_m_per_s2);
         let theta = self.observers[1].update(&k.observers[1], target[1], ground_m_per_s2);
+        let ahead_s = k.settings.ahead_s;
+        let (x, theta) = (held_back(x, ahead_s), held_back(theta, ahead_s));
         let coupler = &k.settings.coupler;
         let exact = coupler.strokes_m(x[0], theta[0]);
         let rates: [Pair; 4] = core::array::from_fn(|n| coupler.linear_m(x[n], theta[n]));
@@ -184,20 +207,45 @@ impl Tracker {
     }
 }
 
+/// The target and its derivatives `by_s` earlier, by Taylor.
+#[inline]
+fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
+    [
+        x - by_s * (v - by_s * (0.5 * a - by_s * j * (1.0 / 6.0))),
+        v - by_s * (a - 0.5 * by_s * j),
+        a - by_s * j,
+        j,
+    ]
+}
+
 impl Settings {
     /// The first limit that a target or a command breaks, in both systems of coordinates.
-    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<Limit> {
-        if !target.iter().chain(command_m).all(|x| x.is_finite()) {
-            return Some(Limit::NotFinite);
+    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<Broken> {
+        let [x, theta] = *target;
+        let [most_x, most_theta] = self.interface_limit;
+        let stroke = |i: usize| (Limit::Stroke(i), command_m[i], self.stroke_limit_m);
+        let checks = [
+            (Limit::Displacement, x, most_x),
+            (Limit::Rotation, theta, most_theta),
+            stroke(0),
+            stroke(1),
+        ];
+        let finite = checks.iter().find(|(_, value, _)| !value.is_finite());
+        if let Some(&(_, value, largest)) = finite {
+            let limit = Limit::NotFinite;
+            return Some(Broken {
+                limit,
+                value,
+                largest,
+            });
         }
-        if target[0].abs() > self.interface_limit[0] {
-            return Some(Limit::Displacement);
-        }
-        if target[1].abs() > self.interface_limit[1] {
-            return Some(Limit::Rotation);
-        }
-        (0..2)
-            .find(|&i| command_m[i].abs() > self.stroke_limit_m)
-            .map(Limit::Stroke)
+        let beyond = checks
+            .into_iter()
+            .find(|(_, value, most)| value.abs() > *most);
+        beyond.map(|(limit, value, largest)| Broken {
+            limit,
+            value,
+            largest,
+        })
     }
 }

@@ -9,7 +9,7 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use firmware as _;
-use outerloop_core::coupled::tracker::Tracker;
+use outerloop_core::coupled::outer_loop::CoupledLoop;
 use outerloop_core::{Event, GroundMotion, OuterLoop, Sample};
 
 unsafe extern "C" {
@@ -32,16 +32,17 @@ fn period<const N: usize>(outer: &mut OuterLoop<N>) {
 }
 
 #[inline(never)]
-fn coupled(tracker: &mut Tracker) {
-    let target = black_box([0.0; 2]);
-    black_box(tracker.step(&target, &black_box([0.0; 2]), black_box(0.0)));
+fn coupled(outer: &mut CoupledLoop<3>) {
+    let _ = black_box(outer.handle(black_box(Event::Start)));
+    let sample = black_box(Sample::new([0.0; 2], [0.0; 2]));
+    black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     static mut ONE: MaybeUninit<OuterLoop<1>> = MaybeUninit::uninit();
     static mut THREE: MaybeUninit<OuterLoop<3>> = MaybeUninit::uninit();
-    static mut COUPLED: MaybeUninit<Tracker> = MaybeUninit::uninit();
+    static mut COUPLED: MaybeUninit<CoupledLoop<3>> = MaybeUninit::uninit();
     static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
         // SAFETY: none is claimed: the image is linked and looked at, not run.
