@@ -287,9 +287,13 @@ fn bad_data_is_refused_with_its_place() {
         &["displacement", "units of its header"],
         &|_, row| {
             let x: f64 = row[2].parse().unwrap();
-            row[2] = (1e3 * x).to_string();
+            row[2] = (1e-3 * x).to_string();
         },
     );
+    change("metres.csv", &["20 m", "is the unit right?"], &|_, row| {
+        let x: f64 = row[2].parse().unwrap();
+        row[2] = (1e3 * x).to_string();
+    });
     let times = |text: &mut String, factor: f64| {
         *text = (factor * text.parse::<f64>().unwrap()).to_string();
     };
@@ -300,11 +304,8 @@ fn bad_data_is_refused_with_its_place() {
     );
     change(
         "command.csv",
-        &[
-            "displacement per command is 1.000e-3",
-            "units of its header",
-        ],
-        &|_, row| times(&mut row[1], 1e3),
+        &["displacement per command is 1.000e3", "units of its header"],
+        &|_, row| times(&mut row[1], 1e-3),
     );
     change(
         "early.csv",
@@ -348,7 +349,7 @@ fn bad_data_is_refused_with_its_place() {
             "`force_mm` is refused",
         ),
         ("time_s,command_m,command_mm,force_n", "stands twice"),
-        ("command_m,displacement_m,force_n,t_s", "has no time"),
+        ("command_m,displacement_m,force_n,run", "has no time"),
     ] {
         let (_, rows) = text.split_once('\n').unwrap();
         lab.write("header.csv", &format!("{header}\n{rows}"));

@@ -1,7 +1,7 @@
 //! The promise of the monitor: it never stops a sound test, and it stops one that runs away in time.
 //!
-//! Sound tests: every method but Eq 14 without its guards, and every predictor, delays within 20 % of what was told, specimens that yield, noise, converters,
-//! ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
+//! Sound tests: every method but Eq 14 without its guards and those with `amb`, whose gains belong to one size of motion;
+//! delays within 20 % of what was told, specimens that yield, noise, converters, ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
 //! counts where its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time where an indicator
 //! passes its threshold no later than in the step in which that happens.
 //!
@@ -9,7 +9,7 @@
 //! |---|---|
 //! | energy | core's: HSEM error and work of the correction over the energy in the test (`limits.energy_trip`) |
 //! | hsem | the published one: Mosqueda, Stojadinovic and Mahin, J. Struct. Eng. 133 (2007): HSEM error alone |
-//! | displacement | the command over the planned peak (`limits.displacement_m`) |
+//! | displacement | what is sent over the planned peak (`limits.displacement_m`) |
 //! | tracking | the reading's distance from where the actuator was sent, over what the told delay and the planned speed make
 //!   of it and a twentieth of the planned peak (`limits.tracking_m`) |
 
@@ -23,7 +23,7 @@ use crate::files::test::TestFile;
 use crate::score::Score;
 use crate::trace::{Response, Witness};
 use outerloop_core::record::flag;
-use outerloop_core::{Force, Method, Record};
+use outerloop_core::{Force, Method, Prediction, Record};
 use plant::actuator::DelayJump;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -116,10 +116,11 @@ impl Witness for Gauge<'_> {
         let mut motion = 0.0_f64;
         let (mut command, mut tracking) = (0.0_f64, 0.0_f64);
         for (j, peak_m) in self.peaks_m.iter().enumerate() {
-            let [target, read] = [r.command_m[j], r.displacement_m[j]].map(f64::from);
-            command = command.max(target.abs() / peak_m);
+            let [target, sent, read] =
+                [r.command_m[j], r.sent_m[j], r.displacement_m[j]].map(f64::from);
+            command = command.max(sent.abs() / peak_m);
             motion = motion.max(target.abs().max(read.abs()) / peak_m);
-            let error_m = (f64::from(r.sent_m[j]) - read).abs();
+            let error_m = (sent - read).abs();
             tracking = tracking.max(error_m / self.tracking_m[j]);
         }
         if r.has(flag::SOLVED) {
@@ -176,7 +177,8 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
     };
     // Eq 14 as it was first published is there to be compared with: with noise its damping jumps by orders of magnitude.
     let mut methods = Method::ALL.to_vec();
-    methods.retain(|method| method.force != Force::Eq14Unguarded);
+    // The gains of `amb` are tuned for one size of motion; on a rig of another it sends several times the planned peak.
+    methods.retain(|m| m.force != Force::Eq14Unguarded && m.predictor != Prediction::Amb);
     let kinds = std::iter::repeat_n(Kind::Sound, sound)
         .chain(Kind::BROKEN.into_iter().cycle().take(broken));
     kinds
@@ -250,11 +252,15 @@ impl Plan {
             floor_j: 0.5 * stiffness[0] * 1e-6,
         };
         let mut witnesses = (Score::against(ideal), gauge, ());
-        e.on(&bench, config, &mut witnesses)?;
+        let ending = e.on(&bench, config, &mut witnesses)?;
         let (score, gauge, ()) = witnesses;
         let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
         let (counts, largest) = match self.kind {
-            Kind::Sound => (eps_rms <= SOUND_EPS_RMS && decays(e)?, gauge.largest),
+            // A test that something else has stopped is none that nothing may stop.
+            Kind::Sound => {
+                let good = ending.trip.is_none() && eps_rms <= SOUND_EPS_RMS;
+                (good && decays(e)?, gauge.largest)
+            }
             _ => (gauge.gone, gauge.largest_in_time),
         };
         Ok(Case {
