@@ -7,7 +7,9 @@ fn main() {
     let board = std::env::var_os("CARGO_FEATURE_NUCLEO_F429ZI").is_some();
     let target = std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none");
     if board && target {
-        println!("cargo:rustc-link-arg-bin=nucleo_f429zi=-Tdefmt.x");
+        for image in ["nucleo_f429zi", "nucleo_f429zi_16"] {
+            println!("cargo:rustc-link-arg-bin={image}=-Tdefmt.x");
+        }
     }
     if std::env::var_os("CARGO_FEATURE_ON_TARGET").is_some() && target {
         println!("cargo:rustc-link-arg-tests=-Tdefmt.x");

@@ -1,28 +1,27 @@
-//! The laboratory around the board. Its turn comes at every period of the sampling timer.
+//! The laboratory around the board. Its turn comes at every period of the sampling timer, and when a converter outside the
+//! chip has something to do.
 
-use crate::converters;
-use crate::dac::Dac;
+use crate::chain::{self, Chain, Converters, Instant, Shown};
+use crate::log::{Fault, Log, Planned, Seen};
 use crate::nucleo::Nucleo;
-use crate::permission::{Contact, Permission};
+use crate::permission::Permission;
 use crate::registers::{
-    ADC1_CR2, DAC_DHR12R1, GPIOE_BSRR, GUARDS, Mutant, OUTPUT, Registers, SAMPLING, TIM2_ARR,
-    TIM2_CR1, TIM2_CR2, TIM2_EGR, TIM2_PSC, Violation,
+    GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_CR2, TIM2_EGR, TIM2_PSC,
+    Violation,
 };
 use crate::wire::Wire;
-use link::{Calibration, CodeRange};
+use link::Calibration;
 use plant::Rig;
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::rcc::Apb;
 use rigless::time::VirtualNanos;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-const JSWSTART: u64 = 1 << 22;
 const UG: u64 = 1;
 const MMS: u64 = 7 << 4;
 
@@ -35,8 +34,6 @@ const CHAIN_PIN: u8 = 15;
 const PORT_E: usize = 4;
 const BUTTON_PIN: u8 = 13;
 const PORT_C: usize = 2;
-const DISPLACEMENT_CHANNEL: u8 = 3;
-const FORCE_CHANNEL: u8 = 10;
 
 /// Added to the number of a drill, see the firmware's `drill`.
 const DRILL_MAGIC: u32 = 0x4452_4c00;
@@ -50,71 +47,11 @@ const PC_STEPS: u32 = 400;
 /// For so long, and no longer.
 const PC_PATIENCE: Duration = Duration::from_secs(5);
 
-/// What can go wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// The displacement sensor's wire breaks: the converter stands at its upper end.
-    SensorAtRail,
-    /// The displacement sensor stands still.
-    FrozenSensor,
-    /// A burst of 2000 codes up and down on the force.
-    NoiseBurst,
-    /// The emergency stop is pressed.
-    EmergencyStop,
-    /// The serial line is cut, both ways, for so many control steps.
-    LinkCut(u64),
-    /// The reset button.
-    Reset,
-    /// The blue button is pressed.
-    Button,
-    /// The contact of the permission's chain is stuck.
-    Chain(Contact),
-    /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
-    Drill(u32),
-}
+/// A burst of noise on the force, as a share of the converter's range to either side.
+const BURST_SHARE: f64 = 2000.0 / 4095.0;
 
-/// A fault, and for how long PERMIT has been high when it comes.
-#[derive(Clone, Copy, Debug)]
-pub struct Planned {
-    /// Control steps with PERMIT high.
-    pub after_steps: u64,
-    /// What goes wrong.
-    pub fault: Fault,
-}
-
-/// Something that was seen, and when, ns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// The PERMIT line changed.
-    Permit(bool),
-    /// The command's code was written.
-    Dac(u16),
-    /// The planned fault came.
-    Fault,
-    /// The chip was reset.
-    Reset,
-}
-
-/// What the laboratory keeps.
-#[derive(Clone, Debug, Default)]
-pub struct Log {
-    /// Everything that was seen.
-    pub seen: Vec<(u64, Seen)>,
-    /// Instants of the conversions' triggers, ns.
-    pub triggers_ns: Vec<u64>,
-    /// From each trigger to the write of the command, ns.
-    pub latency_ns: Vec<u32>,
-    /// Of each step, from its begin to its command, instructions.
-    pub step_instructions: Vec<u32>,
-    /// What does not hold in the registers at the first trigger after a reset.
-    pub violations: Vec<Violation>,
-    /// Updates of the sampling timer.
-    pub periods: usize,
-    /// Codes that the output pin has shown, period by period; `None` while it floats.
-    pub pin: Vec<Option<u16>>,
-    /// Where the rig stood, period by period, m.
-    pub position_m: Vec<f64>,
-}
+/// A rig that sinks comes to rest at this share of its stroke.
+const SUNK_SHARE: f64 = 0.6;
 
 /// The rig, the converters, and what goes wrong.
 pub struct Laboratory {
@@ -128,18 +65,23 @@ pub struct Laboratory {
     ends_at_ns: u64,
     log: Arc<Mutex<Log>>,
     sampling: Option<Sampling>,
+    /// When the laboratory looks next while nothing samples, ns.
+    idle_turn_ns: u64,
     registers: Registers,
     mutant: Option<Mutant>,
-    dac: Dac,
+    chain: Chain,
     permission: Permission,
-    /// Where the rig stands while it is blocked, m.
+    /// Where the rig stands while it is blocked, m, and how fast it sinks then, m/s.
     stands_at_m: f64,
+    sinks_m_per_s: f64,
+    /// Where it was in the last two steps, m.
+    was_at_m: [f64; 2],
     last_trigger_ns: u64,
     permit_steps: u64,
     steps: u64,
     mend_at_step: u64,
     active: Option<Fault>,
-    frozen: (u16, u16),
+    frozen: Shown,
     resets: usize,
     quiet_steps: u32,
     step_began: u64,
@@ -167,34 +109,45 @@ impl Sampling {
 }
 
 impl Laboratory {
-    /// A laboratory with `rig` behind the converters. `drill_address`: where the firmware looks for drills.
+    /// A laboratory with `rig` behind the board's own converters. `drill_address`: where the firmware looks for drills.
     pub fn new(wire: Wire, rig: Rig, drill_address: u64) -> Self {
+        let converters = Converters::Internal;
         Self {
             wire,
             rig,
-            wired: Calibration::over(0.05, 1e4, &WIDTHS),
+            wired: Calibration::over(0.05, 1e4, &converters.widths()),
             plan: None,
             drill_address,
             patient: true,
             ends_at_ns: u64::MAX,
             log: Arc::default(),
             sampling: None,
+            idle_turn_ns: 0,
             registers: Registers::default(),
             mutant: None,
-            dac: Dac::default(),
+            chain: Chain::new(converters),
             permission: Permission::default(),
             stands_at_m: 0.0,
+            sinks_m_per_s: 0.0,
+            was_at_m: [0.0; 2],
             last_trigger_ns: 0,
             permit_steps: 0,
             steps: 0,
             mend_at_step: u64::MAX,
             active: None,
-            frozen: (0, 0),
+            frozen: Shown::default(),
             resets: 0,
             quiet_steps: 0,
             step_began: 0,
             awaiting_command: false,
         }
+    }
+
+    /// With these converters, of the ranges of a board that nobody has calibrated.
+    pub fn with_converters(mut self, converters: Converters) -> Self {
+        self.chain = Chain::new(converters);
+        self.wired = Calibration::over(0.05, 1e4, &converters.widths());
+        self
     }
 
     /// With a fault to come.
@@ -215,6 +168,12 @@ impl Laboratory {
         self
     }
 
+    /// With a rig that sinks while nothing permits it to move, m/s, to six tenths of its stroke.
+    pub fn sinking(mut self, m_per_s: f64) -> Self {
+        self.sinks_m_per_s = m_per_s;
+        self
+    }
+
     /// Ends by itself, ns after power-up.
     pub fn until_ns(mut self, ends_at_ns: u64) -> Self {
         self.ends_at_ns = ends_at_ns;
@@ -226,32 +185,54 @@ impl Laboratory {
         Arc::clone(&self.log)
     }
 
-    fn note(&self, at: VirtualNanos, seen: Seen) {
-        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        log.seen.push((at.0, seen));
+    /// Notes something, behind the commands that were written before it.
+    fn note(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos, seen: Seen) {
+        self.note_commands(session);
+        self.log_mut().seen.push((at.0, seen));
     }
 
-    fn log_mut(&self) -> std::sync::MutexGuard<'_, Log> {
+    fn note_commands(&mut self, session: &mut Session<Nucleo>) {
+        let commands = self.chain.commands(session);
+        let seen = commands
+            .into_iter()
+            .map(|(at, code)| (at, Seen::Command(code)));
+        self.log_mut().seen.extend(seen);
+    }
+
+    fn log_mut(&self) -> MutexGuard<'_, Log> {
         self.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// One step of the rig, which moves only on a closed contact; gives the codes of its sensors. A pin that floats tells
     /// the worst, the end of the stroke.
-    fn step_rig(&mut self, at_ns: u64, period_ns: u64) -> (u16, u16) {
-        let pin = self.dac.pin(&self.registers);
-        let told_m = converters::command_m(&self.wired, pin.unwrap_or(0));
-        let moves = self.permission.closed(at_ns, period_ns);
+    fn step_rig(&mut self, session: &mut Session<Nucleo>, at_ns: u64, period_ns: u64) -> Shown {
+        let pin = self.chain.pin(session, &self.registers);
+        let told_m = chain::command_m(&self.wired, pin.unwrap_or(0));
+        let moves =
+            self.permission.closed(at_ns, period_ns) && self.active != Some(Fault::DeadValve);
+        let period_s = period_ns as f64 * 1e-9;
+        if !moves {
+            let lowest_m = SUNK_SHARE * chain::command_m(&self.wired, 0);
+            let sunk_m = self.stands_at_m - self.sinks_m_per_s * period_s;
+            self.stands_at_m = sunk_m.max(lowest_m.min(self.stands_at_m));
+        }
         let command_m = if moves { told_m } else { self.stands_at_m };
         let reading = self.rig.step(&[command_m]);
         let (at_m, n) = (reading.displacement_m[0], reading.force_n[0]);
         if moves {
             self.stands_at_m = at_m;
         }
+        let [last_m, before_m] = self.was_at_m;
+        self.was_at_m = [at_m, last_m];
         let mut log = self.log_mut();
         log.pin.push(pin);
         log.position_m.push(at_m);
         drop(log);
-        converters::codes(&self.wired, at_m, n)
+        Shown {
+            displacement: chain::sensor_code(self.wired.displacement, at_m),
+            force: chain::sensor_code(self.wired.force, n),
+            acceleration_m_per_s2: (at_m - 2.0 * last_m + before_m) / (period_s * period_s),
+        }
     }
 
     /// An update of TIM2: the end of a period of the rig, onto the pins; then the conversions, if the registers are such
@@ -266,59 +247,58 @@ impl Laboratory {
             self.look_at_registers();
         }
         self.log_mut().periods += 1;
-        self.dac
-            .end_of_period(&self.registers, self.last_trigger_ns, sampling.timer_hz);
+        self.note_commands(session);
+        let (trigger_ns, timer_hz) = (self.last_trigger_ns, sampling.timer_hz);
+        self.chain
+            .end_of_period(session, &self.registers, trigger_ns, timer_hz);
         self.last_trigger_ns = at_ns;
-        let mut codes = self.step_rig(at_ns, period_ns);
+        let shown = self.step_rig(session, at_ns, period_ns);
         let closed = self.permission.closed(at_ns, period_ns);
         chain_contact(session, stop.at, closed);
-        match self.active {
-            Some(Fault::SensorAtRail) => codes.0 = converters::TOP,
-            Some(Fault::FrozenSensor) => codes.0 = self.frozen.0,
-            Some(Fault::NoiseBurst) => {
-                let up = self.permit_steps.is_multiple_of(2);
-                codes.1 = if up {
-                    codes.1.saturating_add(2000)
-                } else {
-                    codes.1.saturating_sub(2000)
-                };
-                codes.1 = codes.1.clamp(20, converters::TOP - 20);
-            }
-            _ => self.frozen = codes,
-        }
-        show(session, codes);
+        let shown = self.disturbed(shown);
+        self.chain.show(session, shown);
         self.permit_steps += u64::from(self.permission.level());
         self.steps += 1;
         if self.steps == self.mend_at_step {
             self.wire.mend();
             self.active = None;
         }
-        if self.registers.meet(&SAMPLING) {
-            self.convert(session, (stop.at, stop.instruction_count), host);
-        }
+        let now = Instant {
+            at: stop.at,
+            instructions: stop.instruction_count,
+        };
+        self.convert(session, now, host);
     }
 
-    /// Starts the conversions: the emulator's converter has no trigger but software's.
-    fn convert(
-        &mut self,
-        session: &mut Session<Nucleo>,
-        (at, instructions): (VirtualNanos, u64),
-        host: &mut dyn Host,
-    ) {
-        let read = Access::new(AccessKind::Read, ADC1_CR2, Width::W32, 0);
-        let (cr2, _) = session.access(read.at(instructions, at), host);
-        let write = Access::new(AccessKind::Write, ADC1_CR2, Width::W32, cr2 | JSWSTART);
-        session.access(write.at(instructions, at), host);
-        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        log.triggers_ns.push(at.0);
-        drop(log);
-        self.awaiting_command = true;
+    /// What the sensors show with what is wrong with them.
+    fn disturbed(&mut self, mut shown: Shown) -> Shown {
+        let top = f64::from(self.chain.converters().widths().sensor_top);
+        match self.active {
+            Some(Fault::SensorAtRail) => shown.displacement = top,
+            Some(Fault::FrozenSensor) => shown.displacement = self.frozen.displacement,
+            Some(Fault::NoiseBurst) => {
+                let up = self.permit_steps.is_multiple_of(2);
+                let sign = if up { 1.0 } else { -1.0 };
+                let free = 0.005 * top;
+                shown.force = (shown.force + sign * BURST_SHARE * top).clamp(free, top - free);
+            }
+            _ => self.frozen = shown,
+        }
+        shown
+    }
+
+    /// Starts the conversions, if an update does.
+    fn convert(&mut self, session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host) {
+        if self.chain.update(session, &self.registers, now, host) {
+            self.log_mut().triggers_ns.push(now.at.0);
+            self.awaiting_command = true;
+        }
     }
 
     /// What stands in the registers at the first trigger.
     fn look_at_registers(&mut self) {
-        let demands = [&SAMPLING[..], &OUTPUT, &GUARDS];
-        let found = demands
+        let [first, second, third] = self.chain.demands();
+        let found = [first, second, third, &GUARDS[..]]
             .into_iter()
             .flat_map(|d| self.registers.violations(d));
         let found: Vec<Violation> = found.collect();
@@ -330,7 +310,7 @@ impl Laboratory {
         let Some(planned) = self.plan.take_if(|p| due(p)) else {
             return;
         };
-        self.note(stop.at, Seen::Fault);
+        self.note(session, stop.at, Seen::Fault);
         self.active = Some(planned.fault);
         match planned.fault {
             Fault::EmergencyStop => stop_contact(session, stop.at, false),
@@ -340,15 +320,33 @@ impl Laboratory {
                 self.wire.cut();
                 self.mend_at_step = self.steps + steps;
             }
-            Fault::Reset => session.reset_by_pin(stop.at, stop.instruction_count, host),
+            Fault::Reset => {
+                session.reset_by_pin(stop.at, stop.instruction_count, host);
+                self.pins_float(session, stop.at);
+            }
             // Memory of the chip: it is there.
             Fault::Drill(number) => drop(host.write(
                 self.drill_address,
                 Width::W32,
                 u64::from(DRILL_MAGIC + number),
             )),
-            Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst => {}
+            Fault::DeadOutput => self.chain.break_output(session),
+            Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst | Fault::DeadValve => {}
         }
+    }
+
+    /// A reset: every pin of the chip floats at once, and PERMIT is pulled down outside.
+    fn pins_float(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
+        self.resets = session.resets().len();
+        self.note(session, at, Seen::Reset);
+        if self.permission.set_level(false) {
+            self.note(session, at, Seen::Permit(false));
+        }
+        self.permission.reset();
+        self.registers.reset();
+        self.chain.reset();
+        (self.sampling, self.last_trigger_ns) = (None, 0);
+        self.idle_turn_ns = at.0;
     }
 
     /// The board's time runs on only with the PC: a PC that is kept from running is no lost PC.
@@ -363,16 +361,77 @@ impl Laboratory {
             self.quiet_steps = 0;
         }
     }
-}
 
-/// Puts codes on the pins.
-fn show(session: &mut Session<Nucleo>, codes: (u16, u16)) {
-    let adc = &mut session.board_mut().chip.adc[0];
-    for (channel, code) in [(DISPLACEMENT_CHANNEL, codes.0), (FORCE_CHANNEL, codes.1)] {
-        if let Some(channel) = Channel::new(channel) {
-            // The middle of the code, in tenths of one.
-            adc.set_input(channel, u32::from(code) * 10 + 5);
+    /// TIM2 starts to count: its first update is a period away.
+    fn begin_sampling(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
+        let (rcc, registers) = session.board_mut().chip.clocks();
+        let timer_hz = rcc.timer_clock(registers, Apb::One) / (self.registers.read(TIM2_PSC) + 1);
+        let period_ticks = self.registers.read(TIM2_ARR) + 1;
+        let mut sampling = Sampling {
+            timer_hz,
+            next_ns: at.0,
+            rest: 0,
+            period_ticks,
+        };
+        sampling.advance(period_ticks);
+        session.pause_at(Some(VirtualNanos(sampling.next_ns)));
+        session.run_until(VirtualNanos(sampling.next_ns));
+        self.sampling = Some(sampling);
+    }
+
+    /// An update by software is an update: it restarts the count, and leaves the timer as a trigger, under the reset value
+    /// of MMS too.
+    fn update_by_software(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        now: Instant,
+        host: &mut dyn Host,
+    ) {
+        if let Some(sampling) = &mut self.sampling {
+            let period_ticks = self.registers.read(TIM2_ARR) + 1;
+            (sampling.next_ns, sampling.rest) = (now.at.0, 0);
+            sampling.period_ticks = period_ticks;
+            sampling.advance(period_ticks);
         }
+        if matches!(self.registers.read(TIM2_CR2) & MMS, 0 | 0x20) {
+            self.convert(session, now, host);
+        }
+    }
+
+    /// PERMIT, its pulses, and the line that is high while a step runs.
+    fn port_e(&mut self, session: &mut Session<Nucleo>, now: Instant, value: u64) {
+        if value >> STEP_PIN & 1 == 1 {
+            self.step_began = now.instructions;
+        }
+        // The command is out.
+        if value >> (STEP_PIN + 16) & 1 == 1 && std::mem::take(&mut self.awaiting_command) {
+            let mut log = self.log_mut();
+            let trigger = log.triggers_ns.last().copied().unwrap_or(now.at.0);
+            log.latency_ns.push((now.at.0 - trigger) as u32);
+            let since = now.instructions.saturating_sub(self.step_began);
+            log.step_instructions.push(since as u32);
+        }
+        let set = value >> PERMIT_PIN & 1 == 1;
+        let cleared = value >> (PERMIT_PIN + 16) & 1 == 1;
+        if (set || cleared) && self.permission.set_level(set) {
+            self.note(session, now.at, Seen::Permit(set));
+        }
+        let pulsed = (value >> PULSE_PIN | value >> (PULSE_PIN + 16)) & 1 == 1;
+        if pulsed {
+            self.permission
+                .set_pulse(value >> PULSE_PIN & 1 == 1, now.at.0);
+        }
+    }
+
+    /// The laboratory's turn while nothing samples: the rig goes on, contacts and buttons have their levels.
+    fn idle(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
+        let shown = self.step_rig(session, at.0, IDLE_TURN_NS);
+        self.chain.show(session, shown);
+        let closed = self.permission.closed(at.0, IDLE_TURN_NS);
+        chain_contact(session, at, closed);
+        let pressed = self.active == Some(Fault::EmergencyStop);
+        stop_contact(session, at, !pressed);
+        self.idle_turn_ns = at.0 + IDLE_TURN_NS;
     }
 }
 
@@ -412,15 +471,6 @@ fn drive(
     }
 }
 
-/// Widths of the converters at the rig.
-const WIDTHS: CodeRange = CodeRange {
-    sensor_top: 2 * converters::TOP,
-    sensor_rail: 0,
-    sensor_spare: 0,
-    command_top: converters::TOP,
-    command_spare: 0,
-};
-
 impl Driver<Nucleo> for Laboratory {
     fn on_settled(&mut self, session: &mut Session<Nucleo>, host: &mut dyn Host, settled: Settled) {
         let Settled::Access { access, value } = settled else {
@@ -429,75 +479,35 @@ impl Driver<Nucleo> for Laboratory {
         if access.kind != AccessKind::Write {
             return;
         }
-        let at = access.virtual_time;
+        let now = Instant {
+            at: access.virtual_time,
+            instructions: access.instruction_count,
+        };
         let value = match self.mutant.map(|m| m.of(access.address, value)) {
             Some(wrong) if wrong != value => {
                 let write = Access::new(AccessKind::Write, access.address, access.width, wrong);
-                session.access(write.at(access.instruction_count, at), host);
+                session.access(write.at(now.instructions, now.at), host);
                 wrong
             }
             _ => value,
         };
         self.registers.write(access.address, value);
+        let written = (access.address, value);
+        self.chain
+            .written(session, &self.registers, now.at, written);
         match access.address {
             TIM2_CR1 if value & 1 == 1 && self.sampling.is_none() => {
-                let (rcc, registers) = session.board_mut().chip.clocks();
-                let timer_hz =
-                    rcc.timer_clock(registers, Apb::One) / (self.registers.read(TIM2_PSC) + 1);
-                let period_ticks = self.registers.read(TIM2_ARR) + 1;
-                let mut sampling = Sampling {
-                    timer_hz,
-                    next_ns: at.0,
-                    rest: 0,
-                    period_ticks,
-                };
-                sampling.advance(period_ticks);
-                session.pause_at(Some(VirtualNanos(sampling.next_ns)));
-                session.run_until(VirtualNanos(sampling.next_ns));
-                self.sampling = Some(sampling);
+                self.begin_sampling(session, now.at);
             }
-            // An update by software is an update: it restarts the count, and leaves the timer as a trigger, under the
-            // reset value of MMS too.
-            TIM2_EGR if value & UG == UG => {
-                if let Some(sampling) = &mut self.sampling {
-                    let period_ticks = self.registers.read(TIM2_ARR) + 1;
-                    (sampling.next_ns, sampling.rest) = (at.0, 0);
-                    sampling.period_ticks = period_ticks;
-                    sampling.advance(period_ticks);
-                }
-                let leaves = matches!(self.registers.read(TIM2_CR2) & MMS, 0 | 0x20);
-                let armed = SAMPLING.iter().filter(|d| d.address == ADC1_CR2);
-                if leaves && self.registers.meet(&armed.copied().collect::<Vec<_>>()) {
-                    self.convert(session, (at, access.instruction_count), host);
-                }
-            }
-            DAC_DHR12R1 => {
-                let code = value as u16 & 0xfff;
-                self.dac.hold(&self.registers, at.0, code);
-                self.note(at, Seen::Dac(code));
-                if std::mem::take(&mut self.awaiting_command) {
-                    let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-                    let trigger = log.triggers_ns.last().copied().unwrap_or(at.0);
-                    log.latency_ns.push((at.0 - trigger) as u32);
-                    let since = access.instruction_count.saturating_sub(self.step_began);
-                    log.step_instructions.push(since as u32);
-                }
-            }
-            GPIOE_BSRR => {
-                if value >> STEP_PIN & 1 == 1 {
-                    self.step_began = access.instruction_count;
-                }
-                let set = value >> PERMIT_PIN & 1 == 1;
-                let cleared = value >> (PERMIT_PIN + 16) & 1 == 1;
-                if (set || cleared) && self.permission.set_level(set) {
-                    self.note(at, Seen::Permit(set));
-                }
-                let pulsed = (value >> PULSE_PIN | value >> (PULSE_PIN + 16)) & 1 == 1;
-                if pulsed {
-                    self.permission.set_pulse(value >> PULSE_PIN & 1 == 1, at.0);
-                }
-            }
+            TIM2_EGR if value & UG == UG => self.update_by_software(session, now, host),
+            GPIOE_BSRR => self.port_e(session, now, value),
             _ => {}
+        }
+        if self.sampling.is_none()
+            && let Some(turn) = self.chain.next_turn()
+        {
+            session.pause_at(Some(turn));
+            session.run_until(turn);
         }
     }
 
@@ -508,40 +518,34 @@ impl Driver<Nucleo> for Laboratory {
         host: &mut dyn Host,
     ) -> Option<VirtualNanos> {
         if session.resets().len() > self.resets {
-            self.resets = session.resets().len();
-            self.note(stop.at, Seen::Reset);
-            // Every pin floats, and PERMIT is pulled down outside.
-            if self.permission.set_level(false) {
-                self.note(stop.at, Seen::Permit(false));
-            }
-            self.permission.reset();
-            self.registers.reset();
-            self.dac.reset();
-            (self.sampling, self.last_trigger_ns) = (None, 0);
+            self.pins_float(session, stop.at);
         }
         if self.wire.is_closed() || stop.at.0 >= self.ends_at_ns {
             return None;
         }
-        match self.sampling {
-            Some(mut sampling) if stop.at.0 >= sampling.next_ns => {
+        self.chain.turn(session, &self.registers, stop.at);
+        let next_ns = match self.sampling {
+            Some(sampling) if stop.at.0 < sampling.next_ns => sampling.next_ns,
+            Some(_) => {
                 self.keep_pace();
                 self.go_wrong(session, stop, host);
                 self.sample(session, stop, host);
-                sampling.advance(self.registers.read(TIM2_ARR) + 1);
-                self.sampling = Some(sampling);
-                Some(VirtualNanos(sampling.next_ns))
+                let period_ticks = self.registers.read(TIM2_ARR) + 1;
+                self.sampling
+                    .as_mut()
+                    .map_or(self.idle_turn_ns, |sampling| {
+                        sampling.advance(period_ticks);
+                        sampling.next_ns
+                    })
             }
-            Some(sampling) => Some(VirtualNanos(sampling.next_ns)),
             None => {
-                // Before the timer runs: the rig goes on, the contacts and buttons have their levels.
-                let codes = self.step_rig(stop.at.0, IDLE_TURN_NS);
-                show(session, codes);
-                let closed = self.permission.closed(stop.at.0, IDLE_TURN_NS);
-                chain_contact(session, stop.at, closed);
-                let pressed = self.active == Some(Fault::EmergencyStop);
-                stop_contact(session, stop.at, !pressed);
-                Some(VirtualNanos(stop.at.0 + IDLE_TURN_NS))
+                if stop.at.0 >= self.idle_turn_ns {
+                    self.idle(session, stop.at);
+                }
+                self.idle_turn_ns
             }
-        }
+        };
+        let turn = self.chain.next_turn().map_or(u64::MAX, |turn| turn.0);
+        Some(VirtualNanos(next_ns.min(turn)))
     }
 }

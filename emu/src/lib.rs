@@ -3,11 +3,11 @@
 //! ```text
 //!  wire         the serial port's bytes, to and from whoever plays the PC
 //!  nucleo       the board: the chip, its crystal, its supply, the serial line
-//!  converters   volts, as codes: what the rig shows the ADC, what the DAC tells the rig
+//!  chain        the converters between rig and chip: its own ADC and DAC, or an AD7606 and an AD5761R on its SPI
 //!  registers    what the image writes where the emulator has no model, and what it must have written
-//!  dac          the DAC as the chip has it: holding register, trigger, output register, pin
 //!  permission   what hangs on PERMIT: monostable, relay, contact
-//!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults; keeps a log
+//!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
+//!  log          what can go wrong there, and what is seen
 //!  image        the ELF, its sizes and symbols
 //! ```
 //!
@@ -19,17 +19,19 @@
 //! flash is dropped. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
 //! watchdog, resets.
 
-pub mod converters;
-pub mod dac;
+pub mod chain;
 pub mod image;
 pub mod laboratory;
+pub mod log;
 pub mod nucleo;
 pub mod permission;
 pub mod registers;
 pub mod wire;
 
+pub use chain::Converters;
 pub use image::Firmware;
-pub use laboratory::{Fault, Laboratory, Log, Planned, Seen};
+pub use laboratory::Laboratory;
+pub use log::{Fault, Log, Planned, Seen};
 pub use permission::Contact;
 pub use registers::{Mutant, Violation};
 pub use wire::Wire;

@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Firmware, Laboratory, Wire};
+use emu::{Converters, Firmware, Laboratory, Wire};
 use link::Calibration;
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
@@ -32,6 +32,7 @@ struct Room {
     rate_hz: f64,
     seed: u64,
     calibration: Calibration,
+    image: Converters,
 }
 
 fn main() -> ExitCode {
@@ -53,10 +54,11 @@ fn go(arguments: &Arguments) -> Result<(), String> {
         .map_err(|e| e.to_string())?;
     let wire = Wire::default();
     connect(&wire);
-    let laboratory =
-        Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?).wired(room.calibration);
-    let board =
-        Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone()).map_err(|e| e.to_string())?;
+    let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
+        .with_converters(room.image)
+        .wired(room.calibration);
+    let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, room.image, wire.clone())
+        .map_err(|e| e.to_string())?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
     let start = Start::new(&firmware.images);
     let ended = rigless::emulator::run(session, &start, laboratory);

@@ -1,7 +1,8 @@
 //! What the control period wants from a board. Nothing of it waits.
 
 use crate::station::Sign;
-use link::CodeRange;
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
 use outerloop_core::State;
 
 /// A board's hands. Codes are the board's own; how wide they are, it says.
@@ -9,11 +10,17 @@ pub trait Hardware {
     /// Widths of the converters' codes.
     const CODES: CodeRange;
 
+    /// What is recorded beside displacement and force, at most [`MAX_INPUTS`].
+    const INPUTS: &'static [Input];
+
     /// The stopwatch: ticks of the processor, turning over at 2^32.
     fn now(&self) -> u32;
 
     /// The codes of displacement and force of this step; `None` if there are no new ones.
     fn codes(&mut self) -> Option<[u16; 2]>;
+
+    /// The codes of [`INPUTS`](Self::INPUTS), sampled at the same instant as displacement and force; asked after those.
+    fn inputs(&self) -> [u16; MAX_INPUTS];
 
     /// This step began later after its sample than anything that runs on the board explains.
     fn began_late(&self) -> bool;

@@ -23,9 +23,9 @@ mod tests {
     use embassy_stm32::flash::Flash;
     use embassy_stm32::gpio::{Level, Output, Speed};
     use embassy_stm32::{Peripherals, pac};
-    use firmware::board::nucleo_f429zi::sampling::{
-        CODES, Command, OUTPUT_DELAY_US, Period, Sensors,
-    };
+    use firmware::board::nucleo_f429zi::converters::Converters;
+    use firmware::board::nucleo_f429zi::internal::{CODES, Command, Internal, Sensors};
+    use firmware::board::nucleo_f429zi::period::Period;
     use firmware::board::nucleo_f429zi::store::{Memory, Store};
     use firmware::board::nucleo_f429zi::{Irqs, clocks, lower_priorities};
     use firmware::station::Wiring;
@@ -34,6 +34,8 @@ mod tests {
 
     /// 2 kHz, in ticks of the timer.
     const PERIOD_TICKS: u32 = 42_000;
+
+    const OUTPUT_DELAY_US: u32 = Internal::OUTPUT_DELAY_US;
 
     /// The lowest and the highest code that the DAC's buffer reaches.
     const SPAN: core::ops::RangeInclusive<u16> = 300..=3800;
@@ -81,7 +83,7 @@ mod tests {
         let p = bench.p;
         let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
         let command = Command::new(p.DAC1, p.PA4, *SPAN.start());
-        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS);
+        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS, OUTPUT_DELAY_US);
         period.start();
         let mut last = 0;
         for shown in SPAN.step_by(100) {
@@ -104,7 +106,7 @@ mod tests {
     fn samples_come_every_period_to_the_cycle(bench: Bench) {
         let p = bench.p;
         let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
-        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS);
+        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS, OUTPUT_DELAY_US);
         period.start();
         let (_, _, mut before) = next(&mut sensors);
         for _ in 0..2000 {
@@ -120,7 +122,7 @@ mod tests {
     fn the_dac_takes_a_command_over_at_its_instant(bench: Bench) {
         let p = bench.p;
         let command = Command::new(p.DAC1, p.PA4, 1000);
-        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS);
+        let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS, OUTPUT_DELAY_US);
         let ticks_per_us = clocks::TIMER_HZ / 1_000_000;
         period.start();
         for shown in [2000, 1000, 3000] {

@@ -5,6 +5,18 @@ use host_tests::call_graph::CallGraph;
 use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
+/// The images and the interrupt that each one's control period runs in: the chip's own converters, and external ones.
+const IMAGES: [(&str, &str); 2] = [("nucleo_f429zi", "ADC"), ("nucleo_f429zi_16", "TIM2")];
+
+/// The images as they are flashed, each with its control interrupt; none where there is no compiler for them.
+fn images() -> impl Iterator<Item = (Vec<u8>, &'static str)> {
+    IMAGES.into_iter().filter_map(|(name, interrupt)| {
+        let path = image(name, "nucleo-f429zi")?;
+        println!("{name}:");
+        Some((std::fs::read(path).unwrap(), interrupt))
+    })
+}
+
 /// A third of the flash's first bank, which runs while the second is written; a quarter was the aim until limits, calibration and
 /// two more methods came in (290 KiB). Three sizes of loop with every method of
 /// compensation, each with its design in software double precision, are most of it.
@@ -12,11 +24,11 @@ const MOST_FLASH: u64 = 320 * 1024;
 
 #[test]
 fn sizes() {
-    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
-        return;
-    };
-    let bytes = std::fs::read(image).unwrap();
-    let file = object::File::parse(&*bytes).unwrap();
+    images().for_each(|(bytes, _)| size(&bytes));
+}
+
+fn size(bytes: &[u8]) {
+    let file = object::File::parse(bytes).unwrap();
     let (mut flash, mut ram) = (0, 0);
     for section in file.sections() {
         match section.kind() {
@@ -39,11 +51,12 @@ fn sizes() {
 /// Nothing that the tasks do can then hold the control interrupt up, and it is computed in single precision.
 #[test]
 fn the_control_interrupt_calls_no_log_no_critical_section_and_no_double_precision() {
-    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
-        return;
-    };
-    let graph = CallGraph::new(&std::fs::read(image).unwrap()).unwrap();
-    let reach = graph.reach("ADC", "rust_begin_unwind").unwrap();
+    images().for_each(|(bytes, interrupt)| calls(&bytes, interrupt));
+}
+
+fn calls(bytes: &[u8], interrupt: &str) {
+    let graph = CallGraph::new(bytes).unwrap();
+    let reach = graph.reach(interrupt, "rust_begin_unwind").unwrap();
     let with = |part: &str| -> Vec<&String> {
         reach
             .functions
@@ -84,11 +97,11 @@ fn the_control_interrupt_calls_no_log_no_critical_section_and_no_double_precisio
 /// those of formatting, which only a panic comes to.
 #[test]
 fn the_stack_is_deep_enough() {
-    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
-        return;
-    };
-    let bytes = std::fs::read(image).unwrap();
-    let graph = CallGraph::new(&bytes).unwrap();
+    images().for_each(|(bytes, interrupt)| depth(&bytes, interrupt));
+}
+
+fn depth(bytes: &[u8], interrupt: &str) {
+    let graph = CallGraph::new(bytes).unwrap();
     let stack = |name: &str| {
         let found = graph.stack(name, &["rust_begin_unwind", "drill"]);
         let (depth, way) = found.unwrap();
@@ -102,11 +115,11 @@ fn the_stack_is_deep_enough() {
         graph.frames("cortex_m_rt_main") + graph.frames("Executor") + deepest("TaskStorage");
     let interrupts = ["TIM3", "USART3", "DMA1_STREAM1", "DMA1_STREAM3", "FLASH"];
     let background = interrupts.map(stack).into_iter().max().unwrap();
-    let control = stack("ADC");
+    let control = stack(interrupt);
     // Registers that an exception puts there, the floating-point ones included.
     let frame = 104 + 4;
     let worst = start.max(tasks) + frame + background + frame + control;
-    let file = object::File::parse(&*bytes).unwrap();
+    let file = object::File::parse(bytes).unwrap();
     let address = |name: &str| {
         let symbol = file.symbols().find(|s| s.name() == Ok(name)).unwrap();
         symbol.address() as u32
@@ -120,10 +133,11 @@ fn the_stack_is_deep_enough() {
 /// nothing stand before the first call.
 #[test]
 fn permit_drops_before_anything_is_called_on_every_way_out() {
-    let Some(image) = image("nucleo_f429zi", "nucleo-f429zi") else {
-        return;
-    };
-    let graph = CallGraph::new(&std::fs::read(image).unwrap()).unwrap();
+    images().for_each(|(bytes, _)| ways_out(&bytes));
+}
+
+fn ways_out(bytes: &[u8]) {
+    let graph = CallGraph::new(bytes).unwrap();
     // As an assembler gives them: movw r1, #0x1018; movt r1, #0x4002; mov.w r2, #0x2000000; str r2, [r1].
     let drop_permit = [
         0x41, 0xf2, 0x18, 0x01, 0xc4, 0xf2, 0x02, 0x01, 0x4f, 0xf0, 0x00, 0x72, 0x0a, 0x60,

@@ -54,6 +54,7 @@ mod tests {
     use crate::frame::{Decoder, Seen};
     use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
     use crate::status::{Cause, LastWords, Start, Status, Timing};
+    use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
     use outerloop_core::config::{
         Config, Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig,
@@ -182,6 +183,7 @@ mod tests {
                 deadline_cycles: 4200,
                 codes: TWELVE_BITS,
                 calibration: Calibration::placeholder(&TWELVE_BITS),
+                inputs: [Input::HeadAcceleration; MAX_INPUTS].into_iter().collect(),
             }),
             Reply::Status(Status {
                 tick: u32::MAX,
@@ -198,6 +200,7 @@ mod tests {
                 calibrated: true,
                 points: 16_384,
                 crystal_ok: true,
+                converters_ok: true,
                 codes: [8190; 2],
                 timing: Timing::default(),
                 link: Seen::default(),

@@ -2,6 +2,7 @@
 
 use crate::channel::{Calibration, CodeRange};
 use crate::status::Status;
+use crate::telemetry::{Input, MAX_INPUTS};
 use heapless::{String, Vec};
 use outerloop_core::Refusal;
 use outerloop_core::supervise::Rejected;
@@ -78,6 +79,8 @@ pub enum Obstacle {
     NothingToRun,
     /// The crystal does not have the frequency that the clocks are worked out from.
     Crystal,
+    /// A converter outside the chip did not answer when the board started.
+    Converters,
 }
 
 /// A refusal with its text, as it travels.
@@ -178,4 +181,6 @@ pub struct Identity {
     pub codes: CodeRange,
     /// The calibration in force.
     pub calibration: Calibration,
+    /// What is recorded beside displacement and force, in the order of the telemetry.
+    pub inputs: Vec<Input, MAX_INPUTS>,
 }

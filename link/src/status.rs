@@ -24,6 +24,8 @@ pub struct Status {
     pub points: u32,
     /// The crystal has the right frequency.
     pub crystal_ok: bool,
+    /// The converters answered when the board started; those on the chip always do.
+    pub converters_ok: bool,
     /// The codes of the last sample, displacement and force.
     pub codes: [u16; 2],
     /// Times of the control step.

@@ -1,4 +1,4 @@
-//! The record of a control step as it travels: 24 bytes, fixed layout, little-endian.
+//! The record of a control step as it travels: 24 bytes and two for each further input, fixed layout, little-endian.
 //!
 //! | bytes | what |
 //! |---|---|
@@ -8,8 +8,9 @@
 //! | 12..16 | C_cor, N s/m |
 //! | 16..20 | energy error since the start, Eq 12, J |
 //! | 20..24 | digest of the whole record |
+//! | 24..26, .. | codes of the board's further inputs, in the order of its identity |
 //!
-//! A frame holds [`STEPS`] successive steps behind the tick of the first. The outer loop has the same bits on the PC as on
+//! A frame holds [`STEPS`] successive steps behind the tick of the first and the number of further inputs. The outer loop has the same bits on the PC as on
 //! the board, so the PC, fed with the codes, works out every other word of the record; the digest proves that it has.
 
 use crate::frame::wire_bytes;
@@ -19,14 +20,40 @@ use outerloop_core::{Fault, Record, State};
 /// Steps in a full frame: 4 ms at 2 kHz. The last frame before a pause may hold fewer.
 pub const STEPS: usize = 8;
 
-/// Bytes of a step.
+/// Bytes of a step without further inputs.
 pub const STEP_BYTES: usize = 24;
 
-/// Bytes of the body of a full frame.
-pub const BODY_BYTES: usize = 4 + STEPS * STEP_BYTES;
+/// Further inputs of a board, at most.
+pub const MAX_INPUTS: usize = 3;
 
-/// Bytes of a full frame on the wire.
-pub const FRAME_BYTES: usize = wire_bytes(BODY_BYTES);
+/// Tick of the first step, number of further inputs.
+const HEAD: usize = 5;
+
+/// Bytes of the body of the longest frame.
+pub const BODY_BYTES: usize = HEAD + STEPS * (STEP_BYTES + 2 * MAX_INPUTS);
+
+/// Bytes of a full frame on the wire, of a board with so many further inputs.
+pub const fn frame_bytes(inputs: usize) -> usize {
+    wire_bytes(HEAD + STEPS * (STEP_BYTES + 2 * inputs))
+}
+
+/// What a board records beside displacement and force, in every control step. No part of the test hangs on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Input {
+    /// The command where it leaves the board, by codes of the command: tells a dead output converter from a dead valve.
+    CommandReadBack,
+    /// A second displacement, by codes of the sensors.
+    SecondDisplacement,
+    /// Acceleration of the actuator's head, by codes of the sensors.
+    HeadAcceleration,
+}
+
+impl Input {
+    /// Volts at the input of a converter of -10 to +10 V with codes 0 to `top`.
+    pub fn volts(code: u16, top: u16) -> f64 {
+        20.0 * f64::from(code) / f64::from(top) - 10.0
+    }
+}
 
 /// One control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +72,8 @@ pub struct StepReport {
     pub energy_j: f32,
     /// Digest of the record.
     pub digest: u32,
+    /// Codes of the board's further inputs; those that it does not have are zero.
+    pub inputs: [u16; MAX_INPUTS],
 }
 
 /// A hash of all words of a record in 32 bits.
@@ -56,7 +85,11 @@ pub fn digest<const N: usize>(record: &Record<N>) -> u32 {
 impl StepReport {
     /// The report of `record`, whose sample had these codes.
     #[inline]
-    pub fn of<const N: usize>(record: &Record<N>, displacement: u16, force: u16) -> Self {
+    pub fn of<const N: usize>(
+        record: &Record<N>,
+        [displacement, force]: [u16; 2],
+        inputs: [u16; MAX_INPUTS],
+    ) -> Self {
         Self {
             flags: record.flags,
             displacement,
@@ -69,6 +102,7 @@ impl StepReport {
                 .unwrap_or(0.0),
             energy_j: record.energy_sum.modified_j,
             digest: digest(record),
+            inputs,
         }
     }
 
@@ -82,7 +116,7 @@ impl StepReport {
         Fault::from_code((self.flags >> 8) as u8)
     }
 
-    /// As bytes.
+    /// As bytes, without the further inputs.
     pub fn to_bytes(&self) -> [u8; STEP_BYTES] {
         let mut bytes = [0; STEP_BYTES];
         let codes = u32::from(self.displacement) | u32::from(self.force) << 16;
@@ -100,7 +134,7 @@ impl StepReport {
         bytes
     }
 
-    /// From bytes.
+    /// From bytes, without further inputs.
     pub fn from_bytes(bytes: &[u8; STEP_BYTES]) -> Option<Self> {
         let (words, _) = bytes.as_chunks::<4>();
         let &[flags, codes, command, damping, energy, digest] = words else {
@@ -115,6 +149,7 @@ impl StepReport {
             added_damping_n_s_per_m: f32::from_le_bytes(damping),
             energy_j: f32::from_le_bytes(energy),
             digest: u32::from_le_bytes(digest),
+            inputs: [0; MAX_INPUTS],
         })
     }
 }
@@ -129,32 +164,47 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// As the body of a frame.
-    pub fn encode(&self) -> Vec<u8, BODY_BYTES> {
+    /// As the body of a frame of a board with so many further inputs, at most [`MAX_INPUTS`].
+    pub fn encode(&self, inputs: usize) -> Vec<u8, BODY_BYTES> {
+        let inputs = inputs.min(MAX_INPUTS);
         let mut body = Vec::new();
         // Room for all of it is in the type.
         let _ = body.extend_from_slice(&self.first_tick.to_le_bytes());
+        let _ = body.push(inputs as u8);
         for step in &self.steps {
             let _ = body.extend_from_slice(&step.to_bytes());
+            for code in step.inputs.iter().take(inputs) {
+                let _ = body.extend_from_slice(&code.to_le_bytes());
+            }
         }
         body
     }
 
     /// From the body of a frame; `None` if it is no telemetry.
     pub fn decode(body: &[u8]) -> Option<Self> {
-        let (tick, steps) = body.split_first_chunk::<4>()?;
-        let (steps, rest) = steps.as_chunks::<STEP_BYTES>();
-        if !rest.is_empty() || steps.len() > STEPS {
+        let (tick, rest) = body.split_first_chunk::<4>()?;
+        let (&inputs, steps) = rest.split_first()?;
+        let inputs = usize::from(inputs);
+        let steps = steps.chunks_exact(STEP_BYTES + 2 * inputs);
+        if inputs > MAX_INPUTS || !steps.remainder().is_empty() || steps.len() > STEPS {
             return None;
         }
         Some(Self {
             first_tick: u32::from_le_bytes(*tick),
-            steps: steps
-                .iter()
-                .map(StepReport::from_bytes)
-                .collect::<Option<_>>()?,
+            steps: steps.map(step_of).collect::<Option<_>>()?,
         })
     }
+}
+
+/// A step with its further inputs.
+fn step_of(bytes: &[u8]) -> Option<StepReport> {
+    let (step, inputs) = bytes.split_first_chunk::<STEP_BYTES>()?;
+    let mut report = StepReport::from_bytes(step)?;
+    let (codes, _) = inputs.as_chunks::<2>();
+    for (place, code) in report.inputs.iter_mut().zip(codes) {
+        *place = u16::from_le_bytes(*code);
+    }
+    Some(report)
 }
 
 #[cfg(test)]
@@ -173,6 +223,7 @@ mod tests {
             added_damping_n_s_per_m: mix(5) as f32,
             energy_j: mix(6) as f32,
             digest: mix(7),
+            inputs: [0; MAX_INPUTS],
         }
     }
 
@@ -185,13 +236,15 @@ mod tests {
         let frame = Frame {
             kind: Kind::Telemetry,
             sequence: u16::MAX,
-            body: &t.encode(),
+            body: &t.encode(0),
         };
         let wire = frame.encode().unwrap();
-        assert_eq!(wire.len(), FRAME_BYTES);
+        assert_eq!(wire.len(), frame_bytes(0));
         let share = wire.len() as f64 / STEPS as f64 * 2000.0 * 10.0 / f64::from(crate::BAUD);
         assert!(share < 0.53, "{share} of the port");
-        assert!(crate::fastest_rate_hz(crate::BAUD) >= 2000);
+        for inputs in 0..=MAX_INPUTS {
+            assert!(crate::fastest_rate_hz(crate::BAUD, inputs) >= 2500);
+        }
     }
 
     #[test]
@@ -210,17 +263,27 @@ mod tests {
             first_tick: 1,
             steps: [step(3)].into_iter().collect(),
         }
-        .encode();
-        assert!(Telemetry::decode(&body[..27]).is_none());
+        .encode(0);
+        assert!(Telemetry::decode(&body[..28]).is_none());
         assert!(Telemetry::decode(&[]).is_none());
+        // More inputs than there can be, in a body of their length.
+        let mut many = [0; 4 + 1 + STEP_BYTES + 2 * (MAX_INPUTS + 1)];
+        many[4] = MAX_INPUTS as u8 + 1;
+        assert!(Telemetry::decode(&many).is_none());
     }
 
     proptest! {
         #[test]
-        fn comes_back_as_it_was(first_tick: u32, count in 0..=STEPS, seed: u32) {
-            let steps = (0..count as u32).map(|i| step(seed.wrapping_add(i))).collect();
-            let t = Telemetry { first_tick, steps };
-            prop_assert_eq!(Telemetry::decode(&t.encode()), Some(t));
+        fn comes_back_as_it_was(first_tick: u32, count in 0..=STEPS, inputs in 0..=MAX_INPUTS, seed: u32) {
+            let with_inputs = |i: u32| {
+                let mut step = step(seed.wrapping_add(i));
+                for (k, code) in (0_u16..).zip(step.inputs.iter_mut().take(inputs)) {
+                    *code = (seed as u16).wrapping_add(k);
+                }
+                step
+            };
+            let t = Telemetry { first_tick, steps: (0..count as u32).map(with_inputs).collect() };
+            prop_assert_eq!(Telemetry::decode(&t.encode(inputs)), Some(t));
         }
     }
 }

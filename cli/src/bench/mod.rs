@@ -5,10 +5,11 @@ mod plant;
 
 pub use self::plant::{Breakage, PlantBench};
 
+use crate::board::Further;
 use crate::failure::Failure;
 use crate::trace::Witness;
 use link::status::Timing;
-use outerloop_core::{Config, Design, GroundMotion, State, Trip};
+use outerloop_core::{Config, Design, Fault, GroundMotion, State, Trip};
 use serde::Serialize;
 
 /// A test, ready to run.
@@ -62,6 +63,11 @@ pub struct OnBoard {
     pub clock_hz: u32,
     /// Why the link was lost.
     pub link: Option<String>,
+    /// What it records beside displacement and force, if it does.
+    pub further: Option<Further>,
+    /// What it tripped on.
+    #[serde(skip)]
+    pub trip: Option<Fault>,
 }
 
 impl OnBoard {
@@ -95,8 +101,10 @@ impl OnBoard {
         let link = self.link.as_ref().map_or_else(String::new, |why| {
             format!(" What was received is kept; {why}.")
         });
+        let further = self.further.as_ref().and_then(|f| f.sentence(self.trip));
+        let further = further.map_or_else(String::new, |said| format!(" {said}"));
         format!(
-            "Ran on {} ({}). {steps}{timing}{link}",
+            "Ran on {} ({}). {steps}{timing}{further}{link}",
             self.board, self.commit
         )
     }

@@ -1,6 +1,8 @@
 //! A whole test on a board.
 
 use super::connection::Connection;
+use super::further::Further;
+use super::image::{Image, converter_bits};
 use super::limits::{self, Plan};
 use super::mirror::Mirror;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
@@ -33,6 +35,8 @@ pub struct BoardBench<P> {
     operator: Operator,
     /// The number that the board's calibration has to have.
     calibration: Option<String>,
+    /// The bits that its converters have to have.
+    bits: Option<u8>,
 }
 
 impl<P: Port> BoardBench<P> {
@@ -43,6 +47,7 @@ impl<P: Port> BoardBench<P> {
             plan,
             operator,
             calibration: None,
+            bits: None,
         }
     }
 
@@ -52,13 +57,26 @@ impl<P: Port> BoardBench<P> {
         self
     }
 
+    /// On a board whose converters have so many bits.
+    pub fn with_bits(mut self, bits: Option<u8>) -> Self {
+        self.bits = bits;
+        self
+    }
+
     /// The connection back.
     pub fn into_connection(self) -> Connection<P> {
         self.connection.into_inner()
     }
 
-    /// The board's calibration is the one that the test names.
-    fn check_calibration(&self, identity: &Identity) -> Result<(), Failure> {
+    /// The board's converters and calibration are those that the test names.
+    fn check_board(&self, identity: &Identity) -> Result<(), Failure> {
+        let bits = converter_bits(&identity.codes);
+        if let Some(wanted) = self.bits.filter(|b| u32::from(*b) != bits) {
+            return Err(Failure::input(format!(
+                "board.converter_bits = {wanted}: the board's converters have {bits} bits: accepted is the image for the converters that the test asks for ({} for 16 bits)",
+                Image::External.name()
+            )));
+        }
         let number = format!("{:08x}", identity.calibration.number());
         match &self.calibration {
             Some(wanted) if !wanted.eq_ignore_ascii_case(&number) => Err(Failure::input(format!(
@@ -106,7 +124,7 @@ impl<P: Port> Bench for BoardBench<P> {
         let board = &mut *self.connection.borrow_mut();
         let identity = identify(board)?;
         prepare(board)?;
-        self.check_calibration(&identity)?;
+        self.check_board(&identity)?;
         let config = self.with_limits(assignment.config, &identity)?;
         let design = Design::new(&config).map_err(|e| Failure::input(e.to_string()))?;
         let since = done(board, "configure", &Command::Configure(config.clone()))?;
@@ -351,6 +369,7 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
     ) -> Result<Ending, Failure> {
         let mut done = 0;
         let mut lost = None;
+        let mut further = Further::of(identity);
         let (mut stopped, mut held, mut by_hand) = (false, false, false);
         // Steps count by their number, not by their coming: some may be lost on the way. Those of a hold do not count.
         let (mut first, mut last_running, mut in_hold) = (None, 0, 0);
@@ -376,6 +395,9 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
         let ended = loop {
             match self.next() {
                 Ok((tick, step)) => {
+                    if let Some(further) = further.as_mut().filter(|_| self.state.integrates()) {
+                        further.see(tick, &step);
+                    }
                     let (done, wish) = see(self.mirror.take(tick, step));
                     match wish {
                         Some(Event::Stop) if !stopped => {
@@ -456,6 +478,8 @@ impl<'a, 'b, P: Port, const N: usize> Session<'a, 'b, P, N> {
                 timing: vitals.as_ref().map(|v| v.timing),
                 clock_hz: identity.clock_hz,
                 link: lost,
+                further,
+                trip: trip.map(|t| t.fault),
             }),
         })
     }

@@ -1,32 +1,30 @@
 //! The image and the emulator, built where they are not there yet.
 
+use super::image::Image;
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The image as it is flashed: the one that OUTERLOOP_IMAGE names, else a release's, else that of the present checkout.
+/// The image as it is flashed: the one that OUTERLOOP_IMAGE (OUTERLOOP_IMAGE_16) names, else a release's, else that of the
+/// present checkout.
 ///
 /// # Errors
 /// No checkout here, or a build that fails.
-pub fn built_image() -> Result<PathBuf, Failure> {
-    if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
+pub fn built_image(image: Image) -> Result<PathBuf, Failure> {
+    if let Some(built) = std::env::var_os(image.variable()) {
         return Ok(built.into());
     }
-    if let Some(released) = beside("outerloop-nucleo_f429zi.elf") {
+    let name = image.name();
+    if let Some(released) = beside(&format!("outerloop-{name}.elf")) {
         return Ok(released);
     }
     let root = checkout()?;
     let target = target_folder(&root);
-    let built = target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi");
+    let built = target
+        .join("cross/thumbv7em-none-eabihf/release")
+        .join(name);
     let mut build = Command::new(root.join("scripts/cross"));
-    build.args([
-        "build",
-        "-p",
-        "firmware",
-        "--bin",
-        "nucleo_f429zi",
-        "--release",
-    ]);
+    build.args(["build", "-p", "firmware", "--bin", name, "--release"]);
     announce(&built, "the board's image", "1 to 3 minutes");
     run(build.current_dir(&root).env("CARGO_TARGET_DIR", &target))?;
     Ok(built)

@@ -1,12 +1,12 @@
 //! The flashed image on an emulated board: both are built, and the link runs over the emulator's pipes.
 
 use super::build::{built_emulator, built_image};
+use super::image::Image;
 use super::limits::Plan;
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use link::{Calibration, CodeRange};
-use outerloop_core::Config;
+use link::Calibration;
 use outerloop_core::config::Limits;
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
@@ -16,16 +16,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Widths of the image's converters; the board says so itself once it runs.
-const IMAGE_CODES: CodeRange = CodeRange {
-    sensor_top: 8190,
-    sensor_rail: 8,
-    sensor_spare: 600,
-    command_top: 4095,
-    command_spare: 300,
-};
-
-/// Floors, actuators and sampling clock of the image.
+/// Floors, actuators and sampling clock of the images.
 const IMAGE_FLOORS: usize = 3;
 const IMAGE_ACTUATORS: usize = 1;
 const IMAGE_TIMER_HZ: f64 = 84e6;
@@ -35,7 +26,8 @@ const IMAGE_SLOWEST_HZ: f64 = 100.0;
 ///
 /// # Errors
 /// What of the test the image does not have.
-pub fn can_run(config: &Config) -> Result<(), Failure> {
+pub fn can_run(test: &TestFile) -> Result<(), Failure> {
+    let config = &test.config;
     let floors = config.degrees_of_freedom();
     let actuators = config.physical_storeys().min(floors);
     let rate_hz = config.timing.rate_hz;
@@ -50,7 +42,10 @@ pub fn can_run(config: &Config) -> Result<(), Failure> {
             "the test has {floors} floors: accepted on the image for the NUCLEO-F429ZI are up to {IMAGE_FLOORS}"
         ));
     }
-    let fastest_hz = f64::from(link::fastest_rate_hz(link::BAUD));
+    let fastest_hz = f64::from(link::fastest_rate_hz(
+        link::BAUD,
+        Image::of(&test.board).inputs(),
+    ));
     let divides = (IMAGE_TIMER_HZ / rate_hz).fract() == 0.0;
     if !(divides && (IMAGE_SLOWEST_HZ..=fastest_hz).contains(&rate_hz)) {
         return refuse(format!(
@@ -76,12 +71,15 @@ pub struct Laboratory {
     pub seed: u64,
     /// The ranges of its sensors and of its actuator.
     pub calibration: Calibration,
+    /// The image, and so the converters.
+    pub image: Image,
 }
 
 impl Laboratory {
     /// The laboratory of a test file.
     pub fn of(test: &TestFile, seed: u64) -> Self {
         let config = &test.config;
+        let image = Image::of(&test.board);
         let physical = config.physical_storeys().min(config.degrees_of_freedom());
         Self {
             rig: test.plant.clone(),
@@ -94,7 +92,8 @@ impl Laboratory {
                 .collect(),
             rate_hz: config.timing.rate_hz,
             seed,
-            calibration: Calibration::placeholder(&IMAGE_CODES),
+            calibration: Calibration::placeholder(&image.codes()),
+            image,
         }
     }
 
@@ -102,7 +101,7 @@ impl Laboratory {
     /// power of ten in which the limits can act and the noise at the plan's peaks meets no rail.
     pub fn sized_for(mut self, limits: &Limits, plan: &Plan) -> Self {
         let of = |top: u16, spare: u16| 1.0 - 2.0 * f64::from(spare) / f64::from(top);
-        let codes = &IMAGE_CODES;
+        let codes = &self.image.codes();
         let free = of(codes.sensor_top, codes.sensor_spare)
             .min(of(codes.command_top, codes.command_spare));
         let room = |limit: Option<f64>, peak: f64| (limit.unwrap_or(0.0) / free).max(peak);
@@ -110,6 +109,17 @@ impl Laboratory {
         let stroke_m = size_above(room(limits.displacement_m, peak_m));
         let force_n = size_above(room(limits.force_n, peak_n));
         self.calibration = Calibration::over(stroke_m, force_n, codes);
+        self
+    }
+}
+
+impl Laboratory {
+    /// With sensors and an actuator over so many metres to either side.
+    pub fn over(mut self, half_m: f32) -> Self {
+        let codes = self.image.codes();
+        let wide = Calibration::over(half_m, 1.0, &codes);
+        self.calibration.displacement = wide.displacement;
+        self.calibration.command = wide.command;
         self
     }
 }
@@ -150,7 +160,7 @@ impl Emulated {
         let text = toml::to_string(laboratory).map_err(|e| cannot("the rig", &e))?;
         std::fs::write(file.path(), text).map_err(|e| cannot("the rig", &e))?;
         let mut child = Command::new(emulator)
-            .arg(built_image()?)
+            .arg(built_image(laboratory.image)?)
             .arg(file.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

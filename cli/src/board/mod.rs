@@ -5,6 +5,8 @@
 //!  connection   commands and their answers, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
 //!  bench        a whole test: configure, load, arm, start, receive
+//!  further      what a board records beside displacement and force
+//!  image        the images that can be flashed
 //!  limits       those that a board asks for, worked out from the planned test
 //!  operator     the person at the bench: go, go on, stop
 //!  orders       what a person asks of a board, and how a refusal is said
@@ -16,6 +18,8 @@ mod build;
 mod commission;
 mod connection;
 pub mod emulated;
+mod further;
+mod image;
 pub mod limits;
 mod mirror;
 pub mod operator;
@@ -26,6 +30,8 @@ mod wording;
 pub use bench::BoardBench;
 pub use commission::commission;
 pub use connection::{Connection, Patience};
+pub use further::Further;
+pub use image::Image;
 pub use mirror::{Mirror, Seen};
 pub use operator::Operator;
 pub use orders::{calibrate, clear, identify, save, status, zero};

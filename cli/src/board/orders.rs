@@ -146,6 +146,9 @@ fn refused(what: &str, reply: Reply) -> Failure {
             Obstacle::Crystal => format!(
                 "{what}: the board's crystal has the wrong frequency: accepted is 8 MHz from the ST-LINK"
             ),
+            Obstacle::Converters => format!(
+                "{what}: a converter outside the chip did not answer when the board started: accepted is one that has power and all its wires, then a reset of the board (docs/wiring-16.md)"
+            ),
         }),
         Reply::Rejected { state, .. } => Failure::test(format!(
             "{what}: means nothing while the board is {}: accepted is another order first, see `outerloop board status`",

@@ -87,6 +87,11 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     if !status.crystal_ok {
         lines.push("the crystal has the wrong frequency: the board refuses to arm".into());
     }
+    if !status.converters_ok {
+        lines.push(
+            "a converter outside the chip did not answer when the board started: the board refuses to arm".into(),
+        );
+    }
     lines.extend(describe_words(status.started, status.last_words.as_ref()));
     lines.join("\n")
 }

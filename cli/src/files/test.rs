@@ -39,10 +39,20 @@ pub struct TestFile {
 pub struct BoardWanted {
     /// Number of its calibration, eight hexadecimal digits as `outerloop board calibrate` shows it.
     pub calibration: Option<String>,
+    /// Bits of its converters, 12 (the chip's own) or 16 (external, -10 to +10 V); left out: 12 where the board is emulated,
+    /// else whatever it has.
+    pub converter_bits: Option<u8>,
 }
 
 impl BoardWanted {
     fn check(&self) -> Result<(), String> {
+        if let Some(bits) = self.converter_bits
+            && !matches!(bits, 12 | 16)
+        {
+            return Err(format!(
+                "board.converter_bits = {bits} is refused: accepted are 12 (the chip's own converters) and 16 (external ones, see docs/wiring-16.md)"
+            ));
+        }
         match &self.calibration {
             Some(number) if number.len() != 8 || u32::from_str_radix(number, 16).is_err() => {
                 Err(format!(

@@ -283,7 +283,7 @@ impl Commission {
                 (Connection::new(port, Patience::BOARD), operator)
             }
             None => {
-                emulated::can_run(&test.config)?;
+                emulated::can_run(&test)?;
                 let plan = Plan::of_signal(&test, &signal);
                 let limits = plan.without_board(&test.config.limits);
                 let laboratory = Laboratory::of(&test, self.seed).sized_for(&limits, &plan);

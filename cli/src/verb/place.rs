@@ -77,7 +77,7 @@ impl Site for Place {
             (Connection::new(port, Patience::BOARD), operator)
         } else if self.emulated {
             let config = &experiment.test.config;
-            emulated::can_run(config)?;
+            emulated::can_run(&experiment.test)?;
             let limits = plan.without_board(&config.limits);
             let laboratory = Laboratory::of(&experiment.test, seed).sized_for(&limits, &plan);
             let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
@@ -88,7 +88,8 @@ impl Site for Place {
             return experiment.run(method, ideal, seed, keep, tell);
         };
         let bench = BoardBench::new(connection, plan, operator)
-            .expecting(experiment.test.board.calibration.clone());
+            .expecting(experiment.test.board.calibration.clone())
+            .with_bits(experiment.test.board.converter_bits);
         experiment.run_on(&bench, method, ideal, keep, tell)
     }
 }

@@ -27,7 +27,8 @@ pub struct Run {
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME")]
     compensation: Option<String>,
-    /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3) and summary.json there
+    /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3) and summary.json there, and inputs.csv of a board with
+    /// further inputs
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write everything that is needed to judge and to repeat the test into this file; `outerloop replay` reads it
@@ -133,15 +134,18 @@ impl Run {
             seed: ran.seed,
             provenance: Provenance::of_this_run(),
         };
-        output::write_all(
-            folder,
-            &[
-                ("report.html", report::of_run(&section)?.into_bytes()),
-                ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
-                ("record.h5", archived),
-                ("summary.json", json(&summary)?.into_bytes()),
-            ],
-        )
+        let mut files = vec![
+            ("report.html", report::of_run(&section)?.into_bytes()),
+            ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
+            ("record.h5", archived),
+            ("summary.json", json(&summary)?.into_bytes()),
+        ];
+        let board = ran.summary.board.as_ref();
+        if let Some(further) = board.and_then(|b| b.further.as_ref()) {
+            let rate_hz = ran.experiment.test.config.timing.rate_hz;
+            files.push(("inputs.csv", further.to_csv(rate_hz).into_bytes()));
+        }
+        output::write_all(folder, &files)
     }
 }
 

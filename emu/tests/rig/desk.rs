@@ -1,15 +1,14 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Firmware, Laboratory, Log, Mutant, Planned, Seen, Wire};
-use firmware::sim::CODES;
-use link::Calibration;
+use emu::{Converters, Firmware, Laboratory, Log, Mutant, Planned, Seen, Wire};
 use link::command::Command;
 use link::frame::checksum;
 use link::reply::Reply;
 use link::status::Status;
 use link::telemetry::StepReport;
-use outerloop_cli::board::{Connection, Patience, Port, status};
+use link::{Calibration, CodeRange};
+use outerloop_cli::board::{Connection, Image, Patience, Port, status};
 use outerloop_core::Config;
 use outerloop_core::config::Limits;
 use outerloop_core::{Event, State};
@@ -30,25 +29,35 @@ pub const PERIOD_NS: u64 = 500_000;
 /// No test of these runs so long, s of the board's time.
 const LONGEST_S: u64 = 20;
 
-/// The image as it is flashed: `OUTERLOOP_IMAGE`, else built when the first test asks for it.
+/// What the image of these tests has for converters.
+pub const CONVERTERS: Converters = match crate::IMAGE {
+    Image::Internal => Converters::Internal,
+    Image::External => Converters::External,
+};
+
+/// Their codes.
+pub fn codes() -> CodeRange {
+    crate::IMAGE.codes()
+}
+
+/// Codes of the command in 24 um, what a code is with 12 bits: the scenarios' bounds are of that.
+pub fn fine() -> u16 {
+    codes().command_top / 4095
+}
+
+/// The image as it is flashed: the one that the environment names, else built when the first test asks for it.
 pub fn image() -> &'static Path {
-    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
-    IMAGE.get_or_init(|| {
-        if let Some(built) = std::env::var_os("OUTERLOOP_IMAGE") {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    let name = crate::IMAGE.name();
+    BUILT.get_or_init(|| {
+        if let Some(built) = std::env::var_os(crate::IMAGE.variable()) {
             return built.into();
         }
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let target = std::env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| root.join("target"), |named| root.join(named));
         let built = std::process::Command::new(root.join("scripts/cross"))
-            .args([
-                "build",
-                "-p",
-                "firmware",
-                "--bin",
-                "nucleo_f429zi",
-                "--release",
-            ])
+            .args(["build", "-p", "firmware", "--bin", name, "--release"])
             .env("CARGO_TARGET_DIR", &target)
             .status()
             .expect("scripts/cross starts");
@@ -56,7 +65,9 @@ pub fn image() -> &'static Path {
             built.success(),
             "the image builds; scripts/setup installs what that needs"
         );
-        target.join("cross/thumbv7em-none-eabihf/release/nucleo_f429zi")
+        target
+            .join("cross/thumbv7em-none-eabihf/release")
+            .join(name)
     })
 }
 
@@ -93,6 +104,8 @@ pub struct Bench {
     pub lsi_hz: u64,
     pub plan: Option<Planned>,
     pub mutant: Option<Mutant>,
+    /// How fast the rig sinks while nothing permits it to move, m/s.
+    pub sinks_m_per_s: f64,
 }
 
 impl Default for Bench {
@@ -103,6 +116,7 @@ impl Default for Bench {
             lsi_hz: USUAL_LSI_HZ,
             plan: None,
             mutant: None,
+            sinks_m_per_s: 0.0,
         }
     }
 }
@@ -157,6 +171,8 @@ impl Desk {
         let wire = Wire::default();
         let drill = firmware.symbol("DRILL").expect("the symbol DRILL");
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
+            .with_converters(CONVERTERS)
+            .sinking(bench.sinks_m_per_s)
             .with_plan(bench.plan)
             .mutated(bench.mutant)
             .until_ns(LONGEST_S * 1_000_000_000);
@@ -164,7 +180,7 @@ impl Desk {
         let theirs = wire.clone();
         let board = std::thread::spawn(move || {
             let run = || {
-                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
+                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, CONVERTERS, theirs.clone())
                     .map_err(|e| e.to_string())?;
                 let session =
                     Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
@@ -250,7 +266,7 @@ impl Desk {
 
     /// As it is wired.
     pub fn calibrate(&mut self) {
-        self.order(Command::Calibrate(Calibration::placeholder(&CODES)));
+        self.order(Command::Calibrate(Calibration::placeholder(&codes())));
     }
 
     /// Loads and starts a test.
@@ -312,7 +328,7 @@ impl Desk {
                 .position(|(_, s)| *s == Seen::Permit(false))
                 .expect("PERMIT goes low");
         let code = |s: &(u64, Seen)| match s.1 {
-            Seen::Dac(code) => Some(code),
+            Seen::Command(code) => Some(code),
             _ => None,
         };
         let reset = seen[at..]

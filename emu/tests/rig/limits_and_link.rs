@@ -1,7 +1,7 @@
 //! What trips a test: sensors, limits, the link. Each leaves PERMIT low in a stated time, the command where it stood, the
 //! reason readable, and every step that was sent received.
 
-use crate::desk::{Desk, PERIOD_NS, config};
+use crate::desk::{Desk, PERIOD_NS, config, fine};
 use emu::{Contact, Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
@@ -44,7 +44,7 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
         .rposition(|(_, s)| *s == Seen::Permit(false))
         .unwrap();
     let code = |s: &(u64, Seen)| match s.1 {
-        Seen::Dac(code) => Some(code),
+        Seen::Command(code) => Some(code),
         _ => None,
     };
     let held = seen[..low].iter().rev().find_map(code).unwrap();
@@ -55,7 +55,7 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
     );
     let codes: Vec<u16> = seen.iter().filter_map(code).collect();
     assert!(
-        codes.windows(2).all(|w| w[0].abs_diff(w[1]) <= 12),
+        codes.windows(2).all(|w| w[0].abs_diff(w[1]) <= 12 * fine()),
         "the command jumps"
     );
     desk.order(Command::Event(Event::Clear));

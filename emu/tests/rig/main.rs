@@ -1,9 +1,15 @@
 //! The flashed image, unmodified, on an emulated board with the simulated rig behind its converters.
 #![allow(missing_docs)]
 
+use outerloop_cli::board::Image;
+
+/// The image of these tests.
+const IMAGE: Image = Image::Internal;
+
 mod crashes;
 mod desk;
 mod limits_and_link;
+mod mutant;
 mod mutants;
 mod settings;
 mod whole_test;

@@ -1,8 +1,7 @@
 //! Settings that were saved before the power was off. The emulator drops writes to the flash, so they are placed there.
 
-use crate::desk::{Bench, Desk, config, image};
+use crate::desk::{Bench, Desk, codes, config, image};
 use emu::Firmware;
-use firmware::sim::CODES;
 use firmware::station::{Keep, Wiring};
 use link::Calibration;
 use link::command::Command;
@@ -73,8 +72,8 @@ fn a_slot_that_the_power_failed_in_is_passed_over() {
 
 #[test]
 fn the_calibration_that_was_saved_is_in_force_without_a_test() {
-    let half = Calibration::over(0.025, 5e3, &CODES);
-    let kept = Wiring::new(half, &CODES).encode(1).unwrap();
+    let half = Calibration::over(0.025, 5e3, &codes());
+    let kept = Wiring::new(half, &codes()).encode(1).unwrap();
     let firmware = Firmware::read(image()).unwrap();
     let firmware = firmware.with_flash(CALIBRATIONS, kept.to_vec()).unwrap();
     let mut desk = Desk::with(Bench {

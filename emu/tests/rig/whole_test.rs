@@ -1,7 +1,8 @@
 //! A whole pseudodynamic test on the flashed image, over the link, as `outerloop run` does it.
 
-use crate::desk::{Desk, PERIOD_NS, image};
+use crate::desk::{Desk, PERIOD_NS, fine, image};
 use emu::{Firmware, Seen};
+use outerloop_cli::board::Image;
 use outerloop_cli::board::limits::Plan;
 use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_cli::experiment::Experiment;
@@ -58,8 +59,10 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
 
     // 12 bits over 100 mm: 24 um, on a peak of 20 mm.
     println!(
-        "eps_rms {:.4}, eps_max {:.4} on converters of 12 bits",
-        summary.eps_rms, summary.eps_max
+        "eps_rms {:.4}, eps_max {:.4} on {:?} converters",
+        summary.eps_rms,
+        summary.eps_max,
+        crate::IMAGE
     );
     assert!(summary.eps_rms < 0.01 && summary.eps_max < 0.02);
 
@@ -79,6 +82,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     );
     assert_eq!(timing.overruns, 0);
 
+    let external = crate::IMAGE == Image::External;
     // From the trigger to the command: the conversions, then the step. Telemetry of every step and the link's orders
     // load the board all the while, and nothing of them delays it by more than an instruction's entry.
     let (soonest, latest) = (
@@ -94,7 +98,8 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         share * 100.0,
         status.stack_bytes
     );
-    assert!(share < 0.03);
+    // External converters are waited for, 11 us of it.
+    assert!(share < if external { 0.06 } else { 0.03 }, "{share}");
     let firmware = Firmware::read(image()).unwrap();
     let kib = |bytes: u64| bytes as f64 / 1024.0;
     println!(
@@ -102,23 +107,23 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         kib(firmware.flash_bytes()),
         kib(firmware.ram_bytes().unwrap())
     );
-    // The DAC takes the command over 40 us after the trigger, and every command was there by then: the pin has shown it.
-    assert!(*latest < 40_000);
+    // The output takes the command over so long after the trigger, and every command was there by then: it has been shown.
+    assert!(*latest < if external { 45_000 } else { 40_000 });
     assert_eq!(log.violations, []);
-    assert!(status.stack_bytes > 1000 && status.stack_bytes < 62 * 1024);
+    assert!(status.stack_bytes > 1000 && status.stack_bytes < 70 * 1024);
 
     let codes: Vec<i32> = log
         .seen
         .iter()
         .filter_map(|(_, s)| match s {
-            Seen::Dac(code) => Some(i32::from(*code)),
+            Seen::Command(code) => Some(i32::from(*code)),
             _ => None,
         })
         .collect();
     let jump = codes.windows(2).map(|w| (w[1] - w[0]).abs()).max().unwrap();
     // 20 mm at 2 Hz are 0.25 m/s: 5.2 codes a step, and one of the error feedback.
     println!("largest step of the command {jump} codes");
-    assert!(jump <= 12, "{jump}");
+    assert!(jump <= 12 * i32::from(fine()), "{jump}");
 }
 
 #[test]

@@ -6,5 +6,8 @@ pub mod stack;
 #[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
 pub mod nucleo_f429zi;
 
+#[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
+pub mod nucleo_f429zi_16;
+
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod qemu;

@@ -1,6 +1,6 @@
 //! A board with its tasks, all in one thread.
 
-use super::{CLOCK, CODES, Faulty, Plant, SimBoard};
+use super::{CLOCK, CODES, Faulty, INPUTS, Plant, SimBoard};
 use crate::hardware::Hardware;
 use crate::station::{
     Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,
@@ -64,8 +64,10 @@ impl<P: Plant> Bench<P> {
                     clock: CLOCK,
                     now: || 0,
                     codes: CODES,
+                    inputs: INPUTS,
                     output_delay_us: 40.0,
                     crystal_ok: true,
+                    converters_ok: true,
                     started: Start::Power,
                     last_words: None,
                 },

@@ -2,7 +2,8 @@
 
 use crate::hardware::Hardware;
 use crate::station::Sign;
-use link::CodeRange;
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
 use outerloop_core::State;
 
 /// What is broken.
@@ -42,6 +43,7 @@ impl<H> Faulty<H> {
 
 impl<H: Hardware> Hardware for Faulty<H> {
     const CODES: CodeRange = H::CODES;
+    const INPUTS: &'static [Input] = H::INPUTS;
 
     fn now(&self) -> u32 {
         self.board.now()
@@ -50,6 +52,10 @@ impl<H: Hardware> Hardware for Faulty<H> {
     fn codes(&mut self) -> Option<[u16; 2]> {
         let codes = self.board.codes()?;
         (!self.broken.no_sample).then_some(self.broken.codes.unwrap_or(codes))
+    }
+
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        self.board.inputs()
     }
 
     fn began_late(&self) -> bool {

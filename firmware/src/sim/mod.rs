@@ -10,7 +10,8 @@ pub use faulty::{Broken, Faulty};
 use crate::hardware::Hardware;
 use crate::station::{Clock, Sign};
 use link::channel::Line;
-use link::{Calibration, CodeRange};
+use link::telemetry::MAX_INPUTS;
+use link::{Calibration, CodeRange, Input};
 use outerloop_core::State;
 
 /// The converters of the NUCLEO-F429ZI.
@@ -21,6 +22,9 @@ pub const CODES: CodeRange = CodeRange {
     command_top: 4095,
     command_spare: 300,
 };
+
+/// What is recorded beside displacement and force.
+pub const INPUTS: &[Input] = &[Input::CommandReadBack];
 
 /// Its clocks, without a deadline: here a step takes no time.
 pub const CLOCK: Clock = Clock {
@@ -46,6 +50,8 @@ pub struct SimBoard<P> {
     pub wired: Calibration,
     /// Code of the output converter.
     pub code: u16,
+    /// The code that its output showed when the sample was taken.
+    pub shown: u16,
     /// The PERMIT line.
     pub permit: bool,
     /// How often the watchdog was fed.
@@ -63,6 +69,7 @@ impl<P: Plant> SimBoard<P> {
             plant,
             wired: Calibration::placeholder(&CODES),
             code: CODES.command_top / 2,
+            shown: CODES.command_top / 2,
             permit: false,
             fed: 0,
             starving: None,
@@ -79,6 +86,7 @@ fn code(line: Line, quantity: f64) -> u16 {
 
 impl<P: Plant> Hardware for SimBoard<P> {
     const CODES: CodeRange = CODES;
+    const INPUTS: &'static [Input] = INPUTS;
 
     fn now(&self) -> u32 {
         self.ticks
@@ -86,10 +94,15 @@ impl<P: Plant> Hardware for SimBoard<P> {
 
     fn codes(&mut self) -> Option<[u16; 2]> {
         let line = self.wired.command;
+        self.shown = self.code;
         let command_m =
             (f64::from(self.code) - f64::from(line.zero_code)) * f64::from(line.per_code);
         let [m, n] = self.plant.step(command_m, self.permit);
         Some([code(self.wired.displacement, m), code(self.wired.force, n)])
+    }
+
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        [self.shown, 0, 0]
     }
 
     fn began_late(&self) -> bool {

@@ -141,12 +141,13 @@ impl Station {
         let (calibration, output) = (&self.calibration, &mut self.output);
         let time = &mut self.setup.time;
         let codes = self.codes;
+        let inputs = hardware.inputs();
         let step = each_loop!(&mut self.setup.outer, outer => {
             outer.set_goal(goal_m.map(on_first_axis));
             let step = outer.step(&on_first_floor(sample), ground);
             output.show(hardware, calibration, step.command_m[0], step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
-            StepReport::of(step.record, codes[0], codes[1])
+            StepReport::of(step.record, codes, inputs)
         });
 
         // The command is out: report, one order, watchdog.

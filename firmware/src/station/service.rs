@@ -13,13 +13,14 @@ use super::setup::{Clock, Setup};
 use super::upload::{Upload, Uploaded};
 use super::window::Window;
 use heapless::spsc::Producer;
-use link::CodeRange;
 use link::channel::{Calibration, Line};
 use link::command::{Channel, Command, MAX_POINTS};
 use link::frame::Seen;
 use link::limits::Shown;
 use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{LastWords, Start, Status};
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
 use outerloop_core::{Config, Event, Refusal, State};
 
 /// What does not change while the board runs.
@@ -35,10 +36,14 @@ pub struct Board {
     pub now: fn() -> u32,
     /// Widths of its converters' codes.
     pub codes: CodeRange,
+    /// What it records beside displacement and force.
+    pub inputs: &'static [Input],
     /// From the sampling trigger to the output of the command, us.
     pub output_delay_us: f32,
     /// The crystal has the right frequency.
     pub crystal_ok: bool,
+    /// The converters answered at the start.
+    pub converters_ok: bool,
     /// Why the board started.
     pub started: Start,
     /// What was kept across the reset.
@@ -313,6 +318,8 @@ impl Service {
             deadline_cycles: board.clock.deadline_ticks,
             codes: board.codes,
             calibration: self.calibration,
+            // No board has more than there is room for.
+            inputs: board.inputs.iter().copied().take(MAX_INPUTS).collect(),
         })
     }
 
@@ -326,6 +333,7 @@ impl Service {
             calibrated: self.calibrated,
             points: vitals.points,
             crystal_ok: self.board.crystal_ok,
+            converters_ok: self.board.converters_ok,
             codes: [self.windows[0].last(), self.windows[1].last()],
             timing: vitals.timing,
             link,
@@ -336,10 +344,12 @@ impl Service {
         })
     }
 
-    /// Arming asks for a clock, a calibration, and limits that can act.
+    /// Arming asks for a clock, converters, a calibration, and limits that can act.
     fn arm(&mut self) -> Asked {
         let obstacle = if !self.board.crystal_ok {
             Some(Obstacle::Crystal)
+        } else if !self.board.converters_ok {
+            Some(Obstacle::Converters)
         } else if !self.calibrated {
             Some(Obstacle::NotCalibrated)
         } else {

@@ -1,24 +1,36 @@
-//! The image for the NUCLEO-F429ZI: start-up, then three tasks and the control interrupt.
-//!
-//! # Start
-//! Nothing may move the actuator: the position is read, the DAC gets it before it is enabled, PERMIT is low, and the
-//! sampling timer starts last.
+//! The image for the NUCLEO-F429ZI with its own converters of 12 bits.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod control;
-#[cfg(target_os = "none")]
-mod lights;
-#[cfg(target_os = "none")]
-mod listen;
-#[cfg(target_os = "none")]
-mod report;
-#[cfg(target_os = "none")]
-mod start;
+mod image {
+    use embassy_stm32::interrupt;
+    use firmware::board::nucleo_f429zi::control::Owned;
+    use firmware::board::nucleo_f429zi::internal::Internal;
+    use firmware::board::nucleo_f429zi::{boot, fatal};
+
+    static CONTROL: Owned<Internal> = Owned::new();
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        boot::run(&CONTROL)
+    }
+
+    /// End of the four conversions.
+    #[interrupt]
+    fn ADC() {
+        // SAFETY: this is the control interrupt.
+        unsafe { CONTROL.period() };
+    }
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        fatal::panicked(info)
+    }
+}
 
 /// The host has no such board.
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("nucleo_f429zi is the board's image: build it with scripts/cross");
+    eprintln!("nucleo_f429zi is a board's image: build it with scripts/cross");
     std::process::exit(2);
 }

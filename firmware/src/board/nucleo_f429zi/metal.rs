@@ -1,16 +1,17 @@
 //! The hands of the control interrupt.
 
+use super::converters::Converters;
 use super::kept;
-use super::sampling::{CODES, Command, Period, Sensors};
 use super::{drill, drill::Drill};
 use crate::hardware::Hardware;
 use crate::station::Sign;
 use cortex_m::peripheral::DWT;
-use embassy_stm32::gpio::{Input, Output};
+use embassy_stm32::gpio::{Input as Pin, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
-use link::CodeRange;
 use link::status::{Cause, LastWords};
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
 use outerloop_core::State;
 
 /// The watchdog bites so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
@@ -23,23 +24,19 @@ pub fn cycles() -> u32 {
 }
 
 /// What the control interrupt owns of the board.
-pub struct Metal {
-    /// Displacement and force.
-    pub sensors: Sensors,
-    /// The command to the servo valve.
-    pub command: Command,
-    /// The control period.
-    pub period: Period,
+pub struct Metal<C> {
+    /// Displacement, force, command, and the period.
+    pub converters: C,
     /// The PERMIT line.
     pub permit: Output<'static>,
     /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
     pub pulse: Output<'static>,
     /// The contact of what hangs on PERMIT.
-    pub chain: Input<'static>,
+    pub chain: Pin<'static>,
     /// The blue button.
-    pub button: Input<'static>,
+    pub button: Pin<'static>,
     /// The emergency stop's contact.
-    pub stop: Input<'static>,
+    pub stop: Pin<'static>,
     /// High while the step runs.
     pub step: Output<'static>,
     /// The watchdog.
@@ -48,8 +45,9 @@ pub struct Metal {
     pub starving: bool,
 }
 
-impl Hardware for Metal {
-    const CODES: CodeRange = CODES;
+impl<C: Converters> Hardware for Metal<C> {
+    const CODES: CodeRange = C::CODES;
+    const INPUTS: &'static [Input] = C::INPUTS;
 
     #[inline]
     fn now(&self) -> u32 {
@@ -62,17 +60,22 @@ impl Hardware for Metal {
         if drill::asked() == Drill::Overrun {
             drill::overrun();
         }
-        self.sensors.codes()
+        self.converters.codes()
+    }
+
+    #[inline]
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        self.converters.inputs()
     }
 
     #[inline]
     fn began_late(&self) -> bool {
-        self.period.step_began_late()
+        self.converters.began_late()
     }
 
     #[inline]
     fn output(&mut self, code: u16) {
-        self.command.write(code);
+        self.converters.write(code);
         self.step.set_low();
     }
 
@@ -102,7 +105,7 @@ impl Hardware for Metal {
     }
 
     fn set_period(&mut self, ticks: u32) {
-        self.period.set(ticks);
+        self.converters.set_period(ticks);
     }
 
     #[inline]

@@ -42,14 +42,19 @@
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::{bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
 
+pub mod boot;
 pub mod clocks;
+pub mod control;
+pub mod converters;
 mod critical;
 pub mod drill;
 pub mod fatal;
+pub mod internal;
 pub mod kept;
 pub mod metal;
-pub mod sampling;
+pub mod period;
 pub mod store;
+pub mod tasks;
 
 bind_interrupts!(
     /// Embassy's interrupts. The control interrupt is none of them.
@@ -94,16 +99,3 @@ const SUPPLY_2_9_V: u8 = 7;
 
 /// The supply's line among the external interrupts.
 const SUPPLY_LINE: usize = 16;
-
-/// Starts the control interrupt, with the highest priority.
-///
-/// # Safety
-/// What its handler uses has been put in place.
-pub unsafe fn start_control_interrupt() {
-    // No conversion has been asked for: one that stands here is none of the timer's.
-    pac::ADC1.sr().modify(|w| w.set_jeoc(false));
-    interrupt::ADC.unpend();
-    interrupt::ADC.set_priority(Priority::P0);
-    // SAFETY: by the caller.
-    unsafe { interrupt::ADC.enable() };
-}

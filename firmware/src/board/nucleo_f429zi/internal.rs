@@ -1,22 +1,18 @@
-//! The timers, the converters, and how they hang on each other.
+//! The chip's own converters of 12 bits, and how they hang on the timers.
 
-use super::clocks::TIMER_HZ;
+use super::converters::{Begun, Converters, Resources};
+use super::period::Period;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::adc::{Adc, AdcChannel, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::gpio::Flex;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::{ADC1, DAC1, PA3, PA4, PC0, TIM2, TIM4};
+use embassy_stm32::peripherals::{ADC1, DAC1, PA3, PA4, PC0};
 use embassy_stm32::rcc;
-use embassy_stm32::timer::Channel;
-use embassy_stm32::timer::low_level::{
-    MasterMode, OutputCompareMode, SlaveMode, Timer, TriggerSource,
-};
 use embassy_stm32::triggers::TIM2_TRGO;
-use embassy_stm32::{Peri, interrupt::InterruptExt};
-use link::CodeRange;
-
-/// From the start of the conversions to the instant at which the DAC takes the command over, us.
-pub const OUTPUT_DELAY_US: u32 = 40;
+use embassy_stm32::{Peri, interrupt};
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
 
 /// The codes of this board: sensors are two conversions of 12 bits, added; ranks displacement, force, force, displacement
 /// have the same mean instant, so each channel's code is the sum of its pair.
@@ -28,8 +24,8 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 300,
 };
 
-/// A step begins so many ticks of TIM2 behind its trigger at the latest: 13 us of conversions, and room for the entry.
-const LATEST_BEGIN_TICKS: u32 = 20 * (TIMER_HZ / 1_000_000);
+/// A step begins so many microseconds behind its trigger at the latest: 13 of conversions, and room for the entry.
+const LATEST_BEGIN_US: u32 = 20;
 
 /// The DAC's trigger for which TIM4 stands.
 const DAC_TRIGGER_TIM4: u8 = 5;
@@ -72,7 +68,7 @@ impl Sensors {
             }
         }
         let codes = self.codes();
-        embassy_stm32::interrupt::ADC.unpend();
+        interrupt::ADC.unpend();
         codes
     }
 
@@ -114,46 +110,74 @@ impl Command {
     }
 }
 
-/// The control period.
-pub struct Period(Timer<'static, TIM2>);
+/// The chip's own converters.
+pub struct Internal {
+    sensors: Sensors,
+    command: Command,
+    period: Period,
+}
 
-impl Period {
-    /// Stopped, with TIM4 behind it.
-    pub fn new(tim2: Peri<'static, TIM2>, tim4: Peri<'static, TIM4>, ticks: u32) -> Self {
-        let output = Timer::new(tim4);
-        let delay = (OUTPUT_DELAY_US * (TIMER_HZ / 1_000_000)) as u16;
-        output.set_trigger_source(TriggerSource::ITR1);
-        output.set_slave_mode(SlaveMode::TRIGGER_MODE);
-        output.set_output_compare_mode(Channel::Ch1, OutputCompareMode::PwmMode2);
-        output.set_compare_value(Channel::Ch1, delay);
-        pac::TIM4.arr().write(|w| w.set_arr(delay + delay / 8));
-        output.regs_core().cr1().modify(|w| w.set_opm(true));
-        output.set_master_mode(MasterMode::COMPARE_OC1);
-        core::mem::forget(output);
+impl Converters for Internal {
+    const NAME: &'static str = "NUCLEO-F429ZI";
+    const CODES: CodeRange = CODES;
+    const INPUTS: &'static [Input] = &[];
+    const OUTPUT_DELAY_US: u32 = 40;
+    // The four conversions take 13 us of it.
+    const BEGINS_US: u32 = 15;
+    // Some 110 instructions and two divisions, from a flash that is not in the cache.
+    const AROUND_STEP_CYCLES: u32 = 400;
 
-        // Registers are written, not embassy's ways: those end in an update event, which is a trigger. Without preload the
-        // period is in force at once; from then on a new one waits for the update.
-        let period = Timer::new(tim2);
-        pac::TIM2.arr().write_value(ticks - 1);
-        period.set_autoreload_preload(true);
-        period.set_master_mode(MasterMode::UPDATE);
-        Self(period)
+    fn new(r: Resources, ticks: u32, standing: impl FnOnce(u16) -> u16) -> Begun<Self> {
+        let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
+        // Of a converter that does not answer: the first step will find its samples stale.
+        let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
+        let command = Command::new(r.dac1, r.pa4, standing(first[0]));
+        let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
+        Begun {
+            converters: Self {
+                sensors,
+                command,
+                period,
+            },
+            first,
+            answered: true,
+        }
     }
 
-    /// Lets it run: the first sample is taken one period from now.
-    pub fn start(&mut self) {
-        self.0.start();
+    fn start(&mut self) {
+        self.period.start();
     }
 
-    /// Another period, from the end of the present one on.
+    unsafe fn enable_interrupt() {
+        // No conversion has been asked for: one that stands here is none of the timer's.
+        pac::ADC1.sr().modify(|w| w.set_jeoc(false));
+        interrupt::ADC.unpend();
+        interrupt::ADC.set_priority(Priority::P0);
+        // SAFETY: by the caller.
+        unsafe { interrupt::ADC.enable() };
+    }
+
     #[inline]
-    pub fn set(&mut self, ticks: u32) {
-        pac::TIM2.arr().write_value(ticks - 1);
+    fn codes(&mut self) -> Option<[u16; 2]> {
+        self.sensors.codes()
     }
 
-    /// Asked at the beginning of a step: the timer has run on further since its trigger than it can have.
     #[inline]
-    pub fn step_began_late(&self) -> bool {
-        pac::TIM2.cnt().read() > LATEST_BEGIN_TICKS
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        [0; MAX_INPUTS]
+    }
+
+    #[inline]
+    fn began_late(&self) -> bool {
+        self.period.is_past(LATEST_BEGIN_US)
+    }
+
+    #[inline]
+    fn write(&mut self, code: u16) {
+        self.command.write(code);
+    }
+
+    fn set_period(&mut self, ticks: u32) {
+        self.period.set(ticks);
     }
 }

@@ -1,13 +1,13 @@
 //! The task that sends: every control step, and the answers between them.
 
-use crate::lights;
+use super::lights;
+use crate::station::{Evidence, Report, Service, Sign};
 use core::cell::RefCell;
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Timer};
-use firmware::station::{Evidence, Report, Service, Sign};
 use heapless::Vec;
 use heapless::spsc::Consumer;
 use link::Telemetry;
@@ -27,12 +27,19 @@ const PATIENCE_BEATS: u32 = 10;
 
 /// What the task uses.
 pub struct Reporter {
+    /// The control interrupt's steps.
     pub reports: Consumer<'static, Report>,
+    /// Answers commands.
     pub service: &'static RefCell<Service>,
+    /// Answers on their way out.
     pub answers: &'static Answers,
+    /// Signs of life.
     pub evidence: &'static Evidence,
+    /// How many further inputs the board has.
+    pub inputs: usize,
 }
 
+/// The task.
 #[embassy_executor::task]
 pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     let mut sequence = 0_u16;
@@ -47,7 +54,7 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
             if telemetry.steps.is_empty() {
                 continue;
             }
-            telemetry_frame(&telemetry, sequence)
+            telemetry_frame(&telemetry, reporter.inputs, sequence)
         } else {
             waited += 1;
             Timer::after(BEAT).await;
@@ -63,11 +70,15 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     }
 }
 
-fn telemetry_frame(telemetry: &Telemetry, sequence: u16) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
+fn telemetry_frame(
+    telemetry: &Telemetry,
+    inputs: usize,
+    sequence: u16,
+) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
     let frame = Frame {
         kind: Kind::Telemetry,
         sequence,
-        body: &telemetry.encode(),
+        body: &telemetry.encode(inputs),
     };
     frame.encode()
 }

@@ -1,7 +1,18 @@
-//! From the reset to the first control step.
+//! From the reset to the first control step, the same for every kind of converters.
+//!
+//! Nothing may move the actuator: PERMIT is low, the position is read, the output gets it before it is enabled, and the
+//! sampling timer starts last.
 
-use crate::control::{self, Control};
-use crate::{lights, listen, report};
+use super::control::{Control, Owned};
+use super::converters::{Begun, Converters, Resources};
+use super::metal::{Metal, WATCHDOG_US, cycles};
+use super::store::{Memory, Store};
+use super::tasks::{lights, listen, report};
+use super::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities};
+use crate::board::stack::HighWater;
+use crate::station::{
+    Board, Clock, Ends, Evidence, Order, Outcome, Parts, Points, Report, Service, Setup, Station,
+};
 use core::cell::RefCell;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
@@ -10,36 +21,31 @@ use embassy_stm32::flash::Flash;
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::usart::{Config as Serial, Uart};
 use embassy_stm32::wdg::IndependentWatchdog;
-use firmware::board::nucleo_f429zi::metal::{Metal, WATCHDOG_US, cycles};
-use firmware::board::nucleo_f429zi::sampling::{CODES, Command, OUTPUT_DELAY_US, Period, Sensors};
-use firmware::board::nucleo_f429zi::store::{Memory, Store};
-use firmware::board::nucleo_f429zi::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities};
-use firmware::board::stack::HighWater;
-use firmware::station::{
-    Board, Clock, Ends, Evidence, Order, Outcome, Parts, Points, Report, Service, Setup, Station,
-};
 use heapless::spsc::Queue;
+use link::CodeRange;
 use link::channel::{Calibration, ErrorFeedback};
 use outerloop_core::{Config, Refusal};
 use static_cell::{ConstStaticCell, StaticCell};
 
-/// What the board's clocks allow. A step has to be ready when the DAC takes its command over; the four conversions take
-/// 13 us of that time.
-const CLOCK: Clock = Clock {
-    timer_hz: clocks::TIMER_HZ,
-    // A period of 10 ms; the watchdog's shortest time is 17 ms.
-    slowest_rate_hz: 100,
-    fastest_rate_hz: link::fastest_rate_hz(link::BAUD),
-    deadline_ticks: (OUTPUT_DELAY_US - 15) * (clocks::CORE_HZ / 1_000_000),
-    // Some 110 instructions and two divisions, from a flash that is not in the cache.
-    around_step_ticks: 400,
-    stopwatch_hz: clocks::CORE_HZ,
-};
+/// What the board's clocks allow. A step has to be ready when the output takes its command over.
+const fn clock<C: Converters>() -> Clock {
+    let per_us = clocks::CORE_HZ / 1_000_000;
+    Clock {
+        timer_hz: clocks::TIMER_HZ,
+        // A period of 10 ms; the watchdog's shortest time is 17 ms.
+        slowest_rate_hz: 100,
+        fastest_rate_hz: link::fastest_rate_hz(link::BAUD, C::INPUTS.len()),
+        deadline_ticks: (C::OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
+        around_step_ticks: C::AROUND_STEP_CYCLES,
+        stopwatch_hz: clocks::CORE_HZ,
+    }
+}
 
 defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
-#[cortex_m_rt::entry]
-fn main() -> ! {
+/// Starts the board and runs its tasks for good. `control` is where the image's control interrupt finds what it owns.
+#[inline(always)] // Into the image's entry: the frame of the start is at the bottom of the stack anyway.
+pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
     static EVIDENCE: Evidence = Evidence::new();
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
@@ -79,32 +85,60 @@ fn main() -> ! {
         crystal_ok
     );
 
-    let (setup, config, saved) = settings();
-    let calibration = saved.unwrap_or(Calibration::placeholder(&CODES));
-    let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
-    let first = sensors.first().unwrap_or_else(middle);
-    let command = Command::new(p.DAC1, p.PA4, standing(&calibration, first[0]));
-    let mut period = Period::new(p.TIM2, p.TIM4, setup.period_ticks);
+    let clock = const { clock::<C>() };
+    let (setup, config, saved) = settings(&clock, &C::CODES);
+    let calibration = saved.unwrap_or(Calibration::placeholder(&C::CODES));
+    let resources = Resources {
+        adc1: p.ADC1,
+        dac1: p.DAC1,
+        spi1: p.SPI1,
+        spi3: p.SPI3,
+        tim2: p.TIM2,
+        tim4: p.TIM4,
+        pa3: p.PA3,
+        pa4: p.PA4,
+        pa5: p.PA5,
+        pa6: p.PA6,
+        pb10: p.PB10,
+        pb11: p.PB11,
+        pc0: p.PC0,
+        pc10: p.PC10,
+        pc11: p.PC11,
+        pc12: p.PC12,
+        pd2: p.PD2,
+        pd12: p.PD12,
+        pd14: p.PD14,
+        pf12: p.PF12,
+    };
+    let Begun {
+        mut converters,
+        first,
+        answered,
+    } = C::new(resources, setup.period_ticks, |displacement| {
+        standing(&calibration, &C::CODES, displacement)
+    });
 
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
     let (outcomes_in, outcomes_out) = OUTCOMES.init(Queue::new()).split();
     let (reports_in, reports_out) = REPORTS.init(Queue::new()).split();
     let in_force = (setup.rate_hz, setup.model_step_s);
     let board = Board {
-        name: "NUCLEO-F429ZI",
+        name: C::NAME,
         commit: env!("OUTERLOOP_COMMIT"),
-        clock: CLOCK,
+        clock,
         now: cycles,
-        codes: CODES,
-        output_delay_us: OUTPUT_DELAY_US as f32,
+        codes: C::CODES,
+        inputs: C::INPUTS,
+        output_delay_us: C::OUTPUT_DELAY_US as f32,
         crystal_ok,
+        converters_ok: answered,
         started,
         last_words,
     };
     let crashed = board.last_words.is_some();
     let parts = Parts {
         orders: orders_in,
-        spare: spare(),
+        spare: spare(&clock),
         writable: POINTS.take().claim(),
         config,
         calibration: saved,
@@ -128,13 +162,11 @@ fn main() -> ! {
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     watchdog.unleash();
     watchdog.pet();
-    period.start();
-    control::begin(Control {
+    converters.start();
+    control.begin(Control {
         station,
         metal: Metal {
-            sensors,
-            command,
-            period,
+            converters,
             permit,
             pulse,
             chain,
@@ -158,6 +190,7 @@ fn main() -> ! {
         service,
         answers,
         evidence: &EVIDENCE,
+        inputs: C::INPUTS.len(),
     };
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawner.spawn(defmt::unwrap!(listen::task(listener, rx)));
@@ -168,30 +201,33 @@ fn main() -> ! {
 
 /// The test to begin with: the saved one, else one that cannot be armed.
 #[inline(never)]
-fn settings() -> (&'static mut Setup, Option<Config>, Option<Calibration>) {
+fn settings(
+    clock: &Clock,
+    codes: &CodeRange,
+) -> (&'static mut Setup, Option<Config>, Option<Calibration>) {
     static FIRST: StaticCell<Setup> = StaticCell::new();
-    let calibration = Memory.calibration().and_then(|wiring| wiring.of(&CODES));
+    let calibration = Memory.calibration().and_then(|wiring| wiring.of(codes));
     let Some(config) = Memory.test() else {
-        return (unconfigured(&FIRST), None, calibration);
+        return (unconfigured(&FIRST, clock), None, calibration);
     };
-    match place(&FIRST, Some(&config)) {
+    match place(&FIRST, Some(&config), clock) {
         Ok(setup) => (setup, Some(config), calibration),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
-            (unconfigured(&FIRST), None, calibration)
+            (unconfigured(&FIRST, clock), None, calibration)
         }
     }
 }
 
 /// The place for the next test.
-fn spare() -> &'static mut Setup {
+fn spare(clock: &Clock) -> &'static mut Setup {
     static SPARE: StaticCell<Setup> = StaticCell::new();
-    unconfigured(&SPARE)
+    unconfigured(&SPARE, clock)
 }
 
-fn unconfigured(cell: &'static StaticCell<Setup>) -> &'static mut Setup {
+fn unconfigured(cell: &'static StaticCell<Setup>, clock: &Clock) -> &'static mut Setup {
     // The clock's constants allow 2 kHz; a test on the host says so too.
-    defmt::unwrap!(place(cell, None).ok())
+    defmt::unwrap!(place(cell, None, clock).ok())
 }
 
 /// Works a test out where it stays. A test is a quarter of the stack: what it passes through must not add up.
@@ -199,29 +235,25 @@ fn unconfigured(cell: &'static StaticCell<Setup>) -> &'static mut Setup {
 fn place(
     cell: &'static StaticCell<Setup>,
     config: Option<&Config>,
+    clock: &Clock,
 ) -> Result<&'static mut Setup, Refusal> {
     let setup = config.map_or_else(
-        || Setup::unconfigured(&CLOCK),
-        |config| Setup::new(config, &CLOCK),
+        || Setup::unconfigured(clock),
+        |config| Setup::new(config, clock),
     );
     setup.map(|setup| cell.init(setup))
 }
 
-/// Codes of a converter that does not answer: the first step will find its samples stale.
-fn middle() -> [u16; 2] {
-    [CODES.sensor_top / 2; 2]
-}
-
 /// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
 /// that is further out, and there PERMIT cannot be given.
-fn standing(calibration: &Calibration, displacement: u16) -> u16 {
+fn standing(calibration: &Calibration, codes: &CodeRange, displacement: u16) -> u16 {
     let position_m = calibration.displacement.quantity(displacement);
     let line = &calibration.command;
     ErrorFeedback::new()
-        .code(calibration, CODES.command_top, position_m)
+        .code(calibration, codes.command_top, position_m)
         .unwrap_or_else(|| {
             let above = position_m / line.per_code + line.zero_code > 0.0;
-            if above { CODES.command_top } else { 0 }
+            if above { codes.command_top } else { 0 }
         })
 }
 
@@ -239,9 +271,4 @@ fn uart(
     let mut config = Serial::default();
     config.baudrate = link::BAUD;
     defmt::unwrap!(Uart::new(usart, rx, tx, tx_dma, rx_dma, Irqs, config))
-}
-
-#[panic_handler]
-fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    fatal::panicked(info)
 }

@@ -1,13 +1,13 @@
 //! The task that hears commands.
 
-use crate::report::Answers;
+use super::report::Answers;
+use crate::board::nucleo_f429zi::store::Store;
+use crate::board::stack::HighWater;
+use crate::station::{Asked, Evidence, Outcome, Service, Sign, Wiring};
 use core::cell::RefCell;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::RingBufferedUartRx;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
-use firmware::board::nucleo_f429zi::store::Store;
-use firmware::board::stack::HighWater;
-use firmware::station::{Asked, Evidence, Outcome, Service, Sign, Wiring};
 use heapless::spsc::Consumer;
 use link::Command;
 use link::frame::{Decoder, Kind, Seen};
@@ -23,14 +23,21 @@ const NAP: Duration = Duration::from_micros(200);
 
 /// What the task uses.
 pub struct Listener {
+    /// Answers commands.
     pub service: &'static RefCell<Service>,
+    /// What the control interrupt made of its orders.
     pub outcomes: Consumer<'static, Outcome>,
+    /// Answers on their way out.
     pub answers: &'static Answers,
+    /// Signs of life.
     pub evidence: &'static Evidence,
+    /// The flash.
     pub store: Store,
+    /// How deep the stack has been.
     pub stack: HighWater,
 }
 
+/// The task.
 #[embassy_executor::task]
 pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
     let mut decoder = Decoder::new();

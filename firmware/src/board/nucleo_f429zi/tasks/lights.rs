@@ -1,11 +1,11 @@
 //! The lamps. What they mean is in `docs/wiring.md`.
 
+use crate::board::nucleo_f429zi::drill;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::peripherals::{PB0, PB7, PB14};
 use embassy_time::{Duration, Ticker};
-use firmware::board::nucleo_f429zi::drill;
 use outerloop_core::State;
 
 /// State and fault of the last step that was sent.
@@ -44,6 +44,7 @@ const BEAT: Duration = Duration::from_millis(100);
 /// Beats of a flash and the pause behind it.
 const FLASH: u32 = 4;
 
+/// The task.
 #[embassy_executor::task]
 pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
     let mut beat = Ticker::every(BEAT);

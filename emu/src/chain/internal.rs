@@ -1,22 +1,53 @@
-//! Channel 1 of the DAC as the chip has it: a code waits in the holding register for its trigger, and the pin shows the
-//! output register, or floats.
+//! The chip's own converters. The emulator's ADC has no trigger but software's, and it has no DAC: here is channel 1 of it
+//! as the chip has it. A code waits in the holding register for its trigger, and the pin shows the output register, or
+//! floats.
 
-use crate::registers::{DAC_CR, GPIOA_MODER, OUTPUT, Registers, TIM4_CCR1};
+use super::{Instant, Shown};
+use crate::nucleo::Nucleo;
+use crate::registers::internal::OUTPUT;
+use crate::registers::{ADC1_CR2, DAC_CR, DAC_DHR12R1, GPIOA_MODER, Registers, TIM4_CCR1};
+use rigless::emulator::{Access, AccessKind, Host};
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::soc::stm32f427::peripherals::adc::Channel;
 use std::collections::VecDeque;
+
+/// The highest code of one conversion, and of the command.
+pub const TOP: u16 = 4095;
+
+const JSWSTART: u64 = 1 << 22;
+const DISPLACEMENT_CHANNEL: u8 = 3;
+const FORCE_CHANNEL: u8 = 10;
 
 const ENABLED: u64 = 1;
 const TRIGGERED: u64 = 1 << 2;
 const PA4: u64 = 3 << 8;
 
-/// The converter and its pin.
+/// The DAC and its pin.
 #[derive(Clone, Debug, Default)]
-pub struct Dac {
+pub struct Internal {
     output: u16,
     /// Codes written and not yet taken over, with their times.
     held: VecDeque<(u64, u16)>,
+    /// All that were written since they were asked for.
+    commands: Vec<(u64, u16)>,
 }
 
-impl Dac {
+impl Internal {
+    /// A register is written.
+    pub fn written(&mut self, registers: &Registers, at_ns: u64, (address, value): (u64, u64)) {
+        if address == DAC_DHR12R1 {
+            let code = value as u16 & 0xfff;
+            self.commands.push((at_ns, code));
+            self.hold(registers, at_ns, code);
+        }
+    }
+
+    /// Codes that were written since this was last asked.
+    pub fn commands(&mut self) -> Vec<(u64, u16)> {
+        std::mem::take(&mut self.commands)
+    }
+
     /// The holding register is written.
     pub fn hold(&mut self, registers: &Registers, at_ns: u64, code: u16) {
         if registers.read(DAC_CR) & TRIGGERED == 0 {
@@ -55,8 +86,33 @@ impl Dac {
 
     /// The chip is reset.
     pub fn reset(&mut self) {
-        *self = Self::default();
+        (self.output, self.held) = (0, VecDeque::new());
     }
+}
+
+/// Puts the codes of one conversion each on the pins: those of the sensors are of two, added.
+pub fn show(session: &mut Session<Nucleo>, shown: Shown) {
+    let adc = &mut session.board_mut().chip.adc[0];
+    let channels = [
+        (DISPLACEMENT_CHANNEL, shown.displacement),
+        (FORCE_CHANNEL, shown.force),
+    ];
+    for (channel, sum) in channels {
+        if let Some(channel) = Channel::new(channel) {
+            // The middle of the code, in tenths of one.
+            let code = (sum / 2.0).round().clamp(0.0, f64::from(TOP)) as u32;
+            adc.set_input(channel, code * 10 + 5);
+        }
+    }
+}
+
+/// Starts the conversions.
+pub fn convert(session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host) {
+    let Instant { at, instructions } = now;
+    let read = Access::new(AccessKind::Read, ADC1_CR2, Width::W32, 0);
+    let (cr2, _) = session.access(read.at(instructions, at), host);
+    let write = Access::new(AccessKind::Write, ADC1_CR2, Width::W32, cr2 | JSWSTART);
+    session.access(write.at(instructions, at), host);
 }
 
 #[cfg(test)]
@@ -84,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_code_is_shown_from_the_compare_on_and_one_that_is_late_a_period_later() {
-        let (mut dac, r) = (Dac::default(), registers(WHOLE));
+        let (mut dac, r) = (Internal::default(), registers(WHOLE));
         dac.hold(&r, 30_000, 100);
         dac.hold(&r, 41_000, 200);
         assert_eq!(dac.pin(&r), Some(0));
@@ -96,7 +152,7 @@ mod tests {
 
     #[test]
     fn without_a_trigger_it_is_shown_at_once_and_with_a_wrong_one_never() {
-        let (mut dac, r) = (Dac::default(), registers(1));
+        let (mut dac, r) = (Internal::default(), registers(1));
         dac.hold(&r, 0, 300);
         assert_eq!(dac.pin(&r), Some(300));
         let wrong = registers(1 | 1 << 2 | 4 << 3);

@@ -1,8 +1,11 @@
 //! The registers that the analogue path and the guards hang on, as the image writes them, and what they must hold before
-//! the first trigger. By RM0090 rev 19; names are the manual's.
+//! the first trigger: with the chip's own converters ([`internal`]), with external ones ([`external`]), and with both. By RM0090 rev 19; names are the manual's.
 //!
 //! The emulator has no DAC, no external interrupts and no trigger lines between timers and converters. What the image
 //! writes into their registers is kept here, and the laboratory acts by it.
+
+pub mod external;
+pub mod internal;
 
 use std::collections::HashMap;
 
@@ -32,9 +35,27 @@ pub const GPIOC_MODER: u64 = 0x4002_0800;
 pub const GPIOE_MODER: u64 = 0x4002_1000;
 pub const GPIOE_PUPDR: u64 = 0x4002_100c;
 pub const GPIOE_BSRR: u64 = 0x4002_1018;
+pub const TIM2_DIER: u64 = 0x4000_000c;
+pub const TIM2_CCMR2: u64 = 0x4000_001c;
+pub const TIM2_CCER: u64 = 0x4000_0020;
+pub const TIM2_CCR1: u64 = 0x4000_0034;
+pub const TIM2_CCR3: u64 = 0x4000_003c;
+pub const TIM4_CCER: u64 = 0x4000_0820;
+pub const SPI3_CR1: u64 = 0x4000_3c00;
+pub const SPI1_CR1: u64 = 0x4001_3000;
+pub const GPIOA_AFRL: u64 = 0x4002_0020;
+pub const GPIOB_MODER: u64 = 0x4002_0400;
+pub const GPIOB_BSRR: u64 = 0x4002_0418;
+pub const GPIOB_AFRH: u64 = 0x4002_0424;
+pub const GPIOC_AFRH: u64 = 0x4002_0824;
+pub const GPIOD_MODER: u64 = 0x4002_0c00;
+pub const GPIOD_BSRR: u64 = 0x4002_0c18;
+pub const GPIOD_AFRH: u64 = 0x4002_0c24;
+pub const GPIOF_MODER: u64 = 0x4002_1400;
+pub const GPIOF_BSRR: u64 = 0x4002_1418;
 
 /// Every register that is kept.
-const KEPT: [u64; 24] = [
+const KEPT: [u64; 39] = [
     TIM2_CR1,
     TIM2_CR2,
     TIM2_PSC,
@@ -59,6 +80,21 @@ const KEPT: [u64; 24] = [
     GPIOC_MODER,
     GPIOE_MODER,
     GPIOE_PUPDR,
+    TIM2_DIER,
+    TIM2_CCMR2,
+    TIM2_CCER,
+    TIM2_CCR1,
+    TIM2_CCR3,
+    TIM4_CCER,
+    SPI1_CR1,
+    SPI3_CR1,
+    GPIOA_AFRL,
+    GPIOB_MODER,
+    GPIOB_AFRH,
+    GPIOC_AFRH,
+    GPIOD_MODER,
+    GPIOD_AFRH,
+    GPIOF_MODER,
 ];
 
 /// A field of a register, what it must hold, and what fails on the metal where it does not.
@@ -92,175 +128,8 @@ const fn demand(
     }
 }
 
-/// Without these nothing is sampled: what starts the ADC, and what it converts.
-pub const SAMPLING: [Demand; 11] = [
-    demand(
-        "TIM2_CR2.MMS",
-        TIM2_CR2,
-        7 << 4,
-        2 << 4,
-        "the timer's update does not leave it",
-    ),
-    demand(
-        "TIM2_PSC",
-        TIM2_PSC,
-        0xffff,
-        0,
-        "the period is a multiple of what was asked for",
-    ),
-    demand(
-        "ADC1_CR2.JEXTSEL",
-        ADC1_CR2,
-        15 << 16,
-        3 << 16,
-        "another timer starts the conversions",
-    ),
-    demand(
-        "ADC1_CR2.JEXTEN",
-        ADC1_CR2,
-        3 << 20,
-        1 << 20,
-        "the timer's update starts no conversion",
-    ),
-    demand("ADC1_CR2.ADON", ADC1_CR2, 1, 1, "the converter is off"),
-    demand(
-        "ADC1_CR1.SCAN",
-        ADC1_CR1,
-        1 << 8,
-        1 << 8,
-        "only the first rank is converted",
-    ),
-    demand(
-        "ADC1_CR1.JEOCIE",
-        ADC1_CR1,
-        1 << 7,
-        1 << 7,
-        "the end of the conversions interrupts nobody",
-    ),
-    demand(
-        "ADC1_JSQR",
-        ADC1_JSQR,
-        0x003f_ffff,
-        JSQR,
-        "the ranks are not displacement, force, force, displacement",
-    ),
-    demand(
-        "ADC_CCR.ADCPRE",
-        ADC_CCR,
-        3 << 16,
-        1 << 16,
-        "the converter's clock is not 21 MHz: too fast, or not done in 13 us",
-    ),
-    demand(
-        "ADC1_SMPR2.SMP3",
-        ADC1_SMPR2,
-        7 << 9,
-        3 << 9,
-        "the displacement is not sampled for 56 cycles",
-    ),
-    demand(
-        "ADC1_SMPR1.SMP10",
-        ADC1_SMPR1,
-        7,
-        3,
-        "the force is not sampled for 56 cycles",
-    ),
-];
-
-/// Four ranks: channels 3, 10, 10, 3.
-const JSQR: u64 = 3 << 20 | 3 << 15 | 10 << 10 | 10 << 5 | 3;
-
-/// Without these the output never takes a command over, or not at its instant.
-pub const OUTPUT: [Demand; 11] = [
-    demand(
-        "TIM4_SMCR.TS",
-        TIM4_SMCR,
-        7 << 4,
-        1 << 4,
-        "TIM4 does not follow TIM2",
-    ),
-    demand(
-        "TIM4_SMCR.SMS",
-        TIM4_SMCR,
-        7,
-        6,
-        "TIM4 is not started by TIM2",
-    ),
-    demand(
-        "TIM4_CR1.OPM",
-        TIM4_CR1,
-        1 << 3,
-        1 << 3,
-        "TIM4 runs on and hands commands over at other instants",
-    ),
-    demand(
-        "TIM4_CCMR1.OC1M",
-        TIM4_CCMR1,
-        7 << 4,
-        7 << 4,
-        "TIM4's compare makes no edge at its instant",
-    ),
-    demand(
-        "TIM4_CCR1",
-        TIM4_CCR1,
-        0xffff,
-        3360,
-        "the command is not taken over 40 us after the sample",
-    ),
-    demand(
-        "TIM4_CR2.MMS",
-        TIM4_CR2,
-        7 << 4,
-        4 << 4,
-        "TIM4's compare does not leave it",
-    ),
-    demand("DAC_CR.EN1", DAC_CR, 1, 1, "the DAC's pin floats"),
-    demand(
-        "DAC_CR.BOFF1",
-        DAC_CR,
-        1 << 1,
-        0,
-        "the DAC drives no load of 5 kOhm",
-    ),
-    demand(
-        "DAC_CR.TEN1",
-        DAC_CR,
-        1 << 2,
-        1 << 2,
-        "the command is shown when it is written, not at its instant",
-    ),
-    demand(
-        "DAC_CR.TSEL1",
-        DAC_CR,
-        7 << 3,
-        5 << 3,
-        "another timer hands the command over",
-    ),
-    demand(
-        "GPIOA_MODER.PA4",
-        GPIOA_MODER,
-        3 << 8,
-        3 << 8,
-        "the DAC's pin is not analogue",
-    ),
-];
-
-/// Without these a sensor or a guard is not what it seems.
-pub const GUARDS: [Demand; 10] = [
-    demand(
-        "GPIOA_MODER.PA3",
-        GPIOA_MODER,
-        3 << 6,
-        3 << 6,
-        "the displacement's pin is not analogue",
-    ),
-    demand(
-        "GPIOC_MODER.PC0",
-        GPIOC_MODER,
-        3,
-        3,
-        "the force's pin is not analogue",
-    ),
+/// Without these a guard is not what it seems, with whichever converters.
+pub const GUARDS: [Demand; 8] = [
     demand(
         "GPIOE_MODER.PE9",
         GPIOE_MODER,
@@ -377,12 +246,12 @@ impl Registers {
         }
     }
 
-    /// What the register holds; reset values are zero but for what debugging needs of port A.
+    /// What the register holds; reset values are zero but for what debugging needs of ports A and B.
     pub fn read(&self, address: u64) -> u64 {
-        let at_reset = if address == GPIOA_MODER {
-            0xa800_0000
-        } else {
-            0
+        let at_reset = match address {
+            GPIOA_MODER => 0xa800_0000,
+            GPIOB_MODER => 0x280,
+            _ => 0,
         };
         self.0.get(&address).copied().unwrap_or(at_reset)
     }

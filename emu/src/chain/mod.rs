@@ -1,0 +1,212 @@
+//! The converters between the rig and the chip: the chip's own, or external ones on its serial interfaces.
+
+pub mod ad5761r;
+pub mod ad7606;
+pub mod external;
+pub mod internal;
+
+use crate::nucleo::Nucleo;
+use crate::registers::{Demand, Registers};
+use external::External;
+use internal::Internal;
+use link::CodeRange;
+use link::channel::{Calibration, Line};
+use rigless::emulator::Host;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+use serde::Deserialize;
+
+/// Which converters an image is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Converters {
+    /// Two conversions of 12 bits an input, and the chip's DAC.
+    #[default]
+    Internal,
+    /// AD7606 and AD5761R.
+    External,
+}
+
+impl Converters {
+    /// Highest codes of sensors and command.
+    pub fn widths(self) -> CodeRange {
+        let (sensor_top, command_top) = match self {
+            Self::Internal => (2 * internal::TOP, internal::TOP),
+            Self::External => (u16::MAX, u16::MAX),
+        };
+        CodeRange {
+            sensor_top,
+            sensor_rail: 0,
+            sensor_spare: 0,
+            command_top,
+            command_spare: 0,
+        }
+    }
+}
+
+/// An instant of the emulator.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// When.
+    pub at: VirtualNanos,
+    /// Instructions so far.
+    pub instructions: u64,
+}
+
+/// What the rig shows the inputs, in codes of the sensors with their fractions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shown {
+    /// Displacement.
+    pub displacement: f64,
+    /// Force.
+    pub force: f64,
+    /// Acceleration of the head, m/s^2.
+    pub acceleration_m_per_s2: f64,
+}
+
+/// The converters and what they show.
+#[derive(Debug)]
+pub enum Chain {
+    /// The chip's own.
+    Internal(Internal),
+    /// External ones.
+    External(External),
+}
+
+impl Chain {
+    /// Of a kind.
+    pub fn new(converters: Converters) -> Self {
+        match converters {
+            Converters::Internal => Self::Internal(Internal::default()),
+            Converters::External => Self::External(External::default()),
+        }
+    }
+
+    /// Which they are.
+    pub fn converters(&self) -> Converters {
+        match self {
+            Self::Internal(_) => Converters::Internal,
+            Self::External(_) => Converters::External,
+        }
+    }
+
+    /// What must stand in the registers, beside the guards.
+    pub fn demands(&self) -> [&'static [Demand]; 3] {
+        use crate::registers::{external, internal};
+        match self {
+            Self::Internal(_) => [&internal::SAMPLING, &internal::PINS, &internal::OUTPUT],
+            Self::External(_) => [&external::SAMPLING, &external::READING, &external::OUTPUT],
+        }
+    }
+
+    /// Puts what the rig shows onto the inputs.
+    pub fn show(&mut self, session: &mut Session<Nucleo>, shown: Shown) {
+        match self {
+            Self::Internal(_) => internal::show(session, shown),
+            Self::External(_) => external::show(session, shown),
+        }
+    }
+
+    /// The sampling timer's update: starts the conversions if the registers are such that it does.
+    pub fn update(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        registers: &Registers,
+        now: Instant,
+        host: &mut dyn Host,
+    ) -> bool {
+        let starts = registers.meet(self.demands()[0]);
+        if starts {
+            match self {
+                Self::Internal(_) => internal::convert(session, now, host),
+                Self::External(external) => external.convert(session, registers, now.at),
+            }
+        }
+        starts
+    }
+
+    /// The next instant at which a converter has something to do by itself.
+    pub fn next_turn(&self) -> Option<VirtualNanos> {
+        match self {
+            Self::Internal(_) => None,
+            Self::External(external) => external.next_turn(),
+        }
+    }
+
+    /// That instant has come.
+    pub fn turn(&mut self, session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos) {
+        if let Self::External(external) = self {
+            external.turn(session, registers, at);
+        }
+    }
+
+    /// A register was written.
+    pub fn written(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        registers: &Registers,
+        at: VirtualNanos,
+        (address, value): (u64, u64),
+    ) {
+        match self {
+            Self::Internal(internal) => internal.written(registers, at.0, (address, value)),
+            Self::External(external) => external.written(session, registers, at, (address, value)),
+        }
+    }
+
+    /// Codes of the command since this was last asked, with their times, ns.
+    pub fn commands(&mut self, session: &mut Session<Nucleo>) -> Vec<(u64, u16)> {
+        match self {
+            Self::Internal(internal) => internal.commands(),
+            Self::External(_) => external::commands(session),
+        }
+    }
+
+    /// A period that began at `trigger_ns` is over: what stood at TIM4's compare is shown since.
+    pub fn end_of_period(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        registers: &Registers,
+        trigger_ns: u64,
+        timer_hz: u64,
+    ) {
+        match self {
+            Self::Internal(internal) => internal.end_of_period(registers, trigger_ns, timer_hz),
+            Self::External(_) => external::end_of_period(session, registers, trigger_ns, timer_hz),
+        }
+    }
+
+    /// What the output shows; `None` while it floats.
+    pub fn pin(&self, session: &mut Session<Nucleo>, registers: &Registers) -> Option<u16> {
+        match self {
+            Self::Internal(internal) => internal.pin(registers),
+            Self::External(_) => external::pin(session),
+        }
+    }
+
+    /// The chip is reset; converters outside it are not.
+    pub fn reset(&mut self) {
+        match self {
+            Self::Internal(internal) => internal.reset(),
+            Self::External(external) => external.reset(),
+        }
+    }
+
+    /// The output no longer does what it is told.
+    pub fn break_output(&mut self, session: &mut Session<Nucleo>) {
+        if let Self::External(_) = self {
+            external::break_output(session);
+        }
+    }
+}
+
+/// What a code tells the actuator, m.
+pub fn command_m(wired: &Calibration, code: u16) -> f64 {
+    let line = wired.command;
+    (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
+}
+
+/// The code of a sensor, with its fraction, that stands for a quantity, m or N.
+pub fn sensor_code(line: Line, quantity: f64) -> f64 {
+    quantity / f64::from(line.per_code) + f64::from(line.zero_code)
+}

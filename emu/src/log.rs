@@ -1,0 +1,74 @@
+//! What goes wrong in the laboratory, and what it keeps of what it sees.
+
+use crate::permission::Contact;
+use crate::registers::Violation;
+
+/// What can go wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The displacement sensor's wire breaks: the converter stands at its upper end.
+    SensorAtRail,
+    /// The displacement sensor stands still.
+    FrozenSensor,
+    /// A burst of 2000 codes up and down on the force.
+    NoiseBurst,
+    /// The emergency stop is pressed.
+    EmergencyStop,
+    /// The serial line is cut, both ways, for so many control steps.
+    LinkCut(u64),
+    /// The reset button.
+    Reset,
+    /// The blue button is pressed.
+    Button,
+    /// The contact of the permission's chain is stuck.
+    Chain(Contact),
+    /// An external output converter stays where it is, whatever it is told.
+    DeadOutput,
+    /// The servo valve sticks: the rig stays where it is, whatever it is told.
+    DeadValve,
+    /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
+    Drill(u32),
+}
+
+/// A fault, and for how long PERMIT has been high when it comes.
+#[derive(Clone, Copy, Debug)]
+pub struct Planned {
+    /// Control steps with PERMIT high.
+    pub after_steps: u64,
+    /// What goes wrong.
+    pub fault: Fault,
+}
+
+/// Something that was seen, and when, ns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// The PERMIT line changed.
+    Permit(bool),
+    /// The command's code was written.
+    Command(u16),
+    /// The planned fault came.
+    Fault,
+    /// The chip was reset.
+    Reset,
+}
+
+/// What the laboratory keeps.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    /// Everything that was seen.
+    pub seen: Vec<(u64, Seen)>,
+    /// Instants of the conversions' triggers, ns.
+    pub triggers_ns: Vec<u64>,
+    /// From each trigger to the write of the command, ns.
+    pub latency_ns: Vec<u32>,
+    /// Of each step, from its begin to its command, instructions.
+    pub step_instructions: Vec<u32>,
+    /// What does not hold in the registers at the first trigger after a reset.
+    pub violations: Vec<Violation>,
+    /// Updates of the sampling timer.
+    pub periods: usize,
+    /// Codes that the output pin has shown, period by period; `None` while it floats.
+    pub pin: Vec<Option<u16>>,
+    /// Where the rig stood, period by period, m.
+    pub position_m: Vec<f64>,
+}

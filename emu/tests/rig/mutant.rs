@@ -1,0 +1,71 @@
+//! An image with one register wrong: how it is run, and what is looked at.
+
+use crate::desk::{Bench, Desk};
+use emu::Mutant;
+use std::time::{Duration, Instant};
+
+/// What a mutant does to the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Does {
+    /// No sample is taken: not one control step.
+    SamplesNothing,
+    /// The output pin never leaves where the start has put it, or floats.
+    ShowsNothing,
+    /// It runs, and the registers alone show what is wrong.
+    Runs,
+}
+
+/// The demand that is not met, the register, bits cleared and set in it, and what follows.
+pub type Case = (&'static str, u64, u64, u64, Does);
+
+/// What is not as the case says.
+pub fn run(&(name, address, clear, set, does): &Case) -> Result<(), String> {
+    let desk = Desk::with(Bench {
+        mutant: Some(Mutant {
+            address,
+            clear,
+            set,
+        }),
+        // A working output follows it.
+        sinks_m_per_s: 0.02,
+        ..Bench::default()
+    });
+    wait(&desk, 60);
+    let log = desk.log();
+    let found: Vec<&str> = log.violations.iter().map(|v| v.demand.name).collect();
+    if found != [name] {
+        return Err(format!("{name}: seen is {found:?}"));
+    }
+    println!("{}", log.violations[0]);
+    let samples = log.triggers_ns.len();
+    let commands = log.step_instructions.len();
+    // What the pin has shown of late while it does not float.
+    let shown: Vec<_> = log.pin.iter().rev().take(40).flatten().collect();
+    let stands = shown.windows(2).all(|w| w[0] == w[1]);
+    let as_said = match does {
+        Does::SamplesNothing => samples == 0 && commands == 0,
+        Does::ShowsNothing => samples > 40 && commands > 40 && stands,
+        Does::Runs => samples > 40 && commands > 40 && !stands,
+    };
+    as_said.then_some(()).ok_or(format!(
+        "{name}: {samples} samples, {commands} commands, the pin stands: {stands}"
+    ))
+}
+
+/// Until the laboratory has seen so many periods of a running timer.
+pub fn wait(desk: &Desk, periods: usize) {
+    let began = Instant::now();
+    // Before the timer runs the laboratory takes some hundred turns.
+    loop {
+        let log = desk.log();
+        let since = log.periods;
+        if since >= periods {
+            return;
+        }
+        assert!(
+            began.elapsed() < Duration::from_secs(60),
+            "the board does not start"
+        );
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}

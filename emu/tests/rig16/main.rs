@@ -1,0 +1,22 @@
+//! The image for external converters of 16 bits, unmodified, on an emulated board with models of both chips on its serial
+//! interfaces: the scenarios of the other image, its own mutants, and what only it has.
+#![allow(missing_docs)]
+
+use outerloop_cli::board::Image;
+
+/// The image of these tests.
+const IMAGE: Image = Image::External;
+
+#[path = "../rig/crashes.rs"]
+mod crashes;
+#[path = "../rig/desk.rs"]
+mod desk;
+mod inputs;
+#[path = "../rig/limits_and_link.rs"]
+mod limits_and_link;
+#[path = "../rig/mutant.rs"]
+mod mutant;
+mod mutants;
+mod stroke;
+#[path = "../rig/whole_test.rs"]
+mod whole_test;

@@ -1,0 +1,51 @@
+//! Images for external converters with one register wrong: each is seen for what it is.
+
+use crate::desk::Desk;
+use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
+use crate::mutant::{Case, run, wait};
+use emu::registers::*;
+
+const CASES: [Case; 12] = [
+    ("TIM2_CCMR2.OC3M", TIM2_CCMR2, 7 << 4, 0, SamplesNothing),
+    ("TIM2_CCER.CC3E", TIM2_CCER, 1 << 8, 0, SamplesNothing),
+    (
+        "GPIOB_AFRH.PB10",
+        GPIOB_AFRH,
+        15 << 8,
+        2 << 8,
+        SamplesNothing,
+    ),
+    // BUSY is not seen to fall: no sample counts, and the command stands.
+    (
+        "GPIOB_AFRH.PB11",
+        GPIOB_AFRH,
+        15 << 12,
+        2 << 12,
+        ShowsNothing,
+    ),
+    ("TIM2_CCMR2.CC4S", TIM2_CCMR2, 3 << 8, 0, ShowsNothing),
+    // The AD7606 was never reset.
+    ("GPIOF_MODER.PF12", GPIOF_MODER, 3 << 24, 0, ShowsNothing),
+    ("TIM4_SMCR.SMS", TIM4_SMCR, 7, 0, ShowsNothing),
+    ("TIM4_CR1.OPM", TIM4_CR1, 1 << 3, 0, ShowsNothing),
+    ("GPIOD_AFRH.PD12", GPIOD_AFRH, 15 << 16, 0, ShowsNothing),
+    ("TIM4_CCER.CC1P", TIM4_CCER, 2, 0, Runs),
+    ("TIM4_CCR1", TIM4_CCR1, 0xffff, 1890, Runs),
+    ("SPI1_CR1.BR", SPI1_CR1, 7 << 3, 1 << 3, Runs),
+];
+
+#[test]
+fn the_image_itself_meets_every_demand() {
+    let desk = Desk::new(None);
+    wait(&desk, 50);
+    let log = desk.log();
+    let found: Vec<String> = log.violations.iter().map(ToString::to_string).collect();
+    assert_eq!(found, [""; 0]);
+    assert!(log.triggers_ns.len() > 40);
+}
+
+#[test]
+fn each_wrong_register_is_seen_for_what_it_is() {
+    let wrong: Vec<String> = CASES.iter().filter_map(|case| run(case).err()).collect();
+    assert_eq!(wrong, [""; 0]);
+}

@@ -1,0 +1,5 @@
+//! What runs beside the control interrupt: commands, reports, lamps.
+
+pub mod lights;
+pub mod listen;
+pub mod report;

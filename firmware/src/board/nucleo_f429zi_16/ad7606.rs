@@ -1,0 +1,141 @@
+//! The AD7606: eight inputs of -10 to +10 V, sampled at one instant, 16 bits, read in series over one line.
+//!
+//! By its data sheet (Analog Devices, Rev. F): the rising edge of CONVST samples all inputs; BUSY is high for 4.15 us at most
+//! (no oversampling, OS0 to OS2 low) and its fall puts the results into the output registers; the falling edge of CS brings
+//! the first bit of V1, each rising edge of SCLK the next; SCLK is at most 14.5 MHz at VDRIVE of 3 V. Results are in two's
+//! complement.
+
+use super::bus::{Bus, Manner};
+use cortex_m::peripheral::DWT;
+use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
+use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff};
+use embassy_stm32::peripherals::{PA5, PA6, PB10, PB11, PD14, PF12, SPI1};
+use embassy_stm32::{Peri, pac, rcc};
+use link::telemetry::MAX_INPUTS;
+
+/// SPI1's alternate function on its pins.
+const AF_SPI1: u8 = 5;
+
+/// TIM2's on PB10 and PB11.
+const AF_TIM2: u8 = 1;
+
+/// Two's complement to codes that count from the lower end, and back.
+const SIGN: u16 = 0x8000;
+
+/// A microsecond, in cycles.
+const US: u32 = super::super::nucleo_f429zi::clocks::CORE_HZ / 1_000_000;
+
+/// A first conversion may take so long.
+const FIRST_SAMPLE_CYCLES: u32 = 100 * US;
+
+/// The converter.
+pub struct Adc {
+    bus: Bus,
+    select: Output<'static>,
+    further: [u16; MAX_INPUTS],
+}
+
+/// CONVST and BUSY while they are not the timer's yet.
+pub struct Line {
+    convst: Flex<'static>,
+    busy: Flex<'static>,
+}
+
+impl Adc {
+    /// Reset and ready.
+    pub fn new(
+        _spi: Peri<'static, SPI1>,
+        clock: Peri<'static, PA5>,
+        data: Peri<'static, PA6>,
+        select: Peri<'static, PD14>,
+        reset: Peri<'static, PF12>,
+    ) -> Self {
+        let select = Output::new(select, Level::High, Speed::VeryHigh);
+        rcc::enable_and_reset::<SPI1>();
+        // 84 MHz / 8 = 10.5 MHz.
+        let manner = Manner {
+            idle: Cpol::IDLE_HIGH,
+            edge: Cpha::FIRST_EDGE,
+            bits: Dff::BITS16,
+            divider: Br::DIV8,
+        };
+        let bus = Bus::new(pac::SPI1, &manner);
+        let mut clock = Flex::new(clock);
+        clock.set_as_af_unchecked(
+            AF_SPI1,
+            AfType::output(OutputType::PushPull, Speed::VeryHigh),
+        );
+        let mut data = Flex::new(data);
+        data.set_as_af_unchecked(AF_SPI1, AfType::input(Pull::None));
+        let mut reset = Output::new(reset, Level::High, Speed::Low);
+        cortex_m::asm::delay(US);
+        reset.set_low();
+        cortex_m::asm::delay(US);
+        // They stay as they are.
+        core::mem::forget((clock, data, reset));
+        Self {
+            bus,
+            select,
+            further: [0; MAX_INPUTS],
+        }
+    }
+
+    /// A conversion by hand, before the timer runs. No codes: the converter does not answer.
+    pub fn first(
+        &mut self,
+        convst: Peri<'static, PB10>,
+        busy: Peri<'static, PB11>,
+    ) -> (Option<[u16; 2]>, Line) {
+        let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
+        convst.set_low();
+        convst.set_as_output(Speed::VeryHigh);
+        // A converter that is not there is busy for good.
+        busy.set_as_input(Pull::Up);
+        cortex_m::asm::delay(US);
+        convst.set_high();
+        cortex_m::asm::delay(US);
+        let begin = DWT::cycle_count();
+        let mut ended = false;
+        while !ended && DWT::cycle_count().wrapping_sub(begin) < FIRST_SAMPLE_CYCLES {
+            ended = busy.is_low();
+        }
+        let codes = if ended { self.read() } else { None };
+        (codes, Line { convst, busy })
+    }
+
+    /// Displacement and force of the last conversion; the further inputs are kept for [`further`](Self::further).
+    #[inline]
+    pub fn read(&mut self) -> Option<[u16; 2]> {
+        self.select.set_low();
+        let codes = self.words();
+        self.select.set_high();
+        codes
+    }
+
+    #[inline]
+    fn words(&mut self) -> Option<[u16; 2]> {
+        let displacement = self.bus.exchange(0)? ^ SIGN;
+        let force = self.bus.exchange(0)? ^ SIGN;
+        for place in &mut self.further {
+            *place = self.bus.exchange(0)? ^ SIGN;
+        }
+        Some([displacement, force])
+    }
+
+    /// V3 to V5 of the last conversion.
+    #[inline]
+    pub fn further(&self) -> [u16; MAX_INPUTS] {
+        self.further
+    }
+}
+
+impl Line {
+    /// To the timer.
+    pub fn hand_over(mut self) {
+        let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);
+        self.convst.set_as_af_unchecked(AF_TIM2, convst);
+        self.busy
+            .set_as_af_unchecked(AF_TIM2, AfType::input(Pull::Up));
+        core::mem::forget((self.convst, self.busy));
+    }
+}

@@ -1,0 +1,167 @@
+//! The NUCLEO-F429ZI with external converters of 16 bits: an AD7606 for the inputs, an AD5761R for the command, both -10 to
+//! +10 V. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super::nucleo_f429zi).
+//!
+//! # Wiring
+//! | signal | pin | connector | peripheral | level |
+//! |---|---|---|---|---|
+//! | AD7606 CONVST A and B | PB10 | CN10-32, D36 | TIM2 channel 3 | rises at the sampling trigger; pull it down outside |
+//! | AD7606 BUSY | PB11 | CN10-34, D35 | TIM2 channel 4, capture | its fall proves that a conversion has ended |
+//! | AD7606 SCLK | PA5 | CN7-10, D13 | SPI1, 10.5 MHz | idles high |
+//! | AD7606 DOUTA | PA6 | CN7-12, D12 | SPI1 | V1 displacement, V2 force, V3 command read back, V4 second displacement, V5 head acceleration |
+//! | AD7606 CS | PD14 | CN7-16, D10 | output | low while it is read; pull it up outside |
+//! | AD7606 RESET | PF12 | CN7-20, D8 | output | high for a microsecond at the start; pull it down outside |
+//! | AD5761R SCLK | PC10 | CN8-6, D45 | SPI3, 10.5 MHz | idles low |
+//! | AD5761R SDO | PC11 | CN8-8, D46 | SPI3 | its control register is read back at the start |
+//! | AD5761R SDI | PC12 | CN8-10, D47 | SPI3 | |
+//! | AD5761R SYNC | PD2 | CN8-12, D48 | output | low while it is written; pull it up outside |
+//! | AD5761R LDAC | PD12 | CN10-21, D29 | TIM4 channel 1 | falls 45 us after the trigger: the command leaves; pull it up outside |
+//!
+//! # Timers
+//! TIM2's update is the trigger and starts TIM4, as with the chip's own converters. TIM2's channel 1 begins the control
+//! interrupt 6 us later: the AD7606 takes 4.15 us at most.
+//!
+//! # Start
+//! After power-up the AD5761R's output is clamped to ground, the middle of the stroke, until its range is chosen, and comes
+//! up in the middle then. When only the chip was reset it holds its voltage all the while: it is not set up again, and goes
+//! from there to the measured position. PERMIT is low in both cases.
+
+mod ad5761r;
+mod ad7606;
+mod bus;
+
+use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
+use super::nucleo_f429zi::period::{Period, TICKS_PER_US};
+use ad5761r::Dac;
+use ad7606::Adc;
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Ocm};
+use embassy_stm32::{interrupt, pac};
+use link::telemetry::MAX_INPUTS;
+use link::{CodeRange, Input};
+
+/// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
+pub const CODES: CodeRange = CodeRange {
+    sensor_top: u16::MAX,
+    sensor_rail: 65,
+    sensor_spare: 1638,
+    command_top: u16::MAX,
+    command_spare: 1638,
+};
+
+/// The step begins so many microseconds after its trigger.
+const INTERRUPT_US: u32 = 6;
+
+/// At the latest.
+const LATEST_BEGIN_US: u32 = 12;
+
+/// How long CONVST stays high, us: more than the 25 ns that it needs.
+const CONVST_US: u32 = 2;
+
+// Channels of TIM2, counted from 0.
+const INTERRUPT: usize = 0;
+const CONVST: usize = 2;
+const BUSY: usize = 3;
+
+/// The external converters.
+pub struct External {
+    adc: Adc,
+    dac: Dac,
+    period: Period,
+}
+
+impl Converters for External {
+    const NAME: &'static str = "NUCLEO-F429ZI 16 bits";
+    const CODES: CodeRange = CODES;
+    const INPUTS: &'static [Input] = &[
+        Input::CommandReadBack,
+        Input::SecondDisplacement,
+        Input::HeadAcceleration,
+    ];
+    const OUTPUT_DELAY_US: u32 = 45;
+    const BEGINS_US: u32 = INTERRUPT_US + 2;
+    // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
+    const AROUND_STEP_CYCLES: u32 = 2300;
+
+    fn new(r: Resources, ticks: u32, standing: impl FnOnce(u16) -> u16) -> Begun<Self> {
+        let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
+        let (sampled, line) = adc.first(r.pb10, r.pb11);
+        let first = sampled.unwrap_or([CODES.sensor_top / 2; 2]);
+        let (dac, ldac) = Dac::new(r.spi3, r.pc10, r.pc11, r.pc12, r.pd2, r.pd12);
+        let answered = dac.answered() && sampled.is_some();
+        let mut dac = dac;
+        dac.write(standing(first[0]));
+        let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
+        channels();
+        // The first load is by hand, then the pins are the timers'.
+        ldac.hand_over();
+        line.hand_over();
+        Begun {
+            converters: Self { adc, dac, period },
+            first,
+            answered,
+        }
+    }
+
+    fn start(&mut self) {
+        self.period.start();
+    }
+
+    unsafe fn enable_interrupt() {
+        pac::TIM2.sr().write(|_| ());
+        interrupt::TIM2.unpend();
+        interrupt::TIM2.set_priority(Priority::P0);
+        // SAFETY: by the caller.
+        unsafe { interrupt::TIM2.enable() };
+    }
+
+    #[inline]
+    fn codes(&mut self) -> Option<[u16; 2]> {
+        let ended = pac::TIM2.sr().read().ccif(BUSY);
+        pac::TIM2.sr().write(|_| ());
+        // A converter that has not converted would only repeat itself.
+        if ended { self.adc.read() } else { None }
+    }
+
+    #[inline]
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        self.adc.further()
+    }
+
+    #[inline]
+    fn began_late(&self) -> bool {
+        self.period.is_past(LATEST_BEGIN_US)
+    }
+
+    #[inline]
+    fn write(&mut self, code: u16) {
+        self.dac.write(code);
+    }
+
+    fn set_period(&mut self, ticks: u32) {
+        self.period.set(ticks);
+    }
+}
+
+/// What the timers' channels do beside their updates.
+fn channels() {
+    let tim2 = pac::TIM2;
+    tim2.ccr(INTERRUPT).write_value(INTERRUPT_US * TICKS_PER_US);
+    tim2.ccr(CONVST).write_value(CONVST_US * TICKS_PER_US);
+    // High from the update to its compare.
+    tim2.ccmr_output(1)
+        .modify(|w| w.set_ocm(CONVST - 2, Ocm::PWM_MODE1));
+    tim2.ccmr_input(1)
+        .modify(|w| w.set_ccs(BUSY - 2, CcmrInputCcs::TI4));
+    tim2.ccer().modify(|w| {
+        w.set_cce(CONVST, true);
+        w.set_cce(BUSY, true);
+        // The falling edge.
+        w.set_ccp(BUSY, true);
+    });
+    tim2.dier().modify(|w| w.set_ccie(INTERRUPT, true));
+    // TIM4's channel 1 is high from its instant on; LDAC falls there.
+    pac::TIM4.ccer().modify(|w| {
+        w.set_cce(0, true);
+        w.set_ccp(0, true);
+    });
+}

@@ -1,0 +1,332 @@
+//! The bytes of every frame, as boards and programs of this version know them. Two builds of one version that differ in a
+//! byte misread each other in silence; so a change of any of these bytes has to raise [`link::VERSION`].
+//!
+//! `OUTERLOOP_GOLDEN=write cargo test -p link --test golden` writes the file anew, under a new version only.
+#![allow(missing_docs)]
+
+use heapless::Vec;
+use link::channel::{Calibration, CodeRange};
+use link::command::{Channel, Shape, Signal};
+use link::frame::{Decoder, Frame, Kind, Seen, checksum};
+use link::message::Message;
+use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
+use link::status::{Cause, LastWords, Start, Status, Timing};
+use link::telemetry::StepReport;
+use link::{Command, Input, Telemetry, VERSION};
+use outerloop_core::supervise::Trip;
+use outerloop_core::{Config, Event, Fault, State};
+use std::fmt::Write;
+use std::path::Path;
+
+const CODES: CodeRange = CodeRange {
+    sensor_top: 8190,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+fn config() -> Config {
+    Config::shear_frame([1000.0, 900.0], [158e3, 120e3], [0.02, 0.03])
+}
+
+fn commands() -> std::vec::Vec<(String, Command)> {
+    let signal = |shape| {
+        Command::Signal(Some(Signal {
+            shape,
+            amplitude_m: 0.01,
+            seconds: 20.0,
+        }))
+    };
+    let mut all = vec![
+        ("identify", Command::Identify),
+        ("status", Command::Status),
+        ("configure", Command::Configure(config())),
+        (
+            "calibrate",
+            Command::Calibrate(Calibration::over(0.05, 1e4, &CODES)),
+        ),
+        (
+            "zero displacement",
+            Command::Zero {
+                channel: Channel::Displacement,
+                value: 0.5,
+            },
+        ),
+        (
+            "zero force",
+            Command::Zero {
+                channel: Channel::Force,
+                value: -1.5,
+            },
+        ),
+        ("save", Command::Save),
+        (
+            "motion",
+            Command::Motion {
+                points: 16_384,
+                interval_s: 0.005,
+                checksum: 0x0102_0304,
+            },
+        ),
+        (
+            "points",
+            Command::Points {
+                first: 300,
+                points: [1.0, -2.0].into_iter().collect(),
+            },
+        ),
+        ("signal none", Command::Signal(None)),
+        ("signal constant", signal(Shape::Constant)),
+        ("signal sine", signal(Shape::Sine { frequency_hz: 1.0 })),
+        (
+            "signal chirp",
+            signal(Shape::Chirp {
+                from_hz: 0.1,
+                to_hz: 20.0,
+            }),
+        ),
+        ("history", Command::History(15)),
+    ]
+    .into_iter()
+    .map(|(name, command)| (name.to_owned(), command))
+    .collect::<std::vec::Vec<_>>();
+    all.extend(Event::ALL.map(|event| (format!("event {event:?}"), Command::Event(event))));
+    all
+}
+
+fn identity() -> Identity {
+    Identity {
+        board: cut("board"),
+        version: cut("1.2.3"),
+        commit: cut("abc"),
+        clock_hz: 168_000_000,
+        timer_hz: 84_000_000,
+        rate_hz: 2000,
+        fastest_rate_hz: 3000,
+        output_delay_us: 40.0,
+        max_points: 16_384,
+        max_dof: 3,
+        deadline_cycles: 4200,
+        codes: CODES,
+        calibration: Calibration::over(0.05, 1e4, &CODES),
+        inputs: [
+            Input::CommandReadBack,
+            Input::SecondDisplacement,
+            Input::HeadAcceleration,
+        ]
+        .into_iter()
+        .collect(),
+    }
+}
+
+fn status(trip: Option<Trip>, started: Start, last_words: Option<LastWords>) -> Status {
+    Status {
+        tick: 70_000,
+        state: State::Tripped,
+        trip,
+        permit: true,
+        configured: true,
+        calibrated: false,
+        points: 200,
+        crystal_ok: true,
+        converters_ok: true,
+        codes: [8190, 7],
+        timing: Timing {
+            period_cycles: 84_000,
+            shortest_period_cycles: 83_999,
+            longest_period_cycles: 84_001,
+            worst_step_cycles: 900,
+            mean_step_cycles: 800,
+            overruns: 1,
+        },
+        link: Seen {
+            good: 5,
+            malformed: 4,
+            corrupt: 3,
+            too_long: 2,
+            other_version: 1,
+        },
+        dropped_steps: 3,
+        stack_bytes: 4096,
+        started,
+        last_words,
+    }
+}
+
+fn replies() -> std::vec::Vec<(String, Reply)> {
+    let trip = |fault| Trip {
+        fault,
+        axis: 1,
+        value: 1.0,
+        limit: 0.5,
+        tick: 9,
+    };
+    let rejected = |obstacle| Reply::Rejected {
+        state: State::Idle,
+        event: Some(Event::Arm),
+        obstacle: Some(obstacle),
+    };
+    let mut all = vec![
+        ("identity".to_owned(), Reply::Identity(identity())),
+        (
+            "refused".to_owned(),
+            Reply::Refused(RefusedParameter::new("name", 1.5, "accepted")),
+        ),
+        (
+            "zeroed".to_owned(),
+            Reply::Zeroed {
+                code: 4095.5,
+                spread: 3,
+            },
+        ),
+        (
+            "record".to_owned(),
+            Reply::Record([1, u32::MAX].into_iter().collect()),
+        ),
+        ("expected".to_owned(), Reply::Expected(128)),
+        (
+            "wrong sum".to_owned(),
+            Reply::WrongSum {
+                received: 0x0102_0304,
+            },
+        ),
+        ("unknown".to_owned(), Reply::Unknown),
+    ];
+    for state in State::ALL {
+        let name = format!("done {state:?}");
+        all.push((name, Reply::Done { tick: 1, state }));
+    }
+    for fault in Fault::ALL {
+        let status = status(Some(trip(fault)), Start::Power, None);
+        all.push((format!("status {fault:?}"), Reply::Status(status)));
+    }
+    for (started, cause) in [
+        (Start::Power, Cause::Panic),
+        (Start::BrownOut, Cause::HardFault),
+        (Start::Pin, Cause::StackOverflow),
+        (Start::Software, Cause::Starved),
+        (Start::Watchdog, Cause::Silent),
+        (Start::Watchdog, Cause::ClockStopped),
+        (Start::Watchdog, Cause::LowSupply),
+    ] {
+        let words = LastWords {
+            cause,
+            tick: 77,
+            state: State::Running,
+            text: cut("text"),
+        };
+        let status = status(None, started, Some(words));
+        let name = format!("status {started:?} {cause:?}");
+        all.push((name, Reply::Status(status)));
+    }
+    for obstacle in [
+        Obstacle::Fault(Fault::AdcRail),
+        Obstacle::NotCalibrated,
+        Obstacle::NotConfigured,
+        Obstacle::NothingToRun,
+        Obstacle::Crystal,
+        Obstacle::Converters,
+    ] {
+        all.push((format!("rejected {obstacle:?}"), rejected(obstacle)));
+    }
+    all
+}
+
+fn telemetry() -> Telemetry {
+    let step = StepReport {
+        flags: 0x0102_0304,
+        displacement: 0x0506,
+        force: 0x0708,
+        command_m: 1.0,
+        added_damping_n_s_per_m: -2.0,
+        energy_j: 0.5,
+        digest: 0x090a_0b0c,
+        inputs: [0x0d0e, 0x0f10, 0x1112],
+    };
+    Telemetry {
+        first_tick: 70_000,
+        steps: [step; 2].into_iter().collect(),
+    }
+}
+
+/// Bytes of a long body are told by their number and check sum.
+fn line(text: &mut String, name: &str, wire: &[u8]) {
+    let mut decoder = Decoder::new();
+    let mut body: Vec<u8, 1000> = Vec::new();
+    for &byte in wire {
+        if let Some(frame) = decoder.push(byte) {
+            body.extend_from_slice(frame.body).unwrap();
+        }
+    }
+    let shown = if body.len() <= 64 {
+        body.iter().fold(String::new(), |mut all, byte| {
+            write!(all, "{byte:02x}").unwrap();
+            all
+        })
+    } else {
+        let sum = checksum(body.iter().copied());
+        format!("{} bytes, CRC-32 {sum:08x}", body.len())
+    };
+    writeln!(text, "{name}: {shown}").unwrap();
+}
+
+fn all_bytes() -> String {
+    let mut text = format!("version {VERSION}\n");
+    for (name, command) in commands() {
+        line(
+            &mut text,
+            &format!("command {name}"),
+            &command.encode(7).unwrap(),
+        );
+    }
+    for (name, reply) in replies() {
+        let answer = Answer {
+            request: 513,
+            reply,
+        };
+        line(
+            &mut text,
+            &format!("reply {name}"),
+            &answer.encode(7).unwrap(),
+        );
+    }
+    for inputs in 0..=3 {
+        let frame = Frame {
+            kind: Kind::Telemetry,
+            sequence: 7,
+            body: &telemetry().encode(inputs),
+        };
+        let name = format!("telemetry with {inputs} further inputs");
+        line(&mut text, &name, &frame.encode().unwrap());
+    }
+    // Around each body: version, kind, number and check sum, coded without a zero, and the zero.
+    let whole = Command::History(15).encode(0x0102).unwrap();
+    let hex = |byte: &u8| format!("{byte:02x}");
+    let hex: String = whole.iter().map(hex).collect();
+    writeln!(text, "whole frame of command history: {hex}").unwrap();
+    text
+}
+
+#[test]
+fn no_byte_of_the_link_changes_without_its_version() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden.txt");
+    let known = std::fs::read_to_string(&path).unwrap_or_default();
+    let now = all_bytes();
+    if known == now {
+        return;
+    }
+    let same_version = known.lines().next() == now.lines().next();
+    let changed: std::vec::Vec<_> = now.lines().filter(|l| !known.contains(*l)).collect();
+    assert!(
+        !same_version,
+        "bytes of the link have changed and its version has not: raise link::VERSION, then write link/tests/golden.txt \
+         anew; changed: {changed:#?}"
+    );
+    let write = std::env::var("OUTERLOOP_GOLDEN").is_ok_and(|v| v == "write");
+    assert!(
+        write,
+        "link::VERSION is new: OUTERLOOP_GOLDEN=write writes link/tests/golden.txt; changed: {changed:#?}"
+    );
+    std::fs::write(&path, now).unwrap();
+}
