@@ -1,14 +1,17 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
+use crate::board::Played;
 use crate::declared;
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
+use crate::files::signal::Signal;
+use crate::files::test::TestFile;
 use crate::improvement;
 use crate::summary;
 use crate::terminal::Progress;
 use crate::trace::{Response, Witness};
-use diagnosis::{Diagnosis, Model, Verdict};
+use diagnosis::{ChannelAnswer, Diagnosis, Limits, Model, Next, Recording, Verdict};
 use outerloop_core::config::Filter;
 use outerloop_core::{Config, Method};
 use plant::Channel;
@@ -59,6 +62,23 @@ pub trait Site {
         keep: bool,
         tell: impl Witness,
     ) -> Result<Run, Failure>;
+
+    /// Moves the actuator of the same rig by a signal.
+    ///
+    /// # Errors
+    /// A signal beyond a limit of the test, and a rig or board that is not there.
+    fn play(&self, test: &TestFile, signal: &Signal, seed: u64) -> Result<Played, Failure>;
+}
+
+/// A test that was designed since a diagnosis had left something open.
+#[derive(Clone, Debug)]
+pub struct Designed {
+    /// Its design.
+    pub next: Next,
+    /// Its record.
+    pub played: Played,
+    /// What all records together say.
+    pub diagnosis: Diagnosis,
 }
 
 /// A test, the diagnosis of its record, and the same test with what was found.
@@ -70,7 +90,11 @@ pub struct Story {
     pub ideal: Response,
     /// It, on the rig as it is.
     pub before: Run,
-    /// What its record says.
+    /// What its record says alone.
+    pub first: Diagnosis,
+    /// The tests that were designed to settle what that left open, one after the other.
+    pub designed: Vec<Designed>,
+    /// What all records say together.
     pub diagnosis: Diagnosis,
     /// What was done about it.
     pub changes: Vec<String>,
@@ -99,20 +123,58 @@ impl Story {
         let method = experiment.test.config.compensation.kind;
         let ideal = experiment.ideal()?;
         let before = site.run(&experiment, method, &ideal, seed, true, progress.witness())?;
-        let found = diagnose(&experiment, &before, model)?;
-        let mut improved = experiment.clone();
+        let (train, held_out) = parted(&experiment, &before)?;
+        let (mut train, held_out) = (vec![train], vec![held_out]);
+        let ask = |train: &[Recording]| {
+            let found = diagnosis::diagnose(model, train, &held_out, &[]);
+            found.map_err(|e| Failure::input(e.to_string()))
+        };
+        let first = ask(&train)?;
         let mut changes = Vec::new();
+        let mut designed: Vec<Designed> = Vec::new();
+        let limited = with_limits(model, &experiment.test);
+        while designed.len() < DESIGNED {
+            let found = designed.last().map_or(&first, |d| &d.diagnosis);
+            if !found.channels.iter().any(is_open) {
+                break;
+            }
+            // Where no motion inside the limits tells more, none is made.
+            let next = diagnosis::next(&limited, found, &train, &held_out).ok();
+            let tells = |n: &Next| n.channels.iter().any(|o| o.tells);
+            let Some(next) = next.filter(tells) else {
+                break;
+            };
+            let signal = Signal::of(&next)?;
+            let played = site.play(&experiment.test, &signal, seed + 1 + designed.len() as u64)?;
+            // What the rig did not let through tells nothing.
+            if let Some(why) = &played.early {
+                changes.push(format!(
+                    "a designed test is left out: it ended early, {why}"
+                ));
+                break;
+            }
+            train.push(played.recording()?);
+            designed.push(Designed {
+                next,
+                played,
+                diagnosis: ask(&train)?,
+            });
+        }
+        let found = designed.last().map_or(&first, |d| &d.diagnosis).clone();
+        let mut improved = experiment.clone();
         if found.channels.iter().any(|c| !c.effects.is_empty()) {
             let config = &mut improved.test.config;
             tell_noise(&found, config);
-            changes = improvement::apply(&found.improved, config);
+            changes.extend(improvement::apply(&found.improved, config));
         }
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
         let better = improved.test.config.compensation.kind;
         let after = site.run(&improved, better, &ideal, seed, true, progress.witness())?;
-        let remains = diagnose(&improved, &after, &found.improved)?;
+        let (train, held_out) = parted(&improved, &after)?;
+        let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
+        let remains = remains.map_err(|e| Failure::input(e.to_string()))?;
         let possible = if undeclared(&experiment).is_empty() {
             None
         } else {
@@ -125,6 +187,8 @@ impl Story {
             experiment,
             ideal,
             before,
+            first,
+            designed,
             diagnosis: found,
             changes,
             improved,
@@ -206,8 +270,36 @@ fn or_nothing(names: &[&str]) -> String {
     }
 }
 
+/// Designed tests at most: what two do not settle is not settled by motion.
+const DESIGNED: usize = 2;
+/// Whether a diagnosis has left something open.
+fn is_open(a: &ChannelAnswer) -> bool {
+    matches!(
+        a.verdict,
+        Verdict::Ambiguous | Verdict::Partial | Verdict::Unknown
+    )
+}
+
+/// The model with the limits that the test states, where it has none of its own.
+fn with_limits(model: &Model, test: &TestFile) -> Model {
+    let stated = &test.config.limits;
+    let own = model.limits;
+    Model {
+        limits: Limits {
+            displacement_mm: own
+                .displacement_mm
+                .or(stated.displacement_m.map(|x| 1e3 * x)),
+            velocity_mm_per_s: own
+                .velocity_mm_per_s
+                .or(stated.velocity_m_per_s.map(|v| 1e3 * v)),
+            force_n: own.force_n.or(stated.force_n),
+        },
+        ..model.clone()
+    }
+}
+
 /// The first part of the record to train with, the last to judge on; the rest before the motion tells the noise.
-fn diagnose(experiment: &Experiment, run: &Run, model: &Model) -> Result<Diagnosis, Failure> {
+fn parted(experiment: &Experiment, run: &Run) -> Result<(Recording, Recording), Failure> {
     let cannot = || {
         Failure::test("the test ended before it had a record: accepted is one that ran".to_owned())
     };
@@ -221,7 +313,8 @@ fn diagnose(experiment: &Experiment, run: &Run, model: &Model) -> Result<Diagnos
     let rest_s = experiment.test.excitation.rest_s * scale;
     let (first, last) = (whole.time_s[0], whole.time_s[whole.time_s.len() - 1]);
     let split = first + rest_s + TRAINED * (last - first - rest_s);
-    let train = whole.span(first, split);
-    let test = whole.span(split + whole.interval_s(), last);
-    diagnosis::diagnose(model, &[train], &[test], &[]).map_err(|e| Failure::input(e.to_string()))
+    Ok((
+        whole.span(first, split),
+        whole.span(split + whole.interval_s(), last),
+    ))
 }

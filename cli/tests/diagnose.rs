@@ -421,3 +421,66 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
     // A rest that is missing is no reason to refuse.
     assert_eq!(c["effects"][0]["name"], "inertia_force", "{c}");
 }
+
+#[test]
+fn the_next_test_is_designed_written_played_and_diagnosed_beside_the_first() {
+    let lab = Laboratory::with("[[plant.effects]]\nname = \"second_lag\"\nlag_ms = 5\n");
+    let (model, next, test) = (
+        lab.path("model.toml"),
+        lab.path("next.csv"),
+        lab.path("test.toml"),
+    );
+    let (record, second) = (lab.record(), lab.path("second"));
+    let (train, held_out) = (format!("{record}@..12"), format!("{record}@12..21"));
+    let ask = |more: &[&str]| {
+        let mut arguments = vec!["diagnose", "--json", "--model", &model, "--train", &train];
+        arguments.extend(more);
+        arguments.extend(["--test", &held_out]);
+        let output = outerloop(&arguments);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    let first = ask(&["--next", &next]);
+    let plan = &first["next"];
+    assert_eq!(plan["file"], next.as_str());
+    assert_eq!(plan["limits"]["velocity_from"], "record");
+    assert!(plan["seconds"].as_f64().unwrap() > 8.0, "{plan:#}");
+    assert!(
+        !plan["channels"][0]["candidates"]
+            .as_array()
+            .unwrap()
+            .is_empty()
+    );
+    let written = std::fs::read_to_string(&next).unwrap();
+    assert!(
+        written.contains("\ntime_s,command_mm\n0.000000,0.000000\n"),
+        "{}",
+        &written[..300]
+    );
+
+    let played = outerloop(&["run", &test, "--signal", &next, "--out", &second, "--json"]);
+    let said = String::from_utf8_lossy(&played.stderr);
+    assert!(played.status.success(), "{said}");
+    let told: Value = serde_json::from_slice(&played.stdout).unwrap();
+    assert_eq!(told["verdict"], "completed");
+    let record = format!("{second}/record.csv");
+    let both = ask(&["--train", &record]);
+    let actuator = &both["channels"][0];
+    let names = actuator["effects"].as_array().unwrap();
+    assert!(
+        names.iter().any(|e| e["family"] == "timing"),
+        "{actuator:#}"
+    );
+
+    // Beyond a limit nothing moves and nothing is written.
+    let third = lab.path("third");
+    let limit = "limits.displacement_m=1e-4";
+    let refused = outerloop(&[
+        "run", &test, "--signal", &next, "--out", &third, "--set", limit,
+    ]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(said.contains("limits.displacement_m = 0.0001"), "{said}");
+    assert!(!Path::new(&third).exists());
+}

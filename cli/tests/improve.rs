@@ -139,6 +139,36 @@ fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
 }
 
 #[test]
+fn what_a_small_earthquake_cannot_tell_apart_is_settled_by_a_designed_test() {
+    // 2 mm: a lag of 4 ms looks like a delay. The rig may do more than the earthquake asks of it.
+    let limits = "[limits]\ndisplacement_m = 0.03\nvelocity_m_per_s = 0.6\nforce_n = 8000\n[[plant.effects]]";
+    let text = effect("lag_error", "actuator", "lag_ms = 4")
+        .replace("[excitation]", "[excitation]\npeak_response_mm = 2")
+        .replace("[[plant.effects]]", limits);
+    let folder = tempfile::tempdir().unwrap();
+    let (test, out) = (folder.path().join("small.toml"), folder.path().join("out"));
+    std::fs::write(&test, text).unwrap();
+    let rows = improve(&[
+        &test.display().to_string(),
+        "--out",
+        &out.display().to_string(),
+    ]);
+    let row = &rows[0];
+    assert_eq!(row["found_first"], "lag_error (or one like it)", "{row:#}");
+    let designed = row["designed"].as_array().unwrap();
+    assert_eq!(designed.len(), 1, "{row:#}");
+    assert_eq!(designed[0]["limits"]["velocity_from"], "declared");
+    assert_eq!(row["found"], "lag_error", "{row:#}");
+    assert_eq!(row["outcome"], "better");
+    let eps = |key: &str| row[key].as_f64().unwrap();
+    assert!(
+        eps("eps_rms_after") < 0.3 * eps("eps_rms_before"),
+        "{row:#}"
+    );
+    assert!(out.join("small-next-1.csv").exists() && out.join("small-designed-1.csv").exists());
+}
+
+#[test]
 fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
     // The specimen is stiffer than was declared. The force channel cannot tell that from a load cell that reads too
     // much; the test that follows can.

@@ -211,8 +211,8 @@ pub struct ChannelAnswer {
     /// That correction.
     #[serde(skip)]
     pub correction: Option<Correction>,
-    /// 90 % interval of the rms that the improved model will leave of the next test like the training data, in the
-    /// channel's unit; it is worked out without the held-out data.
+    /// 90 % interval of the rms that the model was expected to leave of the held-out data, in the channel's unit: from what it
+    /// leaves of the training data and from the held-out motion, without the held-out answer.
     pub next_error_ci90: Option<[f64; 2]>,
     /// What is known of the rest, where something structured remains.
     pub remainder: Option<Remainder>,

@@ -116,40 +116,6 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
     Some(&inverse * meat * &inverse)
 }
 
-/// Blocks that the error of the next test is foretold from.
-const FORETOLD_BY: usize = 12;
-/// Student's t at 95 % for as many blocks.
-const T_95: f64 = 1.796;
-
-/// 90 % interval of the rms that a model will leave of another test like these: of its logarithm, from how it scatters over
-/// blocks of the records, half of whose scatter another test has as a whole.
-pub fn next_error(rests: &[Vec<f64>]) -> [f64; 2] {
-    let all: Vec<f64> = rests.concat();
-    let logs: Vec<f64> = (0..FORETOLD_BY)
-        .map(|b| {
-            let (from, end) = (
-                b * all.len() / FORETOLD_BY,
-                (b + 1) * all.len() / FORETOLD_BY,
-            );
-            let part = &all[from..end];
-            let square = dot(part, part) / part.len().max(1) as f64;
-            0.5 * square.max(f64::MIN_POSITIVE).ln()
-        })
-        .collect();
-    let n = logs.len() as f64;
-    let mean = logs.iter().sum::<f64>() / n;
-    let variance = logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let half = T_95 * (variance * (SHARED + 1.0 / n)).sqrt();
-    let middle = 0.5
-        * (dot(&all, &all) / all.len().max(1) as f64)
-            .max(f64::MIN_POSITIVE)
-            .ln();
-    [(middle - half).exp(), (middle + half).exp()]
-}
-
-/// Share of the scatter of blocks that another test of the same length has as a whole: blocks are not independent.
-const SHARED: f64 = 0.5;
-
 /// 90 % interval of `rms(before) - rms(after)`, by resampling blocks.
 pub fn improvement(before: &[Vec<f64>], after: &[Vec<f64>], interval_s: f64) -> [f64; 2] {
     let block = ((BLOCK_S / interval_s) as usize).max(4);

@@ -3,10 +3,13 @@
 
 use outerloop_cli::board::emulated::{Emulated, Laboratory};
 use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+use outerloop_cli::board::{
+    BoardBench, Connection, Course, Operator, Patience, Played, calibrate,
+};
 use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::files::signal::Signal;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::story::{Outcome, Site, Story};
 use outerloop_cli::terminal::Progress;
@@ -96,6 +99,13 @@ impl Site for Boards {
             }
         };
         experiment.run_on(&on[place].1, method, ideal, keep, tell)
+    }
+
+    fn play(&self, test: &TestFile, signal: &Signal, _: u64) -> Result<Played, Failure> {
+        let on = self.on.borrow();
+        let own = on.iter().find(|(rig, _)| *rig == test.plant);
+        let (_, bench) = own.expect("a test runs before a signal");
+        bench.play(test, &Course::Points(signal.clone()), &mut ())
     }
 }
 

@@ -5,6 +5,7 @@
 pub mod call_graph;
 pub mod data;
 pub mod exam;
+pub mod foresight;
 pub mod loopback;
 pub mod outside;
 pub mod qemu;

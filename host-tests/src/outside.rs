@@ -73,6 +73,23 @@ impl Case {
     /// # Errors
     /// The sentence of a refusal.
     pub fn diagnose(&self) -> Result<(ChannelAnswer, f64), String> {
+        self.between(&self.train, &self.test)
+    }
+
+    /// What is trained with and what is held out.
+    pub fn spans(&self) -> [&[String]; 2] {
+        [&self.train, &self.test]
+    }
+
+    /// The same with other spans.
+    ///
+    /// # Errors
+    /// The sentence of a refusal.
+    pub fn between(
+        &self,
+        train: &[String],
+        test: &[String],
+    ) -> Result<(ChannelAnswer, f64), String> {
         let folder = test_data::file("outside").ok_or("no data")?;
         let mut library = Library::default();
         let mut parts = |spans: &[String]| {
@@ -88,7 +105,7 @@ impl Case {
             let parts: Vec<Part> = spans.iter().map(parse).collect::<Result<_, _>>()?;
             library.parts(&parts).map_err(|e| e.to_string())
         };
-        let (train, test, rest) = (parts(&self.train)?, parts(&self.test)?, parts(&self.rest)?);
+        let (train, test, rest) = (parts(train)?, parts(test)?, parts(&self.rest)?);
         let declared = model::load(&folder.join(&self.model)).map_err(|e| e.to_string())?;
         let found =
             diagnosis::diagnose(&declared, &train, &test, &rest).map_err(|e| e.to_string())?;

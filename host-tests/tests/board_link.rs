@@ -4,11 +4,12 @@
 use host_tests::loopback::{Loopback, Mishap};
 use link::command::{Shape, Signal};
 use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{self, BoardBench, Connection, Operator, Patience, Port};
+use outerloop_cli::board::{self, BoardBench, Connection, Course, Operator, Patience, Port};
 use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording::Recording;
+use outerloop_cli::files::signal::Signal as PointsOfSignal;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::summary::Verdict;
 use plant::Rig;
@@ -281,6 +282,49 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
 }
 
 #[test]
+fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_anything_moves() {
+    let t = test(&[]);
+    // Half a second of rest, a turn, half a second of rest, at a rate of its own.
+    let command_m: Vec<f64> = (0..=300)
+        .map(|i| match i {
+            50..250 => 0.004 * (1.0 - (std::f64::consts::TAU * f64::from(i - 50) / 200.0).cos()),
+            _ => 0.0,
+        })
+        .collect();
+    let course = Course::Points(PointsOfSignal {
+        interval_s: 0.01,
+        command_m: command_m.clone(),
+    });
+    let mut connection = connect(loopback(&t));
+    let played =
+        board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ()).unwrap();
+    assert_eq!(played.early, None);
+    let recording = Recording::parse("signal.csv", &played.text).unwrap();
+    let command = recording.command_m().unwrap();
+    assert!((6000..6003).contains(&command.len()), "{}", command.len());
+    for (i, wanted) in command_m.iter().enumerate() {
+        let sent = command[20 * i];
+        assert!((sent - wanted).abs() < 1e-5, "{i}: {sent} {wanted}");
+    }
+    for (limit, said) in [
+        (
+            "limits.displacement_m=0.007",
+            "limits.displacement_m = 0.007",
+        ),
+        (
+            "limits.velocity_m_per_s=0.01",
+            "limits.velocity_m_per_s = 0.01",
+        ),
+    ] {
+        let t = test(&[limit]);
+        let mut connection = connect(loopback(&t));
+        let refused = board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ());
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+}
+
+#[test]
 fn a_commissioning_chirp_is_recorded_and_reads_back() {
     let t = test(&[]);
     let mut connection = connect(loopback(&t));
@@ -292,10 +336,11 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         amplitude_m: 0.01,
         seconds: 10.0,
     };
-    let (text, early) =
-        board::commission(&mut connection, &t, signal, &Operator::nobody(), &mut ()).unwrap();
-    assert_eq!(early, None);
-    let recording = Recording::parse("chirp.csv", &text).unwrap();
+    let course = Course::Formula(signal);
+    let played =
+        board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ()).unwrap();
+    assert_eq!(played.early, None);
+    let recording = Recording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     let measured = recording.displacement_m().unwrap();
     assert!(

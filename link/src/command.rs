@@ -97,4 +97,7 @@ pub enum Shape {
         /// At the end, Hz.
         to_hz: f32,
     },
+    /// The points that were sent with [`Command::Motion`] and [`Command::Points`], as displacements in m: the board goes
+    /// from one to the next in a straight line. They are no ground motion any more once they were named so.
+    Points,
 }

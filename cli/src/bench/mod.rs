@@ -2,8 +2,10 @@
 
 pub(crate) mod ideal;
 mod plant;
+mod play;
 
 pub use self::plant::{Breakage, PlantBench};
+pub use self::play::play;
 
 use crate::board::Further;
 use crate::failure::Failure;

@@ -1,16 +1,20 @@
 //! A whole test on a board.
 
+use super::commission::commission;
 use super::connection::Connection;
+use super::course::Course;
 use super::further::Further;
 use super::image::{Image, converter_bits};
 use super::limits::{self, Plan};
 use super::mirror::Mirror;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, identify, status};
+use super::played::Played;
 use super::port::Port;
 use super::wording::describe_words;
 use crate::bench::{Assignment, Bench, Ending, OnBoard};
 use crate::failure::Failure;
+use crate::files::test::TestFile;
 use crate::trace::Witness;
 use link::Command;
 use link::command::{CHUNK, MAX_POINTS};
@@ -61,6 +65,20 @@ impl<P: Port> BoardBench<P> {
     pub fn with_bits(mut self, bits: Option<u8>) -> Self {
         self.bits = bits;
         self
+    }
+
+    /// Moves the actuator by `course` on the same board; see [`commission`].
+    ///
+    /// # Errors
+    /// Those of [`commission`].
+    pub fn play(
+        &self,
+        test: &TestFile,
+        course: &Course,
+        witness: &mut impl Witness,
+    ) -> Result<Played, Failure> {
+        let board = &mut *self.connection.borrow_mut();
+        commission(board, test, course, &self.operator, witness)
     }
 
     /// The connection back.
@@ -190,8 +208,8 @@ fn prepare<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     }
 }
 
-/// Sends the ground motion.
-fn load<P: Port>(
+/// Sends the ground motion, or points of a signal.
+pub(super) fn load<P: Port>(
     board: &mut Connection<P>,
     points: &[f32],
     interval_s: f64,

@@ -1,18 +1,18 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
 use super::connection::Connection;
+use super::course::Course;
 use super::limits::{self, Plan};
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, identify, status};
+use super::played::Played;
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::trace::Witness;
 use link::Command;
-use link::command::Signal;
 use link::limits::Shown;
 use outerloop_core::{Event, Record, State};
-use std::fmt::Write as _;
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
@@ -20,21 +20,22 @@ const REST_STEPS: u32 = 40;
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Runs `signal` under the limits of `test`, or those that follow from the signal; returns the recording in the format of recorded data, and why it ended
-/// early, if it did.
+/// Moves the actuator by `course` under the limits of `test`, or those that follow from the course.
 ///
 /// # Errors
-/// A board that is refused or not idle; a signal that is refused; a link that is lost before the start.
+/// A course beyond a limit that the test states; a board that is refused or not idle; a signal that is refused; a link that
+/// is lost before the start.
 pub fn commission<P: Port>(
     board: &mut Connection<P>,
     test: &TestFile,
-    signal: Signal,
+    course: &Course,
     operator: &Operator,
     witness: &mut impl Witness,
-) -> Result<(String, Option<String>), Failure> {
+) -> Result<Played, Failure> {
+    course.check(&test.config)?;
     let identity = identify(board)?;
     clear(board)?;
-    let plan = Plan::of_signal(test, &signal);
+    let plan = Plan::of_course(test, course);
     let shown = Shown::by(&identity.calibration, &identity.codes);
     let mut config = test.config.clone();
     config.limits = plan.limits(&test.config.limits, &shown);
@@ -43,7 +44,7 @@ pub fn commission<P: Port>(
         limits::describe(&test.config.limits, &config.limits)
     );
     done(board, "configure", &Command::Configure(config.clone()))?;
-    done(board, "signal", &Command::Signal(Some(signal)))?;
+    course.send(board, &config)?;
     board.forget_steps();
     let mut idle = 0;
     while idle < IDLE_STEPS {
@@ -80,7 +81,7 @@ pub fn commission<P: Port>(
     }
     event(board, Event::Start)?;
     let mut stopped = false;
-    let mut text = String::from("time_s,command_m,displacement_m,force_n\n");
+    let mut played = Played::new();
     let mut begin = None;
     let early = loop {
         if stop_is_asked() && !std::mem::replace(&mut stopped, true) {
@@ -106,14 +107,8 @@ pub fn commission<P: Port>(
         match step.state() {
             Some(State::Commissioning) => {
                 let begin = *begin.get_or_insert(tick);
-                let _ = writeln!(
-                    text,
-                    "{},{},{},{}",
-                    f64::from(tick.wrapping_sub(begin)) / config.timing.rate_hz,
-                    step.command_m,
-                    displacement_m,
-                    force_n
-                );
+                let time_s = f64::from(tick.wrapping_sub(begin)) / config.timing.rate_hz;
+                played.add_at(time_s, step.command_m, displacement_m, force_n);
             }
             Some(State::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
             Some(State::Tripped) => {
@@ -142,5 +137,5 @@ pub fn commission<P: Port>(
         }
         clear(board)?;
     }
-    Ok((text, early))
+    Ok(Played { early, ..played })
 }

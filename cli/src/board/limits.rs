@@ -11,10 +11,10 @@
 //!
 //! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
 
+use super::course::Course;
 use crate::experiment::Experiment;
 use crate::files::test::TestFile;
 use crate::trace::Response;
-use link::command::{Shape, Signal};
 use link::limits::Shown;
 use outerloop_core::config::{Filter, Limits};
 
@@ -26,9 +26,6 @@ const VELOCITY_MARGIN: f64 = 3.0;
 const DEVIATIONS: f64 = 7.0;
 /// Over the declared delay, s.
 const STALE_S: f64 = 0.02;
-
-/// Rise of a constant signal, s.
-const RISE_S: f64 = 0.5;
 
 /// What the planned test will do where the actuator is, if all goes well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,18 +96,8 @@ impl Plan {
     }
 
     /// Of a commissioning signal under a test's limits.
-    pub fn of_signal(test: &TestFile, signal: &Signal) -> Self {
-        let top_hz = match signal.shape {
-            Shape::Constant => 1.0 / RISE_S,
-            Shape::Sine { frequency_hz } => f64::from(frequency_hz),
-            Shape::Chirp { from_hz, to_hz } => f64::from(from_hz.max(to_hz)),
-        };
-        let amplitude_m = f64::from(signal.amplitude_m);
-        Self::with(
-            test,
-            amplitude_m,
-            std::f64::consts::TAU * top_hz * amplitude_m,
-        )
+    pub fn of_course(test: &TestFile, course: &Course) -> Self {
+        Self::with(test, course.peak_m(), course.speed_m_per_s())
     }
 
     /// All limits; what `stated` says stands. `shown` is the board's calibrated range.

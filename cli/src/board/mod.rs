@@ -7,6 +7,8 @@
 //!  bench        a whole test: configure, load, arm, start, receive
 //!  further      what a board records beside displacement and force
 //!  image        the images that can be flashed
+//!  course       what moves the actuator without a test: a formula or points
+//!  played       what that left behind
 //!  limits       those that a board asks for, worked out from the planned test
 //!  operator     the person at the bench: go, go on, stop
 //!  orders       what a person asks of a board, and how a refusal is said
@@ -17,6 +19,7 @@ mod bench;
 mod build;
 mod commission;
 mod connection;
+mod course;
 pub mod emulated;
 mod further;
 mod image;
@@ -24,6 +27,7 @@ pub mod limits;
 mod mirror;
 pub mod operator;
 mod orders;
+mod played;
 mod port;
 mod wording;
 
@@ -32,8 +36,10 @@ pub use commission::commission;
 pub use connection::{Connection, Patience};
 pub use further::Further;
 pub use image::Image;
+pub use course::Course;
 pub use mirror::{Mirror, Seen};
 pub use operator::Operator;
 pub use orders::{calibrate, clear, identify, save, status, zero};
+pub use played::Played;
 pub use port::{Port, Serial};
 pub use wording::{describe, describe_words};

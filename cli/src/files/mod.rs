@@ -15,6 +15,7 @@ pub mod output;
 pub mod plain;
 pub mod record_csv;
 pub mod recording;
+pub mod signal;
 pub mod table;
 pub mod test;
 

@@ -6,7 +6,7 @@
 //! force that is ahead by `t`, which for a spring is a viscous damping of `K t`. Where both channels say so, one
 //! correction of the reading takes out both, and nothing is taken out twice.
 
-use diagnosis::{ActuatorModel, Declared, Model, SpecimenModel};
+use diagnosis::{ActuatorModel, Declared, Model, SavedElement, SpecimenModel};
 use plant::{Channel, Effect, EffectSpec};
 
 /// What is wrong with a rig, each thing once, where it is.
@@ -66,6 +66,9 @@ impl Causes {
         for effect in &specimen.effects {
             causes.add(Channel::Specimen, effect);
         }
+        for element in &specimen.elements {
+            causes.add_element(element);
+        }
         causes.late_reading(
             specimen,
             causes.late_ms[0] + causes.late_ms[1] - expected_ms,
@@ -104,6 +107,24 @@ impl Causes {
         let more = matches!(effect.name, Effect::OilColumn | Effect::StribeckFriction);
         if known.is_none() || more {
             self.left.push((channel, effect.name));
+        }
+    }
+
+    /// An element of free strength beside the specimen: what slides is friction, everything else stays.
+    fn add_element(&mut self, element: &SavedElement) {
+        let is_friction = matches!(
+            element.name,
+            Effect::CoulombFriction | Effect::StribeckFriction
+        );
+        match element.sliding().filter(|_| is_friction) {
+            Some([force_n, mm]) => {
+                let [before_n, before_mm] = self.friction.unwrap_or_default();
+                self.friction = Some([before_n + force_n, before_mm.max(mm)]);
+            }
+            None if !self.left.contains(&(Channel::Specimen, element.name)) => {
+                self.left.push((Channel::Specimen, element.name));
+            }
+            None => {}
         }
     }
 
@@ -208,6 +229,28 @@ mod tests {
         let c = Causes::of(&model(1.0, 2.0, 4.0, [1.1, -250.0, 0.0]), 4.0);
         assert_eq!((c.displacement_offset_mm, c.force_offset_n), (2.0, -50.0));
         assert!((c.force_gain - 1.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn friction_that_the_joint_search_found_is_taken_out_and_other_elements_stay() {
+        let text = |name: &str, law: &str| {
+            format!(
+                "[[specimen.elements]]\nname = '{name}'\nlaw = '{law}'\nstrength = 300.0\nshape = [0.2, 1.0, 0.0, 0.0]\n\
+                 reference_mm = 20.0\nreference_mm_per_s = 100.0\n"
+            )
+        };
+        let known = |text: String| {
+            let model: Model = toml::from_str(&text).unwrap();
+            Causes::of(&model, 4.0)
+        };
+        let c = known(text("coulomb_friction", "slider"));
+        assert_eq!((c.friction, c.left.len()), (Some([300.0, 0.2]), 0));
+        let both = text("coulomb_friction", "slider") + &text("coulomb_friction", "distributed");
+        let friction = known(both).friction.unwrap();
+        assert!((friction[0] - 600.0).abs() < 1e-9, "{friction:?}");
+        let c = known(text("maxwell_damper", "relaxing"));
+        assert_eq!(c.left, [(Channel::Specimen, Effect::MaxwellDamper)]);
+        assert_eq!(c.friction, None);
     }
 
     #[test]

@@ -19,19 +19,49 @@ const LISTED: usize = 10;
 /// # Errors
 /// The drawing library's.
 pub fn channel(a: &ChannelAnswer) -> Drawn {
-    let mut html = format!(
-        "<h2>{}</h2><p class=\"verdict {}\">{}</p>",
-        match a.channel {
-            Channel::Actuator => "Actuator: command to displacement",
-            Channel::Specimen => "Specimen: displacement to force",
-        },
+    Ok(heading(a) + &verdict(a) + &details(a)?)
+}
+
+/// A channel whose verdict has been said.
+///
+/// # Errors
+/// The drawing library's.
+pub fn behind_the_verdict(a: &ChannelAnswer) -> Drawn {
+    Ok(heading(a) + &details(a)?)
+}
+
+/// What to do next, as items of a list.
+pub fn steps(a: &ChannelAnswer) -> String {
+    let said = next(a).map(|s| s.trim_start_matches("Next: ").to_owned());
+    said.map_or_else(String::new, |s| {
+        format!("<li><b>{}</b>: {}</li>", a.channel.name(), escape(&s))
+    })
+}
+
+fn heading(a: &ChannelAnswer) -> String {
+    let what = match a.channel {
+        Channel::Actuator => "Actuator: command to displacement",
+        Channel::Specimen => "Specimen: displacement to force",
+    };
+    format!("<h2>{what}</h2>")
+}
+
+/// The verdict in a sentence.
+pub fn verdict(a: &ChannelAnswer) -> String {
+    format!(
+        "<p class=\"verdict {}\">{}</p>",
         match a.verdict {
             Verdict::None | Verdict::Effect => "good",
             Verdict::Ambiguous | Verdict::Partial => "fair",
             Verdict::Unknown | Verdict::NotAssessed => "bad",
         },
         escape(&headline(a))
-    );
+    )
+}
+
+/// Figures, sentences and pictures.
+fn details(a: &ChannelAnswer) -> Drawn {
+    let mut html = String::new();
     if let Some(sentence) = crate::wording::sureness(a) {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
@@ -43,9 +73,6 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
         .skip(usize::from(a.verdict != Verdict::NotAssessed))
     {
         let _ = write!(html, "<p>{}</p>", escape(note));
-    }
-    if let Some(sentence) = next(a) {
-        let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     html += &errors(a);
     for sentence in corrected(a)

@@ -3,6 +3,7 @@
 mod comparison;
 mod diagnosis;
 mod figures;
+mod next;
 mod plot;
 mod rths;
 mod scale;
@@ -109,11 +110,45 @@ pub fn of_demo(
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_diagnosis(title: &str, d: &::diagnosis::Diagnosis) -> Result<String, Failure> {
-    let parts: Result<Vec<String>, _> = d.channels.iter().map(diagnosis::channel).collect();
+pub fn of_diagnosis(
+    title: &str,
+    d: &::diagnosis::Diagnosis,
+    next: Option<&::diagnosis::Next>,
+    [declared, improved]: [&str; 2],
+) -> Result<String, Failure> {
+    let body = || -> Drawn {
+        let each = |of: fn(&::diagnosis::ChannelAnswer) -> String| -> String {
+            d.channels.iter().map(of).collect()
+        };
+        let steps = each(diagnosis::steps);
+        let mut html = each(diagnosis::verdict);
+        if !steps.is_empty() || next.is_some() {
+            let play = next.map_or_else(String::new, |n| {
+                format!(
+                    "<li><b>play the next test</b>: {} <a href=\"#next\">Its command and what each cause predicts</a></li>",
+                    escape(&crate::wording::plan::summary(n))
+                )
+            });
+            let _ = write!(html, "<h2>What to do next</h2><ul>{steps}{play}</ul>");
+        }
+        for channel in &d.channels {
+            html += &diagnosis::behind_the_verdict(channel)?;
+        }
+        if let Some(n) = next {
+            html += &next::section(n)?;
+        }
+        let _ = write!(
+            html,
+            "<h2>The models</h2><div class=\"pair\"><div><h3>As declared</h3><pre class=\"file\">{}</pre></div><div><h3>With what \
+             was found</h3><pre class=\"file\">{}</pre></div></div>",
+            escape(declared.trim()),
+            escape(improved.trim())
+        );
+        Ok(html)
+    };
     let lead = "What was measured is compared with what the declared model says, its parameters refitted within three \
                 tolerances; what is left beyond the noise is traced to an effect that the model lacks.";
-    Ok(page(title, lead, &parts.map_err(cannot)?.concat()))
+    Ok(page(title, lead, &body().map_err(cannot)?))
 }
 
 /// The report of tests whose records were diagnosed, and of the tests after them.
@@ -167,6 +202,13 @@ fn story(title: &str, s: &Story) -> Drawn {
         .filter(|c| !c.effects.is_empty())
     {
         html += &diagnosis::channel(c)?;
+    }
+    for d in &s.designed {
+        html += &next::section(&d.next)?;
+        html += "<h3>What all records say together</h3>";
+        for c in &d.diagnosis.channels {
+            let _ = write!(html, "<p>{}</p>", escape(&crate::wording::headline(c)));
+        }
     }
     html += "<h3>What was done about it</h3><ul>";
     for change in &s.changes {

@@ -2,11 +2,13 @@
 
 mod diagnosis;
 pub mod interrupt;
+mod next;
 pub mod output;
 mod standings;
 
 pub use crate::numbers::{joule, percent};
 pub use diagnosis::{diagnosis, stories};
+pub use next::next;
 pub use standings::{standings, standings_head, standings_row};
 
 use crate::numbers::length;

@@ -1,16 +1,16 @@
 //! `outerloop board`: what a person asks of a board at a serial port.
 
 use super::json;
-use crate::board::emulated::{self, Emulated, Laboratory};
-use crate::board::limits::Plan;
-use crate::board::{self, Connection, Operator, Patience, Port, Serial};
+use super::place::Place;
+use crate::board::{self, Connection, Course, Patience, Serial};
 use crate::failure::Failure;
 use crate::files::output;
+use crate::files::signal::Signal;
 use crate::files::test::TestFile;
 use crate::scope::Scoped;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use link::Calibration;
-use link::command::{Channel, Shape, Signal};
+use link::command::{Channel, Shape};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -226,9 +226,10 @@ struct Commission {
     /// Seed of everything random in that rig
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Shape of the signal
-    #[arg(long, value_enum, default_value_t = Kind::Chirp)]
-    signal: Kind,
+    /// Shape of the signal, constant, sine or chirp; or a file with time_s and command_mm, such as `diagnose --next` writes,
+    /// which has its own amplitude, length and frequencies
+    #[arg(long, value_name = "SHAPE|FILE", default_value = "chirp")]
+    signal: Wanted,
     /// Largest displacement, mm
     #[arg(long, value_name = "MM", default_value_t = 5.0)]
     amplitude_mm: f32,
@@ -248,60 +249,67 @@ struct Commission {
     scope: Scoped,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Kind {
+/// A shape that the board makes by itself, or a file.
+#[derive(Clone, Debug)]
+enum Wanted {
     Constant,
     Sine,
     Chirp,
+    File(PathBuf),
+}
+
+impl FromStr for Wanted {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "constant" => Self::Constant,
+            "sine" => Self::Sine,
+            "chirp" => Self::Chirp,
+            file if Path::new(file).exists() => Self::File(file.into()),
+            other => {
+                return Err(format!(
+                    "`{other}` is no shape and no file: accepted are constant, sine, chirp, and a file with time_s and \
+                     command_mm"
+                ));
+            }
+        })
+    }
 }
 
 impl Commission {
-    fn go(&self) -> Result<(), Failure> {
-        let test = TestFile::load(&self.test, &[])?;
-        let signal = Signal {
-            shape: match self.signal {
-                Kind::Constant => Shape::Constant,
-                Kind::Sine => Shape::Sine {
-                    frequency_hz: self.from_hz,
-                },
-                Kind::Chirp => Shape::Chirp {
-                    from_hz: self.from_hz,
-                    to_hz: self.to_hz,
-                },
+    fn course(&self) -> Result<Course, Failure> {
+        let shape = match &self.signal {
+            Wanted::File(path) => return Signal::load(path).map(Course::Points),
+            Wanted::Constant => Shape::Constant,
+            Wanted::Sine => Shape::Sine {
+                frequency_hz: self.from_hz,
             },
+            Wanted::Chirp => Shape::Chirp {
+                from_hz: self.from_hz,
+                to_hz: self.to_hz,
+            },
+        };
+        Ok(Course::Formula(link::command::Signal {
+            shape,
             amplitude_m: self.amplitude_mm / 1e3,
             seconds: self.seconds,
+        }))
+    }
+
+    fn go(&self) -> Result<(), Failure> {
+        let test = TestFile::load(&self.test, &[])?;
+        let course = self.course()?;
+        let place = Place::on_board(self.port.clone(), self.yes);
+        let title = match &self.signal {
+            Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
+            shape => format!("{shape:?} under {}", self.test.display()),
         };
-        let (mut connection, operator) = match &self.port {
-            Some(device) => {
-                let operator = if self.yes {
-                    Operator::nobody()
-                } else {
-                    Operator::person()?
-                };
-                let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-                (Connection::new(port, Patience::BOARD), operator)
-            }
-            None => {
-                emulated::can_run(&test)?;
-                let plan = Plan::of_signal(&test, &signal);
-                let limits = plan.without_board(&test.config.limits);
-                let laboratory = Laboratory::of(&test, self.seed).sized_for(&limits, &plan);
-                let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-                let mut connection = Connection::new(port, Patience::EMULATED);
-                board::calibrate(&mut connection, laboratory.calibration)?;
-                (connection, Operator::nobody())
-            }
-        };
-        let title = format!("{:?} under {}", self.signal, self.test.display());
         let rate_hz = test.config.timing.rate_hz;
         let mut scope = self.scope.open(&title, rate_hz, false)?;
-        let (text, early) =
-            board::commission(&mut connection, &test, signal, &operator, &mut scope)?;
-        let steps = text.lines().skip(1).count();
-        output::write(&self.out, &text)?;
-        println!("{steps} steps are in {}.", self.out.display());
-        early.map_or(Ok(()), |why| {
+        let played = place.play_course(&test, &course, self.seed, &mut scope)?;
+        output::write(&self.out, &played.text)?;
+        println!("{} steps are in {}.", played.steps, self.out.display());
+        played.early.map_or(Ok(()), |why| {
             Err(Failure::test(format!(
                 "the signal ended early: {why}; what was received is kept"
             )))

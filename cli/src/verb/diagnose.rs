@@ -4,11 +4,12 @@ use super::json;
 use crate::failure::Failure;
 use crate::files::columns::Columns;
 use crate::files::measured::{Library, Part};
-use crate::files::{model, output};
+use crate::files::{model, output, signal};
 use crate::report;
 use crate::terminal;
-use diagnosis::Diagnosis;
+use diagnosis::{Diagnosis, Next};
 use plant::Channel;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Find what the declared model lacks
@@ -33,6 +34,10 @@ pub struct Diagnose {
     /// takes enough of it on held-out data
     #[arg(long)]
     remainder: bool,
+    /// Design the test that tells most about what is left open, inside the limits that the model declares in its table
+    /// [limits], else inside what the records have shown, and write its command there: time_s,command_mm
+    #[arg(long, value_name = "FILE")]
+    next: Option<PathBuf>,
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -75,11 +80,29 @@ impl Diagnose {
         if !library.force_has_unit() {
             without_unit(&mut diagnosis);
         }
+        let next = match &self.next {
+            None => None,
+            Some(path) => {
+                let design = || diagnosis::next(&declared, &diagnosis, &train, &test);
+                let next = terminal::while_waiting("designing the next test", design);
+                let next = next.map_err(|e| Failure::input(format!("--next: {e}")))?;
+                signal::write(path, &next)?;
+                Some(next)
+            }
+        };
         let improved = model::to_toml(&diagnosis.improved)?;
+        let told = Told {
+            diagnosis: &diagnosis,
+            next: next
+                .as_ref()
+                .zip(self.next.as_deref())
+                .map(|(design, file)| Designed { file, design }),
+        };
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
         if let Some(folder) = &self.out {
+            let stated = model::to_toml(&declared)?;
             let title = format!(
                 "What {} says about {}",
                 file_name(&self.train[0].file),
@@ -88,17 +111,29 @@ impl Diagnose {
             output::write_all(
                 folder,
                 &[
-                    ("report.html", report::of_diagnosis(&title, &diagnosis)?),
-                    ("diagnosis.json", json(&diagnosis)?),
+                    (
+                        "report.html",
+                        report::of_diagnosis(
+                            &title,
+                            &diagnosis,
+                            next.as_ref(),
+                            [&stated, &improved],
+                        )?,
+                    ),
+                    ("diagnosis.json", json(&told)?),
                     ("model.toml", improved),
                 ],
             )?;
         }
         if self.json {
-            println!("{}", json(&diagnosis)?);
+            println!("{}", json(&told)?);
             return Ok(());
         }
         println!("{}", terminal::diagnosis(&diagnosis));
+        if let Some((next, path)) = next.as_ref().zip(self.next.as_ref()) {
+            println!("\n{}", terminal::next(next));
+            println!("The command of the next test is in {}", path.display());
+        }
         if let Some(path) = &self.save_model {
             println!("{} is in {}", saved(&diagnosis), path.display());
         }
@@ -107,6 +142,23 @@ impl Diagnose {
         }
         Ok(())
     }
+}
+
+/// A diagnosis as JSON, and the next test where one was asked for.
+#[derive(Serialize)]
+struct Told<'a> {
+    #[serde(flatten)]
+    diagnosis: &'a Diagnosis,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    next: Option<Designed<'a>>,
+}
+
+/// The next test as JSON.
+#[derive(Serialize)]
+struct Designed<'a> {
+    file: &'a Path,
+    #[serde(flatten)]
+    design: &'a Next,
 }
 
 /// Puts the corrections without a name into the improved model.

@@ -3,7 +3,7 @@
 use super::place::Place;
 use super::{Common, json};
 use crate::failure::Failure;
-use crate::files::{model, output, record_csv};
+use crate::files::{model, output, record_csv, signal};
 use crate::report;
 use crate::story::{Outcome, Story};
 use crate::terminal::{self, Progress};
@@ -11,7 +11,8 @@ use diagnosis::{Diagnosis, Model};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Run a test, diagnose its record, and run it again with what was found
+/// Run a test, diagnose its record, settle by designed tests what that leaves open, and run the test again with what was
+/// found
 #[derive(clap::Args, Debug)]
 pub struct Improve {
     #[command(flatten)]
@@ -51,6 +52,8 @@ struct Row<'a> {
     eps_max_before: f64,
     eps_max_after: f64,
     remains: String,
+    found_first: String,
+    designed: Vec<&'a diagnosis::Next>,
     changes: &'a [String],
     diagnosis: &'a Diagnosis,
 }
@@ -103,8 +106,18 @@ impl Improve {
     fn print(&self, named: &[(String, &Story)]) {
         for (name, story) in named {
             println!("{name}");
-            for c in &story.diagnosis.channels {
+            for c in &story.first.channels {
                 println!("    {}", crate::wording::headline(c));
+            }
+            for d in &story.designed {
+                println!(
+                    "    Not settled: {}",
+                    crate::wording::plan::summary(&d.next)
+                );
+                println!("    {}", crate::wording::plan::limits(&d.next));
+                for c in &d.diagnosis.channels {
+                    println!("    {}", crate::wording::headline(c));
+                }
             }
             for change in &story.changes {
                 println!("    -> {change}");
@@ -152,6 +165,8 @@ fn row<'a>(name: &str, s: &'a Story) -> Row<'a> {
         eps_max_before: s.before.summary.eps_max,
         eps_max_after: s.after.summary.eps_max,
         remains: Story::named(&s.remains),
+        found_first: Story::named(&s.first),
+        designed: s.designed.iter().map(|d| &d.next).collect(),
         changes: &s.changes,
         diagnosis: &s.diagnosis,
     }
@@ -167,6 +182,14 @@ fn write(folder: &std::path::Path, stories: &[(String, &Story)]) -> Result<(), F
         }
         if let Some(trace) = &story.before.trace {
             files.push((format!("{name}-record.csv"), record_csv::to_csv(trace)));
+        }
+        for (i, d) in story.designed.iter().enumerate() {
+            let number = i + 1;
+            files.push((
+                format!("{name}-designed-{number}.csv"),
+                d.played.text.clone(),
+            ));
+            files.push((format!("{name}-next-{number}.csv"), signal::text(&d.next)));
         }
     }
     let files: Vec<(&str, String)> = files.iter().map(|(n, t)| (n.as_str(), t.clone())).collect();

@@ -1,10 +1,15 @@
 //! Where a test runs.
 
+use crate::bench;
 use crate::board::emulated::{self, Emulated, Laboratory};
 use crate::board::limits::Plan;
-use crate::board::{BoardBench, Connection, Operator, Patience, Port, Serial, calibrate};
+use crate::board::{
+    BoardBench, Connection, Course, Operator, Patience, Played, Port, Serial, calibrate, commission,
+};
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
+use crate::files::signal::Signal;
+use crate::files::test::TestFile;
 use crate::story::Site;
 use crate::trace::{Response, Witness};
 use outerloop_core::Method;
@@ -37,6 +42,9 @@ pub enum Where {
     Board,
 }
 
+/// A board and who is asked before it moves.
+type Board = (Connection<Box<dyn Port>>, Operator);
+
 impl Place {
     /// A simulated or emulated rig; of a board the port is not known.
     pub fn at(place: Where) -> Self {
@@ -56,6 +64,67 @@ impl Place {
     }
 }
 
+impl Place {
+    /// On the board at a port, else on an emulated one.
+    pub fn on_board(port: Option<String>, yes: bool) -> Self {
+        Self {
+            emulated: port.is_none(),
+            port,
+            yes,
+        }
+    }
+
+    /// A connection to the board, and who is asked before it moves; `None` for the simulated rig.
+    fn connect(&self, test: &TestFile, plan: &Plan, seed: u64) -> Result<Option<Board>, Failure> {
+        if let Some(device) = &self.port {
+            let operator = if self.yes {
+                Operator::nobody()
+            } else {
+                Operator::person()?
+            };
+            let port: Box<dyn Port> = Box::new(Serial::open(device)?);
+            return Ok(Some((Connection::new(port, Patience::BOARD), operator)));
+        }
+        if !self.emulated {
+            return Ok(None);
+        }
+        emulated::can_run(test)?;
+        let limits = plan.without_board(&test.config.limits);
+        let laboratory = Laboratory::of(test, seed).sized_for(&limits, plan);
+        let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
+        let mut connection = Connection::new(port, Patience::EMULATED);
+        calibrate(&mut connection, laboratory.calibration)?;
+        Ok(Some((connection, Operator::nobody())))
+    }
+
+    /// Moves the actuator by `course` under the limits of `test`.
+    ///
+    /// # Errors
+    /// A course beyond a limit that the test states; a rig or board that cannot be set up.
+    pub fn play_course(
+        &self,
+        test: &TestFile,
+        course: &Course,
+        seed: u64,
+        witness: &mut impl Witness,
+    ) -> Result<Played, Failure> {
+        course.check(&test.config)?;
+        let plan = Plan::of_course(test, course);
+        match (self.connect(test, &plan, seed)?, course) {
+            (Some((mut board, operator)), _) => {
+                commission(&mut board, test, course, &operator, witness)
+            }
+            (None, Course::Points(signal)) => {
+                let limits = plan.without_board(&test.config.limits);
+                bench::play(test, limits, signal, seed, witness)
+            }
+            (None, Course::Formula(_)) => Err(Failure::input(
+                "the simulated rig makes no signals by itself: accepted is a file with time_s and command_mm",
+            )),
+        }
+    }
+}
+
 impl Site for Place {
     fn run(
         &self,
@@ -67,29 +136,17 @@ impl Site for Place {
         tell: impl Witness,
     ) -> Result<Run, Failure> {
         let plan = Plan::of(experiment, ideal);
-        let (connection, operator) = if let Some(device) = &self.port {
-            let operator = if self.yes {
-                Operator::nobody()
-            } else {
-                Operator::person()?
-            };
-            let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-            (Connection::new(port, Patience::BOARD), operator)
-        } else if self.emulated {
-            let config = &experiment.test.config;
-            emulated::can_run(&experiment.test)?;
-            let limits = plan.without_board(&config.limits);
-            let laboratory = Laboratory::of(&experiment.test, seed).sized_for(&limits, &plan);
-            let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-            let mut connection = Connection::new(port, Patience::EMULATED);
-            calibrate(&mut connection, laboratory.calibration)?;
-            (connection, Operator::nobody())
-        } else {
+        let Some((connection, operator)) = self.connect(&experiment.test, &plan, seed)? else {
             return experiment.run(method, ideal, seed, keep, tell);
         };
         let bench = BoardBench::new(connection, plan, operator)
             .expecting(experiment.test.board.calibration.clone())
             .with_bits(experiment.test.board.converter_bits);
         experiment.run_on(&bench, method, ideal, keep, tell)
+    }
+
+    fn play(&self, test: &TestFile, signal: &Signal, seed: u64) -> Result<Played, Failure> {
+        let course = Course::Points(signal.clone());
+        self.play_course(test, &course, seed, &mut ())
     }
 }

@@ -2,10 +2,14 @@
 
 use super::place::{Place, Where};
 use super::{Common, json, method};
+use crate::board::Course;
 use crate::failure::Failure;
 use crate::files::archive::{self, Ran};
+use crate::files::signal::Signal;
+use crate::files::test::TestFile;
 use crate::files::{model, output, record_csv};
 use crate::improvement;
+use crate::numbers::{length, three};
 use crate::provenance::Provenance;
 use crate::report::{self, Section};
 use crate::scope::Scoped;
@@ -14,7 +18,8 @@ use crate::summary::Summary;
 use crate::terminal::{self, Progress};
 use crate::trace::Response;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// One closed-loop test
 #[derive(clap::Args, Debug)]
@@ -24,6 +29,10 @@ pub struct Run {
     /// The ground motion: CSV, AT2, or one acceleration a line
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Instead of the test: move the actuator by this file's command (time_s, command_mm; `diagnose --next` writes such
+    /// files) under the test's limits, and record it
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["record", "compensation", "archive", "model", "duration"])]
+    signal: Option<PathBuf>,
     /// The compensation, instead of the test file's
     #[arg(long, value_name = "NAME")]
     compensation: Option<String>,
@@ -50,6 +59,9 @@ impl Run {
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
         let mut test = self.common.load()?;
+        if let Some(path) = &self.signal {
+            return self.play(&test, path);
+        }
         let mut remarks: Vec<String> = test.told_the_truth().into_iter().collect();
         if let Some(path) = &self.model {
             let done = improvement::apply(&model::load(path)?, &mut test.config);
@@ -114,6 +126,63 @@ impl Run {
         run.summary.outcome()
     }
 
+    /// Plays a signal instead of a test.
+    fn play(&self, test: &TestFile, path: &Path) -> Result<(), Failure> {
+        let signal = Signal::load(path)?;
+        let rate_hz = test.config.timing.rate_hz;
+        let title = format!("{} under {}", path.display(), self.common.test.display());
+        let simulated = self.place.kind() == Where::Simulated;
+        let mut scope = self.scope.open(&title, rate_hz, simulated)?;
+        let began = Instant::now();
+        let course = Course::Points(signal);
+        let seed = self.common.seed;
+        let played = terminal::while_waiting("playing the signal", || {
+            self.place.play_course(test, &course, seed, &mut scope)
+        })?;
+        let told = PlayedSignal {
+            signal: path,
+            steps: played.steps,
+            rate_hz,
+            verdict: if played.early.is_some() {
+                "tripped"
+            } else {
+                "completed"
+            },
+            trip: played.early.as_deref(),
+            peak_displacement_m: played.peak_m,
+            peak_force_n: played.peak_n,
+            wall_s: began.elapsed().as_secs_f64(),
+        };
+        if let Some(folder) = &self.out {
+            output::write_all(
+                folder,
+                &[
+                    ("record.csv", played.text.clone()),
+                    ("summary.json", json(&told)?),
+                ],
+            )?;
+        }
+        if self.common.json {
+            println!("{}", json(&told)?);
+        } else {
+            println!(
+                "{} steps of {}: up to {} and {} kN.",
+                played.steps,
+                path.display(),
+                length(played.peak_m),
+                three(1e-3 * played.peak_n)
+            );
+            if let Some(folder) = &self.out {
+                println!("The record is in {}", folder.join("record.csv").display());
+            }
+        }
+        played.early.map_or(Ok(()), |why| {
+            Err(Failure::test(format!(
+                "the signal ended early: {why}; what was received is kept"
+            )))
+        })
+    }
+
     /// Writes what was asked for.
     fn write(&self, ran: &Ran<'_>, ideal: &Response) -> Result<(), Failure> {
         let archived = archive::to_bytes(ran)?;
@@ -147,6 +216,19 @@ impl Run {
         }
         output::write_all(folder, &files)
     }
+}
+
+/// What became of a signal.
+#[derive(Serialize)]
+struct PlayedSignal<'a> {
+    signal: &'a Path,
+    steps: usize,
+    rate_hz: f64,
+    verdict: &'static str,
+    trip: Option<&'a str>,
+    peak_displacement_m: f64,
+    peak_force_n: f64,
+    wall_s: f64,
 }
 
 /// What summary.json says: the figures, and where they come from.

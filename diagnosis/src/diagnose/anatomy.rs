@@ -2,7 +2,7 @@
 
 use super::Channelled;
 use crate::answer::{ChannelAnswer, Errors};
-use crate::interval;
+use crate::foretold::next_error;
 use crate::problem::rms;
 use crate::recording::Recording;
 use crate::remainder::{Moves, anatomy, correction, rms_with};
@@ -17,7 +17,12 @@ impl Channelled<'_> {
         train: &[Vec<f64>],
         test: &[Vec<f64>],
     ) {
-        answer.next_error_ci90 = Some(interval::next_error(train));
+        let answers = |records, rests| self.model_answers(records, rests);
+        if let (Some(learned), Some(planned)) =
+            (answers(self.train, train), answers(self.test, test))
+        {
+            answer.next_error_ci90 = Some(next_error(train, &learned, &planned));
+        }
         let learned = self.moves(self.train, train);
         let judged = self.moves(self.test, test);
         if let (Some(learned), Some(judged)) = (learned, judged) {
@@ -36,6 +41,16 @@ impl Channelled<'_> {
             });
             answer.remainder = Some(found);
         }
+    }
+
+    /// What a model answers to records of which it leaves these rests.
+    fn model_answers(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+        let answer = |(r, rest): (&Recording, &Vec<f64>)| {
+            let target = self.target_of(r)?;
+            let judged = &target[target.len() - rest.len()..];
+            Some(judged.iter().zip(rest).map(|(t, r)| t - r).collect())
+        };
+        records.iter().zip(rests).map(answer).collect()
     }
 
     fn moves(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Moves>> {

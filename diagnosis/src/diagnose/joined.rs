@@ -5,8 +5,8 @@ use crate::answer::{
     ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces, Verdict,
 };
 use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES};
-use crate::joint::{self, Explained, Fit, Outcome, SavedElement};
-use crate::model::{Declared, Model, SpecimenModel};
+use crate::joint::{self, Explained, Fit, Outcome};
+use crate::model::Model;
 use crate::noise::Noise;
 use crate::problem::rms;
 use crate::recording::Recording;
@@ -142,29 +142,9 @@ impl Channelled<'_> {
 
     /// Puts a fit into the model: parameters that have moved, elements beside them.
     fn save(&self, explained: &Explained, improved: &mut Model) {
-        let Some(specimen) = &mut improved.specimen else {
-            return;
-        };
-        let fit = &explained.fit;
-        let SpecimenModel {
-            stiffness_n_per_mm,
-            damping_n_s_per_mm,
-            mass_kg,
-            offset_n,
-            elements,
-            ..
-        } = specimen;
-        let all = [stiffness_n_per_mm, damping_n_s_per_mm, mass_kg, offset_n];
-        for (i, place) in all.into_iter().enumerate() {
-            if place.is_some() || fit.moved[i] {
-                let tolerance = place.map_or(0.0, |d: Declared| d.tolerance);
-                *place = Some(Declared {
-                    value: fit.parameters[i],
-                    tolerance,
-                });
-            }
+        if let Some(specimen) = &mut improved.specimen {
+            explained.fit.save(explained.names[0].0, specimen);
         }
-        elements.extend(SavedElement::of(fit, explained.names[0].0));
     }
 
     /// The first held-out record, for pictures.

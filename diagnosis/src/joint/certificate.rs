@@ -47,7 +47,7 @@ pub struct Rival {
 }
 
 /// Names of declared parameters that have left their tolerance, where no element is beside them.
-const PARAMETERS: [Effect; DECLARED] = [
+pub const PARAMETERS: [Effect; DECLARED] = [
     Effect::GainError,
     Effect::ViscousDamping,
     Effect::InertiaForce,

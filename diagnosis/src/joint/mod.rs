@@ -14,6 +14,7 @@ mod element;
 mod figures;
 mod fit;
 mod laws;
+mod one_each;
 mod outcome;
 mod polish;
 mod saved;
@@ -24,6 +25,7 @@ mod track;
 
 pub use figures::Sure;
 pub use fit::Fit;
+pub use one_each::one_each;
 pub use outcome::{Explained, Outcome, q};
 pub use saved::SavedElement;
 

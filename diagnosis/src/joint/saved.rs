@@ -4,6 +4,7 @@ use super::element::{Element, Law};
 use super::fit::Fit;
 use super::track::{Sizes, Track};
 use crate::Refusal;
+use crate::model::{Declared, SpecimenModel};
 use serde::{Deserialize, Serialize};
 
 /// An element beside the declared specimen that an earlier diagnosis added.
@@ -24,6 +25,31 @@ pub struct SavedElement {
     pub reference_mm_per_s: f64,
 }
 
+impl Fit {
+    /// Puts the fit into a specimen's model: parameters that it has or that have moved, elements beside them under one name.
+    pub fn save(&self, name: plant::Effect, specimen: &mut SpecimenModel) {
+        let SpecimenModel {
+            stiffness_n_per_mm,
+            damping_n_s_per_mm,
+            mass_kg,
+            offset_n,
+            elements,
+            ..
+        } = specimen;
+        let all = [stiffness_n_per_mm, damping_n_s_per_mm, mass_kg, offset_n];
+        for (i, place) in all.into_iter().enumerate() {
+            if place.is_some() || self.moved[i] {
+                let tolerance = place.map_or(0.0, |d: Declared| d.tolerance);
+                *place = Some(Declared {
+                    value: self.parameters[i],
+                    tolerance,
+                });
+            }
+        }
+        elements.extend(SavedElement::of(self, name));
+    }
+}
+
 impl SavedElement {
     /// All elements of a fit that bears one name.
     pub fn of(fit: &Fit, name: plant::Effect) -> Vec<Self> {
@@ -36,6 +62,36 @@ impl SavedElement {
             reference_mm_per_s: fit.sizes.v,
         };
         fit.elements.iter().map(saved).collect()
+    }
+
+    /// The places of its shapes that a fit moves.
+    pub(crate) fn free_shapes(&self) -> Vec<usize> {
+        let element = Element {
+            law: self.law,
+            shape: self.shape,
+        };
+        element.movable().iter().map(|m| m.0).collect()
+    }
+
+    /// Its force where it slides, N, and the way in which that builds up, mm; `None` for what does not slide at one force.
+    pub fn sliding(&self) -> Option<[f64; 2]> {
+        let [give, second, load, _] = self.shape;
+        let (level, way) = match self.law {
+            Law::Slider => (1.0, give),
+            // Five of them: at six tenths of the largest give most of the force is there.
+            Law::Distributed => (1.0, 0.6 * give),
+            Law::BoucWen if load > 0.0 => {
+                let level = load.powf(-1.0 / second);
+                (level, level * give)
+            }
+            // At the top speed that it was found at.
+            Law::InSeries => {
+                let level = (self.reference_mm_per_s / second).powf(1.0 / load);
+                (level, level * give)
+            }
+            _ => return None,
+        };
+        Some([self.strength * level, way])
     }
 
     /// Whether its numbers can be what they stand for.

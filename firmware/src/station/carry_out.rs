@@ -33,9 +33,13 @@ impl Station {
                 self.spacing = Spacing::new();
                 Ok(Returned::Setup(old, self.motion.take()))
             }
-            Order::Unload => Ok(Returned::Motion(self.motion.take())),
+            Order::Unload => {
+                self.points_are_commands = false;
+                Ok(Returned::Motion(self.motion.take()))
+            }
             Order::Load(motion) => Ok(Returned::Motion(self.motion.replace(motion))),
             Order::Signal(signal) => {
+                self.points_are_commands |= signal.is_some_and(|s| s.plays_points());
                 self.signal = signal;
                 Ok(Returned::Nothing)
             }
@@ -51,7 +55,8 @@ impl Station {
         if event == Event::Arm && !self.setup.configured {
             return Err(Refused::NotConfigured);
         }
-        let something = self.motion.is_some() || self.signal.is_some();
+        let shaken = self.motion.is_some() && !self.points_are_commands;
+        let something = shaken || self.signal.is_some();
         if event == Event::Arm && !something {
             return Err(Refused::NothingToRun);
         }

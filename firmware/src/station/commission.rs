@@ -1,11 +1,12 @@
-//! Commissioning signals: constant, sine and chirp around zero, to measure the actuator with.
+//! Commissioning signals: constant, sine and chirp around zero, to measure the actuator with, and points that the PC has
+//! sent.
 //!
 //! micromath's sine is off by less than 1.2e-3 of the amplitude (the test below measures it): enough here, since what was
 //! commanded is in the record. The control path has libm instead.
 
 use link::command::{Shape, Signal};
 use micromath::F32Ext;
-use outerloop_core::{Config, Refusal};
+use outerloop_core::{Config, GroundMotion, Refusal};
 
 /// Rise and fall, s.
 pub const RAMP_S: f32 = 0.5;
@@ -18,6 +19,8 @@ const LONGEST_S: f32 = 600.0;
 pub struct Generator {
     signal: Signal,
     step_s: f32,
+    /// Control steps from one integration step to the next, over which uploaded points are laid.
+    substeps: u32,
     step: u32,
     steps: u32,
     /// Phase of the oscillation in turns, 0 to 1.
@@ -25,11 +28,11 @@ pub struct Generator {
 }
 
 impl Generator {
-    /// Checks the signal against the test's rate and limits.
+    /// Checks the signal against the test's rate and limits. `uploaded_m` is the largest of the points that were sent.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
-    pub fn new(signal: Signal, config: &Config) -> Result<Self, Refusal> {
+    pub fn new(signal: Signal, config: &Config, uploaded_m: Option<f32>) -> Result<Self, Refusal> {
         let refuse = |name, value, accepted| {
             Err(Refusal {
                 name,
@@ -50,8 +53,18 @@ impl Generator {
         }
         let rate_hz = config.timing.rate_hz as f32;
         let top_hz = rate_hz / 20.0;
+        if signal.shape == Shape::Points {
+            let most_m = uploaded_m.unwrap_or(f32::NAN);
+            if !(most_m <= signal.amplitude_m) {
+                return refuse(
+                    "signal.points_m",
+                    most_m,
+                    "points that were sent, none above signal.amplitude_m",
+                );
+            }
+        }
         let frequencies: &[f32] = match &signal.shape {
-            Shape::Constant => &[],
+            Shape::Constant | Shape::Points => &[],
             Shape::Sine { frequency_hz } => &[*frequency_hz],
             Shape::Chirp { from_hz, to_hz } => &[*from_hz, *to_hz],
         };
@@ -67,21 +80,34 @@ impl Generator {
         Ok(Self {
             signal,
             step_s: 1.0 / rate_hz,
+            substeps: u32::from(config.timing.substeps).max(1),
             step: 0,
             steps: (signal.seconds * rate_hz) as u32,
             phase: 0.0,
         })
     }
 
-    /// The next command, m; `None` after the end, where the command is zero.
-    pub fn next_m(&mut self) -> Option<f32> {
+    /// Whether it goes through the points that were sent.
+    pub fn plays_points(&self) -> bool {
+        self.signal.shape == Shape::Points
+    }
+
+    /// The next command, m; `None` after the end, where the command is zero. `points` are those that were sent.
+    pub fn next_m(&mut self, points: &GroundMotion<'_>) -> Option<f32> {
         if self.step > self.steps {
             return None;
+        }
+        if self.signal.shape == Shape::Points {
+            let at = self.step / self.substeps;
+            let share = (self.step % self.substeps) as f32 / self.substeps as f32;
+            let here_m = points.at(at);
+            self.step += 1;
+            return Some(here_m + share * (points.at(at + 1) - here_m));
         }
         let t_s = self.step as f32 * self.step_s;
         let rest_s = (self.steps - self.step) as f32 * self.step_s;
         let shape = match self.signal.shape {
-            Shape::Constant => 1.0,
+            Shape::Constant | Shape::Points => 1.0,
             Shape::Sine { .. } | Shape::Chirp { .. } => {
                 F32Ext::sin(self.phase * core::f32::consts::TAU)
             }
@@ -94,7 +120,7 @@ impl Generator {
 
     fn frequency_hz(&self, t_s: f32) -> f32 {
         match self.signal.shape {
-            Shape::Constant => 0.0,
+            Shape::Constant | Shape::Points => 0.0,
             Shape::Sine { frequency_hz } => frequency_hz,
             Shape::Chirp { from_hz, to_hz } => {
                 from_hz + (to_hz - from_hz) * t_s / self.signal.seconds
@@ -125,8 +151,42 @@ mod tests {
             amplitude_m: 0.01,
             seconds: 10.0,
         };
-        let mut generator = Generator::new(signal, &config()).unwrap();
-        core::iter::from_fn(|| generator.next_m()).collect()
+        let mut generator = Generator::new(signal, &config(), None).unwrap();
+        core::iter::from_fn(|| generator.next_m(&GroundMotion::none())).collect()
+    }
+
+    #[test]
+    fn points_that_were_sent_are_gone_through_in_straight_lines() {
+        let points = [0.0, 0.008, -0.004, 0.0];
+        let mut config = config();
+        config.timing.substeps = 4;
+        // One point a second; 500 integration steps of four control steps each.
+        let motion = GroundMotion::new(&points, 1.0, config.model_step_s()).unwrap();
+        let signal = Signal {
+            shape: Shape::Points,
+            amplitude_m: 0.008,
+            seconds: 3.0,
+        };
+        let mut generator = Generator::new(signal, &config, Some(0.008)).unwrap();
+        let played: Vec<f32> = core::iter::from_fn(|| generator.next_m(&motion)).collect();
+        assert_eq!(played.len(), 6001);
+        for (step, wanted) in [
+            (0, 0.0),
+            (1001, 0.004_004),
+            (2000, 0.008),
+            (3000, 0.002),
+            (6000, 0.0),
+        ] {
+            assert!(
+                (played[step] - wanted).abs() < 1e-6,
+                "{step}: {}",
+                played[step]
+            );
+        }
+        for sent in [None, Some(0.009), Some(f32::NAN)] {
+            let refused = Generator::new(signal, &config, sent).unwrap_err();
+            assert_eq!(refused.name, "signal.points_m");
+        }
     }
 
     #[test]
@@ -187,7 +247,7 @@ mod tests {
             amplitude_m: 0.01,
             seconds: 10.0,
         };
-        let refused = |s: Signal| Generator::new(s, &config()).err().map(|r| r.name);
+        let refused = |s: Signal| Generator::new(s, &config(), None).err().map(|r| r.name);
         assert_eq!(refused(good), None);
         for amplitude_m in [0.021, f32::NAN, -0.03] {
             let name = refused(Signal {
@@ -210,6 +270,6 @@ mod tests {
         }
         let mut unlimited = config();
         unlimited.limits.displacement_m = None;
-        assert!(Generator::new(good, &unlimited).is_err());
+        assert!(Generator::new(good, &unlimited, None).is_err());
     }
 }

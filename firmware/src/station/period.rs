@@ -28,6 +28,8 @@ pub struct Station {
     pub(super) setup: &'static mut Setup,
     pub(super) motion: Option<Loaded>,
     pub(super) signal: Option<Generator>,
+    /// The points in the memory are a commissioning signal's, and no ground motion.
+    pub(super) points_are_commands: bool,
     pub(super) calibration: Calibration,
     pub(super) output: Output,
     pub(super) tick: u32,
@@ -86,6 +88,7 @@ impl Station {
             setup,
             motion: None,
             signal: None,
+            points_are_commands: false,
             calibration,
             output: Output::new(),
             tick: 0,
@@ -217,7 +220,9 @@ impl Station {
             return None;
         }
         let signal = self.signal.as_mut()?;
-        let next_m = signal.next_m();
+        let nothing = GroundMotion::none();
+        let points = self.motion.as_ref().map_or(&nothing, Loaded::motion);
+        let next_m = signal.next_m(points);
         if next_m.is_none() {
             // Both know Finish: it cannot be refused.
             let _ = self.setup.outer.handle(Event::Finish);

@@ -81,6 +81,8 @@ pub struct Service {
     spare: Option<&'static mut Setup>,
     writable: Option<Writable>,
     upload: Option<Upload>,
+    /// Largest of the points that were sent last, once all of them have come.
+    uploaded_most: Option<f32>,
     config: Option<Config>,
     rate_hz: f32,
     model_step_s: f64,
@@ -116,6 +118,7 @@ impl Service {
             spare: Some(parts.spare),
             writable: Some(parts.writable),
             upload: None,
+            uploaded_most: None,
             config: parts.config,
             rate_hz: in_force.0,
             model_step_s: in_force.1,
@@ -164,7 +167,7 @@ impl Service {
             Command::Signal(None) => self.order(Order::Signal(None), Pending::Done),
             Command::Signal(Some(signal)) => match &self.config {
                 None => self.reply(self.rejected(None, Some(Obstacle::NotConfigured))),
-                Some(config) => match Generator::new(signal, config) {
+                Some(config) => match Generator::new(signal, config, self.uploaded_most) {
                     Ok(generator) => self.order(Order::Signal(Some(generator)), Pending::Done),
                     Err(refusal) => self.reply(refusal.into()),
                 },
@@ -452,6 +455,7 @@ impl Service {
     }
 
     fn begin_motion(&mut self, points: u32, interval_s: f64, checksum: u32) -> Asked {
+        self.uploaded_most = None;
         match Upload::new(points, interval_s, checksum) {
             Ok(upload) => self.order(Order::Unload, Pending::Upload(upload)),
             Err(refusal) => self.reply(refusal.into()),
@@ -469,6 +473,8 @@ impl Service {
         let uploaded = upload.take(writable.points(), first, points);
         match uploaded {
             Uploaded::Whole => {
+                let points = writable.points().iter().take(upload.count());
+                self.uploaded_most = Some(points.fold(0.0, |m: f32, p| m.max(p.abs())));
                 match writable.load(upload.count(), upload.interval_s(), self.model_step_s) {
                     Ok(loaded) => self.order(Order::Load(loaded), Pending::Done),
                     Err(writable) => {

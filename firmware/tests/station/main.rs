@@ -312,6 +312,58 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
 }
 
 #[test]
+fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after_that() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    let signal = Signal {
+        shape: Shape::Points,
+        amplitude_m: 0.01,
+        seconds: 3.0,
+    };
+    // Nothing was sent, and then too much.
+    for points in [None, Some([0.0_f32, 0.011, 0.0, 0.0])] {
+        if let Some(points) = points {
+            b.upload(&points, 1.0);
+        }
+        let reply = b.ask(Command::Signal(Some(signal)));
+        assert!(
+            matches!(&reply, Reply::Refused(r) if r.name == "signal.points_m"),
+            "{reply:?}"
+        );
+    }
+    b.upload(&[0.0, 0.01, -0.005, 0.0], 1.0);
+    done(&b.ask(Command::Signal(Some(signal))));
+    for _ in 0..300 {
+        b.step();
+    }
+    done(&b.event(Event::Arm));
+    while b.log.last().unwrap().step.command_m != 0.0 {
+        b.step();
+    }
+    done(&b.event(Event::Start));
+    b.until(State::Commissioning);
+    let steps = b.until(State::Finished);
+    assert!((5998..=6003).contains(&steps), "{steps}");
+    let played: Vec<f32> = b
+        .log
+        .iter()
+        .rev()
+        .take(6000)
+        .map(|r| r.step.command_m)
+        .collect();
+    let largest = played.iter().copied().fold(0.0_f32, f32::max);
+    let least = played.iter().copied().fold(0.0_f32, f32::min);
+    assert!(
+        (largest - 0.01).abs() < 1e-5 && (least + 0.005).abs() < 1e-5,
+        "{largest} {least}"
+    );
+    done(&b.event(Event::Clear));
+    done(&b.ask(Command::Signal(None)));
+    let reply = b.event(Event::Arm);
+    assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
+}
+
+#[test]
 fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the_limits_name() {
     let mut b = bench();
     type LeaveOut = fn(&mut Limits);

@@ -9,6 +9,14 @@ use exam::{Paper, Parameter, Record};
 /// # Errors
 /// The sentence of a refusal.
 pub fn diagnosis(paper: &Paper) -> Result<Answer, String> {
+    answer(&found(paper)?)
+}
+
+/// What is found out about the rig of a question.
+///
+/// # Errors
+/// The sentence of a refusal.
+pub fn found(paper: &Paper) -> Result<Diagnosis, String> {
     let train = recording("train", &paper.train);
     let rest: Vec<Recording> = paper
         .rest_s
@@ -16,9 +24,8 @@ pub fn diagnosis(paper: &Paper) -> Result<Answer, String> {
         .map(|&(from_s, to_s)| train.span(from_s, to_s))
         .collect();
     let test = recording("test", &paper.test);
-    let found = diagnosis::diagnose(&model(paper), &[train], &[test], &rest)
-        .map_err(|refusal| refusal.to_string())?;
-    answer(&found)
+    diagnosis::diagnose(&model(paper), &[train], &[test], &rest)
+        .map_err(|refusal| refusal.to_string())
 }
 
 fn answer(found: &Diagnosis) -> Result<Answer, String> {

@@ -1,5 +1,7 @@
 //! What a diagnosis says, in words for the terminal and the report.
 
+pub mod plan;
+
 use diagnosis::{ChannelAnswer, DependsOn, FoundParameter, Verdict};
 
 /// The verdict in one sentence.
@@ -155,13 +157,20 @@ pub fn corrected(a: &ChannelAnswer) -> Option<String> {
     ))
 }
 
-/// What the next test will show, in one sentence.
+/// What was foretold of the held-out data, in one sentence.
 pub fn foretold(a: &ChannelAnswer) -> Option<String> {
     let [low, high] = a.next_error_ci90?;
+    let reached = a.error_after.test_rms;
+    let held = if (low..=high).contains(&reached) {
+        "it is"
+    } else {
+        "it is outside of that,"
+    };
     Some(format!(
-        "In the next test like the training data the model will be {} to {} rms off (90 %).",
+        "From the training data and the held-out motion alone an error of {} to {} rms is foretold (90 %); {held} {}.",
         digits(low),
-        quantity(high, &a.unit)
+        quantity(high, &a.unit),
+        quantity(reached, &a.unit)
     ))
 }
 

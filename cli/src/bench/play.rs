@@ -1,0 +1,94 @@
+//! A signal on the simulated rig, in this process: the loop of core follows goals instead of a structure.
+
+use super::with_floors;
+use crate::board::Played;
+use crate::failure::Failure;
+use crate::files::signal::Signal;
+use crate::files::test::TestFile;
+use crate::trace::Witness;
+use ::plant::Rig;
+use outerloop_core::config::Limits;
+use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
+
+/// Idle steps before arming: the loop averages where the specimen stands.
+const IDLE_STEPS: usize = 256;
+
+/// Plays `signal` under `limits` on the simulated rig of `test`.
+///
+/// # Errors
+/// A parameter that is refused; a test with more than one actuator.
+pub fn play(
+    test: &TestFile,
+    limits: Limits,
+    signal: &Signal,
+    seed: u64,
+    witness: &mut impl Witness,
+) -> Result<Played, Failure> {
+    let mut config = test.config.clone();
+    config.limits = limits;
+    let refuse = |e: &dyn std::fmt::Display| Failure::input(e.to_string());
+    if config.physical_storeys() != 1 {
+        return Err(Failure::input(format!(
+            "the test has {} storeys in the laboratory: accepted for a signal is one actuator",
+            config.physical_storeys()
+        )));
+    }
+    let rate_hz = config.timing.rate_hz;
+    let storeys = &config.structure.stiffness_n_per_m[..1];
+    let mut rig = Rig::new(&test.plant, storeys, rate_hz, seed).map_err(|e| refuse(&e))?;
+    // The structure has no part in it: one floor is the actuator's.
+    let floors = config.degrees_of_freedom();
+    with_floors!(floors, N => {
+        let design = Design::<N>::new(&config).map_err(|e| refuse(&e))?;
+        let mut outer = OuterLoop::new(design);
+        let mut goals = signal.every(1.0 / rate_hz).into_iter();
+        let mut played = Played::new();
+        let (mut command_m, mut idle) = (0.0_f64, 0);
+        loop {
+            let reading = rig.step(&[command_m]);
+            let mut sample = Sample::new([0.0; N], [0.0; N]);
+            sample.displacement_m[0] = reading.displacement_m[0] as f32;
+            sample.force_n[0] = reading.force_n[0] as f32;
+            sample.fault = reading.at_rail.then_some(Fault::AdcRail);
+            let before = outer.state();
+            if matches!(before, State::Running | State::Commissioning) {
+                match goals.next() {
+                    Some(goal_m) => {
+                        let mut goal = [0.0; N];
+                        goal[0] = goal_m as f32;
+                        outer.set_goal(Some(goal));
+                    }
+                    None => drop(outer.handle(Event::Finish)),
+                }
+            }
+            let step = outer.step(&sample, &GroundMotion::none());
+            let record = *step.record;
+            command_m = f64::from(step.command_m[0]);
+            match outer.state() {
+                State::Commissioning => {
+                    witness.see(&record);
+                    let (x, f) = (sample.displacement_m[0], sample.force_n[0]);
+                    // What was in force while the sample was taken.
+                    played.add(rate_hz, record.command_m[0], x, f);
+                }
+                State::Finished => return Ok(played),
+                State::Tripped => {
+                    let fault = outer.trip().map_or("a fault", |t| t.fault.name());
+                    return Ok(played.ended_early(format!("the loop tripped on {fault}")));
+                }
+                State::Idle if idle >= IDLE_STEPS => {
+                    outer.handle(Event::Arm).map_err(|e| Failure::test(e.to_string()))?;
+                }
+                State::Idle => idle += 1,
+                State::Armed => drop(outer.handle(Event::Start)),
+                _ => witness.glance(&record),
+            }
+            if let Some(wish) = witness.wish()
+                && outer.handle(wish).is_ok()
+                && wish == Event::Stop
+            {
+                return Ok(played.ended_early("it was stopped by hand".into()));
+            }
+        }
+    })
+}

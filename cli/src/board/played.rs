@@ -1,0 +1,73 @@
+//! What a signal left behind: command, displacement and force, step by step, in the format of recorded data.
+
+use crate::failure::Failure;
+use crate::files::measured::in_mm;
+use crate::files::recording::Recording;
+use std::fmt::Write as _;
+
+/// A signal that was played.
+#[derive(Clone, Debug)]
+pub struct Played {
+    /// The recording as CSV.
+    pub text: String,
+    /// Its steps.
+    pub steps: usize,
+    /// Why it ended early, if it did.
+    pub early: Option<String>,
+    /// Largest displacement, m.
+    pub peak_m: f64,
+    /// Largest force, N.
+    pub peak_n: f64,
+}
+
+impl Played {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self {
+            text: String::from("time_s,command_m,displacement_m,force_n\n"),
+            steps: 0,
+            early: None,
+            peak_m: 0.0,
+            peak_n: 0.0,
+        }
+    }
+
+    /// The next step, without a gap.
+    pub fn add(&mut self, rate_hz: f64, command_m: f32, displacement_m: f32, force_n: f32) {
+        let time_s = self.steps as f64 / rate_hz;
+        self.add_at(time_s, command_m, displacement_m, force_n);
+    }
+
+    /// A step at a time, s.
+    pub fn add_at(&mut self, time_s: f64, command_m: f32, displacement_m: f32, force_n: f32) {
+        let _ = writeln!(self.text, "{time_s},{command_m},{displacement_m},{force_n}");
+        self.steps += 1;
+        self.peak_m = self.peak_m.max(f64::from(displacement_m.abs()));
+        self.peak_n = self.peak_n.max(f64::from(force_n.abs()));
+    }
+
+    /// The same, not ended.
+    pub fn ended_early(self, why: String) -> Self {
+        Self {
+            early: Some(why),
+            ..self
+        }
+    }
+
+    /// As a diagnosis takes it.
+    ///
+    /// # Errors
+    /// A signal that ended before it had a record.
+    pub fn recording(&self) -> Result<diagnosis::Recording, Failure> {
+        let read = Recording::parse("the designed test's record", &self.text)?;
+        in_mm(&read)
+            .made_even()
+            .map_err(|e| Failure::test(e.to_string()))
+    }
+}
+
+impl Default for Played {
+    fn default() -> Self {
+        Self::new()
+    }
+}

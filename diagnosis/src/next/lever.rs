@@ -1,0 +1,193 @@
+//! The numbers of a model that a fit may move, and how its answer changes with them.
+
+use super::predict::{Planned, answer};
+use crate::model::{Declared, Model};
+use plant::Channel;
+
+/// A number of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lever {
+    which: Which,
+    /// Its name, ending with its unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// How far it may be off as far as is known without any record: three tolerances, or itself.
+    pub spread: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Which {
+    /// One of the channel's four.
+    Declared(usize),
+    /// An effect's parameter.
+    Effect(usize, String),
+    /// An element's strength.
+    Strength(usize),
+    /// An element's shape.
+    Shape(usize, usize),
+}
+
+/// Declared parameters are free within so many tolerances.
+const REACH: f64 = 3.0;
+/// Step of a derivative, as a share of a number's spread.
+const STEP: f64 = 0.02;
+
+const ACTUATOR: [&str; 4] = ["gain", "delay_ms", "lag_ms", "offset_mm"];
+const SPECIMEN: [&str; 4] = [
+    "stiffness_n_per_mm",
+    "damping_n_s_per_mm",
+    "mass_kg",
+    "offset_n",
+];
+
+fn declared(model: &Model, channel: Channel) -> [Option<Declared>; 4] {
+    match (channel, &model.actuator, &model.specimen) {
+        (Channel::Actuator, Some(a), _) => [a.gain, a.delay_ms, a.lag_ms, a.offset_mm],
+        (Channel::Specimen, _, Some(s)) => [
+            s.stiffness_n_per_mm,
+            s.damping_n_s_per_mm,
+            s.mass_kg,
+            s.offset_n,
+        ],
+        _ => [None; 4],
+    }
+}
+
+/// The numbers of a channel; what `before` had with the same value and without a tolerance is not one of them.
+pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
+    let names = match channel {
+        Channel::Actuator => ACTUATOR,
+        Channel::Specimen => SPECIMEN,
+    };
+    let mut all = Vec::new();
+    let was = declared(before, channel);
+    for (i, now) in declared(model, channel).into_iter().enumerate() {
+        let Some(now) = now else { continue };
+        let tolerance = was[i].map_or(now.tolerance, |w| w.tolerance.max(now.tolerance));
+        let moved = was[i].is_none_or(|w| w.value != now.value);
+        let spread = if tolerance > 0.0 {
+            REACH * tolerance
+        } else if moved {
+            now.value.abs()
+        } else {
+            0.0
+        };
+        all.push((Which::Declared(i), names[i].to_owned(), now.value, spread));
+    }
+    let effects = match channel {
+        Channel::Actuator => model.actuator.as_ref().map(|a| &a.effects),
+        Channel::Specimen => model.specimen.as_ref().map(|s| &s.effects),
+    };
+    for (i, effect) in effects.into_iter().flatten().enumerate() {
+        for (name, value) in &effect.parameters {
+            let label = format!("{} {name}", effect.name);
+            all.push((Which::Effect(i, name.clone()), label, *value, value.abs()));
+        }
+    }
+    let elements = model
+        .specimen
+        .as_ref()
+        .filter(|_| channel == Channel::Specimen);
+    for (i, element) in elements.into_iter().flat_map(|s| &s.elements).enumerate() {
+        let strength = element.strength;
+        let label = format!("{} strength", element.name);
+        all.push((Which::Strength(i), label, strength, strength.abs()));
+        for k in element.free_shapes() {
+            let value = element.shape[k];
+            let label = format!("{} shape {}", element.name, k + 1);
+            all.push((Which::Shape(i, k), label, value, 0.5 * value.abs()));
+        }
+    }
+    all.into_iter()
+        .filter(|l| l.3 > 0.0)
+        .map(|(which, name, value, spread)| Lever {
+            which,
+            name,
+            value,
+            spread,
+        })
+        .collect()
+}
+
+/// The model with one number moved.
+fn moved(model: &Model, channel: Channel, lever: &Lever, by: f64) -> Model {
+    let mut model = model.clone();
+    match &lever.which {
+        Which::Declared(i) => {
+            let places = match (channel, &mut model.actuator, &mut model.specimen) {
+                (Channel::Actuator, Some(a), _) => [
+                    &mut a.gain,
+                    &mut a.delay_ms,
+                    &mut a.lag_ms,
+                    &mut a.offset_mm,
+                ],
+                (Channel::Specimen, _, Some(s)) => [
+                    &mut s.stiffness_n_per_mm,
+                    &mut s.damping_n_s_per_mm,
+                    &mut s.mass_kg,
+                    &mut s.offset_n,
+                ],
+                _ => return model,
+            };
+            for (k, place) in places.into_iter().enumerate() {
+                if let Some(d) = place.as_mut().filter(|_| k == *i) {
+                    d.value += by;
+                }
+            }
+        }
+        Which::Effect(i, name) => {
+            let effects = match channel {
+                Channel::Actuator => model.actuator.as_mut().map(|a| &mut a.effects),
+                Channel::Specimen => model.specimen.as_mut().map(|s| &mut s.effects),
+            };
+            if let Some(value) = effects
+                .and_then(|e| e.get_mut(*i))
+                .and_then(|e| e.parameters.get_mut(name))
+            {
+                *value += by;
+            }
+        }
+        Which::Strength(i) => {
+            if let Some(e) = element(&mut model, *i) {
+                e.strength += by;
+            }
+        }
+        Which::Shape(i, k) => {
+            if let Some(e) = element(&mut model, *i) {
+                e.shape[*k] += by;
+            }
+        }
+    }
+    model
+}
+
+fn element(model: &mut Model, i: usize) -> Option<&mut crate::joint::SavedElement> {
+    model.specimen.as_mut()?.elements.get_mut(i)
+}
+
+/// How the answer changes with each number, a column each, for one spread of the number.
+pub fn slopes(
+    model: &Model,
+    channel: Channel,
+    levers: &[Lever],
+    planned: &Planned<'_>,
+    here: &[f64],
+) -> Vec<Vec<f64>> {
+    let column = |lever: &Lever| {
+        let by = STEP * lever.spread;
+        let there = answer(&moved(model, channel, lever, by), channel, planned)?;
+        Some(
+            there
+                .iter()
+                .zip(here)
+                .map(|(t, h)| (t - h) / STEP)
+                .collect(),
+        )
+    };
+    let still = || vec![0.0; here.len()];
+    levers
+        .iter()
+        .map(|l| column(l).unwrap_or_else(still))
+        .collect()
+}

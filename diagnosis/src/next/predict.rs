@@ -1,0 +1,45 @@
+//! What a model answers to a planned motion.
+
+use crate::base::Base;
+use crate::model::Model;
+use crate::problem::Problem;
+use crate::recording::Recording;
+use plant::Channel;
+
+/// A motion that is planned, or that was.
+#[derive(Clone, Copy, Debug)]
+pub struct Planned<'a> {
+    /// Sampling interval, s.
+    pub interval_s: f64,
+    /// Command or displacement, mm.
+    pub input: &'a [f64],
+    /// Force on the actuator, N, where it is known.
+    pub force: Option<&'a [f64]>,
+    /// Largest force over largest displacement of the records, N/mm: for a specimen without a stiffness of its own.
+    pub n_per_mm: f64,
+}
+
+/// The answer of one channel, mm or N; `None` where the model has no such channel.
+pub fn answer(model: &Model, channel: Channel, planned: &Planned<'_>) -> Option<Vec<f64>> {
+    let base = match channel {
+        Channel::Actuator => Base::actuator(model.actuator.as_ref()?),
+        Channel::Specimen => Base::specimen(model.specimen.as_ref()?),
+    };
+    let h = planned.interval_s;
+    let input = planned.input;
+    let force = match planned.force {
+        Some(force) => force.to_vec(),
+        None => input.iter().map(|x| planned.n_per_mm * x).collect(),
+    };
+    let record = Recording {
+        time_s: (0..input.len()).map(|i| i as f64 * h).collect(),
+        command_mm: Some(input.to_vec()),
+        displacement_mm: Some(input.to_vec()),
+        force_n: Some(force),
+        ..Recording::default()
+    };
+    let motion = [Some(input.to_vec())];
+    // Nothing is planned above a tenth of the rate.
+    let problem = Problem::new(&base, &[record], 0.2 / h, &motion)?;
+    problem.stretches.into_iter().next().map(|s| s.signals.base)
+}

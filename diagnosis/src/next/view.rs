@@ -1,0 +1,201 @@
+//! One channel as a design sees it: what is possible, what the records have already told of it, and what a motion would
+//! tell.
+
+use super::causes::Cause;
+use super::lever::{Lever, levers, slopes};
+use super::predict::{Planned, answer};
+use crate::linear::{dot, gram};
+use crate::model::Model;
+use crate::recording::Recording;
+use crate::spectrum;
+use nalgebra::{DMatrix, DVector};
+use plant::Channel;
+
+/// So many neighbouring samples of what a model leaves count as one: it is hardly ever white.
+pub const COLOUR: f64 = 10.0;
+/// Samples of the records that tell how well the numbers are known.
+const SAMPLES: usize = 4000;
+
+/// A channel.
+#[derive(Debug)]
+pub struct View {
+    /// Which.
+    pub channel: Channel,
+    /// What is possible, the preferred one first.
+    pub causes: Vec<Cause>,
+    /// Their numbers.
+    pub levers: Vec<Vec<Lever>>,
+    /// How well those are known from the records: the inverse of their covariance, in spreads.
+    known: Vec<DMatrix<f64>>,
+    /// rms of what the model leaves.
+    pub left_rms: f64,
+}
+
+/// What a motion tells of a channel: products of differences and slopes, which add up from phase to phase.
+#[derive(Clone, Debug)]
+pub struct Told {
+    samples: f64,
+    /// Of each cause: slopes with slopes.
+    grams: Vec<DMatrix<f64>>,
+    /// Of each pair: squares of the difference, and the difference with the slopes of the second.
+    pairs: Vec<(usize, usize, f64, DVector<f64>)>,
+}
+
+impl Told {
+    /// Both motions together.
+    pub fn and(&self, other: &Self) -> Self {
+        let mut sum = self.clone();
+        sum.samples += other.samples;
+        for (a, b) in sum.grams.iter_mut().zip(&other.grams) {
+            *a += b;
+        }
+        for (a, b) in sum.pairs.iter_mut().zip(&other.pairs) {
+            a.2 += b.2;
+            a.3 += &b.3;
+        }
+        sum
+    }
+}
+
+impl View {
+    /// With what `train` has told; `None` where a signal is missing.
+    pub fn new(
+        channel: Channel,
+        causes: Vec<Cause>,
+        declared: &Model,
+        train: &[Recording],
+        left_rms: f64,
+    ) -> Option<Self> {
+        let levers: Vec<Vec<Lever>> = causes
+            .iter()
+            .map(|c| levers(&c.model, declared, channel))
+            .collect();
+        let mut view = Self {
+            channel,
+            known: levers
+                .iter()
+                .map(|l| DMatrix::identity(l.len(), l.len()))
+                .collect(),
+            levers,
+            causes,
+            left_rms,
+        };
+        for r in train {
+            let h = r.interval_s();
+            let input = match channel {
+                Channel::Actuator => r.command_mm.clone()?,
+                Channel::Specimen => {
+                    let x = r.displacement_mm.as_ref()?;
+                    let band = spectrum::motion_band_hz(x, h).unwrap_or(0.03 / h);
+                    spectrum::smooth(x, h, (3.0 * band).min(0.3 / h)).x
+                }
+            };
+            let planned = Planned {
+                interval_s: h,
+                input: &input,
+                force: r.force_n.as_deref(),
+                n_per_mm: 0.0,
+            };
+            let every = (input.len() * train.len()).div_ceil(SAMPLES);
+            let told = view.told(&planned, every)?;
+            let weight = every as f64 / (COLOUR * left_rms * left_rms).max(f64::MIN_POSITIVE);
+            for (known, gram) in view.known.iter_mut().zip(&told.grams) {
+                *known += gram * weight;
+            }
+        }
+        Some(view)
+    }
+
+    /// What each cause answers to a motion.
+    pub fn answers(&self, planned: &Planned<'_>) -> Option<Vec<Vec<f64>>> {
+        let answer = |c: &Cause| answer(&c.model, self.channel, planned);
+        self.causes.iter().map(answer).collect()
+    }
+
+    /// What a motion tells, of every `every`-th sample; `None` where an answer is missing or no number.
+    pub fn told(&self, planned: &Planned<'_>, every: usize) -> Option<Told> {
+        let answers = self.answers(planned)?;
+        if answers.iter().flatten().any(|y| !y.is_finite()) {
+            return None;
+        }
+        let thin = |y: &[f64]| y.iter().step_by(every).copied().collect::<Vec<f64>>();
+        let columns: Vec<Vec<Vec<f64>>> = self
+            .causes
+            .iter()
+            .zip(&self.levers)
+            .zip(&answers)
+            .map(|((cause, levers), here)| {
+                let slopes = slopes(&cause.model, self.channel, levers, planned, here);
+                slopes.iter().map(|s| thin(s)).collect()
+            })
+            .collect();
+        let thinned: Vec<Vec<f64>> = answers.iter().map(|y| thin(y)).collect();
+        let mut pairs = Vec::new();
+        for i in 0..thinned.len() {
+            for j in (0..thinned.len()).filter(|j| *j != i) {
+                let d: Vec<f64> = thinned[i]
+                    .iter()
+                    .zip(&thinned[j])
+                    .map(|(a, b)| a - b)
+                    .collect();
+                let along =
+                    DVector::from_iterator(columns[j].len(), columns[j].iter().map(|c| dot(c, &d)));
+                pairs.push((i, j, dot(&d, &d), along));
+            }
+        }
+        Some(Told {
+            samples: thinned.first().map_or(0, Vec::len) as f64,
+            grams: columns.iter().map(|c| gram(c)).collect(),
+            pairs,
+        })
+    }
+
+    /// The rms by which two causes differ where the second may move its numbers as far as the records let it, over what
+    /// the model leaves: of each pair the smaller of both ways.
+    pub fn separations(&self, told: &Told) -> Vec<(usize, usize, f64)> {
+        let scale = COLOUR * self.left_rms * self.left_rms;
+        let one_way = |i: usize, j: usize| {
+            let (.., square, along) = told.pairs.iter().find(|p| (p.0, p.1) == (i, j))?;
+            let whole = &told.grams[j] + &self.known[j] * scale;
+            let taken = whole.cholesky().map_or(0.0, |c| along.dot(&c.solve(along)));
+            let rms = ((square - taken).max(0.0) / told.samples.max(1.0)).sqrt();
+            Some(rms / self.left_rms.max(f64::MIN_POSITIVE))
+        };
+        let n = self.causes.len();
+        (0..n)
+            .flat_map(|i| (i + 1..n).map(move |j| (i, j)))
+            .filter_map(|(i, j)| Some((i, j, one_way(i, j)?.min(one_way(j, i)?))))
+            .collect()
+    }
+
+    /// Standard deviations of the preferred cause's numbers, in spreads, as the records leave them and with a motion more.
+    pub fn deviations(&self, told: Option<&Told>) -> Vec<f64> {
+        let mut known = self.known[0].clone();
+        if let Some(told) = told {
+            let scale = (COLOUR * self.left_rms * self.left_rms).max(f64::MIN_POSITIVE);
+            known += &told.grams[0] / scale;
+        }
+        let n = known.nrows();
+        let inverse = known.cholesky().map(|c| c.inverse());
+        (0..n)
+            .map(|i| inverse.as_ref().map_or(1.0, |c| c[(i, i)].max(0.0).sqrt()))
+            .collect()
+    }
+
+    /// How much a motion is worth in a test of `samples`: pairs come apart, or, where nothing rivals, numbers become known.
+    pub fn worth(&self, told: &Told, samples: f64) -> f64 {
+        if self.causes.len() < 2 {
+            let (before, after) = (self.deviations(None), self.deviations(Some(told)));
+            let each = before.iter().zip(&after).map(|(b, a)| (b / a).ln());
+            return each.sum::<f64>() / before.len().max(1) as f64;
+        }
+        let probable = |i: usize| self.causes[i].probability.unwrap_or(1.0).max(0.05).sqrt();
+        let pairs = self.separations(told).into_iter();
+        pairs
+            .map(|(i, j, s)| {
+                let squares = s * s * told.samples / samples;
+                probable(i) * probable(j) * squares.ln_1p()
+            })
+            .sum()
+    }
+}
