@@ -11,7 +11,7 @@ use crate::improvement;
 use crate::summary;
 use crate::terminal::Progress;
 use crate::trace::{Response, Witness};
-use diagnosis::{ChannelAnswer, Diagnosis, Limits, Model, Next, Recording, Verdict};
+use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, RigLimits, Verdict};
 use outerloop_core::config::Filter;
 use outerloop_core::{Config, Method};
 use plant::Channel;
@@ -285,7 +285,7 @@ fn with_limits(model: &Model, test: &TestFile) -> Model {
     let stated = &test.config.limits;
     let own = model.limits;
     Model {
-        limits: Limits {
+        limits: RigLimits {
             displacement_mm: own
                 .displacement_mm
                 .or(stated.displacement_m.map(|x| 1e3 * x)),

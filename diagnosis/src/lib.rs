@@ -43,7 +43,7 @@ pub use answer::{
 pub use diagnose::diagnose;
 pub use identify::{Identified, identify};
 pub use joint::SavedElement;
-pub use model::{ActuatorModel, Declared, Limits, Model, SpecimenModel};
+pub use model::{ActuatorModel, Declared, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
 pub use recording::Recording;
 pub use refusal::Refusal;

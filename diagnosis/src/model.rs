@@ -101,7 +101,7 @@ pub struct SpecimenModel {
 /// What the rig may do, around its zero; what is left out is taken from a record's own span.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub struct RigLimits {
     /// Largest displacement to either side, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement_mm: Option<f64>,
@@ -113,7 +113,7 @@ pub struct Limits {
     pub force_n: Option<f64>,
 }
 
-impl Limits {
+impl RigLimits {
     fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -148,8 +148,8 @@ pub struct Model {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen: Option<SpecimenModel>,
     /// What the rig may do: a next test is designed inside it.
-    #[serde(default, skip_serializing_if = "Limits::is_empty")]
-    pub limits: Limits,
+    #[serde(default, skip_serializing_if = "RigLimits::is_empty")]
+    pub limits: RigLimits,
 }
 
 impl Model {

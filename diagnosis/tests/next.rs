@@ -3,7 +3,8 @@
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{
-    Declared, Diagnosis, Limits, Model, Origin, Recording, SpecimenModel, Verdict, diagnose, next,
+    Declared, Diagnosis, Model, Origin, Recording, RigLimits, SpecimenModel, Verdict, diagnose,
+    next,
 };
 use plant::Effect;
 use rand_core::SeedableRng;
@@ -75,7 +76,7 @@ fn model() -> Model {
             offset_n: known(0.0, 1.0),
             ..SpecimenModel::default()
         }),
-        limits: Limits {
+        limits: RigLimits {
             displacement_mm: Some(15.0),
             velocity_mm_per_s: Some(80.0),
             force_n: Some(1500.0),
@@ -147,7 +148,7 @@ fn one_speed_leaves_friction_and_viscosity_open_and_the_designed_test_settles_th
 #[test]
 fn without_limits_the_records_own_span_is_kept_and_that_is_said() {
     let mut free = model();
-    free.limits = Limits::default();
+    free.limits = RigLimits::default();
     let train = [specimen(Cause::Friction, &one_speed(16.0, 10.0), 1)];
     let held_out = [specimen(Cause::Friction, &one_speed(12.0, 8.0), 2)];
     let found = diagnose(&free, &train, &held_out, &[]).unwrap();
