@@ -37,6 +37,7 @@ mod follower;
 mod force;
 pub mod ground_motion;
 mod ideal;
+pub mod linear;
 pub mod matrix;
 mod method;
 pub mod newmark;

@@ -23,11 +23,12 @@ use crate::numbers::percent;
 use crate::stability;
 use crate::stability::closed_loop::{Frame, Question};
 use crate::stability::perturbed::Spread;
-use crate::stability::predictor::{Law, adaptive};
+use crate::stability::predictor::Law;
 use crate::stability::rig::Variation;
 use crate::summary::{POOR_EPS_RMS, Summary, Verdict as Ending};
 use crate::trace::Response;
-use outerloop_core::{Force, Method, Prediction};
+use outerloop_core::linear::LinearForce;
+use outerloop_core::{Config, Force, Method, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
 use rayon::prelude::*;
@@ -107,18 +108,17 @@ impl Eigenvalues {
 const LARGEST_PHASE_RAD: f64 = 0.2;
 
 /// True where the force is damped by what the energies say.
-fn damps(method: Method) -> bool {
-    matches!(
-        method.force,
-        Force::Eq14Unguarded | Force::Eq14 | Force::Paper
-    )
+fn damps(config: &Config) -> bool {
+    let c = &config.compensation;
+    let form = c.kind.force.linear(c, config.physical_storeys());
+    matches!(form, LinearForce::Damping { .. })
 }
 
 /// True where the loop is linear but for its specimen.
 pub fn fixed(test: &TestFile) -> bool {
     let method = test.config.compensation.kind;
     let random = test.plant.actuator.kind == ActuatorKind::RandomMultiplier;
-    method.force == Force::None && !adaptive(method.predictor) && !random
+    method.force == Force::None && !method.predictor.learns() && !random
 }
 
 /// The test on the rig as it is, and on two others.
@@ -229,7 +229,7 @@ fn decide(e: &Experiment, z: &Eigenvalues, spread: &Spread, runs: &Runs) -> (Ver
     }
     let method = e.test.config.compensation.kind;
     let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
-    let damped_only = damps(method) && method.predictor == Prediction::None;
+    let damped_only = damps(&e.test.config) && method.predictor == Prediction::None;
     if damped_only && z.phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
         let said = format!(
             "omega tau is {:.2}, and damping makes up for a lateness to about {LARGEST_PHASE_RAD}: the planned motion has \

@@ -11,15 +11,16 @@
 use super::blocks::{Block, Signal, nothing};
 use super::filter::Filter;
 use super::largest;
-use super::predictor::{self, Ahead, Law, Predictor};
+use super::predictor::{Ahead, Law, Predictor};
 use super::rig::{LinearRig, Variation};
 use super::spectrum;
 use super::way::Way;
 use crate::bench::with_floors;
 use crate::failure::Failure;
 use nalgebra::{Complex, DMatrix, DVector};
+use outerloop_core::Config;
+use outerloop_core::linear::LinearForce;
 use outerloop_core::structure::Structure;
-use outerloop_core::{Config, Force};
 use plant::RigSpec;
 
 /// The structure of a test in plain matrices.
@@ -109,8 +110,7 @@ impl Question<'_> {
         frame: &Frame,
         vary: &Variation,
     ) -> Result<Vec<Complex<f64>>, Failure> {
-        let learns =
-            self.law == Law::Learnt && predictor::adaptive(self.config.compensation.kind.predictor);
+        let learns = self.law == Law::Learnt && self.config.compensation.kind.predictor.learns();
         let mut at = frame.omega[0];
         let mut rounds = if learns { ROUNDS } else { 1 };
         loop {
@@ -347,17 +347,18 @@ fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> 
     let phase = omega * late_s / scale;
     let forces = &specimen * &frame.shape;
     for j in 0..physical {
-        let share = match c.kind.force {
-            // A force at the target: the whole way that is left, with the stiffness that the specimen has.
-            Force::Eq14Unguarded | Force::Tangent | Force::Ahmadizadeh => 1.0,
-            Force::Eq14 | Force::Paper => {
+        let share = match c.kind.force.linear(c, physical) {
+            // The whole way that is left, with the stiffness that the specimen has.
+            LinearForce::AtTarget | LinearForce::Damping { within: None } => 1.0,
+            LinearForce::Damping {
+                within: Some([below, above]),
+            } => {
                 let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;
                 let unit = declared[(j, j)] * 1e-3 * c.delay_ms / scale;
-                let below = if physical > 1 { -c.clamp } else { 0.0 };
-                let allowed = wanted.clamp(unit * c.clamp_below.unwrap_or(below), unit * c.clamp);
+                let allowed = wanted.clamp(unit * below, unit * above);
                 if wanted == 0.0 { 1.0 } else { allowed / wanted }
             }
-            Force::None => 0.0,
+            LinearForce::Measured => 0.0,
         };
         specimen.row_mut(j).scale_mut(share);
     }

@@ -35,7 +35,8 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use closed_loop::{Frame, Question};
 use limits::{Limits, Part};
-use outerloop_core::{Force, Method};
+use outerloop_core::Method;
+use outerloop_core::linear::LinearForce;
 use perturbed::{Perturbed, Spread};
 use predictor::Law;
 use rayon::prelude::*;
@@ -139,7 +140,11 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         || perturbed::of(&question, &frame, spread, &tell),
     );
     let limits = limits?;
-    let at_start = predictor::adaptive(config.compensation.kind.predictor)
+    let at_start = config
+        .compensation
+        .kind
+        .predictor
+        .learns()
         .then(|| {
             let told = Question {
                 law: Law::Told,
@@ -237,13 +242,13 @@ fn notes(test: &TestFile, answer: &Answer, at_bounds: bool) -> Vec<String> {
     if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
         notes.push("the specimen is taken at its initial stiffness".into());
     }
-    match c.kind.force {
-        Force::None => {}
-        Force::Eq14Unguarded | Force::Eq14 | Force::Paper => notes.push(
+    match c.kind.force.linear(c, test.config.physical_storeys()) {
+        LinearForce::Measured => {}
+        LinearForce::Damping { .. } => notes.push(
             "variable damping is taken as what it comes to over a cycle; it is not linear: look at a run as well"
                 .into(),
         ),
-        Force::Tangent | Force::Ahmadizadeh => notes.push(
+        LinearForce::AtTarget => notes.push(
             "the corrected force is taken as the force at the target, with the stiffness that the specimen has; the \
              declared one may be wrong: look at a run as well"
                 .into(),

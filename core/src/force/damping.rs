@@ -18,6 +18,7 @@ use super::{Acting, Correction, ForceLaw, Reached};
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
 use crate::float::{larger, smaller};
+use crate::linear::LinearForce;
 use crate::refusal::{Refusal, accept, between};
 use core::marker::PhantomData;
 
@@ -79,6 +80,13 @@ pub(crate) struct Constants<const N: usize> {
     physical: usize,
 }
 
+/// Least and largest C_cor in units of `K tau`.
+fn clamps(c: &Compensation, physical: usize) -> [f64; 2] {
+    // A single floor's share of a frame's damping may be negative.
+    let below = if physical > 1 { -c.clamp } else { 0.0 };
+    [c.clamp_below.unwrap_or(below), c.clamp]
+}
+
 /// The variable damping and its memory.
 #[derive(Clone, Debug)]
 pub(crate) struct VariableDamping<const N: usize, F> {
@@ -126,18 +134,13 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
         let dt_s = context.model_step_s;
         let delay_stiffness: [f64; N] =
             core::array::from_fn(|j| context.specimen_n_per_m[j][j] * context.model_delay_s());
-        let several = if context.physical() > 1 {
-            -c.clamp
-        } else {
-            0.0
-        };
-        let below = c.clamp_below.unwrap_or(several);
+        let [below, above] = clamps(c, context.physical());
         Constants {
             secant: c.secant,
             gamma: c.gamma as f32,
             omega_dt: (context.omega[0] * dt_s) as f32,
             window_s: (f64::from(c.window_steps) * dt_s) as f32,
-            largest: delay_stiffness.map(|k| (c.clamp * k) as f32),
+            largest: delay_stiffness.map(|k| (above * k) as f32),
             smallest: core::array::from_fn(|j| {
                 let guard = -2.0 * (1.0 - c.least_mass) * context.structure.mass[j][j] / dt_s;
                 (below * delay_stiffness[j]).max(guard) as f32
@@ -145,6 +148,12 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             hold_share: c.hold_share as f32,
             peak_memory: context.peak_memory(),
             physical: context.physical(),
+        }
+    }
+
+    fn linear(c: &Compensation, physical: usize) -> LinearForce {
+        LinearForce::Damping {
+            within: F::GUARDED.then(|| clamps(c, physical)),
         }
     }
 

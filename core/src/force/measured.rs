@@ -6,7 +6,9 @@
 //! stands behind a predictor alone.
 
 use super::{Acting, Correction, ForceLaw, Reached};
+use crate::config::Compensation;
 use crate::context::Context;
+use crate::linear::LinearForce;
 
 /// Without memory.
 #[derive(Clone, Debug)]
@@ -16,6 +18,10 @@ impl<const N: usize> ForceLaw<N> for Measured {
     type Constants = ();
 
     fn design(_: &Context<'_, N>) {}
+
+    fn linear(_: &Compensation, _: usize) -> LinearForce {
+        LinearForce::Measured
+    }
 
     fn at_rest((): &()) -> Self {
         Self

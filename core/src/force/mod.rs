@@ -19,6 +19,7 @@ mod sech_gain;
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::energy::{Observation, Windowed};
+use crate::linear::LinearForce;
 use crate::method::{Force, for_each_method};
 use crate::refusal::Refusal;
 use equivalent::EquivalentDamping;
@@ -86,6 +87,9 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     /// The constants for a test.
     fn design(context: &Context<'_, N>) -> Self::Constants;
 
+    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
+    fn linear(c: &Compensation, physical: usize) -> LinearForce;
+
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
@@ -132,6 +136,10 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
 
     fn design(context: &Context<'_, N>) -> Self::Constants {
         (C::design(context), equivalent::Constants::design(context))
+    }
+
+    fn linear(_: &Compensation, _: usize) -> LinearForce {
+        LinearForce::AtTarget
     }
 
     fn at_rest((k, _): &Self::Constants) -> Self {
@@ -184,6 +192,13 @@ macro_rules! laws {
                         let k = <$law as ForceLaw<N>>::design(context);
                         Self::$V(ForceLaw::<N>::at_rest(&k), k)
                     })*
+                }
+            }
+
+            /// The linear form of `of`.
+            pub fn linear(of: Force, c: &Compensation, physical: usize) -> LinearForce {
+                match of {
+                    $(Force::$V => <$law as ForceLaw<N>>::linear(c, physical),)*
                 }
             }
 

@@ -13,8 +13,9 @@
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. TI does not see a gain error, and does not mind one.
 
 use super::adaptation::{Gate, Learning};
-use super::{Ahead, Followed, PredictAxis};
+use super::{Ahead, Followed, PredictAxis, inverse};
 use crate::context::Context;
+use crate::linear::{Linear, Setting};
 
 /// Constants of the adaptive inverse.
 #[derive(Clone, Copy, Debug)]
@@ -39,11 +40,25 @@ pub(crate) struct AdaptiveInverse {
 impl PredictAxis for AdaptiveInverse {
     type Constants = Constants;
 
+    const LEARNS: bool = true;
+
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         Constants {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),
         }
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        inverse::linear(match setting.wanted() {
+            None => setting.delay_steps(),
+            Some((wanted, omega)) => {
+                // Phase of 1 + d (1 - 1/z).
+                let (sin, cos) = (libm::sin(omega), libm::cos(omega));
+                let tan = wanted.imaginary / wanted.real;
+                setting.delay(tan / (sin - tan * (1.0 - cos)))
+            }
+        })
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -12,11 +12,12 @@
 //! A gain error looks like a delay half of the time, and biases it. Otherwise as [`super::lagrange`].
 
 use super::adaptation::{Gate, Learning};
-use super::lagrange::Extrapolation;
+use super::lagrange::{self, Extrapolation};
 use super::past::Past;
 use super::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::float::{larger, smaller};
+use crate::linear::{Linear, Setting};
 
 /// C_v: at half of the peak speed the law has reached three quarters of its full effect.
 const STEEPNESS: f32 = 2.0;
@@ -45,6 +46,8 @@ pub(crate) struct Darby {
 impl PredictAxis for Darby {
     type Constants = Constants;
 
+    const LEARNS: bool = true;
+
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         let learning = Learning::design(context);
         let order = context.parameters.order;
@@ -53,6 +56,14 @@ impl PredictAxis for Darby {
             learning,
             extrapolation: Extrapolation::new(order, f64::from(learning.longest)),
         }
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        let delay = match setting.wanted() {
+            None => setting.delay_steps(),
+            Some((wanted, omega)) => setting.delay(wanted.phase() / omega),
+        };
+        lagrange::linear(setting.compensation().order, delay)
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -15,6 +15,7 @@
 use super::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
+use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept};
 
 /// Constants of both parts, in powers of a control step.
@@ -65,6 +66,15 @@ impl PredictAxis for FeedforwardFeedback {
             feedback: c.feedback as f32,
             smoothing: (1.0 - libm::exp(-1.0 / context.delay_steps())) as f32,
         }
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        let c = setting.compensation();
+        let smoothing = 1.0 - libm::exp(-1.0 / setting.delay_steps());
+        Linear::Sum(Sum {
+            feedback: [c.feedback, smoothing],
+            ..Sum::inverse(c.inverse(), setting.rate_hz())
+        })
     }
 
     fn at_rest(_: &Constants) -> Self {

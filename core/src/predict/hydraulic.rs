@@ -20,6 +20,7 @@ use super::{Ahead, Followed, PredictAxis};
 use crate::config::{self, Compensation, Timing};
 use crate::context::Context;
 use crate::float::{larger, smaller};
+use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept, between};
 
 /// Uncertain parameters: stiffness, a3, b1, b2.
@@ -118,6 +119,12 @@ impl Chain {
     }
 }
 
+/// The plant as declared, or one that is late by the declared delay.
+fn plant(c: &Compensation, stiffness_n_per_m: f64) -> config::Hydraulic {
+    let guessed = || config::Hydraulic::of_delay(c.delay_ms * 1e-3, stiffness_n_per_m);
+    c.hydraulic.clone().unwrap_or_else(guessed)
+}
+
 /// One axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Hydraulic {
@@ -133,6 +140,8 @@ pub(crate) struct Hydraulic {
 
 impl PredictAxis for Hydraulic {
     type Constants = Constants;
+
+    const LEARNS: bool = true;
 
     fn check(c: &Compensation, _: &Timing) -> Result<(), Refusal> {
         let Some(h) = &c.hydraulic else {
@@ -175,9 +184,7 @@ impl PredictAxis for Hydraulic {
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         let c = context.parameters;
-        let guessed =
-            || config::Hydraulic::of_delay(c.delay_ms * 1e-3, context.specimen_n_per_m[0][0]);
-        let h = c.hydraulic.clone().unwrap_or_else(guessed);
+        let h = plant(c, context.specimen_n_per_m[0][0]);
         let step_s = 1.0 / context.rate_hz;
         // With the control step as the unit of time, every coefficient is of one size.
         let units = [1.0, step_s, step_s, step_s * step_s];
@@ -197,6 +204,28 @@ impl PredictAxis for Hydraulic {
             per_numerator: (1.0 / static_part) as f32,
             variance_m2: (9.0 * h.noise_m * h.noise_m) as f32,
         }
+    }
+
+    /// The inverse of the declared plant, half a period early; fourth and fifth derivative are left out. What it learns of
+    /// the plant shows in displacement and velocity.
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        let plant = plant(setting.compensation(), setting.stiffness_n_per_m());
+        let r = setting.rate_hz();
+        let [a0, a1, a2, a3, ..] = plant.inverse();
+        let (a1, a2, a3) = (a1 * r, a2 * r * r, a3 * r * r * r);
+        let mut sum = Sum {
+            displacement: a0,
+            velocity: a1 - 0.5 * a0,
+            acceleration: a2 - 0.5 * a1 + 0.125 * a0,
+            jerk: a3 - 0.5 * a2 + 0.125 * a1 - a0 / 48.0,
+            ..Sum::TARGET
+        };
+        if let Some((wanted, omega)) = setting.wanted() {
+            let [displacement, velocity] = sum.missing(wanted, omega);
+            sum.displacement += displacement;
+            sum.velocity += velocity;
+        }
+        Linear::Sum(sum)
     }
 
     fn at_rest(_: &Constants) -> Self {

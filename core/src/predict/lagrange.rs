@@ -13,6 +13,7 @@ use super::past::{Past, REACH};
 use super::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
+use crate::linear::{Linear, Setting};
 use crate::refusal::{Refusal, accept};
 
 /// Polynomial extrapolation of past targets.
@@ -29,16 +30,11 @@ pub(crate) struct Extrapolation {
 impl Extrapolation {
     /// Of `order` 1 to 3, by delays up to `longest` control steps.
     pub fn new(order: u8, longest: f64) -> Self {
-        let weights = match order {
-            1 => [2.0, -1.0, 0.0, 0.0],
-            2 => [3.0, -3.0, 1.0, 0.0],
-            _ => [4.0, -6.0, 4.0, -1.0],
-        };
         // One stride is lost to the phase.
         let reach = f64::from(order) * longest / (REACH - 1) as f64;
         let stride = libm::ceil(reach).max(1.0);
         Self {
-            weights,
+            weights: weights(order).map(|w| w as f32),
             order,
             stride: stride as u16,
             per_stride: (1.0 / stride) as f32,
@@ -56,6 +52,23 @@ impl Extrapolation {
             sum += weight * past.tap(self.per_stride, steps);
         }
         sum
+    }
+}
+
+/// Weights of the target now and one, two and three delays ago, of a polynomial of `order` 1 to 3.
+fn weights(order: u8) -> [f64; 4] {
+    let n = f64::from(order.clamp(1, 3));
+    // Binomials of n + 1 with alternating signs: at order 3 they are 4, -6, 4, -1.
+    let second = -(n + 1.0) * n / 2.0;
+    let third = -second * (n - 1.0) / 3.0;
+    [n + 1.0, second, third, -third * (n - 2.0) / 4.0]
+}
+
+/// Linear form for a delay of `delay` control steps.
+pub(crate) fn linear(order: u8, delay: f64) -> Linear {
+    Linear::Extrapolation {
+        weights: weights(order),
+        delay,
     }
 }
 
@@ -92,6 +105,10 @@ impl PredictAxis for Lagrange {
             delay: steps as f32,
             extrapolation: Extrapolation::new(context.parameters.order, steps),
         }
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        linear(setting.compensation().order, setting.delay_steps())
     }
 
     fn at_rest(_: &Constants) -> Self {

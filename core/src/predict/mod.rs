@@ -29,6 +29,7 @@ mod past;
 
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
+use crate::linear::{Linear, Setting, Sum};
 use crate::method::{Prediction, for_each_method};
 use crate::refusal::Refusal;
 
@@ -79,6 +80,9 @@ pub(crate) trait Predict<const N: usize>: Sized {
     /// Constants, worked out once.
     type Constants: Clone + core::fmt::Debug;
 
+    /// It learns while a test runs.
+    const LEARNS: bool = false;
+
     /// Checks the parameters of the predictor.
     ///
     /// # Errors
@@ -92,6 +96,9 @@ pub(crate) trait Predict<const N: usize>: Sized {
     /// # Errors
     /// A structure for which there are none.
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal>;
+
+    /// As a linear system; of an adaptive law, with what the setting says that it knows.
+    fn linear(setting: &mut Setting<'_>) -> Linear;
 
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
@@ -113,6 +120,9 @@ pub(crate) trait PredictAxis: Sized {
     /// Constants, worked out once; the same for every axis.
     type Constants: Clone + core::fmt::Debug;
 
+    /// It learns while a test runs.
+    const LEARNS: bool = false;
+
     /// Checks the parameters of the predictor.
     ///
     /// # Errors
@@ -123,6 +133,9 @@ pub(crate) trait PredictAxis: Sized {
 
     /// The constants for a test.
     fn design<const N: usize>(context: &Context<'_, N>) -> Self::Constants;
+
+    /// As a linear system; of an adaptive law, with what the setting says that it knows.
+    fn linear(setting: &mut Setting<'_>) -> Linear;
 
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
@@ -138,12 +151,18 @@ pub(crate) struct Axes<P, const N: usize>([P; N]);
 impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     type Constants = P::Constants;
 
+    const LEARNS: bool = P::LEARNS;
+
     fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {
         P::check(c, t)
     }
 
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {
         Ok(P::design(context))
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        P::linear(setting)
     }
 
     fn at_rest(k: &Self::Constants) -> Self {
@@ -204,6 +223,22 @@ macro_rules! predictors {
                         Self::$V(Predict::<N>::at_rest(&k), k)
                     })*
                 })
+            }
+
+            /// Whether `of` learns while a test runs.
+            pub fn learns(of: Prediction) -> bool {
+                match of {
+                    Prediction::None => false,
+                    $(Prediction::$V => <$axes as Predict<N>>::LEARNS,)*
+                }
+            }
+
+            /// The linear form of `of`.
+            pub fn linear(of: Prediction, setting: &mut Setting<'_>) -> Linear {
+                match of {
+                    Prediction::None => Linear::Sum(Sum::TARGET),
+                    $(Prediction::$V => <$axes as Predict<N>>::linear(setting),)*
+                }
             }
 
             /// Back to rest at zero, in place.

@@ -14,6 +14,7 @@
 
 use super::{Ahead, Followed, Predict};
 use crate::context::Context;
+use crate::linear::{Linear, Setting};
 use crate::matrix::{self, Matrix};
 use crate::refusal::Refusal;
 use crate::structure::Structure;
@@ -86,6 +87,12 @@ impl<const N: usize> Predict<N> for ModelPrediction {
             step_s,
         )
         .ok_or(Refusal::matrix("structure.mass_kg"))
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        Linear::FreeVibration {
+            delay_s: setting.model_delay_s(),
+        }
     }
 
     fn at_rest(_: &Constants<N>) -> Self {

@@ -11,6 +11,7 @@
 
 use super::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
+use crate::linear::{Linear, Setting};
 
 /// T_2 over the delay.
 const SHARE: f64 = 0.1;
@@ -26,13 +27,15 @@ pub(crate) struct Constants {
 impl Constants {
     /// For a delay of `steps` control steps.
     pub fn new(steps: f64) -> Self {
-        let (lead, lag) = (2.0 * steps * (1.0 + SHARE), 2.0 * steps * SHARE);
-        Self {
-            new: ((1.0 + lead) / (1.0 + lag)) as f32,
-            last: ((1.0 - lead) / (1.0 + lag)) as f32,
-            memory: ((lag - 1.0) / (1.0 + lag)) as f32,
-        }
+        let [new, last, memory] = weights(steps).map(|x| x as f32);
+        Self { new, last, memory }
     }
+}
+
+/// `new`, `last` and `memory` for a delay of `steps` control steps: the trapezoidal rule.
+fn weights(steps: f64) -> [f64; 3] {
+    let (lead, lag) = (2.0 * steps * (1.0 + SHARE), 2.0 * steps * SHARE);
+    [1.0 + lead, 1.0 - lead, lag - 1.0].map(|x| x / (1.0 + lag))
 }
 
 /// The lead on one axis.
@@ -47,6 +50,12 @@ impl PredictAxis for PhaseLead {
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         Constants::new(context.delay_steps())
+    }
+
+    fn linear(setting: &mut Setting<'_>) -> Linear {
+        Linear::Lead {
+            weights: weights(setting.delay_steps()),
+        }
     }
 
     fn at_rest(_: &Constants) -> Self {

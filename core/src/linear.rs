@@ -1,0 +1,261 @@
+//! A method as a linear system, for reports on stability. Nothing of it runs in a step, so it is in f64.
+//!
+//! A fixed predictor is linear as it is. One that learns is not: what stands for it is its law at rest, with what it was
+//! told ([`Setting::told`]) or with what it has come to ([`Setting::learnt`]): the parameters that bring this very rig to the
+//! target at one frequency, within the law's bounds. While it learns it is neither. Each method says its linear form in
+//! its own file; what is made of it is the affair of the report.
+
+use crate::config::{Compensation, Config};
+use crate::force::Law;
+use crate::method::{Force, Prediction};
+use crate::predict::Predictor;
+
+/// A sum of the motion ahead and of what came of the last command. Factors are in powers of a control step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sum {
+    /// Of the next target.
+    pub displacement: f64,
+    /// Of its velocity.
+    pub velocity: f64,
+    /// Of its acceleration.
+    pub acceleration: f64,
+    /// Of the change of its acceleration in a control step.
+    pub jerk: f64,
+    /// Of the next target less the one in force.
+    pub rise: f64,
+    /// Of the tracking error, the target in force less the measured displacement.
+    pub error: f64,
+    /// Of the low-passed tracking error, and what the low-pass takes of a new one.
+    pub feedback: [f64; 2],
+}
+
+impl Sum {
+    /// The next target as it is.
+    pub const TARGET: Self = Self {
+        displacement: 1.0,
+        velocity: 0.0,
+        acceleration: 0.0,
+        jerk: 0.0,
+        rise: 0.0,
+        error: 0.0,
+        feedback: [0.0; 2],
+    };
+
+    /// `u + a_1 v + a_2 a + a_3 j` with factors in powers of a second.
+    pub(crate) fn inverse([first, second, third]: [f64; 3], rate_hz: f64) -> Self {
+        Self {
+            velocity: first * rate_hz,
+            acceleration: second * rate_hz * rate_hz,
+            jerk: third * rate_hz * rate_hz * rate_hz,
+            ..Self::TARGET
+        }
+    }
+
+    /// Displacement and velocity that are missing at `omega` so that the answer of the motion ahead there is `wanted`.
+    pub(crate) fn missing(&self, wanted: Answer, omega: f64) -> [f64; 2] {
+        let square = omega * omega;
+        let real = self.displacement - square * self.acceleration;
+        let per_omega = self.velocity - square * self.jerk;
+        [wanted.real - real, wanted.imaginary / omega - per_omega]
+    }
+}
+
+/// A predictor as a linear system in control steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Linear {
+    /// A sum of the motion.
+    Sum(Sum),
+    /// Weights of the target now, and one, two and three delays ago.
+    Extrapolation {
+        /// The weights.
+        weights: [f64; 4],
+        /// The delay, control steps.
+        delay: f64,
+    },
+    /// `new x + last x_1 + memory y_1`, with `x` the targets and `y` the commands.
+    Lead {
+        /// `[new, last, memory]`.
+        weights: [f64; 3],
+    },
+    /// Where a free vibration of the declared structure takes velocity and acceleration in `delay_s` of model time.
+    FreeVibration {
+        /// The delay, s of model time.
+        delay_s: f64,
+    },
+}
+
+/// What a force law comes to over a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinearForce {
+    /// The measured force.
+    Measured,
+    /// The force at the target: the stiffness times the way that is left.
+    AtTarget,
+    /// Of that the part that is in phase with the velocity, as a damping of the axis between these multiples of the
+    /// declared stiffness times the declared delay; `None` without bounds.
+    Damping {
+        /// The bounds.
+        within: Option<[f64; 2]>,
+    },
+}
+
+/// Command over target that brings a rig to the target at one frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// Real part.
+    pub real: f64,
+    /// Imaginary part; positive where the command leads.
+    pub imaginary: f64,
+}
+
+impl Answer {
+    /// Its amplitude.
+    pub(crate) fn gain(self) -> f64 {
+        libm::hypot(self.real, self.imaginary)
+    }
+
+    /// Its phase, rad.
+    pub(crate) fn phase(self) -> f64 {
+        libm::atan2(self.imaginary, self.real)
+    }
+}
+
+/// The test in which a predictor stands, and what its law knows.
+#[derive(Debug)]
+pub struct Setting<'a> {
+    config: &'a Config,
+    learnt: Option<(Answer, f64)>,
+    at_bounds: bool,
+}
+
+impl<'a> Setting<'a> {
+    /// A law that knows what it was told.
+    pub fn told(config: &'a Config) -> Self {
+        Self {
+            config,
+            learnt: None,
+            at_bounds: false,
+        }
+    }
+
+    /// A law that has learnt to answer with `wanted` at `omega` (rad per control step).
+    pub fn learnt(config: &'a Config, wanted: Answer, omega: f64) -> Self {
+        Self {
+            learnt: Some((wanted, omega)),
+            ..Self::told(config)
+        }
+    }
+
+    /// The law would have to learn more than its bounds allow.
+    pub fn at_bounds(&self) -> bool {
+        self.at_bounds
+    }
+
+    pub(crate) fn compensation(&self) -> &'a Compensation {
+        &self.config.compensation
+    }
+
+    /// Declared stiffness of the lowest storey, N/m.
+    pub(crate) fn stiffness_n_per_m(&self) -> f64 {
+        let storeys = &self.config.structure.stiffness_n_per_m;
+        storeys.first().copied().unwrap_or(0.0)
+    }
+
+    pub(crate) fn rate_hz(&self) -> f64 {
+        self.config.timing.rate_hz
+    }
+
+    /// The declared delay, control steps.
+    pub(crate) fn delay_steps(&self) -> f64 {
+        self.compensation().delay_ms * 1e-3 * self.rate_hz()
+    }
+
+    /// The declared delay, s of model time.
+    pub(crate) fn model_delay_s(&self) -> f64 {
+        self.compensation().delay_ms * 1e-3 / self.config.timing.time_scale
+    }
+
+    /// What is to be answered and at which frequency, rad per control step; `None` where nothing has been learnt.
+    pub(crate) fn wanted(&self) -> Option<(Answer, f64)> {
+        self.learnt
+    }
+
+    /// A parameter within the bounds of its law.
+    pub(crate) fn bounded(&mut self, value: f64, low: f64, high: f64) -> f64 {
+        self.at_bounds |= !(low..=high).contains(&value);
+        value.clamp(low, high)
+    }
+
+    /// Longest delay that may be learnt, control steps.
+    pub(crate) fn longest_steps(&self) -> f64 {
+        let c = self.compensation();
+        c.adaptation.longest_delay_ms.max(c.delay_ms) * 1e-3 * self.rate_hz()
+    }
+
+    /// A learnt delay, control steps.
+    pub(crate) fn delay(&mut self, steps: f64) -> f64 {
+        let longest = self.longest_steps();
+        self.bounded(steps, 0.0, longest)
+    }
+
+    /// A learnt gain.
+    pub(crate) fn gain(&mut self, gain: f64) -> f64 {
+        let tolerance = self.compensation().adaptation.gain_tolerance;
+        self.bounded(gain, 1.0 - tolerance, 1.0 + tolerance)
+    }
+}
+
+impl Prediction {
+    /// Whether it learns while a test runs.
+    pub fn learns(self) -> bool {
+        Predictor::<1>::learns(self)
+    }
+
+    /// Its linear form in a test.
+    pub fn linear(self, setting: &mut Setting<'_>) -> Linear {
+        Predictor::<1>::linear(self, setting)
+    }
+}
+
+impl Force {
+    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
+    pub fn linear(self, c: &Compensation, physical: usize) -> LinearForce {
+        Law::<1>::linear(self, c, physical)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+
+    /// What a law has learnt answers as it was wanted to, and a wish beyond its bounds is told of.
+    #[test]
+    fn a_law_that_has_learnt_answers_as_wanted_or_is_at_its_bounds() {
+        let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
+        config.compensation.delay_ms = 4.0;
+        let omega: f64 = 0.006;
+        let answer = |gain: f64, phase: f64| Answer {
+            real: gain * libm::cos(phase),
+            imaginary: gain * libm::sin(phase),
+        };
+        // Eleven control steps are 5.5 ms; 3 % are within every tolerance.
+        let wanted = answer(1.03, 11.0 * omega);
+        for predictor in [Prediction::Afp, Prediction::Ats, Prediction::Amb] {
+            assert!(predictor.learns());
+            let mut setting = Setting::learnt(&config, wanted, omega);
+            let Linear::Sum(sum) = predictor.linear(&mut setting) else {
+                panic!("{} is a sum", predictor.name());
+            };
+            let left = sum.missing(wanted, omega);
+            assert!(left[0].abs() < 1e-4 && left[1].abs() < 1e-2, "{left:?}");
+            assert!(!setting.at_bounds(), "{}", predictor.name());
+        }
+        let far = answer(1.0, 0.9);
+        for predictor in [Prediction::Darby, Prediction::Afp, Prediction::Ats] {
+            let mut slow = Setting::learnt(&config, far, 0.001);
+            predictor.linear(&mut slow);
+            assert!(slow.at_bounds(), "{}: 900 control steps", predictor.name());
+        }
+    }
+}
