@@ -1,26 +1,30 @@
 //! A board with its tasks, all in one thread.
 
-use super::{CLOCK, CODES, Faulty, INPUTS, Plant, SimBoard};
+use super::{CLOCK, Faulty, Plant, SimBoard};
 use crate::hardware::Hardware;
 use crate::station::{
     Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,
     Sign, Station,
 };
 use heapless::spsc::{Consumer, Queue};
+use link::Calibration;
 use link::command::Command;
 use link::frame::Seen;
-use link::reply::Answer;
+use link::reply::{Answer, Reply};
 use link::status::Start;
 use outerloop_core::State;
 
-/// A board that has just got power. What it leaks is some hundred KiB a board.
-pub struct Bench<P> {
+/// The simulated board with its tasks, and what is broken in it.
+pub type Bench<P> = Tasks<Faulty<SimBoard<P>>>;
+
+/// A board that has just got power, with its tasks. What it leaks is some hundred KiB a board.
+pub struct Tasks<H> {
     /// The control interrupt's part.
     pub station: Station,
     /// The tasks' part.
     pub service: Service,
-    /// The board itself, and what is broken in it.
-    pub hardware: Faulty<SimBoard<P>>,
+    /// The board itself.
+    pub hardware: H,
     /// Signs of life.
     pub evidence: &'static Evidence,
     /// Which signs are shown after each step.
@@ -37,13 +41,21 @@ fn leak<T>(x: T) -> &'static mut T {
 }
 
 impl<P: Plant> Bench<P> {
-    /// Nobody has calibrated it.
+    /// With `plant` behind the converters; nobody has calibrated it.
     pub fn new(plant: P) -> Self {
+        let board = SimBoard::new(plant);
+        let wired = board.wired;
+        Self::of(Faulty::new(board), "sim", wired)
+    }
+}
+
+impl<H: Hardware> Tasks<H> {
+    /// Of the board `hardware`; until it is calibrated it goes by `placeholder`.
+    pub fn of(mut hardware: H, name: &'static str, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
         let (reports_in, reports) = leak(Queue::<Report, 128>::new()).split();
         let evidence = leak(Evidence::new());
-        let mut hardware = Faulty::new(SimBoard::new(plant));
         // The clock allows 2 kHz.
         let setup = || leak(Setup::unconfigured(&CLOCK).unwrap_or_else(|r| panic!("{r}")));
         let first = setup();
@@ -54,17 +66,16 @@ impl<P: Plant> Bench<P> {
             reports: reports_in,
         };
         let codes = hardware.codes().unwrap_or_default();
-        let placeholder = hardware.board.wired;
         Self {
             station: Station::new(first, placeholder, codes, evidence, ends, 2),
             service: Service::new(
                 Board {
-                    name: "sim",
+                    name,
                     commit: "none",
                     clock: CLOCK,
                     now: || 0,
-                    codes: CODES,
-                    inputs: INPUTS,
+                    codes: H::CODES,
+                    inputs: H::INPUTS,
                     output_delay_us: 40.0,
                     crystal_ok: true,
                     converters_ok: true,
@@ -108,6 +119,20 @@ impl<P: Plant> Bench<P> {
     pub fn hear(&mut self, request: u16, command: Command, seen: Seen) -> Option<Answer> {
         let asked = self.service.hear(request, command, seen, 0);
         self.answer(asked)
+    }
+
+    /// Hands a command to the service and steps until it is answered.
+    pub fn ask(&mut self, request: u16, command: Command) -> Reply {
+        let mut answer = self.hear(request, command, Seen::default());
+        loop {
+            match answer {
+                Some(answer) => return answer.reply,
+                None => {
+                    self.step();
+                    answer = self.go_on();
+                }
+            }
+        }
     }
 
     /// The command that waited for a step.

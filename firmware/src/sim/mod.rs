@@ -4,7 +4,7 @@
 mod bench;
 mod faulty;
 
-pub use bench::Bench;
+pub use bench::{Bench, Tasks};
 pub use faulty::{Broken, Faulty};
 
 use crate::hardware::Hardware;
