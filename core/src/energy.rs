@@ -106,8 +106,8 @@ impl<const N: usize> EnergyErrors<N> {
     pub fn update(&mut self, now: &Observation<N>, physical: usize) -> Windowed<N> {
         let physical = N.min(physical);
         let error_m: [f32; N] = core::array::from_fn(|j| now.displacement_m[j] - now.command_m[j]);
-        let last = self.past[self.newest % MAX_WINDOW];
-        let then = self.past[(self.newest + MAX_WINDOW + 1 - self.window) % MAX_WINDOW];
+        let last = &self.past[self.newest % MAX_WINDOW];
+        let then = &self.past[(self.newest + MAX_WINDOW + 1 - self.window) % MAX_WINDOW];
         let mut windowed = Windowed {
             energy_j: [0.0; N],
             increment_m: now.increment_m,

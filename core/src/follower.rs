@@ -174,8 +174,8 @@ impl<const N: usize> Follower<N> {
                 damping,
                 ..
             } = self.law.act(&Reached {
-                now: &now,
-                energy: &energy,
+                now,
+                energy,
                 velocity_dt_m,
                 predictor_velocity_dt_m: velocity_dt_m,
             });

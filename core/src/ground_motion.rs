@@ -52,12 +52,11 @@ impl<'a> GroundMotion<'a> {
         }
         let position = self.points_per_step.wrapping_mul(u64::from(step));
         let index = (position >> 32) as usize;
-        let here = self.points_m_per_s2.get(index).copied().unwrap_or(0.0);
-        let next = self
-            .points_m_per_s2
-            .get(index.saturating_add(1))
-            .copied()
-            .unwrap_or(0.0);
+        let (here, next) = match self.points_m_per_s2.get(index..) {
+            Some([here, next, ..]) => (*here, *next),
+            Some([last]) => (*last, 0.0),
+            Some([]) | None => (0.0, 0.0),
+        };
         let fraction = ((position as u32) >> 8) as f32 * (1.0 / 16_777_216.0);
         here + fraction * (next - here)
     }

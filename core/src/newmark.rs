@@ -206,8 +206,19 @@ fn solve_with_added_damping<const N: usize>(
     added_damping: &[f32; N],
     s: &mut [f32; N],
 ) {
-    let mut m = [[0.0_f32; N]; N];
     let physical = N.min(k.physical);
+    if physical == 1 {
+        // One actuator: one column to eliminate, and no matrix to clear.
+        let entry = |i: usize| k.flexibility[i][0].value() * added_damping[0] * (0.5 * k.rate_hz);
+        let pivot = entry(0) + 1.0;
+        let inverse = 1.0 / pivot;
+        for i in 1..N {
+            s[i] -= entry(i) * inverse * s[0];
+        }
+        s[0] /= pivot;
+        return;
+    }
+    let mut m = [[0.0_f32; N]; N];
     for i in 0..N {
         for j in 0..physical {
             m[i][j] = k.flexibility[i][j].value() * added_damping[j] * (0.5 * k.rate_hz);

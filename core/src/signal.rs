@@ -163,23 +163,38 @@ impl<const N: usize> SignalGenerator<N> {
         self.late = 0;
     }
 
-    /// The next command of the interval; past its end, slows down and holds.
-    #[inline]
-    pub fn advance(&mut self, k: &Constants) {
+    /// The next command of the interval; past its end, slows down and holds. True where the target is late.
+    #[inline(always)] // An interval of one control step is the common one: two copies.
+    pub fn advance(&mut self, k: &Constants) -> bool {
         // An awaited target is late once the extrapolation has ended; the interval's clock stands until it comes.
         if self.at_target() || (self.awaited && self.tick >= k.solve_substeps) {
-            self.late = self.late.saturating_add(1);
-            for j in 0..N {
-                self.velocity_m[j] *= k.slow_down;
-                self.command_m[j] += self.velocity_m[j];
-            }
-            return;
+            self.wait(k);
+            return true;
         }
         self.tick += 1;
         if self.tick >= self.length {
             self.command_m = self.target.displacement_m;
             self.velocity_m = self.target.velocity_dt_m.map(|v| v * k.per_substep);
-        } else if self.tick <= k.solve_substeps {
+        } else {
+            self.go_on(k);
+        }
+        false
+    }
+
+    /// The target is late: slows down and holds.
+    #[inline(never)]
+    fn wait(&mut self, k: &Constants) {
+        self.late = self.late.saturating_add(1);
+        for j in 0..N {
+            self.velocity_m[j] *= k.slow_down;
+            self.command_m[j] += self.velocity_m[j];
+        }
+    }
+
+    /// A command inside of the interval.
+    #[inline(never)]
+    fn go_on(&mut self, k: &Constants) {
+        if self.tick <= k.solve_substeps {
             let t = f32::from(self.tick);
             for j in 0..N {
                 let a = self.acceleration_m[j];

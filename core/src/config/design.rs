@@ -186,10 +186,13 @@ fn limits(config: &Config) -> supervise::Limits {
     let l = &config.limits;
     // Off is the largest number, so that a value that is none passes no limit.
     let or_off = |limit: Option<f64>| limit.map_or(f32::MAX, |x| x as f32);
+    let increment_m = or_off(l.increment_m);
+    let velocity_step_m = or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz));
     supervise::Limits {
         displacement_m: or_off(l.displacement_m),
-        increment_m: or_off(l.increment_m),
-        velocity_step_m: or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz)),
+        increment_m,
+        velocity_step_m,
+        least_step_m: increment_m.min(velocity_step_m),
         rate_hz: config.timing.rate_hz as f32,
         force_n: or_off(l.force_n),
         tracking_m: or_off(l.tracking_m),

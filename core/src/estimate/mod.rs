@@ -41,6 +41,8 @@ pub struct Estimate<const N: usize> {
     /// Mean squared innovation relative to what the filter expects, displacement and force; 1 is a model that fits,
     /// 0 where there is no filter.
     pub innovation: [f32; 2],
+    /// The innovation is not that of a model that fits: this has 1, and twice that over a second of samples is no chance.
+    pub doubt: bool,
 }
 
 /// The estimator of a loop, with its constants and its memory.
@@ -124,6 +126,7 @@ impl<const N: usize> Estimator<N> {
             displacement_m: *displacement_m,
             force_n: *force_n,
             innovation: [0.0; 2],
+            doubt: false,
         };
         match self {
             Self::Off => {}
@@ -164,6 +167,7 @@ impl<const N: usize> Estimator<N> {
                     *mean += gains.memory * (new * gains.per_axis - *mean);
                 }
                 out.innovation = *innovation;
+                out.doubt = innovation.iter().any(|&i| !(i <= 2.0));
             }
             Self::LowPass { biquad, channels } => {
                 for j in 0..N.min(physical) {

@@ -167,8 +167,8 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
 
     /// C_cor for this step, from Eq 12 over the window and the motion.
     #[inline]
-    fn act(&mut self, k: &Constants<N>, reached: &Reached<'_, N>) -> Acting<N> {
-        let (now, energy) = (reached.now, reached.energy);
+    fn act(&mut self, k: &Constants<N>, reached: &Reached<N>) -> Acting<N> {
+        let (now, energy) = (&reached.now, &reached.energy);
         let mut out = Correction::NONE;
         for j in 0..N.min(k.physical) {
             let du = energy.increment_m[j];
@@ -237,13 +237,13 @@ mod tests {
         [velocity, predictor]: [f32; 2],
     ) -> Correction<1> {
         let reached = Reached {
-            now: &Observation {
+            now: Observation {
                 command_m: [10.0 * du],
                 increment_m: [du],
                 displacement_m: [10.0 * du],
                 force_n: [0.0],
             },
-            energy: &Windowed {
+            energy: Windowed {
                 energy_j: [energy_j],
                 increment_m: [du],
                 moved_m: [du],

@@ -28,7 +28,7 @@ impl<const N: usize> ForceLaw<N> for Measured {
     }
 
     #[inline]
-    fn act(&mut self, (): &(), reached: &Reached<'_, N>) -> Acting<N> {
+    fn act(&mut self, (): &(), reached: &Reached<N>) -> Acting<N> {
         Acting {
             force_n: reached.now.force_n,
             damping: [0.0; N],

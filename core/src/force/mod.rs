@@ -49,11 +49,11 @@ impl<const N: usize> Correction<N> {
 
 /// What a law sees of an integration step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached<'a, const N: usize> {
+pub(crate) struct Reached<const N: usize> {
     /// Target, displacement and force.
-    pub now: &'a Observation<N>,
+    pub now: Observation<N>,
     /// Eq 12 over the window.
-    pub energy: &'a Windowed<N>,
+    pub energy: Windowed<N>,
     /// dt v_{i-1}, m.
     pub velocity_dt_m: [f32; N],
     /// dt v^_i, Eq 16, m.
@@ -94,7 +94,7 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     fn at_rest(k: &Self::Constants) -> Self;
 
     /// One integration step.
-    fn act(&mut self, k: &Self::Constants, reached: &Reached<'_, N>) -> Acting<N>;
+    fn act(&mut self, k: &Self::Constants, reached: &Reached<N>) -> Acting<N>;
 }
 
 /// A law that puts the force at the target in place of the measured one.
@@ -149,14 +149,27 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
         }
     }
 
+    /// Hands on a copy, so that what other laws look at can stay in registers.
+    #[inline(always)]
+    fn act(&mut self, k: &Self::Constants, reached: &Reached<N>) -> Acting<N> {
+        let now = reached.now;
+        self.correct(k, &now)
+    }
+}
+
+impl<C: Correct<N>, const N: usize> Corrected<C, N> {
     // A function of its own: what only some laws do is not spread over the step of all.
     #[inline(never)]
-    fn act(&mut self, (k, shown): &Self::Constants, reached: &Reached<'_, N>) -> Acting<N> {
-        let force_n = self.force.at_target(k, reached.now);
+    fn correct(
+        &mut self,
+        (k, shown): &(C::Constants, equivalent::Constants),
+        now: &Observation<N>,
+    ) -> Acting<N> {
+        let force_n = self.force.at_target(k, now);
         Acting {
             force_n,
             damping: [0.0; N],
-            correction: self.shown.of(shown, reached.now, &force_n),
+            correction: self.shown.of(shown, now, &force_n),
         }
     }
 }
@@ -211,7 +224,7 @@ macro_rules! laws {
 
             /// One integration step.
             #[inline]
-            pub fn act(&mut self, reached: &Reached<'_, N>) -> Acting<N> {
+            pub fn act(&mut self, reached: &Reached<N>) -> Acting<N> {
                 match self {
                     $(Self::$V(law, k) => law.act(k, reached),)*
                 }

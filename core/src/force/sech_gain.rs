@@ -8,27 +8,43 @@
 use core::f32::consts::LOG2_E;
 
 /// `sech(omega dt u / (dt v))^gamma`, between 0 and 1; 0 at rest.
-#[inline]
+#[inline(always)] // A call spills the registers of the step around it.
 pub fn sech_gain(omega_dt: f32, displacement_m: f32, velocity_dt_m: f32, gamma: f32) -> f32 {
     if velocity_dt_m == 0.0 {
         // 0/0 at rest, and x infinite at a turning point: the compensation is off in both.
         return 0.0;
     }
     let x = (omega_dt * displacement_m / velocity_dt_m).abs();
-    let e = exp_of_negative(-2.0 * x);
+    if x > FAR {
+        return far(x, gamma);
+    }
+    let e = exp_near(-2.0 * x);
     let z = (1.0 - e) / (3.0 + e);
-    exp_of_negative(-gamma * (x - 2.0 * artanh_to_a_third(z)))
+    exp_near(-gamma * (x - 2.0 * artanh_to_a_third(z)))
+}
+
+/// Where `exp(-2 x)` is 0; nearer, neither exponential needs a test of its own.
+const FAR: f32 = 43.5;
+
+/// The gain where `e` is 0.
+#[cold]
+#[inline(never)]
+fn far(x: f32, gamma: f32) -> f32 {
+    exp_of_negative(-gamma * (x - 2.0 * artanh_to_a_third(1.0 / 3.0)))
 }
 
 /// `exp(x)` for `x <= 0`, within 1.5e-7 of its value; 0 below -87.
 #[inline]
 fn exp_of_negative(x: f32) -> f32 {
+    if x < -87.0 { 0.0 } else { exp_near(x) }
+}
+
+/// `exp(x)` from -87 to 0.
+#[inline]
+fn exp_near(x: f32) -> f32 {
     // ln 2 in two parts, the first short enough that its multiples are exact.
     const LN_2_HIGH: f32 = 0.693_359_4;
     const LN_2_LOW: f32 = -2.121_944_4e-4;
-    if x < -87.0 {
-        return 0.0;
-    }
     let halvings = (x * LOG2_E - 0.5) as i32;
     let n = halvings as f32;
     let r = x - n * LN_2_HIGH - n * LN_2_LOW;

@@ -1,9 +1,10 @@
 //! What the operator does with a loop, between steps.
 
 use super::{
-    Correction, Design, EnergyErrors, Event, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
-    Rejected, SignalGenerator, Trip,
+    Correction, Design, EnergyErrors, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
+    SignalGenerator, Trip,
 };
+use crate::supervise::{Event, Rejected};
 
 impl<const N: usize> OuterLoop<N> {
     /// What the loop is doing.

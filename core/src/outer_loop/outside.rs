@@ -4,7 +4,8 @@
 //! interlocks, signal generation. A target is answered with a force ([`OuterLoop::answer_n`]); the sum of the specimen's
 //! force and that of the added damping, so that the compensation acts in an integration that knows nothing of it.
 
-use super::{Estimate, OuterLoop};
+use super::OuterLoop;
+use crate::energy::Observation;
 use crate::record::flag;
 
 /// How the actuator goes from one target to the next.
@@ -38,25 +39,36 @@ impl<const N: usize> OuterLoop<N> {
         &self.answer_n
     }
 
-    /// A step of a running test whose targets come from outside.
+    /// A target from outside has been reached, with a sample that counts.
     #[inline(never)]
-    pub(super) fn run_outside(
-        &mut self,
-        pace: Pace,
-        estimate: &Estimate<N>,
-        fit: bool,
-    ) -> [f32; N] {
-        match pace {
-            Pace::StopAndGo => self.stop_and_go(estimate),
-            Pace::Continuous => self.go_continuously(estimate, fit),
+    pub(super) fn reached_outside(&self, fit: bool) -> bool {
+        self.mode.integrates()
+            && match self.pace {
+                Some(Pace::Continuous) => fit && self.signal.at_target(),
+                Some(Pace::StopAndGo) => self.leaves_target(),
+                None => false,
+            }
+    }
+
+    /// Stop and go: a target is waiting, and the rig stands at the last one. Its force counts when the next leads away
+    /// from it; the rig has stood until then.
+    fn leaves_target(&self) -> bool {
+        self.next_target_m.is_some() && self.sent_m == self.newmark.displacement_m()
+    }
+
+    /// A step of a running test whose targets come from outside, after what was reached has been answered.
+    pub(super) fn go_to_next_target(&mut self) -> [f32; N] {
+        match self.pace {
+            Some(Pace::StopAndGo) => self.stop_and_go(),
+            Some(Pace::Continuous) => self.go_continuously(),
+            None => *self.signal.command_m(),
         }
     }
 
-    /// The force counts when the next target leads away from it: the rig has stood until then.
-    fn stop_and_go(&mut self, estimate: &Estimate<N>) -> [f32; N] {
-        let stands = self.sent_m == self.newmark.displacement_m();
-        if stands && let Some(next_m) = self.next_target_m.take() {
-            self.observe(estimate);
+    fn stop_and_go(&mut self) -> [f32; N] {
+        if self.leaves_target()
+            && let Some(next_m) = self.next_target_m.take()
+        {
             self.newmark.follow(next_m);
         }
         let command_m = self.approach(self.newmark.displacement_m());
@@ -64,10 +76,8 @@ impl<const N: usize> OuterLoop<N> {
         command_m
     }
 
-    /// The force counts at the moment in which the target is reached.
-    fn go_continuously(&mut self, estimate: &Estimate<N>, fit: bool) -> [f32; N] {
-        if self.signal.at_target() && fit {
-            self.observe(estimate);
+    fn go_continuously(&mut self) -> [f32; N] {
+        if self.flags & flag::SOLVED != 0 {
             self.signal.depart(&self.design.signal);
         }
         if self.signal.awaits_target()
@@ -76,28 +86,25 @@ impl<const N: usize> OuterLoop<N> {
             self.newmark.follow(next_m);
             self.signal.arrive(self.target());
         }
-        self.signal.advance(&self.design.signal);
-        if self.signal.late_steps() > 0 {
+        if self.signal.advance(&self.design.signal) {
             self.flags |= flag::LATE;
         }
         *self.signal.command_m()
     }
 
-    /// Energy errors, compensation and answer at the target that was reached. What loads the structure is not known here:
-    /// the monitor's scale is the strain energy alone.
-    fn observe(&mut self, estimate: &Estimate<N>) {
-        let (now, force_n, acting) = self.compensate(estimate);
+    /// Answers with the force at the target that was reached and what the added damping has there; gives the latter, N.
+    #[inline(never)]
+    pub(super) fn answer(
+        &mut self,
+        now: &Observation<N>,
+        force_n: &[f32; N],
+        damping: &[f32; N],
+    ) -> [f32; N] {
         let rate_hz = self.design.newmark.rate_hz;
-        let mut correction_n = [0.0; N];
+        let added_n = core::array::from_fn(|j| damping[j] * rate_hz * now.increment_m[j]);
         for j in 0..N {
-            let added_n = acting[j] * rate_hz * now.increment_m[j];
-            self.answer_n[j] = force_n[j] + added_n;
-            correction_n[j] = self.answer_n[j] - now.force_n[j];
+            self.answer_n[j] = force_n[j] + added_n[j];
         }
-        let hsem_j = self.energy.cumulative().hsem_j;
-        let physical = self.design.physical;
-        self.monitor
-            .update(&now, physical, [0.0; N], correction_n, hsem_j);
-        self.close_step(0.0);
+        added_n
     }
 }

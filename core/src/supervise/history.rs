@@ -29,10 +29,8 @@ impl<const N: usize> History<N> {
     /// The place for the record of this step; what is not kept is overwritten by the next.
     #[inline]
     pub fn place(&mut self, keep: bool) -> &mut Record<N> {
-        let slot = match self.newest + 1 {
-            next if next < SLOTS => next,
-            _ => 0,
-        };
+        let next = self.newest + 1;
+        let slot = if next < SLOTS { next } else { 0 };
         self.latest = slot;
         if keep {
             self.newest = slot;
@@ -46,7 +44,8 @@ impl<const N: usize> History<N> {
     /// The record of this step, kept or not.
     #[inline]
     pub fn latest(&self) -> &Record<N> {
-        &self.slots[self.latest % SLOTS]
+        // Not a remainder, which costs a multiplication: `place` keeps it within.
+        self.slots.get(self.latest).unwrap_or(&self.slots[0])
     }
 
     /// What is kept, oldest first.

@@ -7,11 +7,12 @@ use super::fault::Fault;
 pub struct Limits {
     /// Largest command, m.
     pub displacement_m: f32,
-    /// Largest change of the command in a control step, m: the smaller of the increment and the velocity limit is
-    /// reported as itself.
+    /// Largest change of the command in a control step, m.
     pub increment_m: f32,
     /// Largest speed of the command as a change in a control step, m.
     pub velocity_step_m: f32,
+    /// The smaller of these two: one comparison a step.
+    pub least_step_m: f32,
     /// Control rate, Hz, to report a velocity.
     pub rate_hz: f32,
     /// Largest measured force, N.
@@ -84,8 +85,7 @@ pub fn within<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> bool {
     for j in 0..N.min(c.physical) {
         let step = (c.next_m[j] - c.sent_m[j]).abs();
         let kept = c.next_m[j].abs() <= limits.displacement_m
-            && step <= limits.increment_m
-            && step <= limits.velocity_step_m
+            && step <= limits.least_step_m
             && c.force_n[j].abs() <= limits.force_n
             && (c.aimed_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m;
         if !kept {
@@ -182,6 +182,7 @@ mod tests {
         displacement_m: 0.1,
         increment_m: 2e-3,
         velocity_step_m: 1e-3,
+        least_step_m: 1e-3,
         rate_hz: 2000.0,
         force_n: 1e4,
         tracking_m: 0.02,

@@ -19,7 +19,7 @@ impl LockWatch {
     #[inline]
     pub fn update(&mut self, added_ratio: f32, memory: f32) -> f32 {
         // A single spike of the unguarded form (400 % of critical for one sample) must not count as locked.
-        self.mean += memory * (smaller(added_ratio.abs(), 10.0) - self.mean);
+        self.mean += memory * (smaller(added_ratio, 10.0) - self.mean);
         self.mean
     }
 }

@@ -46,11 +46,18 @@ impl<const N: usize> StaleWatch<N> {
                 self.target_m[j] = target_m[j];
             }
         }
-        self.steps = if fresh && !frozen {
-            0
-        } else {
-            self.steps.saturating_add(1)
-        };
+        if fresh && !frozen {
+            self.steps = 0;
+            return 0;
+        }
+        self.count()
+    }
+
+    /// One more stale step.
+    #[cold]
+    #[inline(never)]
+    fn count(&mut self) -> u16 {
+        self.steps = self.steps.saturating_add(1);
         self.steps
     }
 }

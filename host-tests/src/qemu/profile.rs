@@ -101,7 +101,7 @@ fn place(symbols: &Loader, pc: u64) -> Place {
             && !path.contains("library")
         {
             part = part.or_else(|| part_of(file, name));
-            in_step |= file == "outer_loop.rs" && name == "step";
+            in_step |= file == "outer_loop/step.rs" && name == "step";
         }
     }
     match (part, in_step, around) {
@@ -123,9 +123,9 @@ fn part_of(file: &str, function: &str) -> Option<usize> {
         "record" | "history" => "record, history",
         "outer_loop" => match function {
             "estimate" => "estimator",
-            "interlock" | "supervise" | "watch" => "interlocks, supervisor",
+            "free" | "obstructed" | "send" | "watch" => "interlocks, supervisor",
             "record" => "record, history",
-            "step" | "run" | "solve" | "follow" | "approach" | "slow_down" => "frame of the step",
+            "step" | "go_on" | "solve" | "reached" | "elsewhere" => "frame of the step",
             _ => return None,
         },
         _ => return None,

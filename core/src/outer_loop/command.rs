@@ -1,0 +1,168 @@
+//! From target to command: what is sent ahead, what stands against it, and what is sent.
+
+use super::{OuterLoop, Pace, Sample};
+use crate::predict::{Ahead, Followed};
+use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
+
+impl<const N: usize> OuterLoop<N> {
+    /// What is sent for the target `next_m`: the predictor's answer while the test runs, else the target itself. The
+    /// predictor sees every step, so that its memory is of what really happened.
+    #[inline(never)]
+    pub(super) fn predict(
+        &mut self,
+        measured_m: [f32; N],
+        next_m: [f32; N],
+        fit: bool,
+    ) -> [f32; N] {
+        let k = &self.design;
+        let live = self.mode.integrates() && self.pace != Some(Pace::StopAndGo);
+        let (velocity_m, acceleration_m) = if live {
+            let signal = &self.signal;
+            (*signal.velocity_m(), signal.acceleration_m(&k.signal))
+        } else {
+            ([0.0; N], [0.0; N])
+        };
+        let followed = core::array::from_fn(|j| Followed {
+            target_m: self.target_m[j] + self.led_by_m[j],
+            sent_m: self.aimed_m[j],
+            measured_m: measured_m[j],
+            learn: live && fit,
+        });
+        let mut ahead: [Ahead; N] = core::array::from_fn(|j| Ahead {
+            displacement_m: next_m[j],
+            velocity_m: velocity_m[j],
+            acceleration_m: acceleration_m[j],
+        });
+        let mut send_m = next_m;
+        if k.lead_steps != 0.0 {
+            // Numerical degrees of freedom are sent where they are wanted.
+            for j in 0..N {
+                ahead[j] = ahead[j].led_by(k.lead_steps);
+                self.led_by_m[j] = ahead[j].displacement_m - next_m[j];
+                if j < k.physical {
+                    send_m[j] = ahead[j].displacement_m;
+                }
+            }
+        }
+        self.predictor
+            .command(&followed, &ahead, k.physical, &mut send_m);
+        if !live {
+            return next_m;
+        }
+        if self.mode == Mode::Resuming {
+            for j in 0..N {
+                send_m[j] = next_m[j] + self.share * (send_m[j] - next_m[j]);
+            }
+            self.share += k.resume_step;
+            if self.share >= 1.0 {
+                self.mode = Mode::Running;
+            }
+        }
+        for j in 0..N {
+            self.aimed_step_m[j] = send_m[j] - self.aimed_m[j];
+        }
+        send_m
+    }
+
+    /// What is sent so that the actuator goes to `aim_m`.
+    #[inline]
+    pub(super) fn commands(&self, aim_m: &[f32; N]) -> [f32; N] {
+        core::array::from_fn(|j| self.design.command[j].towards(aim_m[j]))
+    }
+
+    /// The ramp to a standstill begins at what was sent and not at the target behind it.
+    pub(super) fn stop_where_it_is(&mut self) {
+        if self.design.predicts && self.mode.integrates() {
+            self.signal.go_on_from(self.aimed_m, self.aimed_step_m);
+            self.target_m = self.aimed_m;
+        }
+    }
+
+    /// What the interlocks look at before `next_m` is sent.
+    #[inline]
+    fn checked<'a>(
+        &'a self,
+        sample: &'a Sample<N>,
+        displacement_m: &'a [f32; N],
+        next_m: &'a [f32; N],
+        stale_steps: u16,
+    ) -> Checked<'a, N> {
+        Checked {
+            next_m,
+            sent_m: &self.sent_m,
+            aimed_m: &self.aimed_m,
+            displacement_m,
+            force_n: &sample.force_n,
+            energy_ratio: self.monitor.ratio(),
+            stale_steps,
+            late_steps: self.signal.late_steps(),
+            physical: self.design.physical,
+        }
+    }
+
+    /// Nothing stands against sending `next_m`.
+    #[inline]
+    pub(super) fn free(
+        &self,
+        sample: &Sample<N>,
+        displacement_m: &[f32; N],
+        next_m: &[f32; N],
+        stale_steps: u16,
+    ) -> bool {
+        let checked = self.checked(sample, displacement_m, next_m, stale_steps);
+        sample.fault.is_none() && within(&self.design.limits, &checked)
+    }
+
+    /// Sends the command, unless it is not finite on an axis behind the first `certain`.
+    #[inline]
+    pub(super) fn send(
+        &mut self,
+        certain: usize,
+        target_m: [f32; N],
+        aim_m: [f32; N],
+        send_m: [f32; N],
+    ) -> [f32; N] {
+        // With the interlocks' consent what is sent to an actuator is finite; the numerical storeys are left.
+        if (certain..N).all(|j| send_m[j].is_finite()) {
+            self.target_m = target_m;
+            self.aimed_m = aim_m;
+            self.sent_m = send_m;
+        }
+        self.sent_m
+    }
+
+    /// Something stands against sending the command: latches the fault, or sends it where there is nothing to trip.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn obstructed(
+        &mut self,
+        sample: &Sample<N>,
+        displacement_m: &[f32; N],
+        stale_steps: u16,
+        [target_m, aim_m, send_m]: [[f32; N]; 3],
+    ) -> [f32; N] {
+        let checked = self.checked(sample, displacement_m, &send_m, stale_steps);
+        let found = first_fault(&self.design.limits, &checked);
+        // What the board reports comes first, but for a NaN.
+        let finding = match sample.fault {
+            None => found,
+            Some(fault) => {
+                let not_finite = found.filter(|f| f.fault == Fault::NonFinite);
+                not_finite.or(Some(Finding::fact(fault)))
+            }
+        };
+        self.obstacle = finding;
+        if let (Some(f), Ok(tripped)) = (finding, self.mode.after(Event::Fault)) {
+            self.mode = tripped;
+            self.trip = Some(Trip {
+                fault: f.fault,
+                axis: f.axis,
+                value: f.value,
+                limit: f.limit,
+                tick: self.tick,
+            });
+            return self.sent_m;
+        }
+        self.send(0, target_m, aim_m, send_m)
+    }
+}

@@ -1,0 +1,95 @@
+//! The next target where no test of its own runs.
+
+use super::OuterLoop;
+use crate::signal::SignalGenerator;
+use crate::supervise::Mode;
+
+impl<const N: usize> OuterLoop<N> {
+    /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
+    #[inline(never)]
+    pub(super) fn elsewhere(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+        match self.mode {
+            Mode::Idle => self.follow(displacement_m),
+            Mode::Approaching => self.approach_start(),
+            Mode::Armed => [0.0; N],
+            Mode::Running | Mode::Resuming => self.go_to_next_target(),
+            Mode::Returning => self.return_to_target(),
+            Mode::Commissioning => self.pursue(),
+            Mode::Holding | Mode::Finished => self.slow_down(),
+            Mode::Tripped => self.aimed_m,
+        }
+    }
+
+    /// Idle: the target follows the true position, and the command is what holds the actuator there, so that arming
+    /// moves nothing whatever is known of offsets and gains.
+    fn follow(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+        let mut standing_m = self.standing_m.unwrap_or(*displacement_m);
+        for (mean, &new) in standing_m.iter_mut().zip(displacement_m) {
+            // A mean over some 64 samples, so that noise is not a bump.
+            let moved = *mean + (new - *mean) * (1.0 / 64.0);
+            *mean = if moved.is_finite() { moved } else { 0.0 };
+        }
+        self.standing_m = Some(standing_m);
+        standing_m
+    }
+
+    /// A step of the slow way to the start position.
+    fn approach_start(&mut self) -> [f32; N] {
+        let next_m = self.approach([0.0; N]);
+        if next_m == [0.0; N] {
+            self.mode = Mode::Armed;
+        }
+        next_m
+    }
+
+    /// A step of the slow approach to `goal_m`.
+    pub(super) fn approach(&self, goal_m: [f32; N]) -> [f32; N] {
+        let step = self.design.approach_step_m;
+        core::array::from_fn(|j| {
+            let rest = goal_m[j] - self.target_m[j];
+            if rest.abs() <= step {
+                goal_m[j]
+            } else {
+                self.target_m[j] + step.copysign(rest)
+            }
+        })
+    }
+
+    /// After a hold: a step of the slow way back to the target at which the test stands.
+    fn return_to_target(&mut self) -> [f32; N] {
+        let target_m = self.newmark.displacement_m();
+        let next_m = self.approach(target_m);
+        // A hold on the way begins where the command is.
+        self.signal.follow(next_m);
+        if self.target_m == target_m {
+            self.signal = SignalGenerator::standing_at(target_m);
+            self.share = 0.0;
+            self.mode = if self.design.predicts {
+                Mode::Resuming
+            } else {
+                Mode::Running
+            };
+        }
+        next_m
+    }
+
+    /// A commissioning signal in place of the test: the command goes where it is told.
+    fn pursue(&mut self) -> [f32; N] {
+        self.signal.follow(self.goal_m);
+        self.goal_m
+    }
+
+    /// The record has ended.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn finish(&mut self) {
+        self.stop_where_it_is();
+        self.mode = Mode::Finished;
+    }
+
+    /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.
+    fn slow_down(&mut self) -> [f32; N] {
+        self.signal.decelerate(self.design.deceleration_step_m);
+        *self.signal.command_m()
+    }
+}

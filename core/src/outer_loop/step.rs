@@ -1,0 +1,266 @@
+//! One control step, in the order in which it happens.
+//!
+//! ```text
+//!  sample ─► correct ─► estimate ─► energy ─► force law ─► integrate ─► generate ─► predict ─► interlock ─► record, command
+//! ```
+//!
+//! Two shapes in here are for the processor: what a test of the loop's own does not need is a call away, and what is handed
+//! there is a copy, so that the original can stay in registers.
+
+use super::{OuterLoop, Sample, Step};
+use crate::energy::Observation;
+use crate::estimate::Estimate;
+use crate::float::larger;
+use crate::force::{Acting, Reached};
+use crate::ground_motion::GroundMotion;
+use crate::record::{Record, flag};
+use crate::signal::Target;
+use crate::supervise::Mode;
+
+impl<const N: usize> OuterLoop<N> {
+    /// One control step: sample in, command and record out.
+    ///
+    /// A function of its own: inlined into a main loop it would share that loop's registers, which costs more than the
+    /// call.
+    #[inline(never)]
+    pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
+        self.flags = 0;
+        let stale_steps = self.watch(sample);
+        let fit = stale_steps == 0;
+        let (displacement_m, force_n) = self.correct(sample);
+        let estimate = self.estimate(displacement_m, force_n);
+        // A test of the loop's own runs: no targets from outside.
+        let own = self.mode.integrates() && self.pace.is_none();
+        if self.reached(own, fit) {
+            self.solve(own, &estimate, ground);
+        }
+        let next_m = if own {
+            self.go_on()
+        } else {
+            let displacement_m = displacement_m;
+            self.elsewhere(&displacement_m)
+        };
+        let (mut aim_m, mut send_m) = (next_m, next_m);
+        if self.design.predicts {
+            aim_m = self.predict(estimate.displacement_m, next_m, fit);
+            send_m = self.commands(&aim_m);
+        }
+        let free = self.free(sample, &displacement_m, &send_m, stale_steps);
+        self.record(sample, &estimate);
+        let command_m = if free {
+            self.obstacle = None;
+            self.send(self.design.physical, next_m, aim_m, send_m)
+        } else {
+            let displacement_m = displacement_m;
+            self.obstructed(
+                sample,
+                &displacement_m,
+                stale_steps,
+                [next_m, aim_m, send_m],
+            )
+        };
+        if own && self.step > ground.steps() && self.mode.integrates() {
+            self.finish();
+        }
+        self.tick = self.tick.wrapping_add(1);
+        Step {
+            command_m,
+            permit: self.mode.permits_motion(),
+            record: self.history.latest(),
+        }
+    }
+
+    /// The target of an integration step has been reached, with a sample that may be integrated with.
+    #[inline]
+    fn reached(&self, own: bool, fit: bool) -> bool {
+        if own {
+            fit && self.signal.at_target()
+        } else {
+            self.reached_outside(fit)
+        }
+    }
+
+    /// One integration step: energy, compensation, equation of motion, next target.
+    #[inline]
+    fn solve(&mut self, own: bool, estimate: &Estimate<N>, ground: &GroundMotion<'_>) {
+        let (now, force_n, damping) = self.compensate(estimate);
+        let physical = self.design.physical;
+        let (mut ground_m_per_s2, mut load_n) = (0.0, [0.0; N]);
+        let mut correction_n;
+        if own {
+            let k = &self.design.newmark;
+            ground_m_per_s2 = ground.at(self.step);
+            load_n = k.load_n(ground_m_per_s2);
+            correction_n = self.newmark.advance(k, &load_n, &force_n, &damping);
+        } else {
+            // What loads the structure is not known here: the monitor's scale is the strain energy alone.
+            let (now, force_n, damping) = (now, force_n, damping);
+            correction_n = self.answer(&now, &force_n, &damping);
+        }
+        for j in 0..N.min(physical) {
+            correction_n[j] += force_n[j] - now.force_n[j];
+        }
+        let hsem_j = self.energy.cumulative().hsem_j;
+        self.monitor
+            .update(&now, physical, load_n, correction_n, hsem_j);
+        if own {
+            self.signal.aim(&self.design.signal, self.target());
+        }
+        self.close_step(ground_m_per_s2);
+    }
+
+    /// Towards the target of the running test.
+    #[inline]
+    fn go_on(&mut self) -> [f32; N] {
+        if self.signal.advance(&self.design.signal) {
+            self.flags |= flag::LATE;
+        }
+        *self.signal.command_m()
+    }
+
+    /// Energy errors and compensation at a target that has been reached: what was observed, the force that the equation
+    /// of motion takes, and the damping that acts in it.
+    #[inline]
+    fn compensate(&mut self, estimate: &Estimate<N>) -> (Observation<N>, [f32; N], [f32; N]) {
+        let now = Observation {
+            command_m: self.newmark.displacement_m(),
+            increment_m: *self.newmark.increment_m(),
+            displacement_m: estimate.displacement_m,
+            force_n: estimate.force_n,
+        };
+        let energy = self.energy.update(&now, self.design.physical);
+        let Acting {
+            force_n,
+            damping,
+            correction,
+        } = self.law.act(&Reached {
+            now,
+            energy,
+            velocity_dt_m: self.newmark.velocity_dt_m(),
+            predictor_velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
+        });
+        self.correction = correction;
+        (now, force_n, damping)
+    }
+
+    /// The target that the integration has come to.
+    #[inline]
+    pub(super) fn target(&self) -> Target<N> {
+        Target {
+            displacement_m: self.newmark.displacement_m(),
+            velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
+            acceleration_dt2_m: *self.newmark.acceleration_dt2_m(),
+        }
+    }
+
+    /// Counts the integration step and looks for a structure that its own damping locks.
+    #[inline]
+    fn close_step(&mut self, ground_m_per_s2: f32) {
+        let k = &self.design;
+        let mut added_ratio = 0.0_f32;
+        for j in 0..N.min(k.physical) {
+            let ratio = self.correction.damping[j] * k.per_critical[j];
+            added_ratio = larger(added_ratio, ratio.abs());
+        }
+        if self.lock.update(added_ratio, k.per_period) > k.limits.locked_damping_ratio {
+            self.flags |= flag::LOCKED;
+        }
+        self.ground_m_per_s2 = ground_m_per_s2;
+        self.step = self.step.wrapping_add(1);
+        self.flags |= flag::SOLVED;
+    }
+
+    /// For how long samples have been stale.
+    #[inline]
+    fn watch(&mut self, sample: &Sample<N>) -> u16 {
+        // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
+        let watched = if self.mode == Mode::Idle {
+            0
+        } else {
+            self.design.physical
+        };
+        // The target's motion counts: a predictor's command jumps with the noise, and two equal words are a chance then.
+        let steps = self.stale.update(
+            sample.fresh,
+            &sample.displacement_m,
+            &self.target_m,
+            watched,
+        );
+        if steps > 0 {
+            self.flags |= flag::STALE;
+        }
+        steps
+    }
+
+    /// The true displacement and force, as far as they are known; interlocks on the force and the record keep what was
+    /// read.
+    #[inline]
+    fn correct(&mut self, sample: &Sample<N>) -> ([f32; N], [f32; N]) {
+        if !self.design.corrects {
+            return (sample.displacement_m, sample.force_n);
+        }
+        let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
+        self.rig.correct(&mut displacement_m, &mut force_n);
+        (displacement_m, force_n)
+    }
+
+    /// What the loop believes of the specimen; numerical degrees of freedom are where they were sent.
+    #[inline]
+    fn estimate(&mut self, mut displacement_m: [f32; N], mut force_n: [f32; N]) -> Estimate<N> {
+        let k = &self.design;
+        for j in 0..N {
+            if j >= k.physical {
+                displacement_m[j] = self.target_m[j];
+                force_n[j] = 0.0;
+            }
+        }
+        let estimate = self
+            .estimator
+            .update(&self.aimed_m, &displacement_m, &force_n, k.physical);
+        if estimate.doubt {
+            self.flags |= flag::MODEL_DOUBT;
+        }
+        estimate
+    }
+
+    /// Writes the record of this step; the history ends with the step that tripped.
+    #[inline(always)] // A call would hand the estimate through memory.
+    fn record(&mut self, sample: &Sample<N>, estimate: &Estimate<N>) {
+        let k = &self.design;
+        let mut flags = self.flags;
+        if self.monitor.ratio() > k.limits.energy_warning {
+            flags |= flag::ENERGY_WARNING;
+        }
+        if self.correction.held {
+            flags |= flag::HELD;
+        }
+        if self.correction.clamped {
+            flags |= flag::CLAMPED;
+        }
+        let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
+        *self.history.place(self.mode != Mode::Tripped) = Record {
+            tick: self.tick,
+            step: self.step,
+            flags: self.mode as u32 | fault << 8 | flags,
+            ground_m_per_s2: self.ground_m_per_s2,
+            command_m: self.target_m,
+            sent_m: self.sent_m,
+            displacement_m: sample.displacement_m,
+            force_n: sample.force_n,
+            estimated_displacement_m: estimate.displacement_m,
+            estimated_force_n: estimate.force_n,
+            velocity_m_per_s: self.newmark.velocity_dt_m().map(|q| q * k.newmark.rate_hz),
+            acceleration_m_per_s2: self
+                .newmark
+                .acceleration_dt2_m()
+                .map(|s| s * k.newmark.rate_squared),
+            added_damping_n_s_per_m: self.correction.damping,
+            gain: self.correction.gain,
+            energy_step: self.energy.step().into(),
+            energy_sum: self.energy.cumulative().into(),
+            energy_input_j: self.monitor.input_j(),
+            energy_ratio: self.monitor.ratio(),
+            innovation: estimate.innovation,
+        };
+    }
+}
