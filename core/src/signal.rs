@@ -142,7 +142,6 @@ impl<const N: usize> SignalGenerator<N> {
         self.tick = 0;
         self.length = k.substeps;
         self.late = 0;
-        self.awaited = false;
     }
 
     /// Begins an interval whose target is not known yet, from the motion that is.
@@ -166,8 +165,7 @@ impl<const N: usize> SignalGenerator<N> {
     /// The next command of the interval; past its end, slows down and holds. True where the target is late.
     #[inline(always)] // An interval of one control step is the common one: two copies.
     pub fn advance(&mut self, k: &Constants) -> bool {
-        // An awaited target is late once the extrapolation has ended; the interval's clock stands until it comes.
-        if self.at_target() || (self.awaited && self.tick >= k.solve_substeps) {
+        if self.at_target() {
             self.wait(k);
             return true;
         }
@@ -179,6 +177,16 @@ impl<const N: usize> SignalGenerator<N> {
             self.go_on(k);
         }
         false
+    }
+
+    /// As [`Self::advance`], where the target may still be awaited: it is late once the extrapolation has ended, and the
+    /// interval's clock stands until it comes.
+    pub fn advance_or_wait(&mut self, k: &Constants) -> bool {
+        if self.awaited && self.tick >= k.solve_substeps {
+            self.wait(k);
+            return true;
+        }
+        self.advance(k)
     }
 
     /// The target is late: slows down and holds.
@@ -322,7 +330,7 @@ mod tests {
                         awaited.arrive(sine_target(i));
                     }
                     known.advance(&k);
-                    awaited.advance(&k);
+                    awaited.advance_or_wait(&k);
                     assert_eq!(known.command_m, awaited.command_m, "{i}.{tick}");
                     assert_eq!(awaited.late_steps(), 0);
                 }
@@ -345,7 +353,7 @@ mod tests {
                 if ticks == comes_after {
                     g.arrive(sine_target(i));
                 }
-                g.advance(&k);
+                g.advance_or_wait(&k);
                 ticks += 1;
                 let step = g.command_m[0] - last;
                 largest = largest.max((step - last_step).abs());

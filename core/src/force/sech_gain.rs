@@ -10,13 +10,9 @@ use core::f32::consts::LOG2_E;
 /// `sech(omega dt u / (dt v))^gamma`, between 0 and 1; 0 at rest.
 #[inline(always)] // A call spills the registers of the step around it.
 pub fn sech_gain(omega_dt: f32, displacement_m: f32, velocity_dt_m: f32, gamma: f32) -> f32 {
-    if velocity_dt_m == 0.0 {
-        // 0/0 at rest, and x infinite at a turning point: the compensation is off in both.
-        return 0.0;
-    }
     let x = (omega_dt * displacement_m / velocity_dt_m).abs();
-    if x > FAR {
-        return far(x, gamma);
+    if !(x <= FAR) {
+        return far(x, velocity_dt_m, gamma);
     }
     let e = exp_near(-2.0 * x);
     let z = (1.0 - e) / (3.0 + e);
@@ -26,10 +22,14 @@ pub fn sech_gain(omega_dt: f32, displacement_m: f32, velocity_dt_m: f32, gamma: 
 /// Where `exp(-2 x)` is 0; nearer, neither exponential needs a test of its own.
 const FAR: f32 = 43.5;
 
-/// The gain where `e` is 0.
+/// The gain where `e` is 0, and at rest.
 #[cold]
 #[inline(never)]
-fn far(x: f32, gamma: f32) -> f32 {
+fn far(x: f32, velocity_dt_m: f32, gamma: f32) -> f32 {
+    if velocity_dt_m == 0.0 {
+        // 0/0 at rest, and x infinite at a turning point: the compensation is off in both.
+        return 0.0;
+    }
     exp_of_negative(-gamma * (x - 2.0 * artanh_to_a_third(1.0 / 3.0)))
 }
 

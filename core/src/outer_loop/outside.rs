@@ -86,7 +86,7 @@ impl<const N: usize> OuterLoop<N> {
             self.newmark.follow(next_m);
             self.signal.arrive(self.target());
         }
-        if self.signal.advance(&self.design.signal) {
+        if self.signal.advance_or_wait(&self.design.signal) {
             self.flags |= flag::LATE;
         }
         *self.signal.command_m()

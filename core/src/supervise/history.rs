@@ -6,23 +6,28 @@ use crate::record::Record;
 /// One more than is kept: where the present step is written once a fault has closed the history.
 const SLOTS: usize = HISTORY + 1;
 
+/// Flags of a place in which nothing is kept: no mode has this number.
+const NOTHING: u32 = u32::MAX;
+
 /// A ring of records, written in place.
 #[derive(Clone, Debug)]
 pub struct History<const N: usize> {
     slots: [Record<N>; SLOTS],
     latest: usize,
     newest: usize,
-    kept: usize,
 }
 
 impl<const N: usize> History<N> {
     /// Nothing kept.
     pub const fn new() -> Self {
+        let nothing = Record {
+            flags: NOTHING,
+            ..Record::EMPTY
+        };
         Self {
-            slots: [Record::EMPTY; SLOTS],
+            slots: [nothing; SLOTS],
             latest: 0,
-            newest: 0,
-            kept: 0,
+            newest: SLOTS - 1,
         }
     }
 
@@ -34,9 +39,6 @@ impl<const N: usize> History<N> {
         self.latest = slot;
         if keep {
             self.newest = slot;
-            if self.kept < HISTORY {
-                self.kept += 1;
-            }
         }
         &mut self.slots[slot]
     }
@@ -50,13 +52,20 @@ impl<const N: usize> History<N> {
 
     /// What is kept, oldest first.
     pub fn kept(&self) -> impl Iterator<Item = &Record<N>> {
-        let oldest = self.newest + SLOTS + 1 - self.kept;
-        (0..self.kept).map(move |i| &self.slots[(oldest + i) % SLOTS])
+        // Behind the newest is the place of a step that is not kept.
+        let places = (2..=SLOTS).map(|i| (self.newest + i) % SLOTS);
+        let records = places.map(|place| &self.slots[place]);
+        records.filter(|record| record.flags != NOTHING)
     }
 
     /// Forgets all but the record of this step.
     pub fn clear(&mut self) {
-        self.kept = 0;
+        self.newest = (self.latest + SLOTS - 1) % SLOTS;
+        for (place, record) in self.slots.iter_mut().enumerate() {
+            if place != self.latest {
+                record.flags = NOTHING;
+            }
+        }
     }
 }
 
