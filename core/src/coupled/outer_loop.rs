@@ -141,6 +141,7 @@ impl<const N: usize> CoupledLoop<N> {
             displacement_m: f32::MAX,
             increment_m: f32::MAX,
             velocity_step_m: b.speed_per_s * period_s,
+            least_step_m: b.speed_per_s * period_s,
             rate_hz: 1.0 / period_s,
             force_n: b.force,
             tracking_m: b.tracking,
