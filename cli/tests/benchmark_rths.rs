@@ -279,3 +279,47 @@ fn bad_input_is_refused_in_one_sentence() {
         refused(&with(arguments), &[said]);
     }
 }
+
+/// The multi-axial problem has the same kind of page: tables, pictures, what J7 hides.
+#[test]
+fn the_multi_axial_problem_has_a_page_with_pictures() {
+    let Some(file) = test_data::file("marths/K_matrix.csv") else {
+        return;
+    };
+    let data = file.ancestors().nth(2).unwrap().to_string_lossy();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_string_lossy();
+    let output = outerloop(&[
+        "benchmark",
+        "marths",
+        "--records",
+        "ElCentro",
+        "--controllers",
+        "rodeac,coupled",
+        "--plants",
+        "1",
+        "--data",
+        &data,
+        "--out",
+        &out,
+    ]);
+    assert!(output.status.success(), "{output:?}");
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert_eq!(
+        page.matches("<svg").count(),
+        4,
+        "x, rotation, two actuators"
+    );
+    for word in [
+        "<td>rodeac</td>",
+        "<td>coupled</td>",
+        "mrad",
+        "subtracted as physical",
+    ] {
+        assert!(page.contains(word), "{word}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("marths.json")).unwrap();
+    let answer: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(rows(&answer, "coupled")[0]["record"], "ElCentro");
+    assert_eq!(answer["declared_part"][0]["record"], "ElCentro");
+}

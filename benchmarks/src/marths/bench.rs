@@ -120,6 +120,11 @@ impl Problem {
 }
 
 impl Record {
+    /// The response of the reference structure.
+    pub fn reference(&self) -> &Trace {
+        &self.reference
+    }
+
     /// J2 of a controller without any error: the reading's noise alone.
     pub fn j2_floor(&self) -> Both {
         [0, 1].map(|i| {

@@ -35,6 +35,7 @@ pub mod frame;
 pub mod regression;
 pub mod rig;
 pub mod structure;
+pub mod table;
 pub mod trial;
 
 /// Sampling rate of the problem, Hz.

@@ -3,12 +3,14 @@
 mod comparison;
 mod diagnosis;
 mod figures;
+mod marths;
 mod next;
 mod plot;
 mod rths;
 mod scale;
 
 pub use comparison::{of_compare, of_comparison};
+pub use marths::of_marths;
 pub use rths::of_rths;
 
 use crate::experiment::{Experiment, Run};

@@ -58,6 +58,17 @@ impl Contestant {
             .collect()
     }
 
+    /// A controller of another crate, for [`crate::rths::Bench`]; `benchmarks/examples/your_controller.rs` is one.
+    pub fn from_outside(outside: &'static Outside) -> Self {
+        Self {
+            name: outside.name.to_owned(),
+            who: Who::Outside(outside),
+            lead_steps: 0.0,
+            late_steps: 0.0,
+            stiffness: 1.0,
+        }
+    }
+
     /// By its name.
     ///
     /// # Errors

@@ -4,12 +4,13 @@ use super::refused;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
+use crate::report;
 use crate::terminal::{Progress, table};
 use crate::verb::json;
 use benchmarks::marths::bench::{self, Problem, Record, Row};
 use benchmarks::marths::contestants::{ALL, Contestant};
-use benchmarks::marths::criteria::Both;
 use benchmarks::marths::declared::{Floor, Found};
+use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -32,7 +33,7 @@ pub(super) struct Marths {
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
-    /// Write marths.json there
+    /// Write report.html and marths.json there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -94,16 +95,14 @@ impl Marths {
         let parts = records
             .iter()
             .map(|r| {
-                Ok((
-                    r.name.as_str(),
-                    problem.floors(r, self.seed).map_err(refused)?,
-                ))
+                let (found, floors) = problem.floors(r, self.seed).map_err(refused)?;
+                Ok((r, found, floors))
             })
             .collect::<Result<Vec<_>, Failure>>()?;
         let answer = serde_json::json!({
             "rules": "official", "seed": self.seed, "plants": self.plants, "rows": rows,
-            "declared_part": parts.iter().map(|(record, (_, floors))| serde_json::json!({
-                "record": record, "floors": floors,
+            "declared_part": parts.iter().map(|(record, _, floors)| serde_json::json!({
+                "record": record.name, "floors": floors,
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
@@ -111,12 +110,16 @@ impl Marths {
             println!("{}", json(&answer)?);
         } else {
             print(&rows);
-            for (record, (found, floors)) in &parts {
-                print_parts(record, found, floors);
+            for (record, found, floors) in &parts {
+                print_parts(&record.name, found, floors);
             }
         }
         if let Some(folder) = &self.out {
-            output::write_all(folder, &[("marths.json", json(&answer)?)])?;
+            let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
+            output::write_all(
+                folder,
+                &[("report.html", page), ("marths.json", json(&answer)?)],
+            )?;
         }
         Ok(())
     }
@@ -158,61 +161,13 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
     .map_err(refused)
 }
 
-/// Two figures in a cell.
-fn both([a, b]: Both) -> String {
-    let one = |x: f64| match x {
-        x if x >= 1000.0 => "lost".into(),
-        x if x >= 10.0 => format!("{x:.1}"),
-        x => format!("{x:.2}"),
-    };
-    format!("{} / {}", one(a), one(b))
-}
-
 fn print(rows: &[Row]) {
-    println!(
-        "Standard deviations in per cent, of the nominal plant and the worst of the drawn ones. J2: tracking error of \
-         actuator 1 / 2, as read;\nJ2*: of the true strokes. J5: x / rotation, as the controller's block has them, against the target; \
-         J7: against the reference\nstructure.\n"
-    );
-    let head = [
-        "controller",
-        "J2",
-        "J2*",
-        "J5",
-        "J7",
-        "worst J2*",
-        "worst J5",
-        "worst J7",
-        "lost",
-    ];
+    println!("{LEGEND}\n");
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         let Some(first) = group.first() else { continue };
-        println!(
-            "{}: the noise of the readings is a J2 of {}; raw readings make the target itself uncertain by {}; a tracker \
-             without error\nor delay has a J7 of {}",
-            first.record,
-            both(first.j2_floor),
-            both(first.j2_true_floor),
-            both(first.j7_floor)
-        );
-        let cells = group.iter().map(|r| {
-            let worst = |x: Both| match r.worst.perturbed {
-                0 => String::new(),
-                _ => both(x),
-            };
-            vec![
-                r.controller.to_owned(),
-                both(r.j.j2),
-                both(r.j.j2_true),
-                both(r.j.j5),
-                both(r.j.j7),
-                worst(r.worst.j2_true),
-                worst(r.worst.j5),
-                worst(r.worst.j7),
-                format!("{} of {}", r.worst.lost, r.worst.perturbed),
-            ]
-        });
-        println!("{}\n", super::named(table(&head), 0, cells));
+        println!("{}", floors(first));
+        let cells = group.iter().map(cells);
+        println!("{}\n", super::named(table(&HEAD), 0, cells));
     }
     for (contestant, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == contestant.name()) {

@@ -1,0 +1,110 @@
+//! What a test of a Monte Carlo costs: the test itself, and the ideal that it is judged by, once through the whole loop and
+//! once by core's integration alone. Both have the same bits (a test in `core/src/ideal.rs` and an assertion here).
+//!
+//! `cargo run --release -p benchmarks --example test_and_ideal`. Ways are taken in turn; of each the best of several runs
+//! counts: other work slows a run down, nothing makes it faster.
+
+use outerloop_core::{
+    Config, Design, Event, GroundMotion, IdealTest, Method, OuterLoop, Sample, State,
+};
+use plant::actuator::ActuatorKind;
+use plant::{Rig, RigSpec};
+use std::time::Instant;
+
+/// Short, so that a run fits between two interruptions.
+const STEPS: usize = 20_000;
+const RUNS: usize = 300;
+const STIFFNESS_N_PER_M: f64 = 158e3;
+
+fn rig(kind: ActuatorKind) -> Rig {
+    let mut spec = RigSpec::default();
+    spec.actuator.kind = kind;
+    if kind == ActuatorKind::Delay {
+        spec.actuator.delay_ms = 4.0.into();
+    }
+    Rig::new(&spec, &[STIFFNESS_N_PER_M], 2000.0, 1).expect("a possible rig")
+}
+
+fn design(method: Method) -> Design<1> {
+    let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
+    config.compensation.kind = method;
+    Design::new(&config).expect("a possible test")
+}
+
+/// A test through the whole loop; the sum of its commands.
+fn whole(method: Method, kind: ActuatorKind, ground: &GroundMotion<'_>) -> f64 {
+    let (mut outer, mut rig) = (OuterLoop::new(design(method)), rig(kind));
+    let (mut sent_m, mut sum, mut done) = ([0.0; 1], 0.0, 0);
+    while done < STEPS {
+        let reading = rig.step(&sent_m);
+        let sample = Sample::new(
+            [reading.displacement_m[0] as f32],
+            [reading.force_n[0] as f32],
+        );
+        let running = outer.state() == State::Running;
+        sent_m = outer.step(&sample, ground).command_m.map(f64::from);
+        if running {
+            sum += sent_m[0];
+            done += 1;
+        }
+        match outer.state() {
+            State::Idle => drop(outer.handle(Event::Arm)),
+            State::Armed => drop(outer.handle(Event::Start)),
+            _ => {}
+        }
+    }
+    sum
+}
+
+/// The ideal by the integration alone.
+fn alone(ground: &GroundMotion<'_>) -> f64 {
+    let (mut test, mut rig) = (
+        IdealTest::new(&design(Method::None)),
+        rig(ActuatorKind::Ideal),
+    );
+    let mut sum = 0.0;
+    for _ in 0..STEPS {
+        let reading = rig.step(&test.command_m().map(f64::from));
+        let force_n = [reading.force_n[0] as f32];
+        test.step(force_n, ground);
+        sum += f64::from(test.command_m()[0]);
+    }
+    sum
+}
+
+fn main() {
+    let points: Vec<f32> = (0..STEPS / 20 + 2)
+        .map(|i| 2.0 * (i as f32 * 0.07).sin() + (i as f32 * 0.31).sin())
+        .collect();
+    let ground = GroundMotion::new(&points, 0.01, 5e-4).expect("a possible record");
+    let method = Method::from_name("tangent").expect("a method of core");
+    let none = Method::None;
+    let ways: [(&str, &dyn Fn() -> f64); 3] = [
+        ("the test, `tangent` on a delay of 4 ms", &|| {
+            whole(method, ActuatorKind::Delay, &ground)
+        }),
+        ("its ideal through the whole loop", &|| {
+            whole(none, ActuatorKind::Ideal, &ground)
+        }),
+        ("its ideal by the integration alone", &|| alone(&ground)),
+    ];
+    let mut best_ns = [f64::INFINITY; 3];
+    let mut sums = [0.0; 3];
+    for _ in 0..RUNS {
+        for (way, (_, run)) in ways.iter().enumerate() {
+            let began = Instant::now();
+            sums[way] = run();
+            best_ns[way] = best_ns[way].min(began.elapsed().as_secs_f64() * 1e9 / STEPS as f64);
+        }
+    }
+    assert_eq!(sums[1].to_bits(), sums[2].to_bits(), "the same ideal");
+    for ((name, _), ns) in ways.iter().zip(best_ns) {
+        println!("{name:42} {ns:6.1} ns a control step");
+    }
+    let rate = |ideal: usize| 1e3 / (best_ns[0] + best_ns[ideal]);
+    println!(
+        "control steps of a test, ideal included: {:.2} million a second and core through the whole loop, {:.2} now",
+        rate(1),
+        rate(2)
+    );
+}

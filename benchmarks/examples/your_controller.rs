@@ -1,0 +1,105 @@
+//! A controller from outside on the benchmark problem of real-time hybrid simulation: one file, closed loop, all four cases,
+//! drawn plants and all. Copy it into a crate of your own that depends on `benchmarks`, and put your law into `command_m`.
+//!
+//! ```text
+//! cargo run --release -p benchmarks --example your_controller -- RECORD.csv      # time_s,acc_g, as RTHSBENCH_ElCentro.csv
+//! ```
+//!
+//! Without a record the ground is shaken by a few sines. `outerloop benchmark rths` prints the rows of the others.
+
+use benchmarks::rths::controller::{Controller, Declared, Outside, Seen};
+use benchmarks::rths::yielding::Behaviour;
+use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, Row, Rules};
+
+/// The target 25 ms ahead, along a line: what one would try first.
+struct Ahead {
+    samples: f64,
+    last_m: f64,
+}
+
+impl Controller for Ahead {
+    fn command_m(&mut self, seen: &Seen) -> f64 {
+        let target_m = seen.floors_m[0];
+        let step_m = target_m - self.last_m;
+        self.last_m = target_m;
+        target_m + self.samples * step_m
+    }
+}
+
+/// What the table is told of it.
+static ENTRY: Outside = Outside {
+    name: "ahead",
+    told: "the delay",
+    make: |_: &Declared| {
+        Box::new(Ahead {
+            samples: 0.025 * RATE_HZ,
+            last_m: 0.0,
+        })
+    },
+};
+
+/// Its rows, one a case.
+pub fn rows(record: Record, rules: &Rules, plants: usize) -> Result<Vec<Row>, benchmarks::Refused> {
+    let bench = Bench {
+        rules,
+        records: &[record],
+        contestants: &[
+            Contestant::from_outside(&ENTRY),
+            Contestant::named("pi-phase-lead")?,
+        ],
+        plants,
+        seed: 1,
+    };
+    bench.rows(|_| ())
+}
+
+/// A few sines, swelling and dying, for a first look without the problem's records.
+pub fn sines(rules: &Rules) -> Record {
+    let points: Vec<f32> = (0..600)
+        .map(|i| {
+            let t = f64::from(i) * 0.01;
+            let wave = (14.0 * t).sin() + 0.5 * (23.0 * t).sin();
+            (4.0 * wave * (0.52 * t).sin()) as f32
+        })
+        .collect();
+    Record::new("sines", &points, 0.01, rules, Behaviour::Linear)
+}
+
+/// A record of two columns, time in s and acceleration in g, below a line of heads.
+fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
+    let text = std::fs::read_to_string(path)?;
+    let mut rows = Vec::new();
+    for line in text.lines().skip(1).filter(|line| !line.trim().is_empty()) {
+        let (time, acc) = line.split_once(',').ok_or("two columns are wanted")?;
+        rows.push((time.trim().parse::<f64>()?, acc.trim().parse::<f64>()?));
+    }
+    let [(first, _), (second, _), ..] = rows[..] else {
+        return Err("a record has two points at least".into());
+    };
+    let points: Vec<f32> = rows.iter().map(|(_, g)| (9.80665 * g) as f32).collect();
+    let name = path.rsplit('/').next().unwrap_or(path);
+    let interval_s = second - first;
+    Ok(Record::new(
+        name,
+        &points,
+        interval_s,
+        rules,
+        Behaviour::Linear,
+    ))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let rules = Rules::official();
+    let record = match std::env::args().nth(1) {
+        Some(path) => read(&path, &rules)?,
+        None => sines(&rules),
+    };
+    println!("controller      case     J2 %     J4 %   J4 of the worst of 8 drawn plants   lost");
+    for row in rows(record, &rules, 8)? {
+        println!(
+            "{:14} {:5} {:8.2} {:8.2} {:12.2} {:28}",
+            row.controller, row.case, row.j[1], row.j[3], row.j4_worst, row.lost
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! The page of the multi-axial benchmark problem.
+
+use super::figures::{GROUND, figure, time_plot};
+use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
+use super::rths::table;
+use super::{Drawn, cannot, escape, page, plot};
+use crate::failure::Failure;
+use benchmarks::marths::bench::{Problem, Record, Row};
+use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::declared::{Floor, Found};
+use benchmarks::marths::rig::Parameters;
+use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
+use benchmarks::marths::trial::Trace;
+use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
+use std::fmt::Write as _;
+
+/// What the loop's record of a ground motion says of the declared part.
+pub type DeclaredPart<'a> = (&'a Record, Found, Vec<Floor>);
+
+/// The benchmark: the tables, a closer look at each ground motion, and what J7 hides.
+///
+/// # Errors
+/// The drawing library's; a structure that cannot be integrated.
+pub fn of_marths(
+    problem: &Problem,
+    parts: &[DeclaredPart<'_>],
+    rows: &[Row],
+    (plants, seed): (usize, u64),
+) -> Result<String, Failure> {
+    let mut body = format!("<p>{}</p>", escape(LEGEND));
+    for group in rows.chunk_by(|a, b| a.record == b.record) {
+        let Some(first) = group.first() else { continue };
+        let _ = write!(
+            body,
+            "<h2>{}</h2>{}<p>{}.</p>",
+            escape(&first.record),
+            table(&HEAD, group.iter().map(cells)),
+            escape(&floors(first))
+        );
+        if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == first.record) {
+            body += &closer_look(problem, record, seed)?;
+        }
+    }
+    body += "<h2>What the controllers know</h2><ul>";
+    for (_, name, knows) in ALL {
+        if rows.iter().any(|r| r.controller == name) {
+            let _ = write!(body, "<li><b>{name}</b>: {}</li>", escape(knows));
+        }
+    }
+    body += "</ul>";
+    body += &declared_part(parts);
+    let lead = format!(
+        "A plane frame of 29 degrees of freedom, of which two hydraulic actuators on one coupler move a corner in x and in \
+         rotation. Condori Uribe et al., Frontiers in Built Environment 9 (2023) 1270996, at {RATE_HZ} Hz, ground motions \
+         times {GROUND_SCALE}. Seed {seed}, {plants} drawn plants. A simulated rig: a real one is less kind."
+    );
+    Ok(page("The multi-axial benchmark problem", &lead, &body))
+}
+
+/// The published adaptive controller and core's on the nominal plant, around the largest displacement.
+fn closer_look(problem: &Problem, record: &Record, seed: u64) -> Result<String, Failure> {
+    let trace = |contestant| {
+        problem
+            .trial(contestant, record, &Parameters::nominal(), seed)
+            .map_err(|e| Failure::input(e.to_string()))
+    };
+    let traces = [trace(Contestant::Rodeac)?, trace(Contestant::Coupled)?];
+    draw_look(record, &traces).map_err(cannot)
+}
+
+/// Half of the closer look, s.
+const HALF_LOOK_S: f64 = 1.5;
+
+fn draw_look(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
+    let reference = &record.reference().numerical;
+    let peak = (0..reference.len())
+        .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
+        .unwrap_or(0);
+    let half = (HALF_LOOK_S * RATE_HZ) as usize;
+    let whole = reference
+        .len()
+        .min(rodeac.target_m.len())
+        .min(coupled.target_m.len());
+    let look = peak.saturating_sub(half).min(whole)..(peak + half).min(whole);
+    let over = |value: &dyn Fn(usize) -> f64| {
+        history(look.len(), |k| {
+            let i = look.start + k;
+            (i as f64 / RATE_HZ, value(i) * 1e3)
+        })
+    };
+    let mut html = String::new();
+    for (axis, label) in ["x [mm]", "rotation [mrad]"].into_iter().enumerate() {
+        let curves = [
+            Curve::new(IDEAL, over(&|i| reference[i][axis]))
+                .named("reference structure")
+                .broad(),
+            Curve::new(WRONG, over(&|i| rodeac.numerical[i][axis])).named("rodeac"),
+            Curve::new(TESTED, over(&|i| coupled.numerical[i][axis])).named("coupled"),
+        ];
+        html += &time_plot(
+            WIDE,
+            label,
+            &curves,
+            "Three seconds around the largest displacement of the interface. What both are off by is the declared physical \
+             part: see below.",
+        )?;
+    }
+    html += "<div class=\"pair\">";
+    for (actuator, caption) in [
+        "Actuator 1: true stroke less target.",
+        "Actuator 2: true stroke less target.",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let error = |trace: &Trace| {
+            over(&|i| 1e3 * (trace.stroke_m[i][actuator] - trace.target_m[i][actuator]))
+        };
+        let curves = [
+            Curve::new(GROUND, over(&|_| 0.0)),
+            Curve::new(WRONG, error(rodeac)).named("rodeac"),
+            Curve::new(TESTED, error(coupled)).named("coupled"),
+        ];
+        let svg = plot::plot(HALF, "time of the model [s]", "error [um]", &curves)?;
+        html += &figure(&svg, caption);
+    }
+    Ok(html + "</div>")
+}
+
+fn declared_part(parts: &[DeclaredPart<'_>]) -> String {
+    let mut html = String::from(
+        "<h2>What J7 hides</h2><p>A tracker without error or delay still has the J7 of the first row: what is subtracted as \
+         physical is not the frame that answers. Least squares of the loop's own record, with its noise, find what \
+         does.</p>",
+    );
+    for (record, found, floors) in parts {
+        let (k, m) = (&found.stiffness, &found.mass);
+        let _ = write!(
+            html,
+            "<h3>{}</h3><p>Found: stiffness {:.3}, {:.3}, {:.3} (MN/m, MN, MN m), mass {:.1} kg. Declared: 4.916, -1.561, \
+             1.259; 902.5 kg.</p>",
+            escape(&record.name),
+            k[(0, 0)] * 1e-6,
+            k[(0, 1)] * 1e-6,
+            k[(1, 1)] * 1e-6,
+            m[(0, 0)]
+        );
+        let rows = floors
+            .iter()
+            .map(|f| vec![f.subtracted.to_owned(), both(f.j7)]);
+        html += &table(
+            &["subtracted as physical", "J7 of a tracker without error"],
+            rows,
+        );
+    }
+    html
+}
