@@ -37,7 +37,11 @@ impl Server {
             .unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
-        said.read_line(&mut line).unwrap();
+        // A board that has to be built first says so before.
+        while !line.contains("outerloop: serves") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "it never serves");
+        }
         let address = line.split(" at ").nth(1).expect(&line);
         let address = address.split(';').next().unwrap().to_owned();
         // What else it says must not fill its pipe.
@@ -159,6 +163,51 @@ fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_secon
     assert!(account["tracking_max_m"].as_f64().unwrap() < 1e-7);
 }
 
+type Mischief = fn(&mut Client);
+
+/// What a client may do, what becomes of it, and what is said.
+const MISCHIEF: [(&str, &str, Mischief); 9] = [
+    ("lost", "closed the connection", |c| {
+        let _ = c.0.shutdown(std::net::Shutdown::Both);
+    }),
+    ("lost", "bytes into a message", |c| {
+        let _ = c.0.write_all(&[0; 100]);
+        let _ = c.0.shutdown(std::net::Shutdown::Both);
+    }),
+    ("lost", "said nothing for 0.", |c| {
+        assert_eq!(c.hear(), None)
+    }),
+    ("lost", "100 bytes into a message", |c| {
+        let _ = c.0.write_all(&[0; 100]);
+        assert_eq!(c.hear(), None);
+    }),
+    ("refused", "displacement 1 = NaN", |c| {
+        assert!(c.step(f64::NAN, 0.1).unwrap().is_nan());
+    }),
+    ("refused", "displacement 1 = 1000000000 at 0.1 s", |c| {
+        assert!(c.step(1e9, 0.1).unwrap().is_nan());
+    }),
+    ("refused", "the time inf", |c| {
+        assert!(c.step(0.0, f64::INFINITY).unwrap().is_nan());
+    }),
+    ("refused", "asks for action 0.25", |c| {
+        // NaN until it leaves, or the end: OpenSees itself never notices a closed connection.
+        assert!(c.ask(0.25).is_none_or(f64::is_nan));
+    }),
+    (
+        "refused",
+        "in the same step: an integrator that iterates",
+        |c| {
+            c.say(&[3.0, 0.001, 0.0, 0.0, 0.1]);
+            assert!(c.ask(10.0).is_some());
+            c.say(&[3.0, 0.001, 0.5, 0.5, 0.1]);
+            assert!(c.ask(10.0).is_some(), "another velocity is no other target");
+            c.say(&[3.0, 0.002, 0.0, 0.0, 0.1]);
+            assert!(c.ask(10.0).is_none_or(f64::is_nan));
+        },
+    ),
+];
+
 #[test]
 fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_served() {
     let folder = tempfile::tempdir().unwrap();
@@ -169,49 +218,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         "--set",
         "serve.patience_s=0.4",
     ]);
-    type Mischief = fn(&mut Client);
-    let cases: [(&str, &str, Mischief); 9] = [
-        ("lost", "closed the connection", |c| {
-            let _ = c.0.shutdown(std::net::Shutdown::Both);
-        }),
-        ("lost", "bytes into a message", |c| {
-            let _ = c.0.write_all(&[0; 100]);
-            let _ = c.0.shutdown(std::net::Shutdown::Both);
-        }),
-        ("lost", "said nothing for 0.", |c| {
-            assert_eq!(c.hear(), None)
-        }),
-        ("lost", "100 bytes into a message", |c| {
-            let _ = c.0.write_all(&[0; 100]);
-            assert_eq!(c.hear(), None);
-        }),
-        ("refused", "displacement 1 = NaN", |c| {
-            assert!(c.step(f64::NAN, 0.1).unwrap().is_nan());
-        }),
-        ("refused", "displacement 1 = 1000000000 at 0.1 s", |c| {
-            assert!(c.step(1e9, 0.1).unwrap().is_nan());
-        }),
-        ("refused", "the time inf", |c| {
-            assert!(c.step(0.0, f64::INFINITY).unwrap().is_nan());
-        }),
-        ("refused", "asks for action 0.25", |c| {
-            // NaN until it leaves, or the end: OpenSees itself never notices a closed connection.
-            assert!(c.ask(0.25).is_none_or(f64::is_nan));
-        }),
-        (
-            "refused",
-            "in the same step: an integrator that iterates",
-            |c| {
-                c.say(&[3.0, 0.001, 0.0, 0.0, 0.1]);
-                assert!(c.ask(10.0).is_some());
-                c.say(&[3.0, 0.001, 0.5, 0.5, 0.1]);
-                assert!(c.ask(10.0).is_some(), "another velocity is no other target");
-                c.say(&[3.0, 0.002, 0.0, 0.0, 0.1]);
-                assert!(c.ask(10.0).is_none_or(f64::is_nan));
-            },
-        ),
-    ];
-    for (number, (verdict, reason, mischief)) in cases.into_iter().enumerate() {
+    for (number, (verdict, reason, mischief)) in MISCHIEF.into_iter().enumerate() {
         let mut client = server.client();
         for i in 1..=20 {
             let u = 1e-3 * f64::from(i % 7);
@@ -400,5 +407,79 @@ fn a_test_that_cannot_be_served_is_refused_in_one_sentence() {
             .unwrap();
         assert_eq!(out.status.code(), Some(2));
         assert!(String::from_utf8_lossy(&out.stderr).contains(reason));
+    }
+}
+
+/// The same on the flashed image: PERMIT is low after whatever a client does, nothing is lost, and the next one is served.
+#[test]
+#[ignore = "needs the image and the emulator, which scripts/emu-test builds"]
+fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("kept");
+    let mut server = Server::start(&[
+        "--emulated",
+        "--out",
+        out.to_str().unwrap(),
+        "--set",
+        "serve.patience_s=2",
+        "--set",
+        "limits.displacement_m=0.02",
+        "--set",
+        "limits.force_n=5000",
+    ]);
+    // The client dies, half a message comes, nothing comes, NaN, 1e9.
+    let chosen = [0, 1, 2, 4, 5];
+    for (number, (verdict, reason, mischief)) in chosen.map(|i| MISCHIEF[i]).into_iter().enumerate()
+    {
+        let reason = reason.trim_end_matches(" 0.");
+        let mut client = server.client();
+        for i in 1..=5 {
+            let u = 1e-3 * f64::from(i);
+            let force = client.step(u, 1e-3 * f64::from(i)).unwrap();
+            // Codes of 12 bits over twice the range.
+            assert!((force - STIFFNESS * u).abs() < 20.0, "{force} at {u}");
+        }
+        mischief(&mut client);
+        let account = server.account();
+        let said = account["reason"].as_str().unwrap_or_default();
+        assert_eq!(account["verdict"], verdict, "{account}");
+        assert!(said.contains(reason), "{reason}: {said}");
+        assert_eq!(account["permit"], false, "{reason}");
+        let board = &account["board"];
+        assert_eq!(
+            (&board["steps_lost"], &board["steps_different"]),
+            (&0.into(), &0.into())
+        );
+        let kept = match number {
+            0 => out.clone(),
+            n => folder.path().join(format!("kept-{}", n + 1)),
+        };
+        let record = std::fs::read_to_string(kept.join("record.csv")).unwrap();
+        let steps = account["steps"].as_u64().unwrap() as usize;
+        assert_eq!(record.lines().count(), steps + 1, "nothing is lost");
+    }
+}
+
+#[test]
+#[ignore = "needs the image and the emulator, which scripts/emu-test builds"]
+fn a_specimen_behind_the_emulated_board_that_passes_its_force_limit_trips_it() {
+    let mut server = Server::start(&[
+        "--emulated",
+        "--set",
+        "limits.displacement_m=0.02",
+        "--set",
+        "limits.force_n=1000",
+    ]);
+    for _ in 0..2 {
+        let mut client = server.client();
+        assert!(client.step(0.005, 0.1).is_some());
+        assert!(client.step(0.01, 0.2).unwrap().is_nan());
+        client.say(&[99.0]);
+        let account = server.account();
+        assert_eq!(
+            (&account["verdict"], &account["trip"]),
+            (&"tripped".into(), &"force".into())
+        );
+        assert_eq!(account["permit"], false);
     }
 }

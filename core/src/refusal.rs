@@ -32,6 +32,13 @@ impl fmt::Display for Refusal {
                 "{} is refused: accepted are {}",
                 self.name, self.accepted
             )
+        } else if self.value.abs() >= 1e15 {
+            // Nobody counts zeros.
+            write!(
+                f,
+                "{} = {:e} is refused: accepted are {}",
+                self.name, self.value, self.accepted
+            )
         } else {
             write!(
                 f,

@@ -2,6 +2,7 @@
 
 use crate::channel::Calibration;
 use heapless::Vec;
+use outerloop_core::outer_loop::Pace;
 use outerloop_core::{Config, Event};
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +59,11 @@ pub enum Command {
     Event(Event),
     /// The loop's record of one of the last steps before a fault, 0 the oldest.
     History(u8),
+    /// Where the next test's targets come from, while idle: from the PC, one by one, or from the loop's own integration.
+    /// A new test integrates by itself.
+    Pace(Option<Pace>),
+    /// The next target from the PC, m: where the actuator is to go. One that has not been gone to yet is replaced.
+    Target(f32),
 }
 
 /// A channel of the board.

@@ -59,6 +59,7 @@ mod tests {
     use outerloop_core::config::{
         Config, Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig,
     };
+    use outerloop_core::outer_loop::Pace;
     use outerloop_core::supervise::Trip;
     use outerloop_core::{Event, Fault, State};
     use proptest::prelude::*;
@@ -159,6 +160,9 @@ mod tests {
                 to_hz: 20.0
             })),
             Command::History(15),
+            Command::Pace(None),
+            Command::Pace(Some(Pace::Continuous)),
+            Command::Target(f32::MIN),
         ];
         commands.extend(Event::ALL.map(Command::Event));
         let longest = commands.iter().map(there_and_back).max();

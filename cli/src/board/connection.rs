@@ -63,6 +63,9 @@ pub struct Connection<P> {
     steps_since_sign: u32,
 }
 
+/// A connection to a board, whatever the bytes go over.
+pub type BoardConnection = Connection<Box<dyn Port>>;
+
 impl<P: Port> Connection<P> {
     /// Over `port`. Nothing is sent yet.
     pub fn new(port: P, patience: Patience) -> Self {
@@ -143,6 +146,15 @@ impl<P: Port> Connection<P> {
             }
         }
         Ok(self.steps.pop_front())
+    }
+
+    /// The steps that have come by now; waits some milliseconds where none has.
+    ///
+    /// # Errors
+    /// The link is gone.
+    pub fn steps(&mut self) -> Result<Vec<(u32, StepReport)>, Failure> {
+        let first = self.step()?;
+        Ok(first.into_iter().chain(self.steps.drain(..)).collect())
     }
 
     /// Throws away the telemetry that has come.

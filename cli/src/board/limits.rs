@@ -87,6 +87,18 @@ impl Plan {
         }
     }
 
+    /// Of a test whose motion a model outside decides: as far and as fast as its limits allow.
+    pub fn of_served(test: &TestFile) -> Self {
+        let limits = &test.config.limits;
+        let approach_m_per_s = test.config.timing.approach_m_per_s;
+        let fastest = limits.velocity_m_per_s.map(|v| v / VELOCITY_MARGIN);
+        Self::with(
+            test,
+            limits.displacement_m.unwrap_or(0.0) / MARGIN,
+            fastest.unwrap_or(approach_m_per_s),
+        )
+    }
+
     /// Largest displacement and force that the sensors may have to show: half as much again as planned, and the noise.
     pub fn noisy_peaks(&self) -> (f64, f64) {
         (

@@ -7,6 +7,7 @@
 use link::channel::ErrorFeedback;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
+use outerloop_core::outer_loop::Pace;
 use outerloop_core::record::flag;
 use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State};
 use std::collections::VecDeque;
@@ -20,6 +21,13 @@ pub struct Seen {
     pub different: u64,
     /// Steps missing before others.
     pub missing: u64,
+}
+
+/// What the board was told.
+#[derive(Clone, Copy, Debug)]
+enum Told {
+    Event(Event),
+    Target(f32),
 }
 
 /// The loop on the PC.
@@ -39,7 +47,7 @@ pub struct Mirror<'a, const N: usize> {
     steps: u32,
     since_solved: u32,
     substeps: u32,
-    events: VecDeque<(u32, Event)>,
+    told: VecDeque<(u32, Told)>,
     /// The step that waits for its successor, which says whether it tripped.
     waiting: Option<(u32, StepReport)>,
     seen: Seen,
@@ -68,7 +76,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             steps: 0,
             since_solved: 0,
             substeps: substeps.max(1),
-            events: VecDeque::new(),
+            told: VecDeque::new(),
             waiting: None,
             seen: Seen::default(),
         }
@@ -76,12 +84,27 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// The board took `event`; step `tick` is the first with it.
     pub fn event(&mut self, tick: u32, event: Event) {
-        self.events.push_back((tick, event));
+        self.told.push_back((tick, Told::Event(event)));
+    }
+
+    /// The board takes its targets from the PC.
+    pub fn take_targets(&mut self, pace: Pace) {
+        self.outer.set_pace(Some(pace));
+    }
+
+    /// The board took a target for its first axis, m; step `tick` is the first with it.
+    pub fn target(&mut self, tick: u32, target_m: f32) {
+        self.told.push_back((tick, Told::Target(target_m)));
+    }
+
+    /// The force that the last target is answered with, N, if every step until now is proven.
+    pub fn answer_n(&self) -> Option<&[f32; N]> {
+        self.in_step.then(|| self.outer.answer_n())
     }
 
     /// The board has shown the step at which it was armed.
     pub fn has_armed(&self) -> bool {
-        self.events.is_empty()
+        self.told.is_empty()
     }
 
     /// What has been seen.
@@ -124,12 +147,18 @@ impl<'a, const N: usize> Mirror<'a, N> {
             self.since_solved.saturating_add(1)
         };
         self.next = tick.wrapping_add(1);
-        while let Some((_, event)) = self
-            .events
+        while let Some((_, told)) = self
+            .told
             .pop_front_if(|(at, _)| tick.wrapping_sub(*at) < u32::MAX / 2)
         {
-            // The board took it; if the loop here does not, the digests will say so.
-            let _ = self.outer.handle(event);
+            match told {
+                // The board took it; if the loop here does not, the digests will say so.
+                Told::Event(event) => drop(self.outer.handle(event)),
+                Told::Target(target_m) => {
+                    let first = |axis| if axis == 0 { target_m } else { 0.0 };
+                    self.outer.set_next_target(std::array::from_fn(first));
+                }
+            }
         }
         // The board's own button: nothing else tells of it.
         let own = match (report.state(), self.outer.state()) {

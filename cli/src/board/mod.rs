@@ -4,6 +4,8 @@
 //!  port         bytes: a serial port, or the pipes of an emulator
 //!  connection   commands and their answers, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
+//!  setup        a board before a test: idle, calibrated, with limits that can act
+//!  in_force     a test in force: events, targets, every step, the end
 //!  bench        a whole test: configure, load, arm, start, receive
 //!  further      what a board records beside displacement and force
 //!  image        the images that can be flashed
@@ -23,23 +25,28 @@ mod course;
 pub mod emulated;
 mod further;
 mod image;
+mod in_force;
 pub mod limits;
 mod mirror;
 pub mod operator;
 mod orders;
 mod played;
 mod port;
+mod setup;
 mod wording;
 
 pub use bench::BoardBench;
 pub use commission::commission;
-pub use connection::{Connection, Patience};
+pub use connection::{BoardConnection, Connection, Patience};
 pub use course::Course;
 pub use further::Further;
 pub use image::Image;
+pub use in_force::InForce;
 pub use mirror::{Mirror, Seen};
 pub use operator::Operator;
+pub(crate) use orders::done;
 pub use orders::{calibrate, clear, identify, save, status, zero};
 pub use played::Played;
 pub use port::{Port, Serial};
+pub(crate) use setup::ready;
 pub use wording::{describe, describe_words};

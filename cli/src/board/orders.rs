@@ -109,7 +109,7 @@ pub(super) fn event<P: Port>(board: &mut Connection<P>, event: Event) -> Result<
 ///
 /// # Errors
 /// As [`Connection::ask`]; a command that is refused.
-pub(super) fn done<P: Port>(
+pub(crate) fn done<P: Port>(
     board: &mut Connection<P>,
     what: &str,
     command: &Command,

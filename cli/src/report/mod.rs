@@ -8,10 +8,12 @@ mod next;
 mod plot;
 mod rths;
 mod scale;
+mod served;
 
 pub use comparison::{of_compare, of_comparison};
 pub use marths::of_marths;
 pub use rths::of_rths;
+pub use served::{Session, of_served};
 
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
@@ -343,6 +345,9 @@ fn origin(p: &Provenance) -> String {
     line("operator", &format!("{} on {}", p.operator, p.machine));
     line("command", &p.command);
     line("in", &p.folder);
+    if let Some(seed) = p.seed {
+        line("seed", &seed.to_string());
+    }
     for file in &p.files {
         line(&escape(&file.file), &format!("SHA-256 {}", file.sha256));
     }

@@ -134,13 +134,18 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// In a few plain sentences.
-    pub fn sentences(&self) -> String {
-        let mut text = match (&self.verdict, &self.reason) {
+    /// How it ended, in a sentence.
+    pub fn ending(&self) -> String {
+        match (&self.verdict, &self.reason) {
             (Verdict::Completed, _) => format!("{}: completed.", self.client),
             (_, Some(why)) => format!("{}: {why}.", self.client),
             (verdict, None) => format!("{}: {verdict:?}.", self.client),
-        };
+        }
+    }
+
+    /// In a few plain sentences.
+    pub fn sentences(&self) -> String {
+        let mut text = self.ending();
         if self.targets == 0 {
             return text + " The rig has not moved.";
         }

@@ -11,16 +11,23 @@
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
 //! | `mover` | what a session wants from a rig |
+//! | `rig` | what a rig is, control step by control step |
+//! | `travel` | from target to target: stop and go, or continuously |
 //! | `simulated` | the rig in this process |
+//! | `boarded` | the rig behind a board, emulated or real |
 //! | `ledger` | what a session leaves behind: figures, words, JSON |
 
+mod boarded;
 mod ledger;
 mod mover;
+mod rig;
 mod session;
 pub mod settings;
 mod simulated;
+mod travel;
 pub mod wire;
 
+pub use boarded::boarded;
 pub use ledger::{Ledger, Summary, Verdict};
 pub use mover::{Mover, Reached, Stop};
 pub use session::{Element, Served, serve_client};

@@ -3,14 +3,14 @@
 use super::ledger::{Ledger, Summary, Verdict};
 use super::mover::{Mover, Reached, Stop};
 use super::settings::Settings;
-use super::simulated::shear_frame;
+use super::travel::shear_frame;
 use super::wire::{Action, Gone, Trial, Wire};
+use crate::board::operator::stop_is_asked;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use outerloop_core::outer_loop::Pace;
 use std::fmt;
 use std::net::TcpStream;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Share of the stroke within which two displacements of a step are one.
@@ -118,7 +118,6 @@ impl fmt::Display for Stop {
 struct Session<'a> {
     element: &'a Element,
     rig: &'a mut dyn Mover,
-    stopped: &'a AtomicBool,
     /// What the model last wanted to try.
     trial: Option<Trial>,
     /// Where the rig was last sent, and what it answered; `None` before the first.
@@ -160,20 +159,15 @@ impl Served {
 }
 
 /// Serves one client with `rig` and gives the permission to move back, whatever happens.
-///
-/// # Errors
-/// A rig that cannot be armed, or of which it cannot be said that it stands.
 pub fn serve_client(
     stream: TcpStream,
     client: &str,
     element: &Element,
     rig: &mut dyn Mover,
-    stopped: &AtomicBool,
-) -> Result<Served, Failure> {
+) -> Served {
     let mut session = Session {
         element,
         rig,
-        stopped,
         trial: None,
         last: None,
         committed: true,
@@ -184,20 +178,22 @@ pub fn serve_client(
     let (end, wire) = session.talk(stream);
     let ended = session.rig.end();
     let listens = !matches!(end, End::Completed | End::Client(_) | End::Nonsense(_));
-    let summary = session.summary(client, end);
     // A rig that could not be ended is worse than whatever came before.
-    ended?;
-    Ok(Served {
-        summary,
+    let end = match ended {
+        Err(why) => Stop::Lost(why.to_string()).into(),
+        Ok(()) => end,
+    };
+    Served {
+        summary: session.summary(client, end),
         wire: wire.filter(|_| listens),
-    })
+    }
 }
 
 impl Session<'_> {
     fn talk(&mut self, stream: TcpStream) -> (End, Option<Wire>) {
         let patience_s = self.element.settings.patience_s;
-        let stopped = self.stopped;
-        let watch = || operator(stopped);
+        let rig = &mut *self.rig;
+        let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
         match Wire::open(stream, self.element.storeys, patience_s, watch) {
             Ok(mut wire) => {
                 let end = self.converse(&mut wire).err().unwrap_or(End::Completed);
@@ -209,7 +205,7 @@ impl Session<'_> {
 
     fn converse(&mut self, wire: &mut Wire) -> Result<(), End> {
         loop {
-            operator(self.stopped)?;
+            operator()?;
             let Some(message) = wire.hear()? else {
                 self.rig.meanwhile()?;
                 continue;
@@ -306,7 +302,7 @@ impl Session<'_> {
             }
         } else {
             self.first = Some(Instant::now());
-            self.rig.begin().map_err(|e| Stop::Lost(e.to_string()))?;
+            self.rig.begin().map_err(|e| End::Refused(e.to_string()))?;
             wire.glance(self.rig.needs_care())?;
             self.go_to(trial)?;
         }
@@ -396,8 +392,8 @@ impl Session<'_> {
 }
 
 /// Whether the operator has stopped it.
-fn operator(stopped: &AtomicBool) -> Result<(), End> {
-    if stopped.load(Ordering::Relaxed) {
+fn operator() -> Result<(), End> {
+    if stop_is_asked() {
         return Err(Stop::Operator.into());
     }
     Ok(())

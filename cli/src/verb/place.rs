@@ -4,7 +4,8 @@ use crate::bench;
 use crate::board::emulated::{self, Emulated, Laboratory};
 use crate::board::limits::Plan;
 use crate::board::{
-    BoardBench, Connection, Course, Operator, Patience, Played, Port, Serial, calibrate, commission,
+    BoardBench, BoardConnection, Connection, Course, Operator, Patience, Played, Port, Serial,
+    calibrate, commission,
 };
 use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
@@ -43,7 +44,7 @@ pub enum Where {
 }
 
 /// A board and who is asked before it moves.
-type Board = (Connection<Box<dyn Port>>, Operator);
+pub type Board = (BoardConnection, Operator);
 
 impl Place {
     /// A simulated or emulated rig; of a board the port is not known.
@@ -75,7 +76,15 @@ impl Place {
     }
 
     /// A connection to the board, and who is asked before it moves; `None` for the simulated rig.
-    fn connect(&self, test: &TestFile, plan: &Plan, seed: u64) -> Result<Option<Board>, Failure> {
+    ///
+    /// # Errors
+    /// A port that cannot be opened; a test that the image cannot run; nobody at the keyboard.
+    pub fn connect(
+        &self,
+        test: &TestFile,
+        plan: &Plan,
+        seed: u64,
+    ) -> Result<Option<Board>, Failure> {
         if let Some(device) = &self.port {
             let operator = if self.yes {
                 Operator::nobody()

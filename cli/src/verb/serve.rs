@@ -1,15 +1,19 @@
 //! `outerloop serve`: the rig as an element of somebody else's model.
 
 use super::json;
+use super::place::{Place, Where};
+use crate::board::limits::Plan;
+use crate::board::operator::{catch_ctrl_c, stop_is_asked};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::files::{output, record_csv};
+use crate::provenance::Told;
+use crate::report::{self, Session};
 use crate::scope::Scoped;
-use crate::serve::{Element, Summary, Verdict, serve_client, simulated};
+use crate::serve::{Element, Mover, Summary, Verdict, boarded, serve_client, simulated};
+use crate::trace::Trace;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The rig as an element of a finite-element model: OpenSees' genericClient
@@ -29,12 +33,15 @@ pub struct Serve {
     /// Serve one client, then end: with exit status 1 if it did not come to its end
     #[arg(long)]
     once: bool,
-    /// Write record.csv and summary.json there; of the second client on in folders of their own, DIR-2 and so on
+    /// Write report.html, record.csv and summary.json there; of the second client on in folders of their own, DIR-2 and so
+    /// on
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// One JSON object a client on standard output, a line each, and nothing else
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    place: Place,
     #[command(flatten)]
     scope: Scoped,
 }
@@ -54,7 +61,17 @@ impl Serve {
         let title = format!("serves {}", self.test.display());
         let rate_hz = test.config.timing.rate_hz;
         let scope = self.scope.open(&title, rate_hz, false)?;
-        let mut rig = simulated(&test, self.seed, self.out.is_some(), scope)?;
+        let keep = self.out.is_some();
+        let connected = self
+            .place
+            .connect(&test, &Plan::of_served(&test), self.seed)?;
+        let mut rig = match connected {
+            None => simulated(&test, self.seed, keep, scope)?,
+            Some((connection, operator)) => {
+                let real = self.place.kind() == Where::Board;
+                boarded(&test, connection, operator, real, keep, scope)?
+            }
+        };
         let listener = TcpListener::bind(self.listen).map_err(|e| {
             Failure::input(format!(
                 "--listen {}: cannot be listened at ({e}): accepted is an address of this machine with a free port",
@@ -68,13 +85,13 @@ impl Serve {
             "outerloop: serves {} at {address}; Ctrl-C ends it",
             self.test.display()
         );
-        let stopped = stopped_by_operator()?;
+        catch_ctrl_c();
         let mut clients = 0;
-        while !stopped.load(Ordering::Relaxed) {
+        while !stop_is_asked() {
             let (stream, client) = match listener.accept() {
                 Ok(accepted) => accepted,
                 Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {
-                    std::thread::sleep(LOOK);
+                    wait(rig.as_mut())?;
                     continue;
                 }
                 Err(e) => return Err(cannot(e)),
@@ -82,8 +99,8 @@ impl Serve {
             stream.set_nonblocking(false).map_err(cannot)?;
             clients += 1;
             let client = client.to_string();
-            let served = serve_client(stream, &client, &element, rig.as_mut(), &stopped)?;
-            self.keep(&served.summary, rig.take_trace().as_ref(), clients)?;
+            let served = serve_client(stream, &client, &element, rig.as_mut());
+            self.keep(&test, &served.summary, rig.take_trace().as_ref(), clients)?;
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
             served.dismiss();
             if self.once || verdict == Verdict::RigLost {
@@ -99,8 +116,9 @@ impl Serve {
     /// Keeps what a client left, then tells of it.
     fn keep(
         &self,
+        test: &TestFile,
         summary: &Summary,
-        trace: Option<&crate::trace::Trace>,
+        trace: Option<&Trace>,
         number: usize,
     ) -> Result<(), Failure> {
         if let (Some(folder), Some(trace)) = (&self.out, trace) {
@@ -108,16 +126,22 @@ impl Serve {
             if number > 1 {
                 folder.push(format!("-{number}"));
             }
+            let report = report::of_served(&Session {
+                test,
+                summary,
+                trace,
+            })?;
             output::write_all(
                 &PathBuf::from(folder),
                 &[
+                    ("report.html", report),
                     ("record.csv", record_csv::to_csv(trace)),
-                    ("summary.json", json(summary)?),
+                    ("summary.json", json(&Told::seeded(summary, self.seed))?),
                 ],
             )?;
         }
         if self.json {
-            let line = serde_json::to_string(summary)
+            let line = serde_json::to_string(&Told::seeded(summary, self.seed))
                 .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;
             println!("{line}");
         } else {
@@ -127,11 +151,12 @@ impl Serve {
     }
 }
 
-/// Set by Ctrl-C.
-fn stopped_by_operator() -> Result<Arc<AtomicBool>, Failure> {
-    let stopped = Arc::new(AtomicBool::new(false));
-    let set = stopped.clone();
-    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))
-        .map_err(|e| Failure::test(format!("Ctrl-C cannot be listened to: {e}")))?;
-    Ok(stopped)
+/// Looks after the rig for a while, and whether somebody wants something.
+fn wait(rig: &mut dyn Mover) -> Result<(), Failure> {
+    let began = std::time::Instant::now();
+    rig.meanwhile().map_err(|e| Failure::test(e.to_string()))?;
+    if !rig.needs_care() {
+        std::thread::sleep(LOOK.saturating_sub(began.elapsed()));
+    }
+    Ok(())
 }

@@ -53,7 +53,7 @@ impl<const N: usize> OuterLoop<N> {
     /// Stop and go: a target is waiting, and the rig stands at the last one. Its force counts when the next leads away
     /// from it; the rig has stood until then.
     fn leaves_target(&self) -> bool {
-        self.next_target_m.is_some() && self.sent_m == self.newmark.displacement_m()
+        self.next_target_m.is_some() && self.target_m == self.newmark.displacement_m()
     }
 
     /// A step of a running test whose targets come from outside, after what was reached has been answered.

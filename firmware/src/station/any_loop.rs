@@ -1,5 +1,6 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
+use outerloop_core::outer_loop::Pace;
 use outerloop_core::record::flag;
 use outerloop_core::supervise::{Rejected, Trip};
 use outerloop_core::{Config, Design, Event, GroundMotion, OuterLoop, Refusal, Sample, State};
@@ -87,6 +88,16 @@ impl AnyLoop {
         each_loop!(self, outer => outer.handle(event))
     }
 
+    /// Takes the targets of the next test from the PC, or from the loop's own integration.
+    pub fn set_pace(&mut self, pace: Option<Pace>) {
+        each_loop!(self, outer => outer.set_pace(pace));
+    }
+
+    /// The next target of the first axis from the PC, m.
+    pub fn set_next_target(&mut self, target_m: f32) {
+        each_loop!(self, outer => outer.set_next_target(on_first_axis(target_m)));
+    }
+
     /// Where the test stands.
     pub fn state(&self) -> State {
         each_loop!(self, outer => outer.state())
@@ -112,6 +123,12 @@ impl AnyLoop {
     pub fn rehearse(&mut self, now: fn() -> u32) -> u32 {
         each_loop!(self, outer => rehearse(outer, now))
     }
+}
+
+/// The actuator stands at the first floor; the others are calculated.
+#[inline]
+pub(super) fn on_first_axis<const N: usize>(first: f32) -> [f32; N] {
+    core::array::from_fn(|axis| if axis == 0 { first } else { 0.0 })
 }
 
 fn too_many(floors: usize) -> Refusal {

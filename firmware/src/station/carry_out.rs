@@ -24,12 +24,19 @@ impl Station {
                 });
                 Ok(Returned::Record(words))
             }
+            Order::Target(target_m) => {
+                // Without effect where the loop integrates by itself; what is no number never moves anything.
+                if target_m.is_finite() {
+                    self.setup.outer.set_next_target(target_m);
+                }
+                Ok(Returned::Nothing)
+            }
             Order::Vitals => Ok(Returned::Vitals(self.vitals())),
             order if !idle => Err(Refused::NotIdle(Some(order))),
             Order::Exchange(setup) => {
                 let old = core::mem::replace(&mut self.setup, setup);
                 hardware.set_period(self.setup.period_ticks);
-                self.signal = None;
+                (self.signal, self.told) = (None, false);
                 self.spacing = Spacing::new();
                 Ok(Returned::Setup(old, self.motion.take()))
             }
@@ -41,6 +48,11 @@ impl Station {
             Order::Signal(signal) => {
                 self.points_are_commands |= signal.is_some_and(|s| s.plays_points());
                 self.signal = signal;
+                Ok(Returned::Nothing)
+            }
+            Order::Pace(pace) => {
+                self.told = pace.is_some();
+                self.setup.outer.set_pace(pace);
                 Ok(Returned::Nothing)
             }
             Order::Calibrate(calibration) => {
@@ -56,7 +68,7 @@ impl Station {
             return Err(Refused::NotConfigured);
         }
         let shaken = self.motion.is_some() && !self.points_are_commands;
-        let something = shaken || self.signal.is_some();
+        let something = shaken || self.signal.is_some() || self.told;
         if event == Event::Arm && !something {
             return Err(Refused::NothingToRun);
         }

@@ -6,6 +6,7 @@ use crate::station::commission::Generator;
 use link::channel::Calibration;
 use link::reply::MAX_RECORD;
 use link::status::Timing;
+use outerloop_core::outer_loop::Pace;
 use outerloop_core::supervise::{Rejected, Trip};
 use outerloop_core::{Event, State};
 
@@ -23,6 +24,10 @@ pub enum Order {
     Signal(Option<Generator>),
     /// Other lines for the channels; while idle.
     Calibrate(Calibration),
+    /// Where the targets come from; while idle.
+    Pace(Option<Pace>),
+    /// The next target from the PC, m.
+    Target(f32),
     /// A record of the steps before a fault.
     History(u8),
     /// How are you.

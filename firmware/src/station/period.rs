@@ -1,6 +1,6 @@
 //! The control period: what the control interrupt does, without its registers.
 
-use super::any_loop::each_loop;
+use super::any_loop::{each_loop, on_first_axis};
 use super::chain::ChainWatch;
 use super::evidence::{Evidence, Sign};
 use super::motion::Loaded;
@@ -30,6 +30,8 @@ pub struct Station {
     pub(super) signal: Option<Generator>,
     /// The points in the memory are a commissioning signal's, and no ground motion.
     pub(super) points_are_commands: bool,
+    /// The targets come from the PC.
+    pub(super) told: bool,
     pub(super) calibration: Calibration,
     pub(super) output: Output,
     pub(super) tick: u32,
@@ -89,6 +91,7 @@ impl Station {
             motion: None,
             signal: None,
             points_are_commands: false,
+            told: false,
             calibration,
             output: Output::new(),
             tick: 0,
@@ -287,9 +290,4 @@ fn on_first_floor<const N: usize>(sample: Sample<1>) -> Sample<N> {
     );
     (all.fresh, all.fault) = (sample.fresh, sample.fault);
     all
-}
-
-#[inline]
-fn on_first_axis<const N: usize>(first: f32) -> [f32; N] {
-    core::array::from_fn(|axis| if axis == 0 { first } else { 0.0 })
 }

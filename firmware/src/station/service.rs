@@ -175,6 +175,8 @@ impl Service {
             Command::Event(Event::Arm) => self.arm(),
             Command::Event(event) => self.order(Order::Event(event), Pending::Done),
             Command::History(index) => self.order(Order::History(index), Pending::Done),
+            Command::Pace(pace) => self.order(Order::Pace(pace), Pending::Done),
+            Command::Target(target_m) => self.target(target_m),
         }
     }
 
@@ -441,6 +443,14 @@ impl Service {
         };
         line.zero_code = code - value / line.per_code;
         self.calibrate(calibration, Some((code, spread)))
+    }
+
+    fn target(&mut self, target_m: f32) -> Asked {
+        if !target_m.is_finite() {
+            let refused = RefusedParameter::new("target_m", f64::from(target_m), "finite metres");
+            return self.reply(Reply::Refused(refused));
+        }
+        self.order(Order::Target(target_m), Pending::Done)
     }
 
     fn save(&mut self) -> Asked {

@@ -6,6 +6,7 @@ use link::Calibration;
 use link::command::{Channel, Command, Shape, Signal};
 use link::frame::checksum;
 use link::reply::Reply;
+use outerloop_core::outer_loop::Pace;
 use outerloop_core::{Event, State};
 use proptest::prelude::*;
 
@@ -47,6 +48,8 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Signal(None)),
         1 => Just(Command::Signal(Some(Signal { shape: Shape::Constant, amplitude_m: 0.001, seconds: 1.0 }))),
         1 => (0_u8..20).prop_map(Command::History),
+        1 => prop_oneof![Just(None), Just(Some(Pace::StopAndGo)), Just(Some(Pace::Continuous))].prop_map(Command::Pace),
+        1 => prop_oneof![Just(0.002), Just(-1.0), Just(f32::NAN)].prop_map(Command::Target),
         3 => prop::sample::select(Event::ALL.to_vec()).prop_map(Command::Event),
     ]
 }

@@ -3,6 +3,7 @@
 
 mod any_order;
 mod common;
+mod served;
 
 use common::{Bench, bench, config, fresh, pulse};
 use firmware::sim::CODES;

@@ -1,0 +1,292 @@
+//! A test that is in force on a board: its events with the steps at which they were taken, and every step of it, worked
+//! out again on the PC. A test on a ground motion goes by it, and a rig that serves a model outside.
+
+use super::connection::Connection;
+use super::further::Further;
+use super::mirror::Mirror;
+use super::operator::{Operator, stop_is_asked};
+use super::orders::{clear, done, event, status};
+use super::port::Port;
+use crate::bench::OnBoard;
+use crate::failure::Failure;
+use link::Command;
+use link::reply::Identity;
+use link::status::Status;
+use link::telemetry::StepReport;
+use outerloop_core::{Event, Fault, Record, State};
+
+/// Steps before arming: the loop averages where the specimen stands.
+const IDLE_STEPS: u64 = 256;
+
+/// Steps for which the command has to stand after the end.
+const REST_STEPS: u32 = 40;
+
+/// A test from its configuration to its end.
+pub struct InForce<'a, const N: usize> {
+    mirror: Mirror<'a, N>,
+    since: u32,
+    state: State,
+    command_m: f32,
+    /// Steps seen since the test is in force.
+    steps: u64,
+    /// Steps lost, by the connection's count, before the test was in force.
+    lost_before: u64,
+    /// What the board records beside, while the test runs.
+    further: Option<Further>,
+}
+
+impl<'a, const N: usize> InForce<'a, N> {
+    /// Of a test that is in force on `board` from step `since` on; the board is `identity`.
+    pub fn new<P: Port>(
+        board: &Connection<P>,
+        mirror: Mirror<'a, N>,
+        since: u32,
+        identity: &Identity,
+    ) -> Self {
+        Self {
+            further: Further::of(identity),
+            lost_before: board.counted().1,
+            mirror,
+            since,
+            state: State::Idle,
+            command_m: f32::NAN,
+            steps: 0,
+        }
+    }
+
+    /// What the loop was doing in the last step.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// The loop on the PC.
+    pub fn mirror(&self) -> &Mirror<'a, N> {
+        &self.mirror
+    }
+
+    /// Sends an event.
+    ///
+    /// # Errors
+    /// A link that is gone; an event that is refused.
+    pub fn send<P: Port>(&mut self, board: &mut Connection<P>, what: Event) -> Result<(), Failure> {
+        let tick = event(board, what)?;
+        self.mirror.event(tick, what);
+        Ok(())
+    }
+
+    /// Sends the next target of the first axis, m.
+    ///
+    /// # Errors
+    /// A link that is gone; a target that is refused.
+    pub fn aim<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        target_m: f32,
+    ) -> Result<(), Failure> {
+        let tick = done(board, "target", &Command::Target(target_m))?;
+        self.mirror.target(tick, target_m);
+        Ok(())
+    }
+
+    /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse.
+    ///
+    /// # Errors
+    /// As [`InForce::send`].
+    pub fn end<P: Port>(&mut self, board: &mut Connection<P>, by: Event) -> Result<(), Failure> {
+        match self.send(board, by) {
+            Err(refused) => match status(board)?.state {
+                State::Finished | State::Tripped => Ok(()),
+                _ => Err(refused),
+            },
+            sent => sent,
+        }
+    }
+
+    /// The next step of the test that is in force, without looking at what is in it.
+    fn pass<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(u32, StepReport), Failure> {
+        loop {
+            if let Some((tick, step)) = board.step()?
+                && self.note(tick, &step)
+            {
+                return Ok((tick, step));
+            }
+        }
+    }
+
+    /// Whether a step that has come is of the test that is in force.
+    fn note(&mut self, tick: u32, step: &StepReport) -> bool {
+        let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
+        if ours {
+            self.state = step.state().unwrap_or(self.state);
+            self.command_m = step.command_m;
+            self.steps += 1;
+            if let Some(further) = self.further.as_mut().filter(|_| self.state.integrates()) {
+                further.see(tick, step);
+            }
+        }
+        ours
+    }
+
+    /// The next step of the test that is in force, and the record of the one before it.
+    ///
+    /// # Errors
+    /// A link that is gone.
+    pub fn next<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+    ) -> Result<Option<Record<N>>, Failure> {
+        let (tick, step) = self.pass(board)?;
+        Ok(self.mirror.take(tick, step))
+    }
+
+    /// The records of the steps that have come by now; waits some milliseconds where none has.
+    ///
+    /// # Errors
+    /// A link that is gone.
+    pub fn come<P: Port>(&mut self, board: &mut Connection<P>) -> Result<Vec<Record<N>>, Failure> {
+        let mut records = Vec::new();
+        for (tick, step) in board.steps()? {
+            if self.note(tick, &step) {
+                records.extend(self.mirror.take(tick, step));
+            }
+        }
+        Ok(records)
+    }
+
+    /// The record of the last step, after which none came.
+    pub fn last(&mut self) -> Option<Record<N>> {
+        self.mirror.last()
+    }
+
+    /// Idle, arming, and the way to the start position.
+    ///
+    /// # Errors
+    /// A board that does not arm, that trips on its way, or whose button has ended it.
+    pub fn arm<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        while self.steps < IDLE_STEPS {
+            self.next(board)?;
+        }
+        self.send(board, Event::Arm)?;
+        loop {
+            self.next(board)?;
+            match self.state {
+                State::Armed if self.command_m == 0.0 => return Ok(()),
+                // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
+                State::Idle if self.mirror.has_armed() => {
+                    return Err(Failure::test(
+                        "the approach to the start was ended by the board's button, and the board is idle",
+                    ));
+                }
+                State::Tripped => {
+                    let trip = status(board)?.trip;
+                    let fault = trip.map_or("an unknown fault", |t| t.fault.name());
+                    return Err(Failure::test(format!(
+                        "the board tripped on {fault} on its way to the start position: accepted is a rig that reaches zero within its limits"
+                    )));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The rig stands at the start, armed. It moves when the person says so.
+    ///
+    /// # Errors
+    /// A person who gives the test up; a board that trips.
+    pub fn wait_for_go<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        operator: &Operator,
+    ) -> Result<(), Failure> {
+        operator
+            .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
+        while !operator.agrees() {
+            if stop_is_asked() {
+                self.send(board, Event::Stop)?;
+                self.until_still(board)?;
+                return Err(Failure::test("the test was given up before its start"));
+            }
+            self.next(board)?;
+            if self.state == State::Tripped {
+                let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
+                return Err(Failure::test(format!(
+                    "the board tripped on {fault} before the start: see `outerloop board status`"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Until the command stands: the test has ended, and the deceleration ramp with it. Only then may permission go.
+    ///
+    /// # Errors
+    /// A link that is gone.
+    pub fn wait_for_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        let (mut standing, mut last_m) = (0, f32::NAN);
+        while standing < REST_STEPS && self.state == State::Finished {
+            self.pass(board)?;
+            standing = if self.command_m == last_m {
+                standing + 1
+            } else {
+                0
+            };
+            last_m = self.command_m;
+        }
+        Ok(())
+    }
+
+    /// Until the board has come to rest by itself, and is idle then.
+    ///
+    /// # Errors
+    /// A link that is gone; a board that cannot be cleared.
+    pub fn until_still<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        while !matches!(self.state, State::Idle | State::Finished | State::Tripped) {
+            self.next(board)?;
+        }
+        if self.state == State::Finished {
+            self.wait_for_rest(board)?;
+            clear(board)?;
+        }
+        Ok(())
+    }
+
+    /// Somebody who looks on wants something. What the board refuses by now does not happen, and nothing is lost.
+    ///
+    /// # Errors
+    /// As [`InForce::send`], where the event means something now.
+    pub fn ask_for<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        wish: Event,
+    ) -> Result<(), Failure> {
+        match self.send(board, wish) {
+            Err(_) if self.state.after(wish).is_err() => Ok(()),
+            sent => sent,
+        }
+    }
+
+    /// What the board has to tell beside the test, once. `link`: why the link was lost; `trip`: what it tripped on.
+    pub fn account<P: Port>(
+        &mut self,
+        board: &Connection<P>,
+        identity: &Identity,
+        vitals: Option<&Status>,
+        link: Option<String>,
+        trip: Option<Fault>,
+    ) -> OnBoard {
+        let seen = self.mirror.seen();
+        OnBoard {
+            board: identity.board.as_str().to_owned(),
+            commit: identity.commit.as_str().to_owned(),
+            steps_received: seen.proven + seen.different,
+            steps_lost: board.counted().1 - self.lost_before,
+            steps_dropped: vitals.map(|v| v.dropped_steps),
+            steps_different: seen.different,
+            timing: vitals.map(|v| v.timing),
+            clock_hz: identity.clock_hz,
+            link,
+            further: self.further.take(),
+            trip,
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A board before a test: idle, calibrated as the test wants it, with limits that can act.
+
+use super::connection::Connection;
+use super::image::{Image, converter_bits};
+use super::limits::{self, Plan};
+use super::orders::{clear, identify, status};
+use super::port::Port;
+use super::wording::describe_words;
+use crate::failure::Failure;
+use link::limits::Shown;
+use link::reply::Identity;
+use outerloop_core::{Config, State};
+
+/// Who the board is, and `config` with all limits that it asks for. `wanted`: the number that its calibration has to have,
+/// eight hexadecimal digits, and the bits of its converters.
+///
+/// # Errors
+/// A board that is silent, not idle or otherwise calibrated; limits that cannot act on it.
+pub(crate) fn ready<P: Port>(
+    board: &mut Connection<P>,
+    config: &Config,
+    plan: &Plan,
+    wanted: (Option<&str>, Option<u8>),
+) -> Result<(Identity, Config), Failure> {
+    let identity = identify(board)?;
+    make_idle(board)?;
+    check_board(wanted, &identity)?;
+    let config = with_limits(config, plan, &identity)?;
+    Ok((identity, config))
+}
+
+/// An idle board, or why it is none.
+fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
+    let now = status(board)?;
+    if let Some(said) = describe_words(now.started, now.last_words.as_ref()) {
+        eprintln!("outerloop: note: {said}");
+    }
+    match (now.state, now.trip) {
+        (State::Idle, _) => Ok(()),
+        (State::Finished, _) => clear(board),
+        (State::Tripped, Some(trip)) => Err(Failure::test(format!(
+            "the board stands tripped on {}: accepted is an idle board; look, then `outerloop board clear`",
+            trip.fault.name()
+        ))),
+        (state, _) => Err(Failure::test(format!(
+            "the board is {}: accepted is an idle board",
+            state.name()
+        ))),
+    }
+}
+
+/// The board's converters and calibration are those that the test names.
+fn check_board(
+    (calibration, bits): (Option<&str>, Option<u8>),
+    identity: &Identity,
+) -> Result<(), Failure> {
+    let own = converter_bits(&identity.codes);
+    if let Some(wanted) = bits.filter(|b| u32::from(*b) != own) {
+        return Err(Failure::input(format!(
+            "board.converter_bits = {wanted}: the board's converters have {own} bits: accepted is the image for the converters that the test asks for ({} for 16 bits)",
+            Image::External.name()
+        )));
+    }
+    let number = format!("{:08x}", identity.calibration.number());
+    match calibration {
+        Some(wanted) if !wanted.eq_ignore_ascii_case(&number) => Err(Failure::input(format!(
+            "board.calibration = \"{wanted}\": the board's calibration has the number {number}: accepted is the board as it was calibrated for this test; `outerloop board calibrate` shows its lines"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The configuration with all limits that a board asks for; those that were worked out are shown to the person.
+fn with_limits(config: &Config, plan: &Plan, identity: &Identity) -> Result<Config, Failure> {
+    let shown = Shown::by(&identity.calibration, &identity.codes);
+    let mut limited = config.clone();
+    limited.limits = plan.limits(&config.limits, &shown);
+    if limited.limits != config.limits {
+        eprintln!(
+            "outerloop: limits in force:\n{}",
+            limits::describe(&config.limits, &limited.limits)
+        );
+    }
+    shown.check(&limited).map_err(|refusal| {
+        let value = match refusal.value {
+            value if value.is_nan() => String::new(),
+            value => format!(" = {value:.4}"),
+        };
+        Failure::input(format!(
+            "{}{value} cannot act on this board: accepted is {}; it shows +-{:.1} mm and +-{:.2} kN with the spare codes left free",
+            refusal.name,
+            refusal.accepted,
+            shown.displacement_m * 1e3,
+            shown.force_n * 1e-3
+        ))
+    })?;
+    Ok(limited)
+}

@@ -1,0 +1,215 @@
+//! How a rig is taken from target to target: stop and go, or continuously.
+
+use super::ledger::Ledger;
+use super::mover::{Mover, Reached, Stop};
+use super::rig::{Rig, Seen};
+use super::settings::Settings;
+use crate::bench::OnBoard;
+use crate::board::operator::stop_is_asked;
+use crate::failure::Failure;
+use crate::files::test::TestFile;
+use crate::scope::Scope;
+use crate::trace::{Trace, Witness};
+use outerloop_core::Mode;
+use outerloop_core::outer_loop::Pace;
+use outerloop_core::record::flag;
+
+/// A rig on its way, and who looks on.
+pub struct Travel<const N: usize, R> {
+    rig: R,
+    settings: Settings,
+    rate_hz: f64,
+    shear_n_per_m: Vec<f64>,
+    /// Targets that were given, and observations that core has made: one at the start, one at each target.
+    given: usize,
+    observed: usize,
+    /// A client is being served: a test that ends meanwhile was stopped by a person.
+    moves: bool,
+    ledger: Ledger,
+    trace: Option<Trace>,
+    scope: Option<Scope>,
+}
+
+impl<const N: usize, R: Rig<N>> Travel<N, R> {
+    /// With `rig`, as `test` says. `keep`: every step is kept.
+    pub fn new(rig: R, test: &TestFile, keep: bool, scope: Option<Scope>) -> Self {
+        let rate_hz = test.config.timing.rate_hz;
+        Self {
+            rig,
+            settings: test.serve,
+            rate_hz,
+            shear_n_per_m: shear_frame(&test.config.structure.stiffness_n_per_m),
+            given: 0,
+            observed: 0,
+            moves: false,
+            ledger: Ledger::default(),
+            trace: keep.then(|| Trace::new(N, rate_hz)),
+            scope,
+        }
+    }
+
+    fn step(&mut self) -> Result<Seen<N>, Stop> {
+        if stop_is_asked() {
+            return Err(Stop::Operator);
+        }
+        let seen = self.rig.step()?;
+        self.look_at(&seen)?;
+        Ok(seen)
+    }
+
+    /// Counts a step and shows it.
+    fn look_at(&mut self, seen: &Seen<N>) -> Result<(), Stop> {
+        let record = &seen.record;
+        self.scope.glance(record);
+        self.ask_who_looks_on()?;
+        if record.mode().is_some_and(Mode::integrates) {
+            self.observed += usize::from(record.has(flag::SOLVED));
+            self.ledger.see(record);
+            self.trace.see(record);
+        }
+        match &seen.ended {
+            Some(why) if self.moves => Err(why.clone()),
+            _ if self.moves && record.mode() == Some(Mode::Finished) => Err(Stop::Operator),
+            _ => Ok(()),
+        }
+    }
+
+    fn ask_who_looks_on(&mut self) -> Result<(), Stop> {
+        self.scope.wish().map_or(Ok(()), |wish| self.rig.wish(wish))
+    }
+
+    /// Stands at the target for a while, then means over the next steps.
+    fn stand(&mut self, target_m: [f32; N]) -> Result<Reached, Stop> {
+        let in_steps = |ms: f64| (ms * 1e-3 * self.rate_hz).round() as usize;
+        let settle = in_steps(self.settings.settle_ms);
+        let average = in_steps(self.settings.average_ms).max(1);
+        // A step whose sample was taken with the command at the target.
+        let mut now = self.step()?;
+        while now.record.command_m != target_m || !now.record.mode().is_some_and(Mode::integrates) {
+            now = self.step()?;
+        }
+        for _ in 0..settle {
+            now = self.step()?;
+        }
+        let mut mean = Reached {
+            displacement_m: vec![0.0; N],
+            force_n: vec![0.0; N],
+        };
+        let share = 1.0 / average as f64;
+        for place in 0..average {
+            if place > 0 {
+                now = self.step()?;
+            }
+            for j in 0..N {
+                mean.displacement_m[j] += share * now.reached.displacement_m[j];
+                mean.force_n[j] += share * now.reached.force_n[j];
+            }
+        }
+        Ok(mean)
+    }
+
+    /// Until the sample at the target has been taken.
+    fn pass(&mut self) -> Result<Reached, Stop> {
+        loop {
+            let mut seen = self.step()?;
+            if self.observed > self.given {
+                seen.reached.force_n = self.rig.answer_n()?.map(f64::from).to_vec();
+                return Ok(seen.reached);
+            }
+        }
+    }
+}
+
+impl<const N: usize, R: Rig<N>> Mover for Travel<N, R> {
+    fn begin(&mut self) -> Result<(), Failure> {
+        (self.ledger, self.given, self.observed) = (Ledger::default(), 0, 0);
+        self.rig.begin()
+    }
+
+    fn go_to(&mut self, target_m: &[f64]) -> Result<Reached, Stop> {
+        let single_m = std::array::from_fn(|j| target_m[j] as f32);
+        self.moves = true;
+        self.given += 1;
+        self.rig.aim(single_m)?;
+        let mut reached = match self.settings.pace {
+            Pace::StopAndGo => self.stand(single_m)?,
+            Pace::Continuous => self.pass()?,
+        };
+        let apart = target_m.iter().zip(&reached.displacement_m);
+        let apart: Vec<f64> = apart.map(|(target, now)| now - target).collect();
+        self.ledger.reached(target_m, apart.iter().copied());
+        if self.settings.pace == Pace::StopAndGo && self.settings.carry_force {
+            for j in 0..N {
+                for k in 0..N {
+                    reached.force_n[j] -= self.shear_n_per_m[j * N + k] * apart[k];
+                }
+            }
+        }
+        Ok(reached)
+    }
+
+    fn meanwhile(&mut self) -> Result<(), Stop> {
+        for seen in self.rig.meanwhile()? {
+            self.look_at(&seen)?;
+        }
+        self.ask_who_looks_on()?;
+        // Where the rig stands, its time stands, too; but for somebody who looks on.
+        if !self.rig.has_own_time() && self.scope.is_some() && self.moves {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    fn needs_care(&self) -> bool {
+        self.rig.has_own_time()
+    }
+
+    fn end(&mut self) -> Result<(), Failure> {
+        self.moves = false;
+        self.rig.end()
+    }
+
+    fn permit(&self) -> bool {
+        self.rig.permit()
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn take_trace(&mut self) -> Option<Trace> {
+        let trace = self.trace.as_mut()?;
+        Some(std::mem::replace(trace, Trace::new(N, self.rate_hz)))
+    }
+
+    fn on_board(&self) -> Option<OnBoard> {
+        self.rig.on_board()
+    }
+}
+
+/// The stiffness matrix of a shear frame, row by row, from its storeys' stiffnesses.
+pub fn shear_frame(storeys: &[f64]) -> Vec<f64> {
+    let n = storeys.len();
+    let mut matrix = vec![0.0; n * n];
+    for (j, k) in storeys.iter().enumerate() {
+        matrix[j * n + j] += k;
+        if let Some(below) = j.checked_sub(1) {
+            matrix[below * n + below] += k;
+            matrix[below * n + j] -= k;
+            matrix[j * n + below] -= k;
+        }
+    }
+    matrix
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shear_frame;
+
+    #[test]
+    fn storeys_make_a_shear_frame() {
+        assert_eq!(shear_frame(&[158e3]), [158e3]);
+        let two = [5.0, -2.0, -2.0, 2.0];
+        assert_eq!(shear_frame(&[3.0, 2.0]), two);
+    }
+}
