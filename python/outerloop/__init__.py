@@ -1,43 +1,25 @@
-"""Fast pseudodynamic tests from Python: the program ``outerloop``, with NumPy arrays in and out."""
+"""Fast pseudodynamic tests from Python: the library of ``outerloop``, with NumPy arrays in and out."""
 
 from __future__ import annotations
 
-import contextlib
-import csv
 import json
 import os
 import pathlib
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Union
 
 import numpy as np
 
-__all__ = ["Refused", "compare", "diagnose", "identify", "model", "program", "read_record", "run"]
+from . import _native
+from ._native import Refused
+
+__all__ = ["Refused", "compare", "diagnose", "identify", "model", "read_record", "run"]
 
 Path = Union[str, "os.PathLike[str]"]
 #: A file, or the times in s and the accelerations in g.
 GroundMotion = Union[Path, "tuple[Sequence[float], Sequence[float]]"]
 #: A file, with or without a span (``chirp.csv@2..8``), or columns by name.
 Recording = Union[Path, Mapping[str, Sequence[float]]]
-
-
-class Refused(ValueError):
-    """What was given cannot be used: what, where, which value, and what would be accepted."""
-
-
-def program() -> str:
-    """The program that is called: ``OUTERLOOP``, else the one on the path, else that of the checkout around this file."""
-    named = os.environ.get("OUTERLOOP") or shutil.which("outerloop")
-    if named:
-        return named
-    name = "outerloop.exe" if os.name == "nt" else "outerloop"
-    built = pathlib.Path(__file__).resolve().parents[2] / "target" / "release" / name
-    if built.is_file():
-        return str(built)
-    raise Refused("the program outerloop is not found: accepted is one on the path, or its file in the variable OUTERLOOP")
 
 
 def run(
@@ -52,17 +34,11 @@ def run(
 ) -> dict[str, Any]:
     """One closed-loop test. ``set`` overrides values of the test file by their paths; with ``trace`` every control step is
     in ``trace``, a NumPy array a column. A test that trips or runs away is a result and says so in ``verdict``."""
-    with tempfile.TemporaryDirectory() as folder:
-        words = ["run", os.fspath(test), "--json", *_common(folder, [record], set, seed, duration)]
-        if compensation is not None:
-            words += ["--compensation", compensation]
-        out = os.path.join(folder, "out")
-        if trace:
-            words += ["--out", out]
-        summary = _ask(words)
-        if trace:
-            summary["trace"] = read_record(os.path.join(out, "record.csv"))
-        return summary
+    motion = None if record is None else _ground_motion(record)
+    summary, steps = _native.run(os.fspath(test), _overrides(set), motion, compensation, seed, duration, trace)
+    if trace:
+        summary["trace"] = steps
+    return summary
 
 
 def compare(
@@ -75,68 +51,58 @@ def compare(
     duration: float | None = None,
 ) -> list[dict[str, Any]]:
     """The same test under several compensations, one dictionary a row."""
-    with tempfile.TemporaryDirectory() as folder:
-        words = ["compare", os.fspath(test), "--json", "--compensations", ",".join(compensations)]
-        words += _common(folder, records, set, seed, duration)
-        return _ask(words)["rows"]
+    motions = [_ground_motion(record) for record in records]
+    return _native.compare(os.fspath(test), _overrides(set), motions, list(compensations), seed, duration)
 
 
 def identify(recording: Recording) -> dict[str, Any]:
-    """Gain, transport delay, lag and offset of an actuator from a recorded command and displacement."""
-    with tempfile.TemporaryDirectory() as folder:
-        return _ask(["identify", _recording(folder, "recording", recording), "--json"])
+    """Gain, transport delay, lag and offset of an actuator from a recorded command and displacement; ``doubt`` says what
+    speaks against them, such as a reversed sign, or is None."""
+    found, doubt = _native.identify(_recording(recording))
+    return {**found, "doubt": doubt}
 
 
 def diagnose(
     declared: Path | Mapping[str, Any],
-    train: Recording,
-    test: Recording,
+    train: Recording | Sequence[Recording],
+    test: Recording | Sequence[Recording],
     *,
     rest: Iterable[Recording] = (),
 ) -> dict[str, Any]:
-    """What the declared model lacks, found in ``train`` and judged on ``test``."""
-    with tempfile.TemporaryDirectory() as folder:
-        words = ["diagnose", "--json", "--model", model(declared, folder)]
-        words += ["--train", _recording(folder, "train", train)]
-        words += ["--test", _recording(folder, "test", test)]
-        for number, still in enumerate(rest):
-            words += ["--rest", _recording(folder, f"rest{number}", still)]
-        return _ask(words)
+    """What the declared model lacks, found in ``train`` and judged on ``test``; ``model`` is the improved one, TOML."""
+    if isinstance(declared, Mapping):
+        text = ("the declared model", model(declared))
+    else:
+        text = (os.fspath(declared), _read(declared))
+    found, improved = _native.diagnose(text, _recordings(train), _recordings(test), [_recording(r) for r in rest])
+    return {**found, "model": improved}
 
 
 def read_record(file: Path) -> dict[str, np.ndarray]:
-    """The columns of a recording, CSV as ``run --out`` writes it, by their names; lines that begin with # are comments."""
-    with open(file, newline="", encoding="utf-8") as lines:
-        rows = csv.reader(line for line in lines if not line.startswith("#"))
-        names = next(rows)
-        values = np.array([[float(cell) for cell in row] for row in rows if row]).reshape(-1, len(names))
-    return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(names)}
+    """The columns of a recording by their names as they stand in it: CSV in any dialect, as ``run --out`` writes it or an
+    instrument, MAT or HDF5."""
+    return _native.read_record(os.fspath(file))
 
 
-def model(declared: Path | Mapping[str, Any], folder: Path) -> str:
-    """A declared model as a file; a dictionary ``{"actuator": {"delay_ms": (5, 1)}}`` of values and tolerances is written."""
-    if not isinstance(declared, Mapping):
-        return os.fspath(declared)
+def model(declared: Mapping[str, Any]) -> str:
+    """A declared model as TOML from values and tolerances, ``{"actuator": {"delay_ms": (5, 1)}}``."""
     text = ""
     for table, parameters in declared.items():
         text += f"[{table}]\n"
         for name, (value, tolerance) in parameters.items():
             text += f"{name} = {{ value = {float(value)!r}, tolerance = {float(tolerance)!r} }}\n"
-    file = os.path.join(folder, "model.toml")
-    pathlib.Path(file).write_text(text, encoding="utf-8")
-    return file
+    return text
 
 
-def _common(folder, records, overrides, seed, duration):
-    words = ["--seed", str(seed)]
-    for number, record in enumerate(records):
-        if record is not None:
-            words += ["--record", _ground_motion(folder, f"record{number}", record)]
-    for path, value in (overrides or {}).items():
-        words += ["--set", f"{path}={_toml(value)}"]
-    if duration is not None:
-        words += ["--duration", repr(float(duration))]
-    return words
+def _read(file):
+    try:
+        return pathlib.Path(file).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as why:
+        raise Refused(f"{os.fspath(file)}: cannot be read ({why}): accepted is a declared model, TOML") from why
+
+
+def _overrides(overrides):
+    return [f"{path}={_toml(value)}" for path, value in (overrides or {}).items()]
 
 
 def _toml(value):
@@ -149,40 +115,23 @@ def _toml(value):
     return repr(float(value))
 
 
-def _ground_motion(folder, name, record):
+def _numbers(values):
+    return np.ascontiguousarray(np.asarray(values, dtype=float).ravel())
+
+
+def _ground_motion(record):
     if isinstance(record, tuple):
         time_s, acc_g = record
-        return _write(folder, name, {"time_s": time_s, "acc_g": acc_g})
+        return _numbers(time_s), _numbers(acc_g)
     return os.fspath(record)
 
 
-def _recording(folder, name, recording):
+def _recording(recording):
     if isinstance(recording, Mapping):
-        return _write(folder, name, recording)
+        return [(name, _numbers(values)) for name, values in recording.items()]
     return os.fspath(recording)
 
 
-def _write(folder, name, columns):
-    arrays = {key: np.asarray(values, dtype=float).ravel() for key, values in columns.items()}
-    lengths = {key: len(values) for key, values in arrays.items()}
-    if len({*lengths.values()}) > 1:
-        raise Refused(f"the columns are of different lengths, {lengths}: accepted are columns of one length")
-    file = os.path.join(folder, f"{name}.csv")
-    with open(file, "w", newline="", encoding="utf-8") as out:
-        rows = csv.writer(out, lineterminator="\n")
-        rows.writerow(arrays)
-        # Python writes as many digits as a number needs to come back the same.
-        rows.writerows(zip(*(values.tolist() for values in arrays.values())))
-    return file
-
-
-def _ask(words):
-    done = subprocess.run([program(), *words], capture_output=True, text=True, encoding="utf-8", check=False)
-    answer = None
-    with contextlib.suppress(json.JSONDecodeError):
-        answer = json.loads(done.stdout)
-    # 1 is a result that is not good; what it says is in the answer.
-    if answer is not None and done.returncode in (0, 1):
-        return answer
-    said = done.stderr.strip().splitlines()
-    raise Refused(said[-1].removeprefix("outerloop: ") if said else f"outerloop ended with status {done.returncode}")
+def _recordings(parts):
+    several = isinstance(parts, Sequence) and not isinstance(parts, (str, os.PathLike))
+    return [_recording(part) for part in (parts if several else [parts])]

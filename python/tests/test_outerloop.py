@@ -1,4 +1,4 @@
-"""The module against the program that it calls."""
+"""The module against figures, files and a cluster."""
 
 import os
 import pathlib
@@ -64,11 +64,39 @@ def test_an_undeclared_gain_is_found():
     assert "gain_error" in named, actuator
 
 
+def test_a_record_is_read_in_whatever_dialect_it_is_written(tmp_path):
+    file = tmp_path / "lab.txt"
+    file.write_text("# a comment\nTime (s);Load (kN)\n0,0;1,5\n0,1;-2,5\n", encoding="utf-16")
+    columns = ol.read_record(file)
+    assert list(columns) == ["Time (s)", "Load (kN)"]
+    assert columns["Load (kN)"].tolist() == [1.5, -2.5]
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "lab.h5", "w") as out:
+        out["time_s"], out["force_n"] = np.arange(5) * 0.1, np.arange(5.0)
+    assert ol.read_record(tmp_path / "lab.h5")["force_n"].tolist() == [0, 1, 2, 3, 4]
+
+
+def test_a_reversed_sign_is_doubted():
+    time_s = np.arange(0, 8, 0.002)
+    command = 5 * np.sin(2 * np.pi * (0.2 + 0.25 * time_s) * time_s)
+    moved = -np.interp(time_s - 0.01, time_s, command)
+    assert "polarity" in ol.identify({"time_s": time_s, "command_mm": command, "displacement_mm": moved})["doubt"]
+    moved = np.interp(time_s - 0.01, time_s, command)
+    found = ol.identify({"time_s": time_s, "command_mm": command, "displacement_mm": moved})
+    assert found["doubt"] is None and found["delay_ms"] + found["lag_ms"] == pytest.approx(10, abs=0.2)
+
+
 def test_what_is_refused_is_said():
     with pytest.raises(ol.Refused, match="loop.rate_hz = 1"):
         ol.run(TABLE1, set={"loop.rate_hz": 1})
     with pytest.raises(ol.Refused, match="magic"):
         ol.compare(TABLE1, ["magic"])
+    with pytest.raises(ol.Refused, match="cannot be read"):
+        ol.run(ROOT / "no-such-file.toml")
+    with pytest.raises(ol.Refused, match="tolerance"):
+        ol.diagnose({"actuator": {"gain": (1.0, 1e30)}}, "none.csv", "none.csv")
+    with pytest.raises(ol.Refused, match="time"):
+        ol.run(TABLE1, record=([0.0, 0.01, 0.5], [0.0, 0.1, 0.0]))
     with pytest.raises(ol.Refused, match="different lengths"):
         ol.identify({"time_s": [0, 1], "command_m": [0], "displacement_m": [0, 0]})
 
