@@ -4,7 +4,7 @@ use crate::bench::{Assignment, Bench, Ending, PlantBench, ideal, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;
-use crate::numbers::{si, three};
+use crate::numbers::{percent, si, three};
 use crate::score::Score;
 use crate::stability::rig::Variation;
 use crate::summary::Summary;
@@ -53,6 +53,9 @@ pub struct Run {
 
 /// Natural frequencies that structures have, Hz.
 const USUAL_HZ: std::ops::RangeInclusive<f64> = 0.1..=50.0;
+
+/// Damping ratios above it are no structure's.
+const USUAL_DAMPING: f64 = 0.2;
 
 /// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
 const LONGEST_S: f64 = 3600.0;
@@ -348,6 +351,14 @@ impl Experiment {
                 "The structure's natural period is {}: structures have 0.02 to 10 s; is the stiffness in N/m and the mass \
                  in kg?",
                 si(1.0 / hz, "s")
+            ));
+        }
+        let damping = &self.test.config.structure.damping_ratio;
+        if let Some(ratio) = damping.iter().find(|ratio| **ratio > USUAL_DAMPING) {
+            remarks.push(format!(
+                "A damping ratio of {} is {} of critical: structures have 0.5 to 10 %; is it a fraction of critical?",
+                three(*ratio),
+                percent(*ratio)
             ));
         }
         let shaken_s = self.shaken_s;

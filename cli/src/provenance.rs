@@ -31,8 +31,49 @@ pub struct Provenance {
     pub version: String,
     /// SHA-256 of the program itself.
     pub program_sha256: String,
+    /// Seed of everything random, where something was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// The files that the command named, with what was in them.
     pub files: Vec<NamedFile>,
+}
+
+/// The seed of this process.
+static SEED: OnceLock<u64> = OnceLock::new();
+
+/// Everything random in this process comes from `seed`; to be said before results are written.
+pub fn note_seed(seed: u64) {
+    SEED.get_or_init(|| seed);
+}
+
+/// A result, and where it comes from: what `--json` and summary.json say.
+#[derive(Serialize)]
+pub struct Told<'a, T> {
+    #[serde(flatten)]
+    result: &'a T,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    provenance: &'static Provenance,
+}
+
+impl<'a, T: Serialize> Told<'a, T> {
+    /// A result in which nothing is random.
+    pub fn of(result: &'a T) -> Self {
+        Self {
+            result,
+            seed: None,
+            provenance: Provenance::of_this_run(),
+        }
+    }
+
+    /// A result, with the seed of everything random in it.
+    pub fn seeded(result: &'a T, seed: u64) -> Self {
+        note_seed(seed);
+        Self {
+            seed: Some(seed),
+            ..Self::of(result)
+        }
+    }
 }
 
 /// Of this process.
@@ -64,6 +105,7 @@ impl Provenance {
                 program_sha256: program
                     .and_then(|path| hash_of(&path))
                     .unwrap_or_else(|| "not known".into()),
+                seed: SEED.get().copied(),
                 files: named_files(&arguments),
             }
         })

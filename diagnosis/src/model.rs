@@ -47,6 +47,9 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
     here.check(&place).map_err(|e| Refusal::new(e.to_string()))
 }
 
+/// Beyond it nothing is declared at all, in whatever unit.
+const LARGEST_TOLERANCE: f64 = 1e9;
+
 /// Command to displacement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -197,9 +200,9 @@ impl Model {
                     "{name}.value = {value} is refused: accepted are {from}"
                 )));
             }
-            if !(tolerance.is_finite() && tolerance >= 0.0) {
+            if !(0.0..=LARGEST_TOLERANCE).contains(&tolerance) {
                 return Err(Refusal::new(format!(
-                    "{name}.tolerance = {tolerance} is refused: accepted are finite numbers, 0 and more"
+                    "{name}.tolerance = {tolerance:e} is refused: accepted are 0 to 1e9"
                 )));
             }
         }

@@ -1,6 +1,5 @@
 //! Recorded data in binary files: MAT (version 5 and 7.3) and HDF5.
 
-use super::header::Header;
 use super::table::NumberTable;
 use crate::failure::Failure;
 use hdf5_pure::{File, Group};
@@ -43,23 +42,7 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
         .into_iter()
         .filter(|(_, values)| values.len() == length)
         .unzip();
-    for (name, values) in names.iter().zip(&columns) {
-        if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-            return Err(Failure::input(format!(
-                "{file}, value {}: {name} is {}: accepted is a finite number",
-                at + 1,
-                values[at]
-            )));
-        }
-    }
-    Ok(NumberTable {
-        file: file.to_owned(),
-        header_place: "its variables".into(),
-        headers: names.iter().map(|name| Header::of(name, None)).collect(),
-        lines: (1..=length as u64).collect(),
-        columns,
-        row_name: "value",
-    })
+    NumberTable::of_columns(file, "its variables", &names, columns)
 }
 
 /// The length that most series have; of two that are as frequent, the longer one.

@@ -86,22 +86,7 @@ impl Library {
     }
 
     fn part(&mut self, part: &Part) -> Result<diagnosis::Recording, Failure> {
-        let recording = self.whole(&part.file)?;
-        let whole = in_mm(recording);
-        // All parts of a file on one grid, where one can be laid through the whole of it.
-        let whole = whole.clone().made_even().unwrap_or(whole);
-        let used = match part.span_s {
-            None => whole,
-            Some(span_s) => inside(&whole, span_s)?,
-        };
-        // A step backward has a line in the file; what else is wrong has none.
-        if used.uneven_at().is_some()
-            && let Some(sample) = used.backward_at()
-        {
-            let skipped = used.before.as_ref().map_or(0, |b| b.time_s.len());
-            return Err(recording.refuse_time(skipped + sample));
-        }
-        used.made_even().map_err(|e| Failure::input(e.to_string()))
+        part_of(self.whole(&part.file)?, part.span_s)
     }
 
     /// The recording behind `path`; one file under two names is one recording.
@@ -113,6 +98,31 @@ impl Library {
         }
         Ok(&self.read[&same])
     }
+}
+
+/// The part of a recording between two times, on an even grid.
+///
+/// # Errors
+/// A span that is not inside the record; time that does not increase.
+pub fn part_of(
+    recording: &Recording,
+    span_s: Option<[f64; 2]>,
+) -> Result<diagnosis::Recording, Failure> {
+    let whole = in_mm(recording);
+    // All parts of a file on one grid, where one can be laid through the whole of it.
+    let whole = whole.clone().made_even().unwrap_or(whole);
+    let used = match span_s {
+        None => whole,
+        Some(span_s) => inside(&whole, span_s)?,
+    };
+    // A step backward has a line in the file; what else is wrong has none.
+    if used.uneven_at().is_some()
+        && let Some(sample) = used.backward_at()
+    {
+        let skipped = used.before.as_ref().map_or(0, |b| b.time_s.len());
+        return Err(recording.refuse_time(skipped + sample));
+    }
+    used.made_even().map_err(|e| Failure::input(e.to_string()))
 }
 
 fn inside(

@@ -13,7 +13,11 @@ pub fn load(path: &Path) -> Result<Model, Failure> {
     parse(&path.display().to_string(), &read(path)?)
 }
 
-fn parse(file: &str, text: &str) -> Result<Model, Failure> {
+/// Reads and checks a model in `text`, which came from `file`.
+///
+/// # Errors
+/// As [`load`], but for the file.
+pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
     let model: Model = toml::from_str(text).map_err(|e| {
         let at = e.span().map_or(1, |s| line(s.start));

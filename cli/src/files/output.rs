@@ -31,10 +31,23 @@ pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(
             .and_then(|mut f| f.write_all(text))
             .map_err(|e| cannot(&place, &e))?;
     }
+    let mut replaced = Vec::new();
     for (partial, place) in ready {
+        if place.is_file()
+            && let Some(name) = place.file_name()
+        {
+            replaced.push(name.to_string_lossy().into_owned());
+        }
         partial
             .persist(&place)
             .map_err(|e| cannot(&place, &e.error))?;
+    }
+    if !replaced.is_empty() {
+        let folder = folder.display();
+        eprintln!(
+            "outerloop: note: in {folder} were before, and are replaced: {}",
+            replaced.join(", ")
+        );
     }
     Ok(())
 }

@@ -8,7 +8,6 @@
 use super::columns::{Assignment, Columns};
 use super::header::Header;
 use super::table::NumberTable;
-use super::{binary, decode};
 use crate::failure::Failure;
 use std::path::Path;
 
@@ -98,13 +97,22 @@ impl Recording {
     /// # Errors
     /// As [`Recording::load`], but for time that does not increase.
     pub fn load_with_any_time(path: &Path, columns: &Columns) -> Result<Self, Failure> {
-        let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
-        let table = if binary::is_binary(&bytes) {
-            binary::parse(&file, bytes)?
-        } else {
-            NumberTable::parse(&file, &decode::text(&file, bytes)?)?
-        };
-        let recording = Self::of(table, columns)?;
+        let recording = Self::of(NumberTable::load(path)?, columns)?;
+        recording.check_lengths()?;
+        Ok(recording)
+    }
+
+    /// Columns by their names, `time_s` and `command_mm` for instance; `name` stands in messages.
+    ///
+    /// # Errors
+    /// As of a file with such columns.
+    pub fn of_columns(
+        name: &str,
+        names: &[String],
+        columns: Vec<Vec<f64>>,
+    ) -> Result<Self, Failure> {
+        let table = NumberTable::of_columns(name, "its names", names, columns)?;
+        let recording = Self::of(table, &Columns::default())?;
         recording.check_lengths()?;
         Ok(recording)
     }

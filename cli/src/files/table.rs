@@ -2,8 +2,10 @@
 
 use super::dialect::{Dialect, without_end};
 use super::header::{Header, unit_named};
+use super::{binary, decode};
 use crate::failure::Failure;
 use std::collections::HashMap;
+use std::path::Path;
 
 /// Columns of finite numbers. Lines that begin with `#` or `%` are comments.
 #[derive(Clone, Debug)]
@@ -113,6 +115,57 @@ impl NumberTable {
             columns,
             row_name: "line",
         })
+    }
+
+    /// Columns that have never been text, by their names; `place` is where these stand.
+    ///
+    /// # Errors
+    /// Columns of different lengths, or a value that is not finite.
+    pub fn of_columns(
+        file: &str,
+        place: &str,
+        names: &[String],
+        columns: Vec<Vec<f64>>,
+    ) -> Result<Self, Failure> {
+        let length = columns.first().map_or(0, Vec::len);
+        for (name, values) in names.iter().zip(&columns) {
+            if values.len() != length {
+                return Err(Failure::input(format!(
+                    "{file}: the columns are of different lengths, {name} of {} and {} of {length}: accepted are columns of \
+                     one length",
+                    values.len(),
+                    names[0]
+                )));
+            }
+            if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+                return Err(Failure::input(format!(
+                    "{file}, value {}: {name} is {}: accepted is a finite number",
+                    at + 1,
+                    values[at]
+                )));
+            }
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            header_place: place.to_owned(),
+            headers: names.iter().map(|name| Header::of(name, None)).collect(),
+            lines: (1..=length as u64).collect(),
+            columns,
+            row_name: "value",
+        })
+    }
+
+    /// Reads a file: text in any dialect, MAT or HDF5.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that holds no table of numbers.
+    pub fn load(path: &Path) -> Result<Self, Failure> {
+        let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
+        if binary::is_binary(&bytes) {
+            binary::parse(&file, bytes)
+        } else {
+            Self::parse(&file, &decode::text(&file, bytes)?)
+        }
     }
 
     /// A refusal at row `row`.

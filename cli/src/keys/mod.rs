@@ -152,8 +152,9 @@ fn written(value: &Value) -> Option<String> {
 }
 
 /// Endings of keys and the units that they name, the longest first.
-const UNITS: [(&str, &str); 20] = [
+const UNITS: [(&str, &str); 21] = [
     ("_n_s_per_mm", "N s/mm"),
+    ("_n_s_per_m", "N s/m"),
     ("_n_per_mm", "N/mm"),
     ("_n_per_m", "N/m"),
     ("_mm_per_s", "mm/s"),

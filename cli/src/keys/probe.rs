@@ -2,15 +2,17 @@
 
 use super::source::Kind;
 use crate::files::test::TestFile;
-use plant::Rig;
 use std::path::Path;
 
 /// A test file that is accepted.
 const PLAIN: &str =
     "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
 /// Kinds under which a key of the rig is looked at, where another kind would refuse it for being there at all.
-const KINDS: [&str; 10] = [
+const KINDS: [&str; 13] = [
     "",
+    "compensation.kind=\"lagrange\"",
+    "compensation.kind=\"amb\"",
+    "compensation.kind=\"hydraulic\";compensation.hydraulic={a1_b0=1,a2=1,a3=1,b1=1,b2=1,mass_kg=1,damping_n_s_per_m=1,stiffness_n_per_m=1,spread=[0,0,0,0],noise_m=1}",
     "estimation.kind=\"low_pass\"",
     "compensation.kind=\"ats\"",
     "plant.actuator.kind=\"lag_delay\"",
@@ -24,10 +26,14 @@ const KINDS: [&str; 10] = [
 
 /// In words.
 pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
+    let list;
     let wrong: &[&str] = match kind {
         Kind::Number | Kind::Numbers => &["nan", "-1e30", "1e30"],
-        Kind::List(_) => &["[nan, nan, nan]"],
-        Kind::Integer => &["65535", "255", "0"],
+        Kind::List(count) => {
+            list = format!("[{}]", vec!["nan"; *count].join(","));
+            &[&list]
+        }
+        Kind::Integer => &["0", "255", "65535"],
         Kind::Name => &["\"no such name\""],
         Kind::Text => return "a text".into(),
         Kind::Flag => return "true, false".into(),
@@ -69,13 +75,11 @@ fn refusal(overrides: &[&str]) -> Option<String> {
         .filter(|o| !o.is_empty())
         .map(|o| (*o).to_owned())
         .collect();
-    let test = match TestFile::parse(PLAIN, "test", Path::new(""), &overrides) {
-        Ok(test) => test,
-        Err(e) => return Some(e.to_string()),
-    };
-    let storeys = &test.config.structure.stiffness_n_per_m;
-    let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1);
-    rig.err().map(|e| e.to_string())
+    let test = TestFile::parse(PLAIN, "test", Path::new(""), &overrides);
+    let said = test.err()?.to_string();
+    // What was set stands in front: a key there is not the one that is refused.
+    let set = format!("test with --set {}: ", overrides.join(" --set "));
+    Some(said.strip_prefix(&set).unwrap_or(&said).to_owned())
 }
 
 /// The accepted values in a refusal of `path`.

@@ -8,6 +8,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
+use crate::provenance::Told;
 use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Answer, Row};
@@ -95,7 +96,7 @@ impl Check {
                 judgement: &judgement,
                 answer: &answer,
             };
-            println!("{}", json(&whole)?);
+            println!("{}", json(&Told::of(&whole))?);
         } else {
             print(&answer);
             println!(

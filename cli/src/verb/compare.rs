@@ -7,7 +7,7 @@ use crate::experiment::{Experiment, Run};
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::provenance::Provenance;
+use crate::provenance::Told;
 use crate::report::{self, Section};
 use crate::summary::{Summary, Worth};
 use crate::terminal::{self, Progress, interrupt};
@@ -87,11 +87,7 @@ impl Compare {
                     })
                 })
                 .collect();
-            let told = serde_json::json!({
-                "rows": rows,
-                "seed": self.common.seed,
-                "provenance": Provenance::of_this_run(),
-            });
+            let told = Told::seeded(&all, self.common.seed);
             output::write_all(
                 folder,
                 &[
@@ -101,7 +97,7 @@ impl Compare {
             )?;
         }
         if self.common.json {
-            println!("{}", json(&all)?);
+            println!("{}", json(&Told::seeded(&all, self.common.seed))?);
         } else {
             println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
             if let Some(folder) = &self.out {
@@ -155,7 +151,8 @@ impl Compare {
             rayon::current_num_threads(),
         );
         let standings = standing::of(&rows);
-        let all = json(&serde_json::json!({ "rows": rows, "standings": standings }))?;
+        let all = serde_json::json!({ "rows": rows, "standings": standings });
+        let all = json(&Told::of(&all))?;
         if let Some(folder) = &self.out {
             let page = report::of_comparison(&rows, &lead)?;
             output::write_all(

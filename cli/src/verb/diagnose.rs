@@ -216,7 +216,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// The force has no unit in the file: nothing that is said of it may have one.
-fn without_unit(diagnosis: &mut Diagnosis) {
+pub fn without_unit(diagnosis: &mut Diagnosis) {
     for channel in diagnosis.channels.iter_mut().filter(|c| c.unit == "N") {
         channel.unit = "1".into();
         for p in channel.effects.iter_mut().flat_map(|e| &mut e.parameters) {

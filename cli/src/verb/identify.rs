@@ -7,6 +7,7 @@ use crate::files::measured::{Library, Part};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
+use crate::provenance::Told;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
 use std::path::{Path, PathBuf};
@@ -51,7 +52,7 @@ impl Identify {
             }
         }
         if self.json {
-            println!("{}", json(&found)?);
+            println!("{}", json(&Told::of(&found))?);
             return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
         }
         for (name, unit, value, [low, high]) in [
@@ -83,7 +84,7 @@ const GOOD_NRMSE: f64 = 0.25;
 const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
 /// What a commissioning engineer fears most: a wrong sign, exchanged channels, a displacement before its command.
-fn doubt(recording: &Recording, found: &Identified) -> Option<String> {
+pub fn doubt(recording: &Recording, found: &Identified) -> Option<String> {
     let file = &recording.name;
     if found.gain < 0.0 {
         return Some(format!(

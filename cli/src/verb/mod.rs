@@ -24,6 +24,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile, Unit};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
+use crate::provenance::note_seed;
 use outerloop_core::{Accepted, Method};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -55,6 +56,7 @@ pub struct Common {
 
 impl Common {
     fn load(&self) -> Result<TestFile, Failure> {
+        note_seed(self.seed);
         self.load_other(&self.test)
     }
 

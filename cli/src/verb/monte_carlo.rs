@@ -2,6 +2,7 @@
 
 use super::{Common, json, method};
 use crate::failure::Failure;
+use crate::provenance::Told;
 use crate::stability::perturbed::Spread;
 use crate::summary::{Summary, Verdict};
 use crate::terminal::{Progress, percent, table};
@@ -93,7 +94,7 @@ impl MonteCarlo {
         drop(progress);
         let outcome = outcome(&summaries, wall_s);
         if self.common.json {
-            println!("{}", json(&outcome)?);
+            println!("{}", json(&Told::seeded(&outcome, self.common.seed))?);
         } else {
             print(&outcome, kind.name());
         }

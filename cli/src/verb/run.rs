@@ -10,11 +10,10 @@ use crate::files::test::TestFile;
 use crate::files::{model, output, record_csv};
 use crate::improvement;
 use crate::numbers::{length, three};
-use crate::provenance::Provenance;
+use crate::provenance::Told;
 use crate::report::{self, Section};
 use crate::scope::Scoped;
 use crate::story::Site;
-use crate::summary::Summary;
 use crate::terminal::{self, Progress};
 use crate::trace::Response;
 use serde::Serialize;
@@ -64,8 +63,15 @@ impl Run {
         }
         let mut remarks: Vec<String> = test.told_the_truth().into_iter().collect();
         if let Some(path) = &self.model {
-            let done = improvement::apply(&model::load(path)?, &mut test.config);
+            let known = model::load(path)?;
+            let done = improvement::apply(&known, &mut test.config);
             remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
+            if known.specimen.is_some() {
+                remarks.push(format!(
+                    "{}: its N are those of the record that it was found in; a force without a unit (force_1) has none.",
+                    path.display()
+                ));
+            }
         }
         let kind = match &self.compensation {
             Some(name) => method(name)?,
@@ -101,7 +107,7 @@ impl Run {
             run
         };
         if self.common.json {
-            println!("{}", json(&run.summary)?);
+            println!("{}", json(&Told::seeded(&run.summary, self.common.seed))?);
         } else {
             println!("{}", experiment.in_words());
             for remark in remarks.into_iter().chain(experiment.remarks()) {
@@ -198,11 +204,7 @@ impl Run {
             trace: ran.trace,
             ideal,
         };
-        let summary = Told {
-            summary: ran.summary,
-            seed: ran.seed,
-            provenance: Provenance::of_this_run(),
-        };
+        let summary = Told::seeded(ran.summary, ran.seed);
         let mut files = vec![
             ("report.html", report::of_run(&section)?.into_bytes()),
             ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
@@ -229,13 +231,4 @@ struct PlayedSignal<'a> {
     peak_displacement_m: f64,
     peak_force_n: f64,
     wall_s: f64,
-}
-
-/// What summary.json says: the figures, and where they come from.
-#[derive(Serialize)]
-struct Told<'a> {
-    #[serde(flatten)]
-    summary: &'a Summary,
-    seed: u64,
-    provenance: &'a Provenance,
 }

@@ -104,7 +104,6 @@ impl GroundMotionFile {
         } else {
             read_csv(&file, &text)?
         };
-        let (interval_s, acc) = (points.interval_s, points.acc_m_per_s2);
         if let (Some(own), Some(said)) = (points.unit, columns.unit)
             && own != said
         {
@@ -114,6 +113,31 @@ impl GroundMotionFile {
                 said.name()
             )));
         }
+        let interval_s = points.interval_s;
+        if let Some(dt) = columns.interval_s
+            && (dt - interval_s).abs() > 1e-3 * interval_s
+        {
+            return Err(Failure::input(format!(
+                "{file}: has an interval of {interval_s} s and --dt says {dt} s: accepted is the file's own"
+            )));
+        }
+        let name = path.file_stem().map(|s| s.to_string_lossy());
+        Self::of_points(&file, &name.unwrap_or_default(), points)
+    }
+
+    /// Times, s, and accelerations, g; `name` is shown.
+    ///
+    /// # Errors
+    /// As of a file with the header `time_s,acc_g`.
+    pub fn of_columns(name: &str, time_s: Vec<f64>, acc_g: Vec<f64>) -> Result<Self, Failure> {
+        let names = ["time_s", "acc_g"].map(str::to_owned);
+        let table = NumberTable::of_columns(name, "its names", &names, vec![time_s, acc_g])?;
+        Self::of_points(name, name, points_of(&table)?)
+    }
+
+    /// What a file says, if it can be an earthquake.
+    fn of_points(file: &str, name: &str, points: Points) -> Result<Self, Failure> {
+        let acc = points.acc_m_per_s2;
         if acc.len() < 2 {
             return Err(Failure::input(format!(
                 "{file}: has {} points: accepted are at least 2",
@@ -128,19 +152,10 @@ impl GroundMotionFile {
                 peak / Unit::G.in_si()
             )));
         }
-        if let Some(dt) = columns.interval_s
-            && (dt - interval_s).abs() > 1e-3 * interval_s
-        {
-            return Err(Failure::input(format!(
-                "{file}: has an interval of {interval_s} s and --dt says {dt} s: accepted is the file's own"
-            )));
-        }
         Ok(Self {
-            name: path
-                .file_stem()
-                .map_or_else(String::new, |s| s.to_string_lossy().into_owned()),
+            name: name.to_owned(),
             acc_m_per_s2: acc.iter().map(|a| *a as f32).collect(),
-            interval_s,
+            interval_s: points.interval_s,
         })
     }
 }
@@ -180,7 +195,11 @@ fn values(
 }
 
 fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {
-    let table = NumberTable::parse(file, text)?;
+    points_of(&NumberTable::parse(file, text)?)
+}
+
+/// A table with times and accelerations.
+fn points_of(table: &NumberTable) -> Result<Points, Failure> {
     let names: Vec<String> = table.headers.iter().map(|h| h.name(|_| false)).collect();
     let unit = match &names[..] {
         [time, acc] if time == "time_s" => acc.strip_prefix("acc_").and_then(Unit::named),
@@ -193,7 +212,7 @@ fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {
              are PEER AT2, COSMOS, CSMIP, SMC and ESM files, and plain numbers with --dt and --unit"
         ))
     })?;
-    let interval = interval_s(&table)?;
+    let interval = interval_s(table)?;
     Ok(Points {
         interval_s: interval,
         acc_m_per_s2: table.columns[1].iter().map(|a| a * unit.in_si()).collect(),
