@@ -37,8 +37,8 @@ impl<const N: usize> OuterLoop<N> {
         let next_m = if own {
             self.go_on()
         } else {
-            let displacement_m = displacement_m;
-            self.elsewhere(&displacement_m)
+            let copy_m = displacement_m;
+            self.elsewhere(&copy_m)
         };
         let (mut aim_m, mut send_m) = (next_m, next_m);
         if self.design.predicts {
@@ -51,13 +51,8 @@ impl<const N: usize> OuterLoop<N> {
             self.obstacle = None;
             self.send(self.design.physical, next_m, aim_m, send_m)
         } else {
-            let displacement_m = displacement_m;
-            self.obstructed(
-                sample,
-                &displacement_m,
-                stale_steps,
-                [next_m, aim_m, send_m],
-            )
+            let copy_m = displacement_m;
+            self.obstructed(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
         };
         if own && self.step > ground.steps() && self.mode.integrates() {
             self.finish();
