@@ -3,9 +3,7 @@
 
 use outerloop_cli::board::emulated::{Emulated, Laboratory};
 use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{
-    BoardBench, Connection, Course, Operator, Patience, Played, calibrate,
-};
+use outerloop_cli::board::{BoardBench, Connection, Course, Operator, Patience, Played, calibrate};
 use outerloop_cli::experiment::{Experiment, Run};
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
