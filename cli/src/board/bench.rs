@@ -31,7 +31,7 @@ pub struct BoardBench<P> {
     /// The number that the board's calibration has to have.
     calibration: Option<String>,
     /// The bits that its converters have to have.
-    bits: Option<u8>,
+    bits: Option<u16>,
 }
 
 impl<P: Port> BoardBench<P> {
@@ -53,7 +53,7 @@ impl<P: Port> BoardBench<P> {
     }
 
     /// On a board whose converters have so many bits.
-    pub fn with_bits(mut self, bits: Option<u8>) -> Self {
+    pub fn with_bits(mut self, bits: Option<u16>) -> Self {
         self.bits = bits;
         self
     }

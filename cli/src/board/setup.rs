@@ -20,7 +20,7 @@ pub(crate) fn ready<P: Port>(
     board: &mut Connection<P>,
     config: &Config,
     plan: &Plan,
-    wanted: (Option<&str>, Option<u8>),
+    wanted: (Option<&str>, Option<u16>),
 ) -> Result<(Identity, Config), Failure> {
     let identity = identify(board)?;
     make_idle(board)?;
@@ -51,7 +51,7 @@ fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
 
 /// The board's converters and calibration are those that the test names.
 fn check_board(
-    (calibration, bits): (Option<&str>, Option<u8>),
+    (calibration, bits): (Option<&str>, Option<u16>),
     identity: &Identity,
 ) -> Result<(), Failure> {
     let own = converter_bits(&identity.codes);

@@ -41,7 +41,7 @@ pub struct BoardWanted {
     pub calibration: Option<String>,
     /// Bits of its converters, 12 (the chip's own) or 16 (external, -10 to +10 V); left out: 12 where the board is emulated,
     /// else whatever it has.
-    pub converter_bits: Option<u8>,
+    pub converter_bits: Option<u16>,
 }
 
 impl BoardWanted {

@@ -191,8 +191,8 @@ pub const OUTPUT: [Demand; 15] = [
         "TIM4_CCR1",
         TIM4_CCR1,
         0xffff,
-        3780,
-        "the command is not taken over 45 us after the sample",
+        5040,
+        "the command is not taken over 60 us after the sample",
     ),
     demand(
         "TIM4_CCER.CC1E",

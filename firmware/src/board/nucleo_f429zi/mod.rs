@@ -8,7 +8,7 @@
 //! | command | PA4 | CN7-17, D24 | DAC channel 1, buffered | 0.2 to 3.1 V into 5 kOhm and more |
 //! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
 //! | PERMIT pulse | PE14 | CN10-28, D38 | output | turns over in every step with PERMIT: for a relay that falls when the pulses stop |
-//! | permit chain | PE15 | CN10-30, D39 | input with pull-down | high: the contact of what hangs on PERMIT is closed; without one, a bridge to PE9 |
+//! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: the contact of what hangs on PERMIT is closed; without one, a bridge to PE9 |
 //! | emergency stop | PE11 | CN10-6, D5 | input with pull-up | low: closed contact to ground; high: pressed, or a broken wire |
 //! | step | PE13 | CN10-10, D3 | output | high from the interrupt's begin until the command is in the converter: for a scope |
 //! | hold | PC13 | on the board | input | the blue button: high while pressed; holds a running test |

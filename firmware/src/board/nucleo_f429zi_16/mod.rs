@@ -14,7 +14,7 @@
 //! | AD5761R SDO | PC11 | CN8-8, D46 | SPI3 | its control register is read back at the start |
 //! | AD5761R SDI | PC12 | CN8-10, D47 | SPI3 | |
 //! | AD5761R SYNC | PD2 | CN8-12, D48 | output | low while it is written; pull it up outside |
-//! | AD5761R LDAC | PD12 | CN10-21, D29 | TIM4 channel 1 | falls 45 us after the trigger: the command leaves; pull it up outside |
+//! | AD5761R LDAC | PD12 | CN10-21, D29 | TIM4 channel 1 | falls 60 us after the trigger: the command leaves; pull it up outside |
 //!
 //! # Timers
 //! TIM2's update is the trigger and starts TIM4, as with the chip's own converters. TIM2's channel 1 begins the control
@@ -77,7 +77,7 @@ impl Converters for External {
         Input::SecondDisplacement,
         Input::HeadAcceleration,
     ];
-    const OUTPUT_DELAY_US: u32 = 45;
+    const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 2300;

@@ -1,0 +1,73 @@
+//! What `outerloop run --emulated` does with each of the examples, on the flashed image with the chip's own converters: the
+//! first seconds, or the strong part where peaks lie beyond what a board shows that nobody has calibrated.
+
+use outerloop_cli::board::emulated::{Emulated, Laboratory, can_run};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+use outerloop_cli::experiment::Experiment;
+use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::files::test::TestFile;
+use outerloop_cli::summary::{Summary, Verdict};
+use outerloop_cli::trace::Trace;
+use std::path::Path;
+
+fn example(name: &str) -> TestFile {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples")
+        .join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    TestFile::parse(&text, name, Path::new(""), &[]).unwrap()
+}
+
+/// Runs the first seconds; gives the peak of the ideal test, m, and what became of it. Every step is received and worked
+/// out again.
+fn run(name: &str, seconds: f64) -> (f64, Summary) {
+    let test = example(name);
+    can_run(&test).unwrap();
+    let experiment = Experiment::new(test, &near_fault(), Some(seconds)).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let method = experiment.test.config.compensation.kind;
+    let plan = Plan::of(&experiment, &ideal);
+    let limits = plan.without_board(&experiment.test.config.limits);
+    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
+    let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
+    let port = Emulated::with(emulator, &laboratory).unwrap();
+    let mut connection = Connection::new(port, Patience::EMULATED);
+    calibrate(&mut connection, laboratory.calibration).unwrap();
+    let bench = BoardBench::new(connection, plan, Operator::nobody());
+    let run = experiment
+        .run_on(&bench, method, &ideal, true, None::<Trace>)
+        .unwrap();
+    let summary = run.summary;
+    println!("{name}: {}", summary.sentence());
+    let board = summary.board.as_ref().unwrap();
+    assert_eq!(summary.verdict, Verdict::Completed, "{name}");
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{name}");
+    (ideal.peaks_m()[0], summary)
+}
+
+#[test]
+fn the_strong_part_of_table_1_on_a_board_that_is_calibrated_to_its_rig() {
+    let (peak_m, summary) = run("table1.toml", 8.0);
+    assert!(peak_m > 0.08 && summary.eps_rms < 0.02);
+}
+
+/// Its sensors show sixteen standard deviations of noise within the test's own peaks: the ranges have to leave room for them.
+#[test]
+fn the_papers_steel_frame_starts_and_runs_in_its_noise() {
+    run("steel-frame.toml", 1.0);
+}
+
+#[test]
+fn a_frame_whose_first_storey_stands_in_the_laboratory() {
+    run("hybrid.toml", 3.0);
+}
+
+#[test]
+fn three_actuators_are_refused_in_one_sentence_before_anything_is_built() {
+    let said = can_run(&example("three-storey.toml"))
+        .unwrap_err()
+        .to_string();
+    assert!(said.contains("3 storeys in the laboratory"), "{said}");
+    assert_eq!(said.lines().count(), 1);
+}
