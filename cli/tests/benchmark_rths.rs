@@ -306,7 +306,7 @@ fn the_multi_axial_problem_has_a_page_with_pictures() {
     assert!(output.status.success(), "{output:?}");
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert_eq!(
-        page.matches("<svg").count(),
+        page.matches("<figure>").count(),
         4,
         "x, rotation, two actuators"
     );
