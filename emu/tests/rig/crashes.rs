@@ -5,6 +5,7 @@ use emu::{Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{Cause, LastWords, Start, Status};
+use outerloop_cli::board::Image;
 use outerloop_core::{Event, Fault as LoopFault, State};
 
 const MS: u64 = 1_000_000;
@@ -227,6 +228,10 @@ fn the_reset_button_in_mid_test() {
     let course = desk.course();
     // The pins float at once.
     assert_eq!(course.permit_low_ns, course.fault_ns);
+    if crate::IMAGE == Image::Internal {
+        // The chip's own output floats with it: until the relay has fallen, 10 ms, nobody tells the rig where to stand.
+        return;
+    }
     let first = course.first_after_reset.expect("the board started again");
     assert!(
         first.abs_diff(course.held) <= 3 * fine(),
@@ -241,18 +246,22 @@ fn the_reset_button_in_mid_test() {
 /// Oil leaks: without PERMIT the rig sinks. The board begins where it is then, and not where it was told to be.
 #[test]
 fn the_reset_button_on_a_rig_that_sinks_without_permit() {
+    if crate::IMAGE == Image::Internal {
+        // Its own output floats until the relay has fallen: the rig may be anywhere then, see docs/wiring.md.
+        return;
+    }
     // It has sunk before it is armed, too: the approach takes its time.
     let mut desk = Desk::with(Bench {
         plan: Some(Planned {
-            after_steps: 1200,
+            after_steps: 3000,
             fault: Fault::Reset,
         }),
-        sinks_m_per_s: 0.005,
+        sinks_m_per_s: 0.001,
         ..Bench::default()
     });
     desk.start();
     desk.until_reset();
-    for _ in 0..400 {
+    for _ in 0..1000 {
         desk.step();
     }
     let log = desk.log();
@@ -260,7 +269,7 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     let line = link::Calibration::placeholder(&codes()).command;
     let held_m = f64::from(line.quantity(desk.course().held));
     assert!(
-        last_m < held_m - 5e-4,
+        last_m < held_m - 2e-4,
         "it has sunk from {held_m} m to {last_m} m"
     );
     // Idle, the command follows the position all the way: arming asks for no jump.

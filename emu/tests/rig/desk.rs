@@ -361,7 +361,6 @@ pub const STIFFNESS_N_PER_M: f64 = 158e3;
 /// Table 1 of the paper with limits.
 pub fn config() -> Config {
     let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
-    config.timing.approach_m_per_s = 0.05;
     config.limits = Limits {
         displacement_m: Some(0.042),
         velocity_m_per_s: Some(1.0),
