@@ -2,30 +2,19 @@
 #![allow(missing_docs)]
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
-use exam::Class;
-use host_tests::foresight::{Pair, of_case, of_rig};
+use host_tests::foresight::{Pair, of_case};
 use host_tests::outside::cases;
 use rayon::prelude::*;
 
 #[test]
-fn foretold_errors_hold_in_most_of_a_sample_of_open_records_and_simulated_rigs() {
-    let mut pairs: Vec<Pair> = (0..4)
-        .into_par_iter()
-        .flat_map(|seed| of_rig(Class::Unseen, seed))
-        .collect();
-    let sample = [
-        "seal_napn_3bar",
-        "seal_kidney_3bar",
-        "seal_xring_7bar",
-        "cable_torque",
-    ];
+fn foretold_errors_hold_in_most_pairs_of_a_sample_of_open_records() {
+    let sample = ["seal_napn_3bar", "seal_kidney_3bar", "seal_xring_7bar"];
     let open = cases().unwrap_or_default();
-    let open: Vec<Pair> = open
+    let pairs: Vec<Pair> = open
         .par_iter()
         .filter(|c| sample.contains(&c.id.as_str()))
         .flat_map(of_case)
         .collect();
-    pairs.extend(open);
     for p in &pairs {
         println!(
             "{}: {:.4?}, {:.4}, {}",
