@@ -72,6 +72,7 @@ fn log_sizes(x: &[f64], mean: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::slice::from_ref;
 
     fn signal(n: usize, size: impl Fn(f64) -> f64, turn: f64) -> Vec<f64> {
         (0..n)
@@ -85,14 +86,14 @@ mod tests {
         let answer = signal(12_000, sweep, 0.05);
         let planned = signal(12_000, |_| 4.0, 0.05);
         let wrong = signal(12_000, |t| 0.1 * sweep(t), 0.31);
-        let [low, high] = next_error(&[wrong], &[answer.clone()], &[planned.clone()]);
+        let [low, high] = next_error(&[wrong], from_ref(&answer), from_ref(&planned));
         let truth = 0.4 / 2.0_f64.sqrt();
         assert!(
             low < truth && truth < high && high < 2.0 * truth,
             "{low} {high} {truth}"
         );
         let noise = signal(12_000, |_| 0.1, 1.7);
-        let [low, high] = next_error(&[noise], &[answer], &[planned]);
+        let [low, high] = next_error(&[noise], from_ref(&answer), from_ref(&planned));
         let truth = 0.1 / 2.0_f64.sqrt();
         assert!(
             low < truth && truth < high && high < 1.5 * truth,

@@ -160,6 +160,6 @@ fn without_limits_the_records_own_span_is_kept_and_that_is_said() {
         displacement_mm: Some(vec![0.0; train[0].time_s.len()]),
         ..train[0].clone()
     };
-    let refused = next(&free, &found, &[still.clone()], &[still]).unwrap_err();
+    let refused = next(&free, &found, std::slice::from_ref(&still), &held_out[..0]).unwrap_err();
     assert!(refused.to_string().contains("[limits]"), "{refused}");
 }
