@@ -160,7 +160,7 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
 }
 
 #[test]
-fn a_force_beyond_its_limit_trips_the_board_and_the_next_client_is_served() {
+fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client() {
     let t = test("stop_and_go");
     let mut rig = served(&t, |_| {});
     let (_, summary, _) = session(&t, rig.as_mut(), &[0.01, 0.031]);
@@ -171,11 +171,12 @@ fn a_force_beyond_its_limit_trips_the_board_and_the_next_client_is_served() {
     let (forces, summary, _) = session(&tight, rig.as_mut(), &[0.004, 0.01]);
     assert_eq!(summary.trip, Some("force"), "{}", summary.sentences());
     assert!(forces[1].is_nan() && !summary.permit);
+    // It stands where it tripped, beyond its limit: the next client is told so, and nothing moves.
     let (_, summary, _) = session(&tight, rig.as_mut(), &[0.002, 0.004]);
-    assert_eq!(
-        summary.verdict,
-        Verdict::Completed,
-        "{}",
-        summary.sentences()
+    assert_eq!((summary.verdict, summary.permit), (Verdict::Refused, false));
+    let why = summary.reason.unwrap();
+    assert!(
+        why.contains("the interlock force stands against it"),
+        "{why}"
     );
 }
