@@ -304,7 +304,8 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
     assert!((6000..6003).contains(&command.len()), "{}", command.len());
     for (i, wanted) in command_m.iter().enumerate() {
         let sent = command[20 * i];
-        assert!((sent - wanted).abs() < 1e-5, "{i}: {sent} {wanted}");
+        // A record's command is a step or two behind what is sent: at 12.6 mm/s up to 13 um.
+        assert!((sent - wanted).abs() < 2e-5, "{i}: {sent} {wanted}");
     }
     for (limit, said) in [
         (
