@@ -73,3 +73,28 @@ pub const LEAST_TIMES: f64 = 0.8;
 pub const LEAST_PROBABLE: f64 = 0.02;
 /// A set whose model leaves more than this share of the held-out error says nothing: anything takes off a little.
 pub const SET_LEAVES: f64 = 0.6;
+
+/// Share of the power of the speed that one frequency must hold to be the only one: a second one of a sixth of its speed is
+/// enough to tell stiffness from mass.
+pub const ONE_FREQUENCY: f64 = 0.97;
+/// Share of the moving time that must pass at the usual speed of its direction: a sine spends a fifth of it there.
+pub const ONE_SPEED: f64 = 0.75;
+/// Speeds within this share of each other are one: the forces of friction and of a damper differ by less than a law of
+/// either holds to.
+pub const SAME_SPEED: f64 = 0.15;
+/// Share of the way that goes one way where there is but one.
+pub const ONE_WAY: f64 = 0.97;
+/// Share of its range by which a motion may cross zero and still stay on one side.
+pub const ONE_SIDE: f64 = 0.05;
+/// Phase of the declared lag at the end of the band, rad, below which a lag is a delay: they differ by half of that share.
+pub const SLOW: f64 = 0.1;
+/// Share of the squares of what is left that lines of other than the motion's frequencies hold where it is no noise.
+pub const LINES: f64 = 0.3;
+/// What a declared model leaves below this share of the force is within the class of a good load cell (0.5, ISO 7500-1):
+/// where no element is worth its price nothing is missing that could be asked about.
+pub const TRANSDUCER: f64 = 0.005;
+/// A rest that is so many times as loud as samples of the same motion differ by is none: that figure is within a third.
+pub const LOUD_REST: f64 = 2.0;
+/// A single name of an actuator that leaves no more than this share of the squares is what is missing there, whatever else
+/// could be had beside it: a tenth of the squares is a third of the error.
+pub const ALMOST_ALL: f64 = 0.1;

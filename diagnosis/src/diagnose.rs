@@ -8,7 +8,7 @@ mod obstacle;
 
 use crate::answer::*;
 use crate::base::Base;
-use crate::criteria::{JOINT_LEAVES, NOISE};
+use crate::criteria::{ACCOUNTS, JOINT_LEAVES, LOUD_REST, NOISE};
 use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
@@ -16,8 +16,8 @@ use crate::model::Model;
 use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
-use crate::{Refusal, lattice, plausible, remainder, rest, spectrum};
-use plant::{Channel, Family};
+use crate::{Refusal, input, joint, lattice, noise, plausible, remainder, rest, spectrum};
+use plant::{Channel, Effect, Family};
 use std::time::Instant;
 
 /// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
@@ -56,6 +56,8 @@ pub fn diagnose(
         };
         let (mut answer, found) = channel.judge(&mut improved);
         driven::not_above(&mut answer, f64::INFINITY);
+        channel.hear_lines(&mut answer);
+        input::widen(&mut answer, &input::lacks(&channel.base, train));
         channels.push(answer);
         let known = found.map(|solution| Drive {
             cutoff_hz: channel.cutoff_hz(),
@@ -181,7 +183,8 @@ impl Channelled<'_> {
         let noise = self.noise(cutoff_hz);
         let specimen = self.base.channel == Channel::Specimen;
         // Where nothing tells how near an effect is to the noise, rivals have to.
-        let told = |n: &Noise| matches!(n.from, Source::Rest | Source::Repeats);
+        // Repeats tell it, but a motion that repeats itself is poor: everything that it brings about repeats, too.
+        let told = |n: &Noise| n.from == Source::Rest;
         if specimen
             && !noise.as_ref().is_some_and(told)
             && let Some(answer) = self.joined(noise.as_ref(), improved)
@@ -205,8 +208,12 @@ impl Channelled<'_> {
         if specimen && explanation.vetoed {
             let mut with = improved.clone();
             let joined = self.joined(Some(&noise), &mut with);
-            // With a known noise a name must account for the record.
-            if let Some(answer) = joined.filter(|a| a.verdict == Verdict::Effect) {
+            // With a known noise a name or a set must account for the record.
+            let accounts = |a: &ChannelAnswer| {
+                let share = ACCOUNTS * a.error_before.test_rms;
+                !a.effects.is_empty() && a.error_after.test_rms <= share.max(NOISE * noise.rms)
+            };
+            if let Some(answer) = joined.filter(accounts) {
                 *improved = with;
                 return (answer, None);
             }
@@ -233,8 +240,9 @@ impl Channelled<'_> {
         (answer, known.then_some(solution))
     }
 
-    /// The answer of the joint search in place of one of single effects that leaves more than noise, where it leaves clearly
-    /// less on held-out data.
+    /// The answer of the joint search in place of one of single effects that leaves more than noise: where it leaves clearly
+    /// less on held-out data, and where it does as well and does not vouch for the same name. A single name that the joint
+    /// search could have given and does not even hold possible is none.
     fn better_joined(
         &self,
         single: &ChannelAnswer,
@@ -249,7 +257,37 @@ impl Channelled<'_> {
         let mut model = improved.clone();
         let joined = self.joined(Some(noise), &mut model)?;
         let explains = !joined.effects.is_empty();
-        (explains && joined.error_after.test_rms < JOINT_LEAVES * left).then_some((joined, model))
+        let joined_left = joined.error_after.test_rms;
+        if explains && joined_left < JOINT_LEAVES * left {
+            return Some((joined, model));
+        }
+        let names = |a: &ChannelAnswer| -> Vec<Effect> {
+            a.effects
+                .iter()
+                .map(|e| e.name)
+                .chain(a.alternatives.iter().copied())
+                .collect()
+        };
+        let (own, other) = (names(single), names(&joined));
+        let vouched = joined.verdict != Verdict::Ambiguous && own.iter().all(|n| other.contains(n));
+        if vouched || !own.iter().all(|n| joint::can_say(*n)) {
+            return None;
+        }
+        if explains && joined_left * JOINT_LEAVES < left {
+            return Some((joined, model));
+        }
+        let nearest = single.effects.first().map(|e| Nearest {
+            name: e.name,
+            explained: 1.0 - (left / single.error_before.test_rms.max(f64::MIN_POSITIVE)).powi(2),
+        });
+        (!explains).then(|| {
+            let unknown = ChannelAnswer {
+                verdict: Verdict::Unknown,
+                nearest,
+                ..joined
+            };
+            (unknown, improved.clone())
+        })
     }
 
     /// Where the displacement ends and its noise begins.
@@ -286,16 +324,27 @@ impl Channelled<'_> {
                 );
             }
         }
-        if !stretches.is_empty() {
-            return Some(Noise::at_rest(&stretches, h, least));
-        }
         let moving = residuals(self.train)?;
+        if !stretches.is_empty() {
+            let noise = Noise::at_rest(&stretches, h, least);
+            if !self.rest.is_empty() || !self.is_louder_than_the_motion(&noise, &moving) {
+                return Some(noise);
+            }
+            stretches.clear();
+        }
         for (r, residual) in self.train.iter().zip(&moving) {
             let input = self.input_of(r)?;
             if let Some(motion) = rest::periodic(input) {
                 let before = |i: usize| residual[i - motion.period];
                 let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
-                stretches.push((motion.from..motion.end).map(change).collect());
+                let mut changes: Vec<f64> = (motion.from..motion.end).map(change).collect();
+                // A tone that keeps another time than the motion is no noise.
+                let tones = remainder::lines(&changes, &vec![0.0; changes.len()], h);
+                let square = rms(std::slice::from_ref(&changes)).powi(2);
+                let held = tones.iter().map(|l| l.rms * l.rms).sum::<f64>() / square;
+                let by = (1.0 - held.min(1.0)).max(1e-6).sqrt();
+                changes.iter_mut().for_each(|c| *c *= by);
+                stretches.extend(rest::quiet(&changes, motion.period));
             }
         }
         if !stretches.is_empty() {
@@ -307,6 +356,18 @@ impl Channelled<'_> {
         // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
         let least = least.max(1e-6 * rms(&moving));
         Noise::without_rest(&moving, &inputs?, h, least)
+    }
+
+    /// Whether what was taken for a rest, since the input stands still there, is more than samples of the same motion differ
+    /// by: a pause in which something else moves.
+    fn is_louder_than_the_motion(&self, noise: &Noise, moving: &[Vec<f64>]) -> bool {
+        let longest = (0..moving.len()).max_by_key(|i| moving[*i].len());
+        longest.is_some_and(|i| {
+            let r = &self.train[i];
+            let x = r.displacement_mm.as_ref();
+            let most = x.and_then(|x| noise::neighbours::rms(&moving[i], x, r.interval_s()));
+            most.is_some_and(|most| noise.rms > LOUD_REST * most)
+        })
     }
 
     /// The converter's step in the output, where it shows.

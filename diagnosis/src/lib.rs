@@ -17,6 +17,7 @@ mod fit;
 mod foretold;
 mod identify;
 mod improved;
+mod input;
 mod interval;
 mod joint;
 mod lattice;

@@ -2,6 +2,7 @@
 //! noise.
 
 mod above;
+pub mod neighbours;
 
 use self::above::Above;
 use crate::linear::dot;
@@ -108,7 +109,13 @@ impl Noise {
     ) -> Option<Self> {
         let longest = (0..residuals.len()).max_by_key(|i| residuals[*i].len())?;
         let above = Above::of(&residuals[longest], inputs[longest], interval_s)?;
-        let sample = above.sample(residuals[longest].len(), interval_s);
+        let mut sample = above.sample(residuals[longest].len(), interval_s);
+        // The spectrum above a motion is that of its harmonics, too.
+        let most = neighbours::rms(&residuals[longest], inputs[longest], interval_s);
+        let seen = (dot(&sample, &sample) / sample.len() as f64).sqrt();
+        if let Some(most) = most.filter(|m| *m < seen) {
+            sample.iter_mut().for_each(|s| *s *= most / seen);
+        }
         let from = if above.sure {
             Source::AboveMotion
         } else {
@@ -331,5 +338,63 @@ mod tests {
         assert!((variance - 1.0).abs() < 0.12, "{variance}");
         // The share that is taken for white leaves a trace.
         assert!(lag1.abs() < 0.1, "{lag1}");
+    }
+
+    /// A force of 16 s at 250 Hz without a rest: a spring that is a little off, friction, a cubic spring, and noise.
+    fn stated_over_true(seed: u64) -> f64 {
+        let mut rng =
+            <rand_xoshiro::Xoshiro256PlusPlus as rand_core::SeedableRng>::seed_from_u64(seed);
+        let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+        let unit = |n: f64| 0.5 + 0.5 * (n / 2.0).tanh();
+        let (n, h) = (4000, 4e-3);
+        let tones: Vec<[f64; 2]> = (0..5)
+            .map(|_| [0.2 + 1.8 * unit(normal()), 6.0 * normal()])
+            .collect();
+        let x: Vec<f64> = (0..n)
+            .map(|i| {
+                tones
+                    .iter()
+                    .map(|[f, p]| (TAU * f * i as f64 * h + p).sin())
+                    .sum()
+            })
+            .collect();
+        // White to a corner at a tenth of the rate.
+        let keep = 0.6 * unit(normal());
+        let (off, dry, cubic) = (2.0 * normal(), 3.0 * unit(normal()), 0.3 * normal());
+        let (mut low, mut square) = (0.0, 0.0);
+        let mut slides = 0.0_f64;
+        let residual: Vec<f64> = (0..n)
+            .map(|i| {
+                low = keep * low + normal();
+                square += low * low;
+                slides = (slides + (x[i] - x[i.saturating_sub(1)]) / 0.02).clamp(-1.0, 1.0);
+                low + off * x[i] + dry * slides + cubic * x[i].powi(3)
+            })
+            .collect();
+        let noise = Noise::without_rest(&[residual], &[&x], h, 0.0).unwrap();
+        noise.rms / (square / n as f64).sqrt()
+    }
+
+    /// Share of records whose stated noise is within a factor of 1.3 of the true one.
+    fn within(records: std::ops::Range<u64>) -> f64 {
+        let all: Vec<f64> = records.map(stated_over_true).collect();
+        let near = all.iter().filter(|r| (1.0 / 1.3..1.3).contains(*r)).count();
+        println!(
+            "{near} of {} within 1.3; {:?}",
+            all.len(),
+            all.iter().take(10).collect::<Vec<_>>()
+        );
+        near as f64 / all.len() as f64
+    }
+
+    #[test]
+    fn the_noise_without_a_rest_is_within_a_third_also_beside_what_the_model_lacks() {
+        assert!(within(0..25) >= 0.95);
+    }
+
+    #[test]
+    #[ignore = "a minute of one core: five hundred records"]
+    fn the_noise_of_five_hundred_records_without_a_rest_is_within_a_third() {
+        assert!(within(1000..1500) >= 0.95);
     }
 }

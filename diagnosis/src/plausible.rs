@@ -3,6 +3,7 @@
 use crate::Refusal;
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
+use crate::spectrum::motion_band_hz;
 
 /// Factor beyond which a proportion is a slip of units.
 const SLIP: f64 = 250.0;
@@ -164,6 +165,7 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
         if s.stiffness_n_per_mm.is_some_and(|k| k.value > 0.0)
             && (0.5..2.0).contains(&ratio)
             && correlation(x, f) < -0.9
+            && !may_be_inertia(s, x, r.interval_s())
         {
             return Err(Refusal::new(format!(
                 "{}: force falls where displacement rises: accepted is a force with the sign of the displacement, as \
@@ -270,6 +272,19 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
         farthest - inside[0] > GOES_ON * turn && farthest - inside[0] > 0.0
     };
     2 * stops.iter().filter(|s| on(s)).count() >= stops.len()
+}
+
+/// Share of the spring's force from which on a declared mass may turn the sign of the whole.
+const HEAVY: f64 = 0.3;
+
+/// Whether the declared mass moves so fast that its force, which is against the displacement, may rule.
+fn may_be_inertia(model: &crate::SpecimenModel, x: &[f64], interval_s: f64) -> bool {
+    let (Some(k), Some(m)) = (model.stiffness_n_per_mm, model.mass_kg) else {
+        return false;
+    };
+    motion_band_hz(x, interval_s).is_some_and(|hz| {
+        1e-3 * m.value * (std::f64::consts::TAU * hz).powi(2) > HEAVY * k.value.abs()
+    })
 }
 
 #[cfg(test)]

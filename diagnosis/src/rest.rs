@@ -141,6 +141,36 @@ fn steady(x: &[f64], period: usize, room: f64) -> Option<Periodic> {
     })
 }
 
+/// Parts of a period that changes are judged by.
+const PARTS: usize = 12;
+/// A part whose mean square is so many times the median is no noise: there the motion did not repeat itself to the sample,
+/// and a force that jumps shows it.
+const LOUD: f64 = 4.0;
+
+/// Of what one period differs by from the next, the stretches that are as quiet as most.
+pub fn quiet(changes: &[f64], period: usize) -> Vec<Vec<f64>> {
+    let length = (period / PARTS).max(16).min(changes.len().max(1));
+    let square = |c: &[f64]| c.iter().map(|x| x * x).sum::<f64>() / c.len() as f64;
+    let parts: Vec<&[f64]> = changes.chunks_exact(length).collect();
+    let mut sorted: Vec<f64> = parts.iter().map(|c| square(c)).collect();
+    sorted.sort_by(f64::total_cmp);
+    let Some(median) = sorted.get(sorted.len() / 2).copied() else {
+        return vec![changes.to_vec()];
+    };
+    let mut stretches: Vec<Vec<f64>> = Vec::new();
+    let mut open = false;
+    for part in parts {
+        let is_quiet = square(part) <= LOUD * median;
+        match stretches.last_mut().filter(|_| open && is_quiet) {
+            Some(last) => last.extend_from_slice(part),
+            None if is_quiet => stretches.push(part.to_vec()),
+            None => {}
+        }
+        open = is_quiet;
+    }
+    stretches
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

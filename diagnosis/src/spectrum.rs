@@ -164,6 +164,20 @@ impl Density {
     }
 }
 
+/// Power of each bin up to half the rate, under a Hann window.
+pub fn periodogram(x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let mean = x.iter().sum::<f64>() / n as f64;
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
+    let mut bins: Vec<Complex<f64>> = x
+        .iter()
+        .enumerate()
+        .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
+        .collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    bins[..n / 2].iter().map(Complex::norm_sqr).collect()
+}
+
 /// Share of the speed's power that lies below the band's end.
 const BAND: f64 = 0.9;
 /// What rises less than this above the floor of a reading is its noise.

@@ -23,6 +23,7 @@ mod declared;
 mod dice;
 pub mod effect;
 mod excitation;
+pub mod field;
 mod fine;
 mod key;
 mod lab;

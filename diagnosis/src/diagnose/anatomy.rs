@@ -1,11 +1,12 @@
 //! What the rest of a channel depends on.
 
 use super::Channelled;
-use crate::answer::{ChannelAnswer, Errors};
+use crate::answer::{ChannelAnswer, Errors, Verdict};
+use crate::criteria::{LINES, TRANSDUCER};
 use crate::foretold::next_error;
 use crate::problem::rms;
 use crate::recording::Recording;
-use crate::remainder::{Moves, anatomy, correction, rms_with};
+use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
 use plant::Channel;
 
 impl Channelled<'_> {
@@ -51,6 +52,42 @@ impl Channelled<'_> {
             Some(judged.iter().zip(rest).map(|(t, r)| t - r).collect())
         };
         records.iter().zip(rests).map(answer).collect()
+    }
+
+    /// What is left and has lines that are not the motion's is no noise, however little the motion has to do with it.
+    pub(super) fn hear_lines(&self, answer: &mut ChannelAnswer) {
+        if answer.verdict != Verdict::None || answer.error_before.test_nrmse < TRANSDUCER {
+            return;
+        }
+        let t = &answer.traces;
+        let rest: Vec<f64> = t
+            .measured
+            .iter()
+            .zip(&t.before)
+            .map(|(y, m)| y - m)
+            .collect();
+        let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
+            return;
+        };
+        let found = lines(&rest, &t.input, r.interval_s());
+        let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
+        let whole = rms(std::slice::from_ref(&rest));
+        if square < LINES * whole * whole {
+            return;
+        }
+        let all: Vec<String> = found
+            .iter()
+            .map(|l| format!("{:.3} Hz", l.frequency_hz))
+            .collect();
+        answer.verdict = Verdict::Unknown;
+        answer.notes = vec![format!(
+            "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise: a pump, a \
+             valve that hunts, another axis; its cause is outside these channels.",
+            answer.unit,
+            all.join(", ")
+        )];
+        let rests = [rest];
+        self.look_at_the_rest(answer, &rests, &rests);
     }
 
     fn moves(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Moves>> {

@@ -4,7 +4,7 @@ use super::Channelled;
 use crate::answer::{
     ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces, Verdict,
 };
-use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES};
+use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER};
 use crate::joint::{self, Explained, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::Noise;
@@ -78,7 +78,8 @@ impl Channelled<'_> {
         let lowest = after.as_ref().map_or(&before, |a| a).errors.test_rms;
         // A floor above what is reached is none.
         answer.noise_floor_rms = noise.map_or(0.0, |n| n.rms.min(lowest));
-        let fits_noise = before.errors.test_rms <= NOISE * answer.noise_floor_rms;
+        let fits_noise = before.errors.test_rms <= NOISE * answer.noise_floor_rms
+            || before.errors.test_nrmse < TRANSDUCER;
         match (&found.outcome, explained.zip(after.as_ref())) {
             (Outcome::Nothing, _) if noise.is_none() || fits_noise => {}
             (Outcome::Nothing, _) => answer.verdict = Verdict::Unknown,

@@ -17,21 +17,13 @@ pub use verdict::Outcome;
 pub use way::Way;
 
 use crate::base::Base;
+pub use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS as MOST_PARTS, PRICE};
 use crate::recording::Recording;
 use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
 use search::Search;
 use way::Run;
 
-/// Contiguous blocks of the training data; each is left out once.
-pub const BLOCKS: usize = 6;
-/// Parts at most in one model.
-pub const MOST_PARTS: usize = 4;
-/// What a part of one number must lower the logarithm of the cross-validated squares by: some 15 % of the squares, the
-/// scatter of one block's share.
-pub const PRICE: f64 = 0.16;
-/// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
-pub const FLOOR: f64 = 0.01;
 /// Samples that a search makes do with.
 const SEARCHED: usize = 4000;
 /// Samples a cycle of the band's end that averaging leaves, and that it leaves where there would be too many.

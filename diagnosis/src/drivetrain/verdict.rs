@@ -2,19 +2,10 @@
 
 use super::fit::{DECLARED, Fit, Model};
 use super::search::{Scored, Search};
+use crate::criteria::{ALMOST_ALL, CERTAIN, LARGEST_SET, LEAST_PROBABLE, WEIGHT};
 use plant::Effect;
 use rayon::prelude::*;
 
-/// A name is given where models of every other name leave so many times the squares.
-const CERTAIN: f64 = 2.0;
-/// Models whose squares are within this of the best one's are equally good.
-const EQUALLY_GOOD: f64 = 1.3;
-/// A set of more names says nothing.
-const LARGEST_SET: usize = 5;
-/// A name that stands so well has its best rival beside it, however far that is: two names with their odds.
-const STANDS: f64 = 1.5;
-/// The odds of two members of a set are the ratio of their squares to this power.
-const WEIGHT: f64 = 4.0;
 /// Rivals of a name that are fitted.
 const RIVALS: usize = 4;
 
@@ -135,35 +126,78 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
     };
     // The preferred member alone: what stands beside it cannot be vouched for either, and its rivals are those without it.
     let alone = search.scored(&only(&best.fit.model, &[*first]), best.fit.declared);
-    let Some(alone) = alone.filter(|s| s.score < 0.0) else {
-        return unknown(first.effect);
-    };
-    let mut rivals = named(rivals(search, &alone, first.effect, declared));
-    rivals.extend(named(others(search, &alone, first.effect, &all)));
+    let set = alone.filter(|s| s.score < 0.0).and_then(|alone| {
+        let mut rivals = named(rivals(search, &alone, first.effect, declared));
+        rivals.extend(named(others(search, &alone, first.effect, &all)));
+        set(alone, first.effect, rivals)
+    });
+    set.or_else(|| of_single_names(search, declared))
+        .unwrap_or_else(|| unknown(first.effect))
+}
+
+/// A set of a name and its rivals; `None` where there is no rival or too many.
+fn set(own: Scored, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<Outcome> {
     rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut members: Vec<(Effect, f64)> = vec![(first.effect, 1.0)];
-    for (i, (rival, times)) in rivals.into_iter().enumerate() {
-        let beside = i == 0 && first.rho >= STANDS && times.exp() < CERTAIN * first.rho;
-        if times.exp() >= EQUALLY_GOOD && !beside {
-            continue;
-        }
-        let odds = (-WEIGHT * times).exp();
+    let mut members: Vec<(Effect, f64)> = vec![(effect, 1.0)];
+    for (rival, times) in rivals.into_iter().filter(|r| r.1 < CERTAIN.ln()) {
+        let odds = (-WEIGHT * times).exp().min(1.0);
         match members.iter_mut().find(|m| m.0 == rival) {
             Some(m) => m.1 = m.1.max(odds),
             None => members.push((rival, odds)),
         }
     }
-    if members.len() < 2 || members.len() > LARGEST_SET {
-        return unknown(first.effect);
-    }
     let whole: f64 = members.iter().map(|m| m.1).sum();
     members.iter_mut().for_each(|m| m.1 /= whole);
+    members.retain(|m| m.0 == effect || m.1 > LEAST_PROBABLE);
+    if members.len() < 2 || members.len() > LARGEST_SET {
+        return None;
+    }
     // The preferred one is the one that the model has.
     members[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
-    Outcome::Set {
-        fit: alone.fit,
+    Some(Outcome::Set {
+        fit: own.fit,
         members,
+    })
+}
+
+/// Where one name alone leaves next to nothing of the squares: the set of those that do, whatever small part of the rest
+/// could be had beside it.
+fn of_single_names(search: &Search, declared: &Scored) -> Option<Outcome> {
+    let mut singles: Vec<Scored> = search.bare(declared);
+    let held = [false; DECLARED];
+    for glance in search.glances(declared, &[]).iter().take(RIVALS) {
+        let model = Model {
+            parts: vec![glance.part],
+            moved: held,
+        };
+        singles.extend(search.scored(&model, declared.fit.declared));
     }
+    singles.retain(|s| names(&s.fit.model).len() == 1);
+    singles.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let best = singles.first()?.clone();
+    if search.times(&best.squares, &declared.squares) > ALMOST_ALL.ln() {
+        return None;
+    }
+    let effect = names(&best.fit.model)[0];
+    let rivals = singles[1..]
+        .iter()
+        .filter(|s| names(&s.fit.model)[0] != effect);
+    let rivals: Vec<(Effect, f64)> = rivals
+        .map(|s| {
+            let times = search.times(&s.squares, &best.squares);
+            (names(&s.fit.model)[0], times)
+        })
+        .collect();
+    let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
+    if least >= CERTAIN.ln() {
+        let rho = least.exp();
+        return Some(Outcome::Named {
+            fit: best.fit,
+            names: vec![Name { effect, rho }],
+            more: true,
+        });
+    }
+    set(best, effect, rivals)
 }
 
 /// A rival: its name, if it has one, and the logarithm of how many times the squares it leaves.

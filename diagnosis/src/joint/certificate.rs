@@ -160,8 +160,14 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     };
     let own_price = shapes(set);
     let mut rivals: Vec<Rival> = Vec::new();
-    let mut all = in_place_of(library, &rest, other, most, group.kind);
-    all.extend(in_place_of(library, &rest, relative, most, group.kind));
+    let mut all = in_place_of(library, &rest, other, most, (group.name, group.kind));
+    all.extend(in_place_of(
+        library,
+        &rest,
+        relative,
+        most,
+        (group.name, group.kind),
+    ));
     for (name, set, kind, fall) in all {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
         let times = (fall - own).exp();
@@ -182,8 +188,9 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
             }),
         }
     }
-    let (kin, mut rivals): (Vec<Rival>, Vec<Rival>) =
-        rivals.into_iter().partition(|r| r.kind == group.kind);
+    let (kin, mut rivals): (Vec<Rival>, Vec<Rival>) = rivals
+        .into_iter()
+        .partition(|r| r.kind == group.kind && group.kind != Kind::Parameter);
     rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
     Candidate {
         name: group.name,
@@ -207,10 +214,11 @@ fn set_fall(library: &Library, set: &Set) -> f64 {
     costs.map_or(0.0, |c| library.fall(&c))
 }
 
-/// The set or the same with all declared parameters free, whichever is better: every chance.
-fn freest(library: &Library, set: Set) -> (Set, f64) {
+/// The set or the same with all declared parameters free, whichever is better: every chance. A parameter in whose place
+/// it stands stays within its tolerances.
+fn freest(library: &Library, set: Set, of: Option<usize>) -> (Set, f64) {
     let free = Set {
-        moved: [true; DECLARED],
+        moved: std::array::from_fn(|i| Some(i) != of),
         ..set.clone()
     };
     let (held, loose) = (set_fall(library, &set), set_fall(library, &free));
@@ -233,13 +241,15 @@ fn in_place_of(
     rest: &Set,
     allowed: impl Fn(usize) -> bool + Sync,
     most: usize,
-    not: Kind,
+    (of, not): (Effect, Kind),
 ) -> Vec<Placed> {
     let others: Vec<usize> = (0..library.elements.len())
         .filter(|&e| allowed(e) && !rest.elements.contains(&e))
         .collect();
+    let parameter = PARAMETERS.iter().position(|p| *p == of);
+    let parameter = parameter.filter(|_| not == Kind::Parameter);
     let with = |set: &Set, e: usize| {
-        let (set, fall) = freest(library, set.with(e));
+        let (set, fall) = freest(library, set.with(e), parameter);
         let strengths = library.strengths(&set).unwrap_or_default();
         let at = set.elements.iter().position(|o| *o == e).unwrap_or(0);
         let strength = strengths.get(DECLARED + at).copied().unwrap_or(0.0);
@@ -263,14 +273,15 @@ fn in_place_of(
             .collect();
         found.extend(more);
     }
-    // Nothing in its place, but a parameter that leaves its tolerance.
-    if not != Kind::Parameter {
-        for (i, name) in PARAMETERS.iter().enumerate() {
-            let mut set = rest.clone();
-            set.moved[i] = true;
-            let fall = set_fall(library, &set);
-            found.push((*name, set, Kind::Parameter, fall));
+    // Nothing in its place, but a parameter that leaves its tolerance; in place of a parameter, another one.
+    for (i, name) in PARAMETERS.iter().enumerate() {
+        if *name == of || (not == Kind::Parameter && rest.moved[i]) {
+            continue;
         }
+        let mut set = rest.clone();
+        set.moved[i] = true;
+        let fall = set_fall(library, &set);
+        found.push((*name, set, Kind::Parameter, fall));
     }
     found
 }
@@ -323,7 +334,9 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
 
 /// Whether elements are worth nothing beside an unnamed rest of all other kinds.
 fn is_void(library: &Library, kind: Kind, elements: &[usize]) -> bool {
-    let rest = rest_columns(library).into_iter().filter(|r| r.0 != kind);
+    // What a play takes off a spring is a slider that pulls.
+    let own = |k: Kind| k == kind || (kind == Kind::Play && k == Kind::Memory);
+    let rest = rest_columns(library).into_iter().filter(|r| !own(r.0));
     let mut columns: Vec<Vec<f64>> = library.columns[..DECLARED].to_vec();
     columns.extend(rest.map(|r| r.1));
     let without = ridge_costs(&columns, &library.force);

@@ -210,6 +210,9 @@ fn unknowns(library: &Library, fit: &Fit) -> Vec<Unknown> {
 }
 
 fn covariance(library: &Library, fit: &Fit, unknowns: &[Unknown]) -> Option<DMatrix<f64>> {
+    if unknowns.is_empty() {
+        return None;
+    }
     let answer = |fit: &Fit| {
         let mut y = vec![0.0; library.force.len()];
         for i in 0..DECLARED {

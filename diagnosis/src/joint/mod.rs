@@ -26,16 +26,25 @@ mod track;
 pub use figures::Sure;
 pub use fit::Fit;
 pub use one_each::one_each;
-pub use outcome::{Explained, Outcome, q};
+pub use outcome::{Explained, Outcome, commonness, q};
 pub use saved::SavedElement;
 
 use crate::base::Base;
 use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, POLISHED, SEARCHED};
 use crate::problem::Problem;
 use crate::recording::Recording;
+use plant::{Effect, Family};
 use rayon::prelude::*;
 use set::{Library, Set};
 use track::{Source, Track};
+
+/// Whether there is an element or a declared parameter of this name.
+pub fn can_say(name: Effect) -> bool {
+    !matches!(
+        name.entry().family,
+        Family::Interference | Family::Limit | Family::Timing
+    ) && !matches!(name, Effect::TemperatureGain | Effect::RigCompliance)
+}
 
 /// What the search came to.
 #[derive(Debug)]

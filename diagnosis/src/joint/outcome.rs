@@ -45,7 +45,7 @@ pub fn q(rho: f64) -> f64 {
 
 /// How often a cause is met among those that fit a specimen's record equally well, relative to friction: every machine
 /// has that; a filter or a change with time fits many records and is the cause of few.
-fn commonness(name: Effect) -> f64 {
+pub fn commonness(name: Effect) -> f64 {
     match name.entry().family {
         Family::Friction => 1.0,
         Family::Hysteresis | Family::Calibration => 0.7,
@@ -89,9 +89,12 @@ pub fn conclude(
     // The model is that of the likeliest that was fitted.
     let preferred = members[0].0;
     let rival = first.rivals.iter().chain(&first.kin);
-    let model = match rival.clone().find(|r| r.name == preferred) {
-        Some(rival) if preferred != first.name => instead(library, rival, cutoff_hz)?,
-        _ => {
+    let rival = rival
+        .clone()
+        .find(|r| r.name == preferred && preferred != first.name);
+    let model = match rival.and_then(|rival| instead(library, rival, cutoff_hz)) {
+        Some(model) => model,
+        None => {
             let own = [(first.name, first.elements.clone(), None)];
             explained(library, set, &own, cutoff_hz)?
         }

@@ -3,6 +3,7 @@
 use super::band::Band;
 use crate::noise::averaged;
 use crate::recording::{Recording, range};
+use crate::spectrum::motion_band_hz;
 
 /// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
 /// out.
@@ -72,9 +73,15 @@ impl<'a> Source<'a> {
         self.recording.interval_s()
     }
 
-    /// Where the motion's band ends, Hz.
+    /// Where the motion's band ends, Hz. The steps of a coarse converter are no white noise: what does not rise above the
+    /// floor of an averaged spectrum is no motion.
     pub fn band_hz(&self) -> f64 {
-        self.band.of_motion_hz()
+        let x = self.recording.displacement_mm.as_deref();
+        let averaged = x.and_then(|x| motion_band_hz(x, self.interval_s()));
+        averaged.map_or_else(
+            || self.band.of_motion_hz(),
+            |hz| hz.min(self.band.of_motion_hz()),
+        )
     }
 
     /// The span below a cut-off.

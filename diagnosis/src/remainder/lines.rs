@@ -1,9 +1,7 @@
 //! Coherent lines and tones that wander, in what a model leaves.
 
 use crate::answer::Line;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
-use std::f64::consts::TAU;
+use crate::spectrum::periodogram;
 
 /// Widths, in bins, over which a tone may wander, and how many times the running median its mean must be: chance makes
 /// one false alarm in some hundred records of noise.
@@ -20,20 +18,6 @@ const HARMONICS: usize = 9;
 const MOST: usize = 3;
 /// A line must hold this share of the squares, else it does not matter.
 const MATTERS: f64 = 0.02;
-
-/// Power of each bin up to half the rate, under a Hann window.
-fn periodogram(x: &[f64]) -> Vec<f64> {
-    let n = x.len();
-    let mean = x.iter().sum::<f64>() / n as f64;
-    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos();
-    let mut bins: Vec<Complex<f64>> = x
-        .iter()
-        .enumerate()
-        .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
-        .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
-    bins[..n / 2].iter().map(Complex::norm_sqr).collect()
-}
 
 /// Bins that belong to the motion: its own, and harmonics of its strong ones.
 fn struck(motion: &[f64]) -> Vec<bool> {
@@ -147,6 +131,7 @@ mod tests {
     use super::*;
     use rand_core::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
+    use std::f64::consts::TAU;
 
     const H: f64 = 2e-3;
 

@@ -5,6 +5,7 @@ mod columns;
 mod lines;
 
 pub use columns::{Moves, Range};
+pub use lines::lines;
 
 use crate::answer::{DependsOn, Remainder, Share};
 use crate::linear::{dot, gram};
@@ -204,7 +205,7 @@ pub fn anatomy(train: &[Moves], test: &[Moves]) -> Remainder {
     Remainder {
         rms: (square(test) / samples.max(1) as f64).sqrt(),
         shares,
-        lines: longest.map_or_else(Vec::new, |m| lines::lines(&m.rest, &m.x, m.interval_s)),
+        lines: longest.map_or_else(Vec::new, |m| lines(&m.rest, &m.x, m.interval_s)),
     }
 }
 

@@ -1,0 +1,105 @@
+//! Rigs as others record them, and what the diagnosis says of them, by cause.
+//!
+//! ```text
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--list]
+//! ```
+
+mod sit;
+
+use exam::field::{Mark, causes};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use sit::Sat;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let list = arguments.iter().any(|a| a == "--list");
+    let range = |a: &String| -> Option<Vec<u64>> {
+        match a.split_once("..") {
+            Some((from, to)) => Some((from.parse().ok()?..to.parse().ok()?).collect()),
+            None => Some(vec![a.parse().ok()?]),
+        }
+    };
+    let mut seeds: Vec<u64> = arguments.iter().filter_map(range).flatten().collect();
+    if seeds.is_empty() {
+        seeds = (0..320).collect();
+    }
+    let bar = ProgressBar::new(seeds.len() as u64);
+    let all: Vec<Sat> = seeds
+        .into_par_iter()
+        .map(sit::sit)
+        .inspect(|_| bar.inc(1))
+        .inspect(|s| {
+            if list && !matches!(s.mark, Mark::Right | Mark::Set) {
+                show(s);
+            }
+        })
+        .collect();
+    by_cause(&all);
+    calibration(&all);
+}
+
+fn show(s: &Sat) {
+    println!(
+        "{:?} [{}] {} {:?} or {:?}, q {:?}; {:.4} -> {:.4} of {:.4}; {} samples, {:.1} s",
+        s.mark,
+        s.id,
+        s.said.verdict,
+        s.said.names,
+        s.said.others,
+        s.said.q,
+        s.errors[0],
+        s.errors[1],
+        s.errors[2],
+        s.samples,
+        s.seconds
+    );
+    for note in &s.notes {
+        println!("    {note}");
+    }
+}
+
+fn by_cause(all: &[Sat]) {
+    let heads = Mark::ALL.map(|m| format!("{m:?}").to_lowercase());
+    println!("| cause | rigs | {} |", heads.join(" | "));
+    println!("|---|---|{}", "---|".repeat(heads.len()));
+    let row = |name: &str, of: &[&Sat]| {
+        let count = |m: Mark| of.iter().filter(|s| s.mark == m).count();
+        let cells = Mark::ALL.map(|m| {
+            count(m)
+                .to_string()
+                .replace('0', if count(m) == 0 { "" } else { "0" })
+        });
+        println!("| {name} | {} | {} |", of.len(), cells.join(" | "));
+    };
+    for cause in causes() {
+        row(
+            cause,
+            &all.iter().filter(|s| s.cause == cause).collect::<Vec<_>>(),
+        );
+    }
+    row("**all**", &all.iter().collect::<Vec<_>>());
+}
+
+/// The share of false names among those that were given with a `q` up to a level.
+fn calibration(all: &[Sat]) {
+    println!("\n| q at most | names | false | share |\n|---|---|---|---|");
+    let vouched: Vec<(f64, bool)> = all.iter().flat_map(|s| s.vouched.clone()).collect();
+    for level in [0.01, 0.05, 0.1] {
+        let of: Vec<bool> = vouched
+            .iter()
+            .filter(|v| v.0 <= level)
+            .map(|v| v.1)
+            .collect();
+        let wrong = of.iter().filter(|w| **w).count();
+        let share = wrong as f64 / of.len().max(1) as f64;
+        println!("| {level} | {} | {wrong} | {share:.3} |", of.len());
+    }
+    let mut seconds: Vec<f64> = all.iter().map(|s| s.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    println!(
+        "\n{} rigs; half within {:.2} s",
+        all.len(),
+        seconds[seconds.len() / 2]
+    );
+}

@@ -1,0 +1,149 @@
+//! The diagnosis of this repository answers field records.
+
+use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel, Verdict};
+use exam::Parameter;
+use exam::field::{Believed, Field, Mark, Said, set_field};
+
+/// A field record, answered and graded.
+pub struct Sat {
+    pub id: String,
+    pub cause: &'static str,
+    pub mark: Mark,
+    pub said: Said,
+    /// What comes nearest, and the notes.
+    pub notes: Vec<String>,
+    /// For each name with a `q`: that, and whether it is false.
+    pub vouched: Vec<(f64, bool)>,
+    /// Held-out NRMSE before, after, and the stated floor.
+    pub errors: [f64; 3],
+    /// User time is that of this thread alone only where one thread works.
+    pub seconds: f64,
+    pub samples: usize,
+}
+
+fn recordings(field: &Field) -> [Recording; 2] {
+    let recording = |name: &str, r: &exam::Record| {
+        let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
+        Recording {
+            name: name.into(),
+            time_s: r.time_s.clone(),
+            command_mm: column(&r.command_mm),
+            displacement_mm: column(&r.displacement_mm),
+            force_n: column(&r.force_n),
+            ..Recording::default()
+        }
+    };
+    let train = recording("train", &field.train);
+    let mut test = recording("test", &field.test);
+    if field.one_file {
+        test.before = Some(Box::new(train.clone()));
+    }
+    [train, test]
+}
+
+fn model(believed: &Believed) -> Model {
+    let known = |p: Parameter| Declared {
+        value: p.value,
+        tolerance: p.tolerance,
+    };
+    match believed {
+        Believed::Actuator([gain, delay, lag, offset]) => Model {
+            actuator: Some(ActuatorModel {
+                gain: Some(known(*gain)),
+                delay_ms: Some(known(*delay)),
+                lag_ms: Some(known(*lag)),
+                offset_mm: Some(known(*offset)),
+                ..ActuatorModel::default()
+            }),
+            specimen: None,
+            ..Model::default()
+        },
+        Believed::Specimen(all) => {
+            let [k, c, m, offset] = all.map(|p| p.map(known));
+            Model {
+                actuator: None,
+                specimen: Some(SpecimenModel {
+                    stiffness_n_per_mm: k,
+                    damping_n_s_per_mm: c,
+                    mass_kg: m,
+                    offset_n: offset,
+                    ..SpecimenModel::default()
+                }),
+                ..Model::default()
+            }
+        }
+    }
+}
+
+fn said(found: &Diagnosis) -> Said {
+    let a = &found.channels[0];
+    let verdict = match a.verdict {
+        Verdict::None => "none",
+        Verdict::Effect => "effect",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Partial => "partial",
+        Verdict::Unknown => "unknown",
+        Verdict::NotAssessed => "not assessed",
+    };
+    Said {
+        verdict: verdict.into(),
+        names: a.effects.iter().map(|e| e.name.name().into()).collect(),
+        others: a.alternatives.iter().map(|e| e.name().into()).collect(),
+        q: a.effects.iter().filter_map(|e| e.q).collect(),
+    }
+}
+
+fn notes(found: &Diagnosis) -> Vec<String> {
+    let a = &found.channels[0];
+    let nearest = a
+        .nearest
+        .iter()
+        .map(|n| format!("nearest {} {:.2}", n.name, n.explained));
+    nearest.chain(a.notes.iter().cloned()).collect()
+}
+
+/// Sets, answers and grades the record of a seed.
+pub fn sit(seed: u64) -> Sat {
+    let field = set_field(seed);
+    let [train, test] = recordings(&field);
+    let samples = train.time_s.len();
+    let found = diagnosis::diagnose(&model(&field.believed), &[train], &[test], &[]);
+    let (said, vouched, errors, seconds) = match &found {
+        Err(why) => {
+            let said = Said {
+                verdict: format!("refused: {why}"),
+                ..Said::default()
+            };
+            (said, Vec::new(), [0.0; 3], 0.0)
+        }
+        Ok(d) => {
+            let a = &d.channels[0];
+            let vouched = a.effects.iter().filter_map(|e| {
+                let wrong = !field.truth.allows(e.name.name());
+                e.q.map(|q| (q, wrong))
+            });
+            let unit = a.error_before.test_nrmse / a.error_before.test_rms.max(f64::MIN_POSITIVE);
+            let errors = [
+                a.error_before.test_nrmse,
+                a.error_after.test_nrmse,
+                a.noise_floor_rms * unit,
+            ];
+            let mut said = said(d);
+            if a.verdict == Verdict::NotAssessed {
+                said.verdict = format!("not assessed: {}", a.notes.join(" "));
+            }
+            (said, vouched.collect(), errors, d.seconds)
+        }
+    };
+    Sat {
+        mark: field.truth.mark(&said),
+        cause: field.truth.cause,
+        id: field.id,
+        said,
+        vouched,
+        notes: found.map_or_else(|_| Vec::new(), |d| notes(&d)),
+        errors,
+        seconds,
+        samples,
+    }
+}

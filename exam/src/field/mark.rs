@@ -1,0 +1,140 @@
+//! What was said of a field record, and whether it is true.
+
+/// What a diagnosis said of the channel.
+#[derive(Clone, Debug, Default)]
+pub struct Said {
+    /// The verdict as `diagnose --json` has it; `refused` where there is none.
+    pub verdict: String,
+    /// Names that went into the model; of a set, the preferred one.
+    pub names: Vec<String>,
+    /// Other members of the set.
+    pub others: Vec<String>,
+    /// `q` of each name that has one.
+    pub q: Vec<f64>,
+}
+
+/// The key to a field record.
+#[derive(Clone, Debug, Default)]
+pub struct Truth {
+    /// The cause.
+    pub cause: &'static str,
+    /// Names for it; none: nothing is hidden, or nothing that has a name.
+    pub right: Vec<&'static str>,
+    /// Names that are no mistake beside a right one.
+    pub beside: Vec<&'static str>,
+    /// Something is hidden that has no name.
+    pub nameless: bool,
+    /// The motion cannot tell the cause from others: a name alone claims too much.
+    pub inseparable: bool,
+}
+
+/// A grade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mark {
+    /// Right names and no other, or silence where nothing has a name.
+    Right,
+    /// A set with a right name.
+    Set,
+    /// `unknown` where there is a name.
+    Unknown,
+    /// `none` where something is hidden.
+    None,
+    /// `unknown` where nothing is hidden.
+    Alarm,
+    /// No verdict.
+    Refused,
+    /// One of those that the motion cannot tell apart, alone.
+    Overclaimed,
+    /// A set without a right name.
+    WrongSet,
+    /// A name that is not in the rig.
+    Wrong,
+}
+
+impl Mark {
+    /// All.
+    pub const ALL: [Self; 9] = [
+        Self::Right,
+        Self::Set,
+        Self::Unknown,
+        Self::None,
+        Self::Alarm,
+        Self::Refused,
+        Self::Overclaimed,
+        Self::WrongSet,
+        Self::Wrong,
+    ];
+}
+
+impl Truth {
+    /// Whether a name is no mistake.
+    pub fn allows(&self, name: &str) -> bool {
+        self.right.contains(&name) || self.beside.contains(&name)
+    }
+
+    /// The grade of what was said.
+    pub fn mark(&self, said: &Said) -> Mark {
+        let silent = self.right.is_empty();
+        let right = |n: &String| self.right.contains(&n.as_str());
+        match said.verdict.as_str() {
+            "none" if silent && !self.nameless => Mark::Right,
+            "none" => Mark::None,
+            "unknown" if silent && self.nameless => Mark::Right,
+            "unknown" if silent => Mark::Alarm,
+            "unknown" => Mark::Unknown,
+            "ambiguous" if said.names.iter().chain(&said.others).any(right) => Mark::Set,
+            "ambiguous" => Mark::WrongSet,
+            "effect" | "partial" => {
+                let all = said.names.iter().all(|n| self.allows(n));
+                match (all && said.names.iter().any(right), self.inseparable) {
+                    (true, false) => Mark::Right,
+                    (true, true) => Mark::Overclaimed,
+                    _ => Mark::Wrong,
+                }
+            }
+            _ => Mark::Refused,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_follow_the_key() {
+        let said = |verdict: &str, names: &[&str], others: &[&str]| Said {
+            verdict: verdict.into(),
+            names: names.iter().map(ToString::to_string).collect(),
+            others: others.iter().map(ToString::to_string).collect(),
+            q: Vec::new(),
+        };
+        let friction = Truth {
+            right: vec!["coulomb_friction"],
+            beside: vec!["viscous_damping"],
+            ..Truth::default()
+        };
+        let one = said("effect", &["coulomb_friction", "viscous_damping"], &[]);
+        assert_eq!(friction.mark(&one), Mark::Right);
+        let beside = said("effect", &["viscous_damping"], &[]);
+        assert_eq!(friction.mark(&beside), Mark::Wrong);
+        let set = said("ambiguous", &["maxwell_damper"], &["coulomb_friction"]);
+        assert_eq!(friction.mark(&set), Mark::Set);
+        let one_speed = Truth {
+            inseparable: true,
+            ..friction.clone()
+        };
+        assert_eq!(one_speed.mark(&one), Mark::Overclaimed);
+        assert_eq!(one_speed.mark(&set), Mark::Set);
+        let clean = Truth::default();
+        assert_eq!(clean.mark(&said("none", &[], &[])), Mark::Right);
+        assert_eq!(clean.mark(&said("unknown", &[], &[])), Mark::Alarm);
+        assert_eq!(clean.mark(&one), Mark::Wrong);
+        let line = Truth {
+            nameless: true,
+            ..clean
+        };
+        assert_eq!(line.mark(&said("none", &[], &[])), Mark::None);
+        assert_eq!(line.mark(&said("unknown", &[], &[])), Mark::Right);
+    }
+}

@@ -1,0 +1,139 @@
+//! Rigs as others record them: hydraulics with a valve and an oil column, elements in parallel, degradation, pinching,
+//! power laws, coherent disturbances; one speed, one frequency, slow, one-sided; a start in mid-motion, no rest, dwell,
+//! no noise at all, coarse converters. Written from textbooks of friction, dampers and servo-hydraulics:
+//!
+//! - LuGre friction: Canudas de Wit et al., IEEE TAC 40(3), 1995, 419;
+//! - distributed sliders: Iwan, J. Appl. Mech. 33, 1966, 893; Ramberg and Osgood, NACA TN 902, 1943;
+//! - degradation by dissipated energy: Baber and Wen, J. Eng. Mech. Div. 107, 1981, 1069;
+//! - magnetorheological damper in series with its oil's spring: Spencer et al., J. Eng. Mech. 123(3), 1997, 230;
+//! - valve, oil column and cylinder: Merritt, Hydraulic Control Systems, 1967, chapters 5 and 6;
+//! - contact: Hertz, J. reine angew. Math. 92, 1882, 156.
+//!
+//! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said of it.
+
+mod drive;
+mod force;
+mod mark;
+mod motion;
+mod reading;
+
+pub use mark::{Mark, Said, Truth};
+pub use motion::Move;
+
+use crate::case::Record;
+use crate::declared::Parameter;
+use crate::dice::Dice;
+use drive::Drive;
+use force::Cause;
+use motion::Plan;
+use reading::Reading;
+
+/// What the laboratory declares of the one channel that a field record has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Believed {
+    /// Gain, delay ms, lag ms, offset mm.
+    Actuator([Parameter; 4]),
+    /// Stiffness N/mm, damping N s/mm, mass kg, offset N.
+    Specimen([Option<Parameter>; 4]),
+}
+
+/// A question and its key.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Seed and cause.
+    pub id: String,
+    /// What the examinee gets: the model,
+    pub believed: Believed,
+    /// a record to learn from; columns that were not recorded are empty,
+    pub train: Record,
+    /// and one to be judged on.
+    pub test: Record,
+    /// Whether the second record goes on where the first ends.
+    pub one_file: bool,
+    /// What only the scorer gets.
+    pub truth: Truth,
+}
+
+/// All causes, the specimen's first, by name.
+pub fn causes() -> impl Iterator<Item = &'static str> {
+    let specimens = Cause::ALL.iter().map(|c| c.name());
+    specimens.chain(Drive::ALL.iter().map(|d| d.name()))
+}
+
+/// The record of a seed; causes take turns.
+pub fn set_field(seed: u64) -> Field {
+    let mut dice = Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xF1E1D);
+    let all = Cause::ALL.len() + Drive::ALL.len();
+    let turn = (seed % all as u64) as usize;
+    match Cause::ALL.get(turn) {
+        Some(cause) => specimen(seed, *cause, &mut dice),
+        None => actuator(seed, Drive::ALL[turn - Cause::ALL.len()], &mut dice),
+    }
+}
+
+/// A declared value that is off by about a tolerance.
+fn believed(truth: f64, tolerance: f64, dice: &mut Dice) -> Parameter {
+    let off = (0.8 * dice.normal()).clamp(-1.8, 1.8);
+    Parameter::new(truth + off * tolerance, tolerance)
+}
+
+fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
+    let plan = Plan::draw(Move::of_specimens(cause.needs_breadth(), dice), dice);
+    let reading = Reading::draw(dice);
+    let one_file = dice.chance(0.5);
+    let rig = force::Rig::draw(&plan, cause, dice);
+    let believed = {
+        let [k, c, m] = rig.linear;
+        let reach = rig.linear_force();
+        Believed::Specimen([
+            Some(believed(k, 0.03 * k, dice)),
+            Some(believed(c, 0.1 * c.max(0.01 * rig.damping_unit()), dice)),
+            (m > 0.0).then(|| believed(m, 0.05 * m, dice)),
+            Some(believed(0.0, 0.005 * reach, dice)),
+        ])
+    };
+    let [train, test] = plan.pair(one_file, dice).map(|x| {
+        let force = rig.force(&x.x, dice);
+        (x, force)
+    });
+    let scale = reading::scale(&train.0.x, &train.1);
+    let [train, test] = [train, test].map(|(x, f)| reading.record(&x, None, Some(&f), scale, dice));
+    Field {
+        id: format!("{seed} {} {:?} {reading:?}", cause.name(), plan.kind),
+        believed,
+        train,
+        test,
+        one_file,
+        truth: rig.truth(&plan),
+    }
+}
+
+fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
+    let plan = Plan::draw(Move::of_actuators(dice), dice);
+    let reading = Reading::draw(dice);
+    let one_file = dice.chance(0.5);
+    let rig = drive::Rig::draw(&plan, cause, dice);
+    let believed = Believed::Actuator([
+        believed(1.0, 0.01, dice),
+        believed(rig.declared_ms[0], 0.5, dice),
+        believed(rig.declared_ms[1], 0.05 * rig.declared_ms[1], dice),
+        believed(0.0, 0.002 * plan.amplitude_mm, dice),
+    ]);
+    let [train, test] = plan.pair(one_file, dice).map(|u| {
+        let x = rig.displacement(&u.x, dice);
+        (u, x)
+    });
+    let scale = reading::scale(&train.1, &[]);
+    let [train, test] = [train, test].map(|(u, x)| {
+        let moved = motion::Moved { x, ..u.clone() };
+        reading.record(&moved, Some(&u.x), None, scale, dice)
+    });
+    Field {
+        id: format!("{seed} {} {:?} {reading:?}", cause.name(), plan.kind),
+        believed,
+        train,
+        test,
+        one_file,
+        truth: rig.truth(&plan),
+    }
+}

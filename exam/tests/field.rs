@@ -1,0 +1,65 @@
+//! Rigs as others record them: what the diagnosis says of each cause once, and whether its `q` holds.
+#![allow(missing_docs)]
+#![cfg(not(debug_assertions))] // Minutes without optimisation.
+
+#[path = "../examples/field/sit.rs"]
+mod sit;
+
+use exam::field::{Mark, causes};
+use rayon::prelude::*;
+use sit::{Sat, sit};
+
+fn all(seeds: std::ops::Range<u64>) -> Vec<Sat> {
+    let all: Vec<Sat> = seeds.into_par_iter().map(sit).collect();
+    for s in all
+        .iter()
+        .filter(|s| !matches!(s.mark, Mark::Right | Mark::Set))
+    {
+        println!(
+            "{:?} [{}] {} {:?} {:?} {:?} {:.2} s of {} samples, {:?}",
+            s.mark,
+            s.id,
+            s.said.verdict,
+            s.said.names,
+            s.errors,
+            s.said.q,
+            s.seconds,
+            s.samples,
+            s.notes
+        );
+    }
+    all
+}
+
+fn count(all: &[Sat], marks: &[Mark]) -> usize {
+    all.iter().filter(|s| marks.contains(&s.mark)).count()
+}
+
+#[test]
+fn each_cause_once_gets_no_wrong_name_and_no_refusal() {
+    let one_each = causes().count() as u64;
+    let all = all(0..one_each);
+    let wrong = [Mark::Wrong, Mark::WrongSet, Mark::Overclaimed];
+    assert_eq!(count(&all, &wrong), 0);
+    assert_eq!(count(&all, &[Mark::Refused, Mark::Alarm]), 0);
+    assert!(count(&all, &[Mark::None]) <= 2);
+    let right = count(&all, &[Mark::Right, Mark::Set]);
+    assert!(right >= 24, "{right} of {one_each}");
+    assert!(all.iter().all(|s| causes().any(|c| c == s.cause)));
+}
+
+#[test]
+#[ignore = "some ten minutes of one core: two thousand drawn rigs"]
+fn no_more_names_are_false_than_their_q_says_on_two_thousand_rigs() {
+    let all = all(10_000..12_000);
+    let vouched: Vec<(f64, bool)> = all.iter().flat_map(|s| s.vouched.clone()).collect();
+    for level in [0.01, 0.05, 0.1] {
+        let of = vouched.iter().filter(|v| v.0 <= level);
+        let (names, wrong) = of.fold((0_u32, 0_u32), |(n, w), v| (n + 1, w + u32::from(v.1)));
+        println!("q <= {level}: {wrong} of {names} false");
+        assert!(
+            f64::from(wrong) <= level * f64::from(names),
+            "{wrong} of {names} at {level}"
+        );
+    }
+}
