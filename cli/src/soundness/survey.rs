@@ -107,6 +107,7 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
         seconds: SECONDS,
         latest: |_| LONGEST_MS,
         rightly_told: 0.6,
+        predictors: Prediction::ALL.to_vec(),
     };
     let methods = Method::ALL.into_iter().cycle();
     methods
@@ -123,6 +124,8 @@ pub(super) struct Range {
     pub(super) latest: fn(f64) -> f64,
     /// Share of compensations that are told the right delay; the others are told one that is up to 20 % off.
     pub(super) rightly_told: f64,
+    /// Behind one of which half of the force laws are put.
+    pub(super) predictors: Vec<Prediction>,
 }
 
 pub(super) fn test_file(method: Method, dice: &mut Dice, range: &Range) -> String {
@@ -188,7 +191,7 @@ pub(super) fn test_file(method: Method, dice: &mut Dice, range: &Range) -> Strin
     }
 
     let method = if dice.chance(0.5) {
-        method.behind(dice.one_of(Prediction::ALL))
+        method.behind(dice.one_of(&range.predictors))
     } else {
         method
     };
