@@ -174,6 +174,8 @@ fn look_on(arguments: &[&str]) {
             .to_string()
             .contains("not the emergency stop")
     );
+    // A browser that has just started catches up first.
+    page.wait("Date.now() - newest.wall_ms < 200");
     // While it looks on: every step comes, in order, and soon.
     let before = page.value("[steps, Date.now()]");
     let mut latency: Vec<f64> = Vec::new();
