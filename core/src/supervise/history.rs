@@ -78,15 +78,19 @@ mod tests {
     #[test]
     fn keeps_the_last_ones_in_order_until_it_is_closed() {
         let mut history = History::<1>::new();
+        let record = |tick| Record {
+            tick,
+            ..Record::EMPTY
+        };
         for tick in 0..40 {
-            history.place(tick < 30).tick = tick;
+            *history.place(tick < 30) = record(tick);
             assert_eq!(history.latest().tick, tick);
         }
         let ticks: Vec<u32> = history.kept().map(|r| r.tick).collect();
         assert_eq!(ticks, (30 - HISTORY as u32..30).collect::<Vec<_>>());
         history.clear();
         assert_eq!(history.kept().count(), 0);
-        history.place(true).tick = 77;
+        *history.place(true) = record(77);
         assert_eq!(history.kept().map(|r| r.tick).collect::<Vec<_>>(), [77]);
     }
 }

@@ -4,6 +4,7 @@
 //! micromath's sine is off by less than 1.2e-3 of the amplitude (the test below measures it): enough here, since what was
 //! commanded is in the record. The control path has libm instead.
 
+use core::num::NonZeroU32;
 use link::command::{Shape, Signal};
 use micromath::F32Ext;
 use outerloop_core::{Config, GroundMotion, Refusal};
@@ -20,7 +21,7 @@ pub struct Generator {
     signal: Signal,
     step_s: f32,
     /// Control steps from one integration step to the next, over which uploaded points are laid.
-    substeps: u32,
+    substeps: NonZeroU32,
     step: u32,
     steps: u32,
     /// Phase of the oscillation in turns, 0 to 1.
@@ -80,7 +81,7 @@ impl Generator {
         Ok(Self {
             signal,
             step_s: 1.0 / rate_hz,
-            substeps: u32::from(config.timing.substeps).max(1),
+            substeps: NonZeroU32::new(config.timing.substeps.into()).unwrap_or(NonZeroU32::MIN),
             step: 0,
             steps: (signal.seconds * rate_hz) as u32,
             phase: 0.0,
@@ -99,7 +100,7 @@ impl Generator {
         }
         if self.signal.shape == Shape::Points {
             let at = self.step / self.substeps;
-            let share = (self.step % self.substeps) as f32 / self.substeps as f32;
+            let share = (self.step % self.substeps) as f32 / self.substeps.get() as f32;
             let here_m = points.at(at);
             self.step += 1;
             return Some(here_m + share * (points.at(at + 1) - here_m));
