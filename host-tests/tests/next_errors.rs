@@ -1,4 +1,4 @@
-//! The error that a diagnosis foretells of held-out data, on a sample of the pairs that `scripts/next-errors` prints.
+//! The error that a diagnosis foretells of held-out data, on the pairs of open records that `scripts/next-errors` prints.
 #![allow(missing_docs)]
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
@@ -7,14 +7,9 @@ use host_tests::outside::cases;
 use rayon::prelude::*;
 
 #[test]
-fn foretold_errors_hold_in_most_pairs_of_a_sample_of_open_records() {
-    let sample = ["seal_napn_3bar", "seal_kidney_3bar", "seal_xring_7bar"];
+fn foretold_errors_hold_in_most_pairs_of_open_records() {
     let open = cases().unwrap_or_default();
-    let pairs: Vec<Pair> = open
-        .par_iter()
-        .filter(|c| sample.contains(&c.id.as_str()))
-        .flat_map(of_case)
-        .collect();
+    let pairs: Vec<Pair> = open.par_iter().flat_map(of_case).collect();
     for p in &pairs {
         println!(
             "{}: {:.4?}, {:.4}, {}",
@@ -23,18 +18,19 @@ fn foretold_errors_hold_in_most_pairs_of_a_sample_of_open_records() {
             p.came,
             p.holds()
         );
-        // An interval that says nothing is none.
-        assert!(
-            p.foretold[1] < 8.0 * p.foretold[0],
-            "{}: {:?}",
-            p.name,
-            p.foretold
-        );
     }
     let held = pairs.iter().filter(|p| p.holds()).count();
     assert!(
         held as f64 >= 0.85 * pairs.len() as f64,
         "{held} of {}",
+        pairs.len()
+    );
+    // An interval that says nothing is none.
+    let narrow = |p: &&Pair| p.foretold[1] < 4.0 * p.foretold[0];
+    let narrow = pairs.iter().filter(narrow).count();
+    assert!(
+        narrow as f64 >= 0.85 * pairs.len() as f64,
+        "{narrow} of {} are narrow",
         pairs.len()
     );
 }
