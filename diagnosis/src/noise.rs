@@ -393,7 +393,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "a minute of one core: five hundred records"]
     fn the_noise_of_five_hundred_records_without_a_rest_is_within_a_third() {
         assert!(within(1000..1500) >= 0.95);
     }
