@@ -1,6 +1,8 @@
 //! The laboratory around the board. Its turn comes at every period of the sampling timer, and when a converter outside the
 //! chip has something to do.
 
+mod pins;
+
 use crate::chain::{self, Chain, Converters, Instant, Shown};
 use crate::log::{Fault, Log, Planned, Seen};
 use crate::nucleo::Nucleo;
@@ -11,12 +13,12 @@ use crate::registers::{
 };
 use crate::wire::Wire;
 use link::Calibration;
+use pins::{BUTTON, PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, drive, stop_contact};
 use plant::Rig;
 use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::rcc::Apb;
 use rigless::time::VirtualNanos;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -24,16 +26,6 @@ use std::time::Duration;
 
 const UG: u64 = 1;
 const MMS: u64 = 7 << 4;
-
-// The wiring, see the firmware's board module.
-const PERMIT_PIN: u32 = 9;
-const STOP_PIN: u8 = 11;
-const STEP_PIN: u32 = 13;
-const PULSE_PIN: u32 = 14;
-const CHAIN_PIN: u8 = 15;
-const PORT_E: usize = 4;
-const BUTTON_PIN: u8 = 13;
-const PORT_C: usize = 2;
 
 /// Added to the number of a drill, see the firmware's `drill`.
 const DRILL_MAGIC: u32 = 0x4452_4c00;
@@ -314,7 +306,7 @@ impl Laboratory {
         self.active = Some(planned.fault);
         match planned.fault {
             Fault::EmergencyStop => stop_contact(session, stop.at, false),
-            Fault::Button => drive(session, stop.at, (PORT_C, BUTTON_PIN), Some(Level::High)),
+            Fault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
             Fault::Chain(contact) => self.permission.fault = Some(contact),
             Fault::LinkCut(steps) => {
                 self.wire.cut();
@@ -432,42 +424,6 @@ impl Laboratory {
         let pressed = self.active == Some(Fault::EmergencyStop);
         stop_contact(session, at, !pressed);
         self.idle_turn_ns = at.0 + IDLE_TURN_NS;
-    }
-}
-
-/// The emergency stop's contact: closed to ground, or open, and the pull-up decides.
-fn stop_contact(session: &mut Session<Nucleo>, at: VirtualNanos, closed: bool) {
-    drive(
-        session,
-        at,
-        (PORT_E, STOP_PIN),
-        closed.then_some(Level::Low),
-    );
-}
-
-/// The contact of the permission's chain: closed to the supply, or open, and the pull-down decides.
-fn chain_contact(session: &mut Session<Nucleo>, at: VirtualNanos, closed: bool) {
-    drive(
-        session,
-        at,
-        (PORT_E, CHAIN_PIN),
-        closed.then_some(Level::High),
-    );
-}
-
-fn drive(
-    session: &mut Session<Nucleo>,
-    at: VirtualNanos,
-    (port, pin): (usize, u8),
-    level: Option<Level>,
-) {
-    if let Some(pin) = Pin::new(pin) {
-        session
-            .board_mut()
-            .chip
-            .drive_port(at, port, |port, registers, context| {
-                port.drive(pin, level, registers, context);
-            });
     }
 }
 

@@ -1,0 +1,205 @@
+use super::*;
+
+fn load(name: &str, text: &str, columns: Columns) -> Result<GroundMotionFile, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    GroundMotionFile::load(&path, columns).map_err(|e| e.to_string())
+}
+
+fn plain(dt: f64, unit: Unit) -> Columns {
+    Columns {
+        interval_s: Some(dt),
+        unit: Some(unit),
+    }
+}
+
+#[test]
+fn the_same_motion_in_every_format_is_the_same() {
+    let csv = load(
+        "a.csv",
+        "time_s,acc_g\n0,0.1\n0.02,-0.2\n0.04,0.3\n",
+        Columns::default(),
+    )
+    .unwrap();
+    let head = "PEER\nx\nACCELERATION TIME SERIES IN UNITS OF G\n";
+    let text = format!("{head}NPTS=   3, DT= .0200 SEC\n .1 -.2\n .3\n");
+    let at2 = load("a.AT2", &text, Columns::default()).unwrap();
+    let text = format!("{head}   3   .0200   NPTS, DT\n .1 -.2\n .3\n");
+    let old_at2 = load("a.at2", &text, Columns::default()).unwrap();
+    let text = "# gal\n98.0665\n-196.133\n294.1995\n";
+    let column = load("a.txt", text, plain(0.02, Unit::Gal)).unwrap();
+    for other in [&at2, &old_at2, &column] {
+        assert!((csv.interval_s - other.interval_s).abs() < 1e-9);
+        for (a, b) in csv.acc_m_per_s2.iter().zip(&other.acc_m_per_s2) {
+            assert!((a - b).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn the_networks_formats_hold_the_same_motion() {
+    // 0.1, -0.2 and 0.3 g in cm/s^2, eight fields of ten a line.
+    let fixed = "   98.0665 -196.1330  294.1995\n";
+    let csmip = format!(
+        "CORRECTED ACCELEROGRAM\nstation\n      3 points of accel data equally spaced at  .020 sec, in cm/sec2. \
+         (8f10.4)\n{fixed}      3 points of veloc data equally spaced at  .020 sec, in cm/sec.  (8f10.4)\n{fixed}"
+    );
+    let reals: String = (1..=100)
+        .map(|i| {
+            let x = if i == 62 { 0.02 } else { f64::from(i) };
+            format!("{x:15.6E}{}", if i % 5 == 0 { "\n" } else { "" })
+        })
+        .collect();
+    let cosmos = format!(
+        "Corrected acceleration  (Format v01.20 with 13 text lines)\n 100 Real-header values follow on 20 lines, \
+         Format= (5E15.6)\n{reals}      3 acceleration pts, approx 0 secs, units=cm/sec2 (04), \
+         Format=(8F10.4)\n{fixed}End-of-data for Chan  1 acceleration\n"
+    );
+    let integers: String = (1..=48)
+        .map(|i| {
+            let n = match i {
+                16 => 1,
+                17 => 3,
+                _ => -32768,
+            };
+            format!("{n:10}{}", if i % 8 == 0 { "\n" } else { "" })
+        })
+        .collect();
+    let reals: String = (1..=50)
+        .map(|i| {
+            let x = if i == 2 { 50.0 } else { 1.7e38 };
+            format!("{x:15.7E}{}", if i % 5 == 0 { "\n" } else { "" })
+        })
+        .collect();
+    let smc = format!(
+        "2 CORRECTED ACCELEROGRAM\n{}{integers}{reals}|a comment\n{fixed}",
+        "text\n".repeat(10)
+    );
+    let esm = "EVENT_NAME: central_italy\nSAMPLING_INTERVAL_S: 0.020000\nNDATA: 3\nUNITS: cm/s^2\n\
+               DATA_TYPE: ACCELERATION\n98.0665\n-196.133\n294.1995\n";
+    let at2 = "PEER\nKöln\nACCELERATION TIME HISTORY IN UNITS OF CM/SEC/SEC\nNPTS= 3, DT= .0200 SEC\n\
+               .980665D+02-.196133D+03 .2941995D+03\n";
+    let dialect = "Zeit [s];Acceleration (m/s²)\n0,00;0,980665\n0,02;-1,96133\n0,04;2,941995\n";
+    for (name, text) in [
+        ("a.v2", csmip.as_str()),
+        ("b.V2C", &cosmos),
+        ("c.smc", &smc),
+        ("d.ASC", esm),
+        ("e.txt", at2),
+        ("f.csv", dialect),
+    ] {
+        let g = load(name, text, Columns::default()).unwrap();
+        assert!(
+            (g.interval_s - 0.02).abs() < 1e-9,
+            "{name}: {}",
+            g.interval_s
+        );
+        let expected = [0.1, -0.2, 0.3].map(|x| (x * 9.80665) as f32);
+        assert_eq!(g.acc_m_per_s2.len(), 3, "{name}");
+        for (a, b) in g.acc_m_per_s2.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-5, "{name}: {a} {b}");
+        }
+    }
+    let one_line = load("g.txt", "98.0665 -196.133 294.1995", plain(0.02, Unit::Gal)).unwrap();
+    assert_eq!(one_line.acc_m_per_s2.len(), 3);
+    let unit = Columns {
+        unit: Some(Unit::Gal),
+        ..Columns::default()
+    };
+    let two = load("h.txt", "0 98.0665\n0.02 -196.133\n0.04 294.1995\n", unit).unwrap();
+    assert!((two.interval_s - 0.02).abs() < 1e-9 && two.acc_m_per_s2.len() == 3);
+
+    let less = esm.replace("NDATA: 3", "NDATA: 4");
+    let velocity = esm.replace("ACCELERATION", "VELOCITY");
+    let few = csmip.replacen("      3", "     30", 1);
+    for (name, text, said) in [
+        ("d.ASC", less.as_str(), "NPTS = 4"),
+        ("d.ASC", &velocity, "line 5: `VELOCITY`"),
+        ("a.v2", &few, "line 5: `3 po`"),
+        ("e.txt", &at2.replace("CM/SEC/SEC", "FT/SEC/SEC"), "line 3"),
+    ] {
+        let e = load(name, text, Columns::default()).unwrap_err();
+        assert!(e.contains(said), "{said} is not in: {e}");
+    }
+    let e = load("a.csv", "time_s,acc_g\n0,0\n0.02,1\n", unit).unwrap_err();
+    assert!(e.contains("is in g and --unit says gal"), "{e}");
+}
+
+#[test]
+fn rounded_times_are_a_constant_interval() {
+    let mut text = "time_s,acc_g\n".to_owned();
+    for i in 0..4000 {
+        text += &format!("{:.4},0.1\n", f64::from(i) / 256.0);
+    }
+    let g = load("a.csv", &text, Columns::default()).unwrap();
+    assert!((g.interval_s - 1.0 / 256.0).abs() < 1e-7);
+}
+
+#[test]
+fn each_mistake_is_refused_with_its_line() {
+    let at2 = "x\ny\nACCELERATION IN UNITS OF G\n";
+    for (name, text, said) in [
+        (
+            "a.csv",
+            "time_s,acc_g\n0,0\n0.02,0\n0.04,0\n0.07,0\n",
+            "line 5",
+        ),
+        ("a.csv", "time_s,acc_g\n0,0\n0.02,NaN\n", "line 3"),
+        ("a.csv", "time_s,acc_g\n0,0\n0.02,x\n", "line 3"),
+        (
+            "a.csv",
+            "time_s,acc_ft\n0,0\n0.02,0\n",
+            "line 1: the header",
+        ),
+        ("a.csv", "time_s,vel_g\n0,0\n0.02,0\n", "line 1: the header"),
+        ("a.csv", "acc_g\n0\n0.02\n", "line 1: the header"),
+        ("a.csv", "0,0.1\n0.02,0.2\n", "line 1: `0` stands where"),
+        (
+            "a.csv",
+            "time_s,acc_g\n0,0\n0.02,0,0\n",
+            "line 3: has 3 columns",
+        ),
+        (
+            "a.csv",
+            "time_s,acc_g\n0,0\n-0.02,0\n",
+            "line 3: time -0.02 s",
+        ),
+        ("a.csv", "time_s,acc_g\n0,0\n0.02,820\n", "820.000 g"),
+        ("a.csv", "time_s,acc_g\n", "0 points"),
+        ("a.csv", "", "is empty"),
+        (
+            "a.AT2",
+            &format!("{at2}NPTS= 3, DT= .02 SEC\n.1 .2\n"),
+            "NPTS = 3",
+        ),
+        (
+            "a.AT2",
+            &format!("{at2}NPTS= 2, DT= 0 SEC\n.1 .2\n"),
+            "DT = 0",
+        ),
+        (
+            "a.AT2",
+            &format!("{at2}NPTS= 2, DT= .02 SEC\n.1 ab\n"),
+            "line 5: `ab`",
+        ),
+        ("a.AT2", &format!("{at2}.1 .2\n"), "no line with NPTS"),
+        (
+            "a.AT2",
+            "x\ny\nVELOCITY IN UNITS OF CM/S\nNPTS= 2, DT= .02 SEC\n.1 .2\n",
+            "line 3",
+        ),
+        ("a.txt", "0\n1\n", "--dt"),
+    ] {
+        let e = load(name, text, Columns::default()).unwrap_err();
+        assert!(e.contains(said), "{said} is not in: {e}");
+        assert!(!e.contains('\n'));
+    }
+    let e = load("a.txt", "0\n1\nx\n", plain(0.01, Unit::G)).unwrap_err();
+    assert!(e.contains("line 3: `x`"), "{e}");
+    let e = load("a.txt", "0\n1\n", plain(-1.0, Unit::G)).unwrap_err();
+    assert!(e.contains("--dt = -1"), "{e}");
+    let csv = "time_s,acc_g\n0,0\n0.02,1\n";
+    let e = load("a.csv", csv, plain(0.01, Unit::G)).unwrap_err();
+    assert!(e.contains("0.02 s and --dt says 0.01 s"), "{e}");
+}

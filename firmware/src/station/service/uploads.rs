@@ -1,0 +1,56 @@
+//! Points that the PC sends before a test: announced, taken piece by piece, handed to the interrupt when all have come.
+
+use super::{Asked, Pending, Service};
+use crate::station::order::Order;
+use crate::station::upload::{Upload, Uploaded};
+use link::reply::{RefusedParameter, Reply};
+
+impl Service {
+    pub(super) fn begin_motion(&mut self, points: u32, interval_s: f64, checksum: u32) -> Asked {
+        self.uploaded_most = None;
+        match Upload::new(points, interval_s, checksum) {
+            Ok(upload) => self.order(Order::Unload, Pending::Upload(upload)),
+            Err(refusal) => self.reply(refusal.into()),
+        }
+    }
+
+    pub(super) fn take_points(&mut self, first: u32, points: &[f32]) -> Asked {
+        // The memory is taken only for an upload that was announced: what is taken in vain would be lost.
+        let Some(mut upload) = self.upload.take() else {
+            return self.reply(Reply::Expected(0));
+        };
+        let Some(mut writable) = self.writable.take() else {
+            return self.reply(Reply::Expected(0));
+        };
+        let uploaded = upload.take(writable.points(), first, points);
+        match uploaded {
+            Uploaded::Whole => {
+                let points = writable.points().iter().take(upload.count());
+                self.uploaded_most = Some(points.fold(0.0, |m: f32, p| m.max(p.abs())));
+                match writable.load(upload.count(), upload.interval_s(), self.model_step_s) {
+                    Ok(loaded) => self.order(Order::Load(loaded), Pending::Done),
+                    Err(writable) => {
+                        self.writable = Some(writable);
+                        self.reply(Reply::Refused(RefusedParameter::new(
+                            "motion.interval_s",
+                            upload.interval_s(),
+                            "at least a thousandth of the integration step",
+                        )))
+                    }
+                }
+            }
+            uploaded => {
+                self.writable = Some(writable);
+                // Broken off only by a wrong sum: everything else can be sent again.
+                let reply = match uploaded {
+                    Uploaded::WrongSum { received } => Reply::WrongSum { received },
+                    other => {
+                        self.upload = Some(upload);
+                        other.reply(self.tick, self.state)
+                    }
+                };
+                self.reply(reply)
+            }
+        }
+    }
+}
