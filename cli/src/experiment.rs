@@ -1,14 +1,12 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
-use crate::bench::{Assignment, Bench, Ending, PlantBench, ideal, with_floors};
+use crate::bench::{Assignment, Bench, Ending, ideal, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;
 use crate::numbers::{percent, si, three};
-use crate::score::Score;
 use crate::stability::rig::Variation;
-use crate::summary::Summary;
-use crate::trace::{Response, Trace, Witness};
+use crate::trace::{Response, Witness};
 use outerloop_core::config::Filter;
 use outerloop_core::structure::Structure;
 use outerloop_core::{Config, Design, GroundMotion, Method};
@@ -40,15 +38,6 @@ pub struct Shaking<'a> {
     pub acc_m_per_s2: &'a [f32],
     /// Interval of the points, s of model time.
     pub interval_s: f64,
-}
-
-/// A test that has run.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// Its figures.
-    pub summary: Summary,
-    /// Every step, where they were to be kept.
-    pub trace: Option<Trace>,
 }
 
 /// Natural frequencies that structures have, Hz.
@@ -183,51 +172,6 @@ impl Experiment {
             )));
         }
         Ok(response)
-    }
-
-    /// Runs the test with `method` on its simulated rig and judges it against `ideal`. `keep`: every step is kept.
-    ///
-    /// # Errors
-    /// A parameter that is refused, with its name and value.
-    pub fn run(
-        &self,
-        method: Method,
-        ideal: &Response,
-        seed: u64,
-        keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
-        let bench = PlantBench {
-            spec: &self.test.plant,
-            seed,
-            stop_beyond_m: ideal.runaway_m(),
-            breaks: None,
-        };
-        self.run_on(&bench, method, ideal, keep, tell)
-    }
-
-    /// Runs the test with `method` on `bench` and judges it against `ideal`. `keep`: every step is kept.
-    ///
-    /// # Errors
-    /// A parameter that is refused, with its name and value; a bench that cannot be set up.
-    pub fn run_on(
-        &self,
-        bench: &impl Bench,
-        method: Method,
-        ideal: &Response,
-        keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
-        let mut config = self.test.config.clone();
-        config.compensation.kind = method;
-        let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
-        let mut witnesses = (Score::against(ideal), trace, tell);
-        let ending = self.on(bench, &config, &mut witnesses)?;
-        let (score, trace, _) = witnesses;
-        Ok(Run {
-            summary: Summary::of(self, method, &score, &ending),
-            trace,
-        })
     }
 
     /// Runs `config` on any bench.

@@ -40,6 +40,7 @@ pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod improvement;
+pub mod judged;
 pub mod keys;
 pub mod numbers;
 pub mod provenance;

@@ -2,12 +2,13 @@
 
 use crate::board::Played;
 use crate::declared;
-use crate::experiment::{Experiment, Run};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
 use crate::files::signal::Signal;
 use crate::files::test::TestFile;
 use crate::improvement;
+use crate::judged::Run;
 use crate::summary;
 use crate::terminal::Progress;
 use crate::trace::{Response, Witness};

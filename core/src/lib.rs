@@ -30,6 +30,7 @@
 pub mod config;
 mod context;
 pub mod coupled;
+mod delay_line;
 pub mod energy;
 pub mod estimate;
 mod float;

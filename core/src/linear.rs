@@ -6,9 +6,6 @@
 //! its own file; what is made of it is the affair of the report.
 
 use crate::config::{Compensation, Config};
-use crate::force::Law;
-use crate::method::{Force, Prediction};
-use crate::predict::Predictor;
 
 /// A sum of the motion ahead and of what came of the last command. Factors are in powers of a control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -205,29 +202,11 @@ impl<'a> Setting<'a> {
     }
 }
 
-impl Prediction {
-    /// Whether it learns while a test runs.
-    pub fn learns(self) -> bool {
-        Predictor::<1>::learns(self)
-    }
-
-    /// Its linear form in a test.
-    pub fn linear(self, setting: &mut Setting<'_>) -> Linear {
-        Predictor::<1>::linear(self, setting)
-    }
-}
-
-impl Force {
-    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
-    pub fn linear(self, c: &Compensation, physical: usize) -> LinearForce {
-        Law::<1>::linear(self, c, physical)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::config::Config;
+    use crate::method::Prediction;
 
     /// What a law has learnt answers as it was wanted to, and a wish beyond its bounds is told of.
     #[test]

@@ -6,7 +6,7 @@
 //! An offset of the displacement shows in the force as stiffness times offset: whoever takes out the one must not take out
 //! the other as well.
 
-use crate::estimate::{Delay, DelayLine};
+use crate::delay_line::{Delay, DelayLine};
 use crate::float::{larger, smaller};
 
 /// The longest skew between the channels, in control steps, and 2.

@@ -2,7 +2,8 @@
 #![allow(missing_docs)]
 
 use host_tests::{Scenario, Shaking, Trace};
-use outerloop_cli::stability::closed_loop::{Frame, Question};
+use outerloop_cli::stability::closed_loop::Question;
+use outerloop_cli::stability::frame::Frame;
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::{Row, row};

@@ -5,15 +5,16 @@
 
 use diagnosis::Recording;
 use numpy::{PyArray1, PyReadonlyArray1};
-use outerloop_cli::experiment::{Experiment, Run};
+use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
+use outerloop_cli::files::any_table;
 use outerloop_cli::files::ground_motion::{Columns, GroundMotionFile};
 use outerloop_cli::files::measured::{self, Library, Part};
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording;
-use outerloop_cli::files::table::NumberTable;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::files::{channels, model};
+use outerloop_cli::judged::Run;
 use outerloop_cli::trace::Trace;
 use outerloop_cli::verb;
 use pyo3::exceptions::PyValueError;
@@ -224,7 +225,7 @@ fn diagnose<'py>(
 /// The columns of a table of numbers: text in any dialect, MAT or HDF5.
 #[pyfunction]
 fn read_record(py: Python<'_>, file: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let table = py.detach(|| NumberTable::load(&file)).map_err(refused)?;
+    let table = py.detach(|| any_table::read(&file)).map_err(refused)?;
     let columns = PyDict::new(py);
     for (header, values) in table.headers.iter().zip(table.columns) {
         columns.set_item(&header.text, PyArray1::from_vec(py, values))?;

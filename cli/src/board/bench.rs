@@ -11,13 +11,13 @@ use super::orders::{clear, done, status};
 use super::played::Played;
 use super::port::Port;
 use super::setup::ready;
+use super::upload::load;
 use crate::bench::{Assignment, Bench, Ending};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::trace::Witness;
 use link::Command;
-use link::command::{CHUNK, MAX_POINTS};
-use link::frame::checksum;
+use link::command::MAX_POINTS;
 use link::reply::Identity;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Record, State, Trip};
 use std::cell::RefCell;
@@ -134,25 +134,6 @@ fn points<'a, const N: usize>(assignment: &Assignment<'a, N>) -> Result<&'a [f32
         )));
     }
     Ok(points)
-}
-
-/// Sends the ground motion, or points of a signal.
-pub(super) fn load<P: Port>(
-    board: &mut Connection<P>,
-    points: &[f32],
-    interval_s: f64,
-) -> Result<(), Failure> {
-    let announce = Command::Motion {
-        points: points.len() as u32,
-        interval_s,
-        checksum: checksum(points.iter().flat_map(|p| p.to_le_bytes())),
-    };
-    done(board, "ground motion", &announce)?;
-    for (first, chunk) in (0_u32..).step_by(CHUNK).zip(points.chunks(CHUNK)) {
-        let points = chunk.iter().copied().collect();
-        done(board, "ground motion", &Command::Points { first, points })?;
-    }
-    Ok(())
 }
 
 /// A test that has been started.

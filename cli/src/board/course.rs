@@ -1,9 +1,9 @@
 //! What moves an actuator apart from a test: a signal that the board makes by itself, or points that it is sent.
 
-use super::bench::load;
 use super::connection::Connection;
 use super::orders::done;
 use super::port::Port;
+use super::upload::load;
 use crate::failure::Failure;
 use crate::files::signal::Signal as Points;
 use link::Command;

@@ -33,6 +33,7 @@ mod orders;
 mod played;
 mod port;
 mod setup;
+mod upload;
 mod wording;
 
 pub use bench::BoardBench;

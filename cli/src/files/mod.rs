@@ -1,5 +1,6 @@
 //! Files that people write and read: tests, ground motions, recorded data, results.
 
+pub mod any_table;
 pub mod archive;
 pub mod binary;
 pub mod channels;

@@ -5,6 +5,7 @@
 //! Several axes are told apart by a number after the quantity: `force_n` is that of axis 1, `force2_n` that of axis 2.
 //! [`crate::files::record_csv`] writes the same format.
 
+use super::any_table;
 use super::columns::{Assignment, Columns};
 use super::header::Header;
 use super::table::NumberTable;
@@ -97,7 +98,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::load`], but for time that does not increase.
     pub fn load_with_any_time(path: &Path, columns: &Columns) -> Result<Self, Failure> {
-        let recording = Self::of(NumberTable::load(path)?, columns)?;
+        let recording = Self::of(any_table::read(path)?, columns)?;
         recording.check_lengths()?;
         Ok(recording)
     }

@@ -2,10 +2,8 @@
 
 use super::dialect::{Dialect, without_end};
 use super::header::{Header, unit_named};
-use super::{binary, decode};
 use crate::failure::Failure;
 use std::collections::HashMap;
-use std::path::Path;
 
 /// Columns of finite numbers. Lines that begin with `#` or `%` are comments.
 #[derive(Clone, Debug)]
@@ -153,19 +151,6 @@ impl NumberTable {
             columns,
             row_name: "value",
         })
-    }
-
-    /// Reads a file: text in any dialect, MAT or HDF5.
-    ///
-    /// # Errors
-    /// A file that cannot be read, or that holds no table of numbers.
-    pub fn load(path: &Path) -> Result<Self, Failure> {
-        let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
-        if binary::is_binary(&bytes) {
-            binary::parse(&file, bytes)
-        } else {
-            Self::parse(&file, &decode::text(&file, bytes)?)
-        }
     }
 
     /// A refusal at row `row`.

@@ -15,8 +15,9 @@ pub use marths::of_marths;
 pub use rths::of_rths;
 pub use served::{Session, of_served};
 
-use crate::experiment::{Experiment, Run};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::judged::Run;
 use crate::numbers::length;
 use crate::provenance::Provenance;
 use crate::story::Story;

@@ -1,6 +1,7 @@
 //! How much later, stronger or faster a loop may become before it is unstable.
 
-use super::closed_loop::{Frame, Question};
+use super::closed_loop::Question;
+use super::frame::Frame;
 use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;

@@ -23,6 +23,7 @@
 pub mod blocks;
 pub mod closed_loop;
 pub mod filter;
+pub mod frame;
 pub mod largest;
 pub mod limits;
 pub mod perturbed;
@@ -33,7 +34,8 @@ pub mod way;
 
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use closed_loop::{Frame, Question};
+use closed_loop::Question;
+use frame::Frame;
 use limits::{Limits, Part};
 use outerloop_core::Method;
 use outerloop_core::linear::LinearForce;

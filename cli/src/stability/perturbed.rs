@@ -1,6 +1,7 @@
 //! The worst of many rigs.
 
-use super::closed_loop::{Frame, Question};
+use super::closed_loop::Question;
+use super::frame::Frame;
 use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;

@@ -1,7 +1,7 @@
 //! Core's predictors in the closed loop, by the linear form that each has in its own file ([`outerloop_core::linear`]).
 
 use super::blocks::{Block, Delay, Signal, nothing};
-use super::closed_loop::Frame;
+use super::frame::Frame;
 use super::rig::LinearRig;
 use nalgebra::{Complex, DMatrix};
 use outerloop_core::Config;

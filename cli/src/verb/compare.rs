@@ -3,10 +3,11 @@
 use super::{Common, json, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
-use crate::experiment::{Experiment, Run};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
+use crate::judged::Run;
 use crate::provenance::Told;
 use crate::report::{self, Section};
 use crate::summary::{Summary, Worth};

@@ -7,10 +7,11 @@ use crate::board::{
     BoardBench, BoardConnection, Connection, Course, Operator, Patience, Played, Port, Serial,
     calibrate, commission,
 };
-use crate::experiment::{Experiment, Run};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::signal::Signal;
 use crate::files::test::TestFile;
+use crate::judged::Run;
 use crate::story::Site;
 use crate::trace::{Response, Witness};
 use outerloop_core::Method;

@@ -207,7 +207,7 @@ impl Config {
                 "above 0 and below half of loop.rate_hz",
             )?;
         }
-        let longest = crate::estimate::MAX_DELAY_STEPS as f64 / self.timing.rate_hz * 1e3;
+        let longest = crate::delay_line::MAX_DELAY_STEPS as f64 / self.timing.rate_hz * 1e3;
         accept(
             "estimation.delay_ms",
             e.delay_ms,

@@ -3,8 +3,9 @@
 //! The model carries the motion, so the filter needs no phase lag to be smooth. Gains are steady and worked out at
 //! configuration, from the discrete Riccati equation.
 
-use super::actuator_model::{Delay, DelayLine, Lag, multiply};
+use super::actuator_model::{Lag, multiply};
 use crate::config::Estimation;
+use crate::delay_line::{Delay, DelayLine};
 use crate::refusal::Refusal;
 
 /// Constants of stage 1.

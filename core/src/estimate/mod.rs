@@ -5,8 +5,6 @@ mod kalman;
 mod low_pass;
 mod stiffness;
 
-pub use actuator_model::MAX_DELAY_STEPS;
-pub(crate) use actuator_model::{Delay, DelayLine};
 pub(crate) use kalman::KalmanGains;
 pub(crate) use low_pass::Biquad;
 pub(crate) use stiffness::StiffnessPrior;

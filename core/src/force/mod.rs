@@ -233,3 +233,10 @@ macro_rules! laws {
     };
 }
 for_each_method!(laws);
+
+impl Force {
+    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
+    pub fn linear(self, c: &Compensation, physical: usize) -> LinearForce {
+        Law::<1>::linear(self, c, physical)
+    }
+}

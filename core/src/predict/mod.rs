@@ -23,6 +23,18 @@
 //! that look back share [`past`].
 
 pub(crate) mod adaptation;
+impl Prediction {
+    /// Whether it learns while a test runs.
+    pub fn learns(self) -> bool {
+        Predictor::<1>::learns(self)
+    }
+
+    /// Its linear form in a test.
+    pub fn linear(self, setting: &mut Setting<'_>) -> Linear {
+        Predictor::<1>::linear(self, setting)
+    }
+}
+
 #[cfg(test)]
 mod checks;
 mod past;

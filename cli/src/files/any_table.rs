@@ -1,0 +1,19 @@
+//! A table of numbers from a file of any kind.
+
+use super::table::NumberTable;
+use super::{binary, decode};
+use crate::failure::Failure;
+use std::path::Path;
+
+/// Reads a file: text in any dialect, MAT or HDF5.
+///
+/// # Errors
+/// A file that cannot be read, or that holds no table of numbers.
+pub fn read(path: &Path) -> Result<NumberTable, Failure> {
+    let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
+    if binary::is_binary(&bytes) {
+        binary::parse(&file, bytes)
+    } else {
+        NumberTable::parse(&file, &decode::text(&file, bytes)?)
+    }
+}
