@@ -5,7 +5,7 @@
 //! counts: other work slows a run down, nothing makes it faster.
 
 use outerloop_core::{
-    Config, Design, Event, GroundMotion, IdealTest, Method, OuterLoop, Sample, State,
+    Config, Design, Event, GroundMotion, IdealTest, Method, Mode, OuterLoop, Sample,
 };
 use plant::actuator::ActuatorKind;
 use plant::{Rig, RigSpec};
@@ -41,15 +41,15 @@ fn whole(method: Method, kind: ActuatorKind, ground: &GroundMotion<'_>) -> f64 {
             [reading.displacement_m[0] as f32],
             [reading.force_n[0] as f32],
         );
-        let running = outer.state() == State::Running;
+        let running = outer.state() == Mode::Running;
         sent_m = outer.step(&sample, ground).command_m.map(f64::from);
         if running {
             sum += sent_m[0];
             done += 1;
         }
         match outer.state() {
-            State::Idle => drop(outer.handle(Event::Arm)),
-            State::Armed => drop(outer.handle(Event::Start)),
+            Mode::Idle => drop(outer.handle(Event::Arm)),
+            Mode::Armed => drop(outer.handle(Event::Start)),
             _ => {}
         }
     }

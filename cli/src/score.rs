@@ -1,9 +1,7 @@
 //! Figures that are formed while a test runs, so that a test need not be kept to be judged.
 
 use crate::trace::{Response, Witness};
-use outerloop_core::Record;
-use outerloop_core::config::MAX_DOF;
-use outerloop_core::record::{EnergyWords, flag};
+use outerloop_core::{EnergyWords, Record, config::MAX_DOF, flag};
 
 /// The part of a test, at its end, in which a large error counts as running away.
 const LATE_SHARE: f64 = 0.8;

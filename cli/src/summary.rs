@@ -5,7 +5,7 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{percent, si};
 use crate::score::Score;
-use outerloop_core::{Fault, Method, State, Trip};
+use outerloop_core::{Fault, Method, Mode, Trip};
 use serde::Serialize;
 
 /// From this eps_rms on, a result is not the structure's, however stable the test was.
@@ -146,7 +146,7 @@ impl Summary {
             steps: score.control_steps,
             rate_hz: e.test.config.timing.rate_hz,
             verdict: match ending.state {
-                State::Tripped => Verdict::Tripped,
+                Mode::Tripped => Verdict::Tripped,
                 _ if score.ran_away() => Verdict::Diverged,
                 _ => Verdict::Completed,
             },

@@ -1,7 +1,6 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
-use outerloop_core::record::flag;
-use outerloop_core::{Event, Record};
+use outerloop_core::{Event, Record, flag};
 
 /// Sees every record of a running test, from its first step to its last.
 pub trait Witness {

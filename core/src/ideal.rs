@@ -78,7 +78,7 @@ impl<const N: usize> IdealTest<N> {
 mod tests {
     use super::*;
     use crate::config::Config;
-    use crate::{Event, Method, OuterLoop, Sample, State};
+    use crate::{Event, Method, Mode, OuterLoop, Sample};
 
     /// A softening specimen: the force of each storey falls short of its stiffness as the drift grows.
     fn force_n<const N: usize>(u: &[f32; N], physical: usize) -> [f32; N] {
@@ -107,7 +107,7 @@ mod tests {
         let (mut outer, mut ideal) = (OuterLoop::new(design.clone()), IdealTest::new(&design));
         let (mut sent_m, mut compared, mut peak_m) = ([0.0; N], 0, 0.0_f32);
         loop {
-            let running = outer.state() == State::Running;
+            let running = outer.state() == Mode::Running;
             let sample = Sample::new(sent_m, force_n(&sent_m, physical));
             sent_m = outer.step(&sample, &ground).command_m;
             if running {
@@ -121,11 +121,11 @@ mod tests {
                 peak_m = peak_m.max(sent_m[0].abs());
             }
             match outer.state() {
-                State::Idle => drop(outer.handle(Event::Arm)),
-                State::Armed => drop(outer.handle(Event::Start)),
-                State::Running => {}
+                Mode::Idle => drop(outer.handle(Event::Arm)),
+                Mode::Armed => drop(outer.handle(Event::Start)),
+                Mode::Running => {}
                 other => {
-                    assert_eq!(other, State::Finished);
+                    assert_eq!(other, Mode::Finished);
                     break;
                 }
             }

@@ -19,8 +19,11 @@
 //! | `C_cor` | variable damping that compensates it | N s/m |
 //! | `G_v` | sech gain, Eq 19 | 1 |
 //!
-//! Start reading at [`outer_loop`]. Equation numbers are those of the paper (see the README). Time is that of the model
-//! in [`newmark`], [`energy`] and the force laws, that of the laboratory elsewhere; the time scale is between them.
+//! Start reading at `outer_loop/step.rs`. Equation numbers are those of the paper (see the README). Time is that of the
+//! model in `newmark.rs`, `energy.rs` and the force laws, that of the laboratory elsewhere; the time scale is between them.
+//!
+//! What a test needs is here at the root. [`config`] has what a test file says, [`linear`] the methods as linear systems
+//! for reports, [`coupled`] the loop for two actuators on one coupler.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -31,33 +34,36 @@ pub mod config;
 mod context;
 pub mod coupled;
 mod delay_line;
-pub mod energy;
-pub mod estimate;
+mod energy;
+mod estimate;
 mod float;
 mod follower;
 mod force;
-pub mod ground_motion;
+mod ground_motion;
 mod ideal;
 pub mod linear;
-pub mod matrix;
+mod matrix;
 mod method;
-pub mod newmark;
-pub mod outer_loop;
+mod newmark;
+mod outer_loop;
 mod predict;
-pub mod record;
+mod record;
 mod refusal;
-pub mod rig;
-pub mod signal;
-pub mod structure;
-pub mod sum;
-pub mod supervise;
+mod rig;
+mod signal;
+mod structure;
+mod sum;
+mod supervise;
 
 pub use config::{Config, Design};
 pub use follower::Follower;
 pub use ground_motion::GroundMotion;
 pub use ideal::IdealTest;
+pub use matrix::modes;
 pub use method::{Accepted, Force, Method, Prediction};
-pub use outer_loop::{OuterLoop, Sample, Step};
-pub use record::Record;
+pub use newmark::{Coefficients, Newmark};
+pub use outer_loop::{OuterLoop, Pace, Sample, Step};
+pub use record::{EnergyWords, Record, flag};
 pub use refusal::Refusal;
-pub use supervise::{Event, Fault, Mode, Mode as State, Trip};
+pub use structure::Structure;
+pub use supervise::{Event, Fault, HISTORY, Mode, Rejected, Trip};

@@ -11,11 +11,6 @@
 //! The target `u_c` of the integration and the command that is sent for it are two things: a predictor sends the
 //! actuator ahead of the target. Energies and errors are measured on the target; interlocks, the estimator's known input
 //! and every standstill are about what is sent.
-//!
-//! # Timing
-//! [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
-//! gives the command for the next. It does no input or output, never waits, and takes the same path in every call of
-//! a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
 
 mod command;
 mod motion;
@@ -74,8 +69,12 @@ pub struct Step<'a, const N: usize> {
 
 /// The outer loop of a test with `N` degrees of freedom.
 ///
-/// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction, and
-/// what only some compensations use behind them.
+/// # Timing
+/// [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
+/// gives the command for the next. It does no input or output, never waits, and takes the same path in every call of
+/// a kind; the caller measures it against its period and reports a miss as [`Fault::DeadlineMissed`].
+// In this order: what every step touches lies in front of the long arrays, within the reach of one instruction, and
+// what only some compensations use behind them.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct OuterLoop<const N: usize> {

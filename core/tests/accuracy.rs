@@ -3,8 +3,7 @@
 
 mod common;
 
-use outerloop_core::newmark::{Coefficients, Newmark};
-use outerloop_core::structure::Structure;
+use outerloop_core::{Coefficients, Newmark, Structure};
 
 /// Explicit Newmark in f64, written from the equations and not from the code: displacement, velocity, acceleration.
 struct Twin<const N: usize> {

@@ -4,8 +4,9 @@
 mod common;
 
 use common::{Rig, shaking, started, table1};
-use outerloop_core::config::Filter;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Method, OuterLoop, Sample, State};
+use outerloop_core::{
+    Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Sample, config::Filter,
+};
 use proptest::prelude::*;
 
 fn any_f32() -> impl Strategy<Value = f32> {
@@ -55,10 +56,10 @@ proptest! {
             let step = outer.step(&sample, &ground);
             prop_assert!(step.command_m[0].is_finite(), "{:?}", step.record);
             if live && !(u.is_finite() && r.is_finite()) {
-                prop_assert_eq!(outer.state(), State::Tripped);
+                prop_assert_eq!(outer.state(), Mode::Tripped);
             }
             // Whatever happened, it must be possible to go on from it.
-            if outer.state() == State::Tripped {
+            if outer.state() == Mode::Tripped {
                 outer.handle(Event::Clear).unwrap();
                 prop_assert!(outer.step(&sample, &ground).command_m[0].is_finite());
                 let _ = outer.handle(Event::Arm);
@@ -76,7 +77,7 @@ proptest! {
         let ground = GroundMotion::none();
         for (u, r) in bad {
             prop_assert!(outer.step(&Sample::new([u], [r]), &ground).command_m[0].is_finite());
-            prop_assert_eq!(outer.state(), State::Idle);
+            prop_assert_eq!(outer.state(), Mode::Idle);
         }
         for _ in 0..20_000 {
             outer.step(&Sample::new([0.01], [0.0]), &ground);

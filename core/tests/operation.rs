@@ -4,9 +4,9 @@
 mod common;
 
 use common::{Rig, shaking, started, table1};
-use outerloop_core::record::flag;
-use outerloop_core::supervise::HISTORY;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Sample};
+use outerloop_core::{
+    Design, Event, Fault, GroundMotion, HISTORY, Method, Mode, OuterLoop, Sample, flag,
+};
 
 const RECORD_S: f64 = 6.0;
 

@@ -4,9 +4,9 @@
 mod common;
 
 use common::{Rig, STIFFNESS_N_PER_M, shaking, table1};
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::record::flag;
-use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Method, OuterLoop, State};
+use outerloop_core::{
+    Config, Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Pace, flag,
+};
 
 /// Ten control steps to an integration step of 5 ms, four of them extrapolated.
 fn config(method: Method) -> Config {
@@ -57,7 +57,7 @@ fn outside(
     outer.set_pace(Some(Pace::Continuous));
     outer.handle(Event::Arm).unwrap();
     rig.step(&mut outer, &none);
-    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    assert_eq!(outer.handle(Event::Start), Ok(Mode::Running));
     let mut model = Outside {
         u: 0.0,
         v: 0.0,
@@ -178,12 +178,12 @@ fn stop_and_go_moves_at_the_set_speed_and_stands_at_each_target() {
     for _ in 0..100_000 {
         rig.step(&mut outer, &none);
     }
-    assert_eq!(outer.handle(Event::Start), Ok(State::Returning));
+    assert_eq!(outer.handle(Event::Start), Ok(Mode::Returning));
     outer.set_next_target([0.001]);
     for _ in 0..1000 {
         rig.step(&mut outer, &none);
     }
-    assert_eq!((outer.state(), rig.sent), (State::Running, 0.001));
+    assert_eq!((outer.state(), rig.sent), (Mode::Running, 0.001));
     outer.handle(Event::Stop).unwrap();
-    assert_eq!(outer.state(), State::Finished);
+    assert_eq!(outer.state(), Mode::Finished);
 }

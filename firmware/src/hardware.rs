@@ -3,7 +3,7 @@
 use crate::station::Sign;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// A board's hands. Codes are the board's own; how wide they are, it says.
 pub trait Hardware {
@@ -47,5 +47,5 @@ pub trait Hardware {
     fn feed(&mut self);
 
     /// A task has starved: the watchdog will act. What is to be known afterwards is kept now.
-    fn starving(&mut self, task: Sign, tick: u32, state: State);
+    fn starving(&mut self, task: Sign, tick: u32, state: Mode);
 }

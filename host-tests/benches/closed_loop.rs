@@ -6,9 +6,9 @@
 
 use host_tests::qemu::bench::{rig, shaking};
 use host_tests::{Scenario, table1, whole_pipeline};
-use outerloop_core::newmark::{Coefficients, Newmark};
-use outerloop_core::structure::Structure;
-use outerloop_core::{Design, Event, GroundMotion, OuterLoop, State};
+use outerloop_core::{
+    Coefficients, Design, Event, GroundMotion, Mode, Newmark, OuterLoop, Structure,
+};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -56,12 +56,12 @@ fn closed_loop(scenario: &Scenario) {
     for tick in 0..STEPS {
         command_m = outer.step(&rig(&command_m), &ground).command_m;
         match outer.state() {
-            State::Idle if tick >= 200 => drop(outer.handle(Event::Arm)),
-            State::Armed => drop(outer.handle(Event::Start)),
+            Mode::Idle if tick >= 200 => drop(outer.handle(Event::Arm)),
+            Mode::Armed => drop(outer.handle(Event::Start)),
             _ => {}
         }
     }
-    assert_eq!(outer.state(), State::Running, "the whole loop was at work");
+    assert_eq!(outer.state(), Mode::Running, "the whole loop was at work");
 }
 
 fn main() {

@@ -5,7 +5,7 @@
 
 use host_tests::Scenario;
 use host_tests::qemu::bench::{rig, shaking};
-use outerloop_core::{Config, Design, Event, GroundMotion, Method, OuterLoop, Sample, State};
+use outerloop_core::{Config, Design, Event, GroundMotion, Method, Mode, OuterLoop, Sample};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -27,10 +27,10 @@ fn cost_ns<const N: usize>(method: Method) -> f64 {
         let design = Design::<N>::new(&scenario.config).expect("a possible test");
         let mut outer = OuterLoop::new(design);
         let rest = Sample::new([0.0; N], [0.0; N]);
-        while outer.state() != State::Running {
+        while outer.state() != Mode::Running {
             outer.step(&rest, &ground);
             let event = match outer.state() {
-                State::Idle => Event::Arm,
+                Mode::Idle => Event::Arm,
                 _ => Event::Start,
             };
             let _ = outer.handle(event);
@@ -51,7 +51,7 @@ fn cost_ns<const N: usize>(method: Method) -> f64 {
         for sample in &samples {
             black_box(outer.step(black_box(sample), &ground).command_m);
         }
-        assert_eq!(outer.state(), State::Running, "the whole loop was at work");
+        assert_eq!(outer.state(), Mode::Running, "the whole loop was at work");
         began.elapsed().as_secs_f64() * 1e9 / STEPS as f64
     };
     (0..RUNS).map(run).fold(f64::INFINITY, f64::min)

@@ -10,9 +10,8 @@ pub mod loopback;
 pub mod outside;
 pub mod qemu;
 
-use outerloop_core::config::Filter;
 use outerloop_core::{
-    Config, Design, Event, GroundMotion, Method, OuterLoop, Record, Sample, State,
+    Config, Design, Event, GroundMotion, Method, Mode, OuterLoop, Record, Sample, config::Filter,
 };
 use plant::{Rig, RigSpec};
 
@@ -125,7 +124,7 @@ pub struct Trace<const N: usize> {
     /// Records of the running test.
     pub records: Vec<Record<N>>,
     /// Where the loop stood at the end.
-    pub state: State,
+    pub state: Mode,
     /// Hash over all records.
     pub hash: u64,
 }
@@ -152,7 +151,7 @@ fn run<const N: usize>(
     let mut command = vec![0.0; physical];
     let mut trace = Trace {
         records: Vec::with_capacity(steps),
-        state: State::Idle,
+        state: Mode::Idle,
         hash: Record::<N>::HASH_START,
     };
     for tick in 0.. {
@@ -168,12 +167,12 @@ fn run<const N: usize>(
             command[j] = f64::from(step.command_m[j]);
         }
         match before {
-            State::Idle if tick >= 200 => {
+            Mode::Idle if tick >= 200 => {
                 outer
                     .handle(Event::Arm)
                     .expect("nothing stands against arming");
             }
-            State::Armed => {
+            Mode::Armed => {
                 let _ = outer.handle(Event::Start);
             }
             now if now.integrates() => {
@@ -183,7 +182,7 @@ fn run<const N: usize>(
             _ => {}
         }
         trace.state = outer.state();
-        let over = matches!(trace.state, State::Finished | State::Tripped);
+        let over = matches!(trace.state, Mode::Finished | Mode::Tripped);
         if trace.records.len() == steps || over {
             break;
         }

@@ -2,10 +2,11 @@
 #![allow(missing_docs)]
 
 use host_tests::{Scenario, data, eps, table1};
-use outerloop_core::Config;
-use outerloop_core::Method;
-use outerloop_core::config::{Filter, Secant};
-use outerloop_core::record::flag;
+use outerloop_core::{
+    Config, Method,
+    config::{Filter, Secant},
+    flag,
+};
 
 /// The steel frame of the experiment: the declared stiffness is `share` of the real one.
 fn steel_frame(share: f64, tolerance: f64) -> Scenario {

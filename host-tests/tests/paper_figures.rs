@@ -2,7 +2,7 @@
 #![allow(missing_docs)]
 
 use host_tests::{Scenario, Shaking, Trace, data, eps, table1};
-use outerloop_core::{Method, State};
+use outerloop_core::{Method, Mode};
 
 const WHOLE_S: f64 = 40.0;
 const TABAS_S: f64 = 32.8;
@@ -102,7 +102,7 @@ fn eq_14_with_eqs_12_and_16_reaches_the_published_errors() {
         let (m, r, trace) = errors(&s, shaking, seconds(name));
         within(m, max, 0.05);
         within(r, rms, 0.05);
-        assert_eq!(trace.state, State::Running);
+        assert_eq!(trace.state, Mode::Running);
     }
 }
 

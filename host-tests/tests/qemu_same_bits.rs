@@ -5,9 +5,7 @@ use host_tests::qemu::bench::{self, Test, emulated, first_difference, here, rig,
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::Clock;
 use host_tests::{Scenario, table1};
-use outerloop_core::Config;
-use outerloop_core::config::Filter;
-use outerloop_core::{Event, Fault, State};
+use outerloop_core::{Config, Event, Fault, Mode, config::Filter};
 
 /// The whole pipeline at work: noise, the two-stage filter, Eq 20, every interlock.
 fn noisy(mut scenario: Scenario) -> Scenario {
@@ -29,13 +27,13 @@ fn noisy(mut scenario: Scenario) -> Scenario {
 }
 
 /// An operator who holds and goes on, and later clears the fault of the board and begins again.
-fn busy(tick: u32, state: State) -> (Option<Event>, Option<Fault>) {
+fn busy(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
     let event = match (tick, state) {
         (3000, _) => Some(Event::Hold),
         (3500, _) => Some(Event::Start),
-        (200.., State::Idle) => Some(Event::Arm),
-        (_, State::Armed) => Some(Event::Start),
-        (7100, State::Tripped) => Some(Event::Clear),
+        (200.., Mode::Idle) => Some(Event::Arm),
+        (_, Mode::Armed) => Some(Event::Start),
+        (7100, Mode::Tripped) => Some(Event::Clear),
         (11_000, _) => Some(Event::Stop),
         _ => None,
     };
@@ -68,19 +66,19 @@ fn same<const N: usize>(
     Some(states)
 }
 
-const STATES: [State; 12] = [
-    State::Idle,
-    State::Armed,
-    State::Running,
-    State::Holding,
-    State::Returning,
-    State::Running,
-    State::Tripped,
-    State::Idle,
-    State::Approaching,
-    State::Armed,
-    State::Running,
-    State::Finished,
+const STATES: [Mode; 12] = [
+    Mode::Idle,
+    Mode::Armed,
+    Mode::Running,
+    Mode::Holding,
+    Mode::Returning,
+    Mode::Running,
+    Mode::Tripped,
+    Mode::Idle,
+    Mode::Approaching,
+    Mode::Armed,
+    Mode::Running,
+    Mode::Finished,
 ];
 
 #[test]
@@ -107,7 +105,7 @@ fn three_degrees_of_freedom() {
 fn a_whole_test_to_its_end() {
     let scenario = Scenario::delayed(table1(), 4.0);
     if let Some(states) = same::<1>(&scenario, 17_000, &bench::plain) {
-        let to_the_end = [State::Idle, State::Armed, State::Running, State::Finished];
+        let to_the_end = [Mode::Idle, Mode::Armed, Mode::Running, Mode::Finished];
         assert_eq!(states, to_the_end.map(|s| s as u32));
     }
 }

@@ -7,10 +7,11 @@ use outerloop_cli::stability::frame::Frame;
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::{Row, row};
-use outerloop_core::Config;
-use outerloop_core::Method;
-use outerloop_core::config::{Adaptation, Filter};
-use outerloop_core::record::{Record, flag};
+use outerloop_core::{
+    Config, Method, Record,
+    config::{Adaptation, Filter},
+    flag,
+};
 use plant::RigSpec;
 
 const STIFFNESS: f64 = 158e3;

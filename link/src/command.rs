@@ -2,8 +2,7 @@
 
 use crate::channel::Calibration;
 use heapless::Vec;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::{Config, Event};
+use outerloop_core::{Config, Event, Pace};
 use serde::{Deserialize, Serialize};
 
 /// The longest ground motion, points.

@@ -56,12 +56,10 @@ mod tests {
     use crate::status::{Cause, LastWords, Start, Status, Timing};
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
-    use outerloop_core::config::{
-        Config, Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig,
+    use outerloop_core::{
+        Config, Event, Fault, Mode, Pace, Trip,
+        config::{Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig},
     };
-    use outerloop_core::outer_loop::Pace;
-    use outerloop_core::supervise::Trip;
-    use outerloop_core::{Event, Fault, State};
     use proptest::prelude::*;
 
     fn there_and_back<M: Message + PartialEq + Debug>(message: &M) -> usize {
@@ -191,7 +189,7 @@ mod tests {
             }),
             Reply::Status(Status {
                 tick: u32::MAX,
-                state: State::Tripped,
+                state: Mode::Tripped,
                 trip: Some(Trip {
                     fault: Fault::Force,
                     axis: 0,
@@ -214,17 +212,17 @@ mod tests {
                 last_words: Some(LastWords {
                     cause: Cause::Panic,
                     tick: 77,
-                    state: State::Running,
+                    state: Mode::Running,
                     text: cut(&long),
                 }),
             }),
             Reply::Done {
                 tick: 1,
-                state: State::Armed
+                state: Mode::Armed
             },
             Reply::Refused(RefusedParameter::new(&long, 1.5, &long)),
             Reply::Rejected {
-                state: State::Idle,
+                state: Mode::Idle,
                 event: Some(Event::Arm),
                 obstacle: Some(Obstacle::Fault(Fault::AdcRail))
             },

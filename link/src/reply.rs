@@ -4,9 +4,7 @@ use crate::channel::{Calibration, CodeRange};
 use crate::status::Status;
 use crate::telemetry::{Input, MAX_INPUTS};
 use heapless::{String, Vec};
-use outerloop_core::Refusal;
-use outerloop_core::supervise::Rejected;
-use outerloop_core::{Event, Fault, State};
+use outerloop_core::{Event, Fault, Mode, Refusal, Rejected};
 use serde::{Deserialize, Serialize};
 
 /// Words of the record of a loop with three degrees of freedom, the most that a board runs.
@@ -33,14 +31,14 @@ pub enum Reply {
         /// The first control step with it.
         tick: u32,
         /// The state after it.
-        state: State,
+        state: Mode,
     },
     /// A parameter is not accepted; nothing has changed.
     Refused(RefusedParameter),
     /// The event or command means nothing in this state, or an interlock stands against it; nothing has changed.
     Rejected {
         /// The state.
-        state: State,
+        state: Mode,
         /// The event, if it was one.
         event: Option<Event>,
         /// The interlock.

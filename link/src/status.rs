@@ -2,7 +2,7 @@
 
 use crate::frame::Seen;
 use heapless::String;
-use outerloop_core::{State, supervise::Trip};
+use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
 /// Everything that is worth watching.
@@ -11,7 +11,7 @@ pub struct Status {
     /// Control step since power-up.
     pub tick: u32,
     /// Where the test stands.
-    pub state: State,
+    pub state: Mode,
     /// The first fault, until it is cleared.
     pub trip: Option<Trip>,
     /// The PERMIT line.
@@ -81,8 +81,8 @@ pub struct LastWords {
     pub cause: Cause,
     /// Control step at which it happened.
     pub tick: u32,
-    /// State of the test at the time.
-    pub state: State,
+    /// Mode of the test at the time.
+    pub state: Mode,
     /// Message of a panic, or registers of a fault.
     pub text: String<96>,
 }

@@ -15,7 +15,7 @@
 
 use crate::frame::wire_bytes;
 use heapless::Vec;
-use outerloop_core::{Fault, Record, State};
+use outerloop_core::{Fault, Mode, Record};
 
 /// Steps in a full frame: 4 ms at 2 kHz. The last frame before a pause may hold fewer.
 pub const STEPS: usize = 8;
@@ -58,7 +58,7 @@ impl Input {
 /// One control step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
-    /// State, fault and flags of the record.
+    /// Mode, fault and flags of the record.
     pub flags: u32,
     /// Displacement as sampled, a code of the board's [`CodeRange`](crate::CodeRange).
     pub displacement: u16,
@@ -107,8 +107,8 @@ impl StepReport {
     }
 
     /// Where the test stands; `None` if the flags hold no state.
-    pub fn state(&self) -> Option<State> {
-        State::from_code(self.flags & 0xf)
+    pub fn state(&self) -> Option<Mode> {
+        Mode::from_code(self.flags & 0xf)
     }
 
     /// The latched fault.

@@ -13,8 +13,7 @@ use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{Cause, LastWords, Start, Status, Timing};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
-use outerloop_core::supervise::Trip;
-use outerloop_core::{Config, Event, Fault, State};
+use outerloop_core::{Config, Event, Fault, Mode, Trip};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -123,7 +122,7 @@ fn identity() -> Identity {
 fn status(trip: Option<Trip>, started: Start, last_words: Option<LastWords>) -> Status {
     Status {
         tick: 70_000,
-        state: State::Tripped,
+        state: Mode::Tripped,
         trip,
         permit: true,
         configured: true,
@@ -163,7 +162,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         tick: 9,
     };
     let rejected = |obstacle| Reply::Rejected {
-        state: State::Idle,
+        state: Mode::Idle,
         event: Some(Event::Arm),
         obstacle: Some(obstacle),
     };
@@ -193,7 +192,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         ),
         ("unknown".to_owned(), Reply::Unknown),
     ];
-    for state in State::ALL {
+    for state in Mode::ALL {
         let name = format!("done {state:?}");
         all.push((name, Reply::Done { tick: 1, state }));
     }
@@ -213,7 +212,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         let words = LastWords {
             cause,
             tick: 77,
-            state: State::Running,
+            state: Mode::Running,
             text: cut("text"),
         };
         let status = status(None, started, Some(words));

@@ -11,7 +11,7 @@ use crate::board::Further;
 use crate::failure::Failure;
 use crate::trace::Witness;
 use link::status::Timing;
-use outerloop_core::{Config, Design, Fault, GroundMotion, State, Trip};
+use outerloop_core::{Config, Design, Fault, GroundMotion, Mode, Trip};
 use serde::Serialize;
 
 /// A test, ready to run.
@@ -35,7 +35,7 @@ pub struct Assignment<'a, const N: usize> {
 #[derive(Clone, Debug)]
 pub struct Ending {
     /// Where the loop stood.
-    pub state: State,
+    pub state: Mode,
     /// The first fault, if there was one.
     pub trip: Option<Trip>,
     /// Seconds on the wall clock.

@@ -4,8 +4,7 @@ use super::{Assignment, Bench, Ending};
 use crate::failure::Failure;
 use crate::trace::Witness;
 use ::plant::{Rig, RigSpec};
-use outerloop_core::record::flag;
-use outerloop_core::{Event, Fault, OuterLoop, Sample, State};
+use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
 /// Idle steps before arming: the loop averages where the specimen stands.
@@ -90,7 +89,7 @@ impl Bench for PlantBench<'_> {
             let step = outer.step(&sample, &assignment.ground);
             command_m = step.command_m.map(f64::from);
             match before {
-                State::Running | State::Resuming => {
+                Mode::Running | Mode::Resuming => {
                     witness.see(step.record);
                     done += 1;
                     let computed = &step.record.command_m;
@@ -102,19 +101,19 @@ impl Bench for PlantBench<'_> {
                         break;
                     }
                 }
-                State::Idle if idle >= IDLE_STEPS => {
+                Mode::Idle if idle >= IDLE_STEPS => {
                     outer
                         .handle(Event::Arm)
                         .map_err(|e| Failure::test(e.to_string()))?;
                 }
-                State::Idle => idle += 1,
-                State::Armed => drop(outer.handle(Event::Start)),
-                State::Approaching
-                | State::Returning
-                | State::Commissioning
-                | State::Holding
-                | State::Finished
-                | State::Tripped => witness.glance(step.record),
+                Mode::Idle => idle += 1,
+                Mode::Armed => drop(outer.handle(Event::Start)),
+                Mode::Approaching
+                | Mode::Returning
+                | Mode::Commissioning
+                | Mode::Holding
+                | Mode::Finished
+                | Mode::Tripped => witness.glance(step.record),
             }
             // What means nothing in this mode is refused, and nothing happens.
             if let Some(wish) = witness.wish()
@@ -126,7 +125,7 @@ impl Bench for PlantBench<'_> {
                     assignment.steps
                 )));
             }
-            if matches!(outer.state(), State::Finished | State::Tripped) {
+            if matches!(outer.state(), Mode::Finished | Mode::Tripped) {
                 break;
             }
         }

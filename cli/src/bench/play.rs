@@ -7,8 +7,7 @@ use crate::files::signal::Signal;
 use crate::files::test::TestFile;
 use crate::trace::Witness;
 use ::plant::Rig;
-use outerloop_core::config::Limits;
-use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};
 
 /// Idle steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: usize = 256;
@@ -51,7 +50,7 @@ pub fn play(
             sample.force_n[0] = reading.force_n[0] as f32;
             sample.fault = reading.at_rail.then_some(Fault::AdcRail);
             let before = outer.state();
-            if matches!(before, State::Running | State::Commissioning) {
+            if matches!(before, Mode::Running | Mode::Commissioning) {
                 match goals.next() {
                     Some(goal_m) => {
                         let mut goal = [0.0; N];
@@ -65,22 +64,22 @@ pub fn play(
             let record = *step.record;
             command_m = f64::from(step.command_m[0]);
             match outer.state() {
-                State::Commissioning => {
+                Mode::Commissioning => {
                     witness.see(&record);
                     let (x, f) = (sample.displacement_m[0], sample.force_n[0]);
                     // What was in force while the sample was taken.
                     played.add(rate_hz, record.command_m[0], x, f);
                 }
-                State::Finished => return Ok(played),
-                State::Tripped => {
+                Mode::Finished => return Ok(played),
+                Mode::Tripped => {
                     let fault = outer.trip().map_or("a fault", |t| t.fault.name());
                     return Ok(played.ended_early(format!("the loop tripped on {fault}")));
                 }
-                State::Idle if idle >= IDLE_STEPS => {
+                Mode::Idle if idle >= IDLE_STEPS => {
                     outer.handle(Event::Arm).map_err(|e| Failure::test(e.to_string()))?;
                 }
-                State::Idle => idle += 1,
-                State::Armed => drop(outer.handle(Event::Start)),
+                Mode::Idle => idle += 1,
+                Mode::Armed => drop(outer.handle(Event::Start)),
                 _ => witness.glance(&record),
             }
             if let Some(wish) = witness.wish()

@@ -19,7 +19,7 @@ use crate::trace::Witness;
 use link::Command;
 use link::command::MAX_POINTS;
 use link::reply::Identity;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Record, State, Trip};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, Record, Trip};
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -157,8 +157,8 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
         // Steps count by their number, not by their coming: some may be lost on the way. Those of a hold do not count.
         let (mut first, mut last_running, mut in_hold) = (None, 0, 0);
         let mut see = |record: Option<Record<N>>| {
-            let running = |r: &Record<N>| r.mode().is_some_and(State::integrates);
-            let held = |r: &Record<N>| matches!(r.mode(), Some(State::Holding | State::Returning));
+            let running = |r: &Record<N>| r.mode().is_some_and(Mode::integrates);
+            let held = |r: &Record<N>| matches!(r.mode(), Some(Mode::Holding | Mode::Returning));
             if let Some(record) = record.as_ref().filter(|r| held(r)) {
                 in_hold = record.tick.wrapping_sub(last_running);
             }
@@ -197,11 +197,11 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 }
                 Err(failure) => {
                     lost = Some(failure.to_string());
-                    break State::Tripped;
+                    break Mode::Tripped;
                 }
             }
             let state = self.in_force.state();
-            if matches!(state, State::Finished | State::Tripped) {
+            if matches!(state, Mode::Finished | Mode::Tripped) {
                 break state;
             }
             if stop_is_asked() && !stopped {
@@ -210,7 +210,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 by_hand = true;
             }
             // The board's button has held the test.
-            let holds = state == State::Holding && !stopped;
+            let holds = state == Mode::Holding && !stopped;
             if holds && !std::mem::replace(&mut held, holds) {
                 self.operator
                     .ask("the test is held: Enter goes on, Ctrl-C stops");
@@ -227,7 +227,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             Some(_) => None,
         };
         let trip = match (&vitals, ended) {
-            (Some(status), State::Tripped) => status.trip,
+            (Some(status), Mode::Tripped) => status.trip,
             (None, _) => Some(Trip {
                 fault: Fault::LinkLost,
                 axis: 0,
@@ -237,7 +237,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             }),
             _ => None,
         };
-        if ended == State::Finished {
+        if ended == Mode::Finished {
             self.in_force.wait_for_rest(self.board)?;
             clear(self.board)?;
         }

@@ -12,7 +12,7 @@ use crate::files::test::TestFile;
 use crate::trace::Witness;
 use link::Command;
 use link::limits::Shown;
-use outerloop_core::{Event, Record, State};
+use outerloop_core::{Event, Mode, Record};
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
@@ -54,8 +54,8 @@ pub fn commission<P: Port>(
     board.forget_steps();
     loop {
         match board.step()?.map(|(_, s)| (s.state(), s.command_m)) {
-            Some((Some(State::Armed), 0.0)) => break,
-            Some((Some(State::Tripped), _)) => {
+            Some((Some(Mode::Armed), 0.0)) => break,
+            Some((Some(Mode::Tripped), _)) => {
                 return Err(Failure::test(
                     "the board tripped on its way to zero: see `outerloop board status`",
                 ));
@@ -72,7 +72,7 @@ pub fn commission<P: Port>(
         }
         if board
             .step()?
-            .is_some_and(|(_, s)| s.state() == Some(State::Tripped))
+            .is_some_and(|(_, s)| s.state() == Some(Mode::Tripped))
         {
             return Err(Failure::test(
                 "the board tripped before the start: see `outerloop board status`",
@@ -105,13 +105,13 @@ pub fn commission<P: Port>(
             stopped |= event(board, wish).is_ok();
         }
         match step.state() {
-            Some(State::Commissioning) => {
+            Some(Mode::Commissioning) => {
                 let begin = *begin.get_or_insert(tick);
                 let time_s = f64::from(tick.wrapping_sub(begin)) / config.timing.rate_hz;
                 played.add_at(time_s, step.command_m, displacement_m, force_n);
             }
-            Some(State::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
-            Some(State::Tripped) => {
+            Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
+            Some(Mode::Tripped) => {
                 let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
                 break Some(format!("the board tripped on {fault}"));
             }
@@ -125,7 +125,7 @@ pub fn commission<P: Port>(
             let Some((_, step)) = board.step()? else {
                 continue;
             };
-            if step.state() != Some(State::Finished) {
+            if step.state() != Some(Mode::Finished) {
                 break;
             }
             standing = if step.command_m == last_m {

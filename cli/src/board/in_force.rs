@@ -13,7 +13,7 @@ use link::Command;
 use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
-use outerloop_core::{Event, Fault, Record, State};
+use outerloop_core::{Event, Fault, Mode, Record};
 
 /// Steps before arming: the loop averages where the specimen stands.
 const IDLE_STEPS: u64 = 256;
@@ -25,7 +25,7 @@ const REST_STEPS: u32 = 40;
 pub struct InForce<'a, const N: usize> {
     mirror: Mirror<'a, N>,
     since: u32,
-    state: State,
+    state: Mode,
     command_m: f32,
     /// Steps seen since the test is in force.
     steps: u64,
@@ -48,14 +48,14 @@ impl<'a, const N: usize> InForce<'a, N> {
             lost_before: board.counted().1,
             mirror,
             since,
-            state: State::Idle,
+            state: Mode::Idle,
             command_m: f32::NAN,
             steps: 0,
         }
     }
 
     /// What the loop was doing in the last step.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> Mode {
         self.state
     }
 
@@ -95,7 +95,7 @@ impl<'a, const N: usize> InForce<'a, N> {
     pub fn end<P: Port>(&mut self, board: &mut Connection<P>, by: Event) -> Result<(), Failure> {
         match self.send(board, by) {
             Err(refused) => match status(board)?.state {
-                State::Finished | State::Tripped => Ok(()),
+                Mode::Finished | Mode::Tripped => Ok(()),
                 _ => Err(refused),
             },
             sent => sent,
@@ -170,14 +170,14 @@ impl<'a, const N: usize> InForce<'a, N> {
         loop {
             self.next(board)?;
             match self.state {
-                State::Armed if self.command_m == 0.0 => return Ok(()),
+                Mode::Armed if self.command_m == 0.0 => return Ok(()),
                 // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
-                State::Idle if self.mirror.has_armed() => {
+                Mode::Idle if self.mirror.has_armed() => {
                     return Err(Failure::test(
                         "the approach to the start was ended by the board's button, and the board is idle",
                     ));
                 }
-                State::Tripped => {
+                Mode::Tripped => {
                     let trip = status(board)?.trip;
                     let fault = trip.map_or("an unknown fault", |t| t.fault.name());
                     return Err(Failure::test(format!(
@@ -207,7 +207,7 @@ impl<'a, const N: usize> InForce<'a, N> {
                 return Err(Failure::test("the test was given up before its start"));
             }
             self.next(board)?;
-            if self.state == State::Tripped {
+            if self.state == Mode::Tripped {
                 let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
                 return Err(Failure::test(format!(
                     "the board tripped on {fault} before the start: see `outerloop board status`"
@@ -223,7 +223,7 @@ impl<'a, const N: usize> InForce<'a, N> {
     /// A link that is gone.
     pub fn wait_for_rest<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
         let (mut standing, mut last_m) = (0, f32::NAN);
-        while standing < REST_STEPS && self.state == State::Finished {
+        while standing < REST_STEPS && self.state == Mode::Finished {
             self.pass(board)?;
             standing = if self.command_m == last_m {
                 standing + 1
@@ -240,10 +240,10 @@ impl<'a, const N: usize> InForce<'a, N> {
     /// # Errors
     /// A link that is gone; a board that cannot be cleared.
     pub fn until_still<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
-        while !matches!(self.state, State::Idle | State::Finished | State::Tripped) {
+        while !matches!(self.state, Mode::Idle | Mode::Finished | Mode::Tripped) {
             self.next(board)?;
         }
-        if self.state == State::Finished {
+        if self.state == Mode::Finished {
             self.wait_for_rest(board)?;
             clear(board)?;
         }

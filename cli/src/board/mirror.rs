@@ -7,9 +7,9 @@
 use link::channel::ErrorFeedback;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::record::flag;
-use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State};
+use outerloop_core::{
+    Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Record, Sample, flag,
+};
 use std::collections::VecDeque;
 
 /// What the mirror has seen.
@@ -162,10 +162,10 @@ impl<'a, const N: usize> Mirror<'a, N> {
         }
         // The board's own button: nothing else tells of it.
         let own = match (report.state(), self.outer.state()) {
-            (Some(State::Holding), State::Running | State::Resuming | State::Returning) => {
+            (Some(Mode::Holding), Mode::Running | Mode::Resuming | Mode::Returning) => {
                 Some(Event::Hold)
             }
-            (Some(State::Idle), State::Approaching) => Some(Event::Stop),
+            (Some(Mode::Idle), Mode::Approaching) => Some(Event::Stop),
             _ => None,
         };
         if let Some(event) = own {
@@ -220,7 +220,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             // The board's own knowledge; nothing in its codes shows it.
             Some(
                 Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed | Fault::PermitChain,
-            ) if report.state() != Some(State::Tripped) => latched,
+            ) if report.state() != Some(Mode::Tripped) => latched,
             _ if rail(report.displacement) || rail(report.force) => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),
             _ => None,

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use link::command::Channel;
 use link::reply::{Identity, Obstacle, Reply};
 use link::{Calibration, Command, Status};
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Mode};
 
 /// Who the board is; a board of another release is refused.
 ///
@@ -45,8 +45,8 @@ pub fn status<P: Port>(board: &mut Connection<P>) -> Result<Status, Failure> {
 /// As [`Connection::ask`]; a test that runs.
 pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     match status(board)?.state {
-        State::Idle => Ok(()),
-        State::Finished | State::Tripped => event(board, Event::Clear).map(drop),
+        Mode::Idle => Ok(()),
+        Mode::Finished | Mode::Tripped => event(board, Event::Clear).map(drop),
         state => Err(Failure::test(format!(
             "clear: the board is {}: accepted are finished and tripped",
             state.name()

@@ -9,7 +9,7 @@ use super::wording::describe_words;
 use crate::failure::Failure;
 use link::limits::Shown;
 use link::reply::Identity;
-use outerloop_core::{Config, State};
+use outerloop_core::{Config, Mode};
 
 /// Who the board is, and `config` with all limits that it asks for. `wanted`: the number that its calibration has to have,
 /// eight hexadecimal digits, and the bits of its converters.
@@ -36,9 +36,9 @@ fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
         eprintln!("outerloop: note: {said}");
     }
     match (now.state, now.trip) {
-        (State::Idle, _) => Ok(()),
-        (State::Finished, _) => clear(board),
-        (State::Tripped, Some(trip)) => Err(Failure::test(format!(
+        (Mode::Idle, _) => Ok(()),
+        (Mode::Finished, _) => clear(board),
+        (Mode::Tripped, Some(trip)) => Err(Failure::test(format!(
             "the board stands tripped on {}: accepted is an idle board; look, then `outerloop board clear`",
             trip.fault.name()
         ))),

@@ -7,9 +7,7 @@ use super::plot::{
 use super::{Drawn, Section};
 use crate::summary::{Verdict, Worth};
 use crate::trace::Floor;
-use outerloop_core::Method;
-use outerloop_core::config::Filter;
-use outerloop_core::record::flag;
+use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
 
 /// Of a test that ran away, so many times the largest ideal displacement is shown.

@@ -11,7 +11,7 @@ use crate::numbers::{length, si};
 use crate::serve::{Summary, Verdict};
 use crate::terminal::{joule, percent};
 use crate::trace::{Floor, Trace};
-use outerloop_core::outer_loop::Pace;
+use outerloop_core::Pace;
 
 /// A session as the report shows it.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,6 @@
 //! From 2000 steps a second to as many points as a screen shows, without losing a peak.
 
-use outerloop_core::Record;
-use outerloop_core::record::flag;
+use outerloop_core::{Record, flag};
 use std::fmt::Write as _;
 
 /// Names and units of the curves, in the order in which they are sent.

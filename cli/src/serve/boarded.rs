@@ -13,8 +13,7 @@ use crate::scope::Scope;
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use link::{Calibration, Command};
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Record, State};
+use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Mode, Pace, Record};
 use std::collections::VecDeque;
 
 /// The rig behind the board at the other end of `connection`. `real`: there is a person to look before a trip is cleared.
@@ -108,7 +107,7 @@ impl Boarded {
         self.with(|board, test| {
             let come = test.in_force.come(board)?;
             test.come.extend(come);
-            if test.in_force.state() == State::Tripped {
+            if test.in_force.state() == Mode::Tripped {
                 test.come.extend(test.in_force.last());
             }
             Ok(())
@@ -121,7 +120,7 @@ impl Boarded {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
             };
-            let over = test.come.is_empty() && test.in_force.state() == State::Tripped;
+            let over = test.come.is_empty() && test.in_force.state() == Mode::Tripped;
             let trip = if over { status(board)?.trip } else { None };
             test.trip = test.trip.or(trip.map(|t| t.fault));
             Ok(Some(Seen {
@@ -155,7 +154,7 @@ impl Boarded {
         let Some(test) = &mut self.test else {
             return Ok(());
         };
-        let holds = test.in_force.state() == State::Holding;
+        let holds = test.in_force.state() == Mode::Holding;
         if holds && !std::mem::replace(&mut test.held, holds) {
             self.operator
                 .ask("the test is held: Enter goes on, Ctrl-C stops");
@@ -209,7 +208,7 @@ impl Rig<1> for Boarded {
         self.with(|board, test| {
             // The answer says what has become of it; a board that has tripped since takes it, and goes nowhere.
             test.in_force.aim(board, target_m)?;
-            if test.in_force.state() == State::Armed {
+            if test.in_force.state() == Mode::Armed {
                 test.in_force.send(board, Event::Start)?;
             }
             Ok(())
@@ -324,9 +323,9 @@ impl Boarded {
             let now = status(&mut self.board)?;
             self.permit = now.permit;
             match now.state {
-                State::Idle => return Ok(()),
-                State::Tripped if self.real => return Ok(()),
-                State::Finished | State::Tripped => clear(&mut self.board)?,
+                Mode::Idle => return Ok(()),
+                Mode::Tripped if self.real => return Ok(()),
+                Mode::Finished | Mode::Tripped => clear(&mut self.board)?,
                 _ => drop(done(&mut self.board, "stop", &Command::Event(Event::Stop))?),
             }
         }
@@ -334,6 +333,6 @@ impl Boarded {
 }
 
 /// Nothing moves any more, or is about to come to rest.
-fn over(state: State) -> bool {
-    matches!(state, State::Idle | State::Finished | State::Tripped)
+fn over(state: Mode) -> bool {
+    matches!(state, Mode::Idle | Mode::Finished | Mode::Tripped)
 }

@@ -2,8 +2,7 @@
 
 use crate::bench::OnBoard;
 use crate::trace::Witness;
-use outerloop_core::Record;
-use outerloop_core::record::{EnergyWords, flag};
+use outerloop_core::{EnergyWords, Record, flag};
 use serde::Serialize;
 
 /// Figures that are formed while the rig moves.

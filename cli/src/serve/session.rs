@@ -8,7 +8,7 @@ use super::wire::{Action, Gone, Trial, Wire};
 use crate::board::operator::stop_is_asked;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use outerloop_core::outer_loop::Pace;
+use outerloop_core::Pace;
 use std::fmt;
 use std::net::TcpStream;
 use std::time::Instant;

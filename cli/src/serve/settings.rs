@@ -1,6 +1,6 @@
 //! `[serve]`: how a rig serves a program outside.
 
-use outerloop_core::outer_loop::Pace;
+use outerloop_core::Pace;
 use serde::{Deserialize, Serialize};
 
 /// The `[serve]` table of a test file.

@@ -7,8 +7,7 @@ use crate::bench::with_floors;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::scope::Scope;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Sample};
 use std::time::{Duration, Instant};
 
 /// Idle steps before arming: the loop averages where the specimen stands.
@@ -102,7 +101,7 @@ impl<const N: usize> Simulated<N> {
     }
 
     fn event(&mut self, event: Event) -> Result<(), Failure> {
-        let refused = |e: outerloop_core::supervise::Rejected| Failure::test(e.to_string());
+        let refused = |e: outerloop_core::Rejected| Failure::test(e.to_string());
         self.outer.handle(event).map(drop).map_err(refused)
     }
 

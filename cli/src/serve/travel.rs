@@ -10,9 +10,7 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::scope::Scope;
 use crate::trace::{Trace, Witness};
-use outerloop_core::Mode;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::record::flag;
+use outerloop_core::{Mode, Pace, flag};
 
 /// A rig on its way, and who looks on.
 pub struct Travel<const N: usize, R> {

@@ -3,8 +3,7 @@
 use crate::bench::with_floors;
 use crate::failure::Failure;
 use nalgebra::{DMatrix, DVector};
-use outerloop_core::Config;
-use outerloop_core::structure::Structure;
+use outerloop_core::{Config, Structure};
 
 /// The structure of a test in plain matrices.
 #[derive(Clone, Debug)]
@@ -38,7 +37,7 @@ impl Frame {
             let frame = Structure::<N>::shear_frame(&m, &k, &z, config.physical_storeys(), &p)
                 .map_err(refused)?;
             let matrix = |x: &[[f64; N]; N]| DMatrix::from_fn(N, N, |i, j| x[i][j]);
-            let (_, shapes) = outerloop_core::matrix::modes(&frame.mass, &frame.stiffness)
+            let (_, shapes) = outerloop_core::modes(&frame.mass, &frame.stiffness)
                 .ok_or_else(|| Failure::input("structure.mass_kg: accepted are positive masses"))?;
             Ok(Frame {
                 mass: matrix(&frame.mass),

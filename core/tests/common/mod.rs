@@ -1,8 +1,7 @@
 //! What the tests of the whole loop share: the structure of Table 1 and a specimen without sensors.
 #![allow(missing_docs, dead_code)]
 
-use outerloop_core::Config;
-use outerloop_core::{Design, Event, GroundMotion, OuterLoop, Sample, State, Step};
+use outerloop_core::{Config, Design, Event, GroundMotion, Mode, OuterLoop, Sample, Step};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
 
@@ -62,6 +61,6 @@ pub fn started(config: &Config, rig: &mut Rig, ground: &GroundMotion<'_>) -> Out
     rig.step(&mut outer, ground);
     outer.handle(Event::Arm).unwrap();
     rig.step(&mut outer, ground);
-    assert_eq!(outer.handle(Event::Start), Ok(State::Running));
+    assert_eq!(outer.handle(Event::Start), Ok(Mode::Running));
     outer
 }

@@ -6,7 +6,7 @@ use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{Cause, LastWords, Start, Status};
 use outerloop_cli::board::Image;
-use outerloop_core::{Event, Fault as LoopFault, State};
+use outerloop_core::{Event, Fault as LoopFault, Mode};
 
 const MS: u64 = 1_000_000;
 
@@ -44,7 +44,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     let course = desk.course();
     assert_eq!(
         (status.started, status.state),
-        (Start::Watchdog, State::Idle)
+        (Start::Watchdog, Mode::Idle)
     );
     assert!(!status.permit);
     // The specimen stands where the last command put it, and the converter begins there again.
@@ -57,7 +57,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     );
     // It takes a new test.
     desk.start();
-    desk.until(State::Running);
+    desk.until(Mode::Running);
     (course, status)
 }
 
@@ -75,7 +75,7 @@ fn dies_at_once(drill: u32, cause: Cause) -> String {
     let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
     assert!(reset <= WATCHDOG_NS, "{reset} ns");
     let last = words(&status);
-    assert_eq!((last.cause, last.state), (cause, State::Running));
+    assert_eq!((last.cause, last.state), (cause, Mode::Running));
     println!(
         "drill {drill}: PERMIT low {} ms after, reset {} ms later: {}",
         after / MS,
@@ -165,7 +165,7 @@ fn a_program_that_hangs_with_interrupts_off_is_reset() {
 #[test]
 fn a_step_that_takes_too_long_trips_in_the_next() {
     let mut desk = in_mid_test(Fault::Drill(6));
-    desk.until(State::Tripped);
+    desk.until(Mode::Tripped);
     let status = desk.status();
     assert_eq!(
         status.trip.map(|t| t.fault),
@@ -188,7 +188,7 @@ fn a_step_that_takes_too_long_trips_in_the_next() {
 #[test]
 fn the_emergency_stop_acts_in_one_period_and_stands_against_arming() {
     let mut desk = in_mid_test(Fault::EmergencyStop);
-    desk.until(State::Tripped);
+    desk.until(Mode::Tripped);
     let course = desk.course();
     let after = course.permit_low_ns - course.fault_ns;
     assert!(after <= PERIOD_NS, "{after} ns");
@@ -223,7 +223,7 @@ fn the_reset_button_in_mid_test() {
     let status = desk.status();
     assert_eq!(
         (status.started, status.state, status.permit),
-        (Start::Pin, State::Idle, false)
+        (Start::Pin, Mode::Idle, false)
     );
     let course = desk.course();
     // The pins float at once.
@@ -240,7 +240,7 @@ fn the_reset_button_in_mid_test() {
         course.held
     );
     desk.start();
-    desk.until(State::Running);
+    desk.until(Mode::Running);
 }
 
 /// Oil leaks: without PERMIT the rig sinks. The board begins where it is then, and not where it was told to be.
@@ -283,7 +283,7 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     // A period's way, the sensor's delay and a code.
     assert!(off_m.abs() < 2e-4, "{off_m} m from where the rig is");
     desk.start();
-    desk.until(State::Running);
+    desk.until(Mode::Running);
 }
 
 #[test]

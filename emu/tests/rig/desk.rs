@@ -9,9 +9,7 @@ use link::status::Status;
 use link::telemetry::StepReport;
 use link::{Calibration, CodeRange};
 use outerloop_cli::board::{Connection, Image, Patience, Port, status};
-use outerloop_core::Config;
-use outerloop_core::config::Limits;
-use outerloop_core::{Event, State};
+use outerloop_core::{config::Limits, Config, Event, Mode};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
 use rigless::session::Session;
@@ -273,7 +271,7 @@ impl Desk {
     pub fn start(&mut self) {
         self.load();
         self.order(Command::Event(Event::Arm));
-        while self.step().state() != Some(State::Armed) {}
+        while self.step().state() != Some(Mode::Armed) {}
         while self.step().command_m != 0.0 {}
         self.order(Command::Event(Event::Start));
     }
@@ -292,7 +290,7 @@ impl Desk {
     }
 
     /// Steps until the state is `state`.
-    pub fn until(&mut self, state: State) {
+    pub fn until(&mut self, state: Mode) {
         while self.step().state() != Some(state) {}
     }
 

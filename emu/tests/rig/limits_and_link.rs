@@ -5,7 +5,7 @@ use crate::desk::{Desk, PERIOD_NS, config, fine};
 use emu::{Contact, Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
-use outerloop_core::{Config, Event, Fault as Reason, Method, State};
+use outerloop_core::{Config, Event, Fault as Reason, Method, Mode};
 
 /// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
 fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
@@ -22,7 +22,7 @@ fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
         desk.step();
     }
     desk.order(Command::Event(Event::Arm));
-    while desk.step().state() != Some(State::Armed) {}
+    while desk.step().state() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
     desk
@@ -30,7 +30,7 @@ fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
 
 /// The test trips on `reason`; what follows is as it has to be. Gives the time from the fault to PERMIT low, ns.
 fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
-    desk.until(State::Tripped);
+    desk.until(Mode::Tripped);
     for _ in 0..100 {
         desk.step();
     }
@@ -59,7 +59,7 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
         "the command jumps"
     );
     desk.order(Command::Event(Event::Clear));
-    assert_eq!(desk.status().state, State::Idle);
+    assert_eq!(desk.status().state, Mode::Idle);
     let at = seen.iter().find(|(_, s)| *s == Seen::Fault).map(|s| s.0);
     at.map(|at| seen[low].0 - at)
 }
@@ -126,10 +126,10 @@ fn a_relay_that_opens_by_itself() {
 #[test]
 fn a_relay_that_stays_closed_stands_against_the_next_arming() {
     let mut desk = begun(Some(Fault::Chain(Contact::Welded)), |_| {});
-    desk.until(State::Finished);
+    desk.until(Mode::Finished);
     desk.order(Command::Event(Event::Clear));
     // Telemetry of before is still on its way.
-    desk.until(State::Idle);
+    desk.until(Mode::Idle);
     for _ in 0..500 {
         desk.step();
     }
@@ -144,9 +144,9 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
 #[test]
 fn the_blue_button_holds_the_test() {
     let mut desk = begun(Some(Fault::Button), |_| {});
-    desk.until(State::Holding);
+    desk.until(Mode::Holding);
     desk.order(Command::Event(Event::Start));
-    desk.until(State::Finished);
+    desk.until(Mode::Finished);
     assert_eq!(desk.status().trip, None);
 }
 
@@ -191,7 +191,7 @@ fn garbage_on_the_line_changes_nothing() {
         desk.wire.send(&garbage);
         desk.step();
     }
-    desk.until(State::Finished);
+    desk.until(Mode::Finished);
     let after = desk.status();
     assert_eq!(after.trip, None);
     assert!(
@@ -218,5 +218,5 @@ fn a_configuration_with_a_number_that_is_none_is_refused_and_changes_nothing() {
     let status = desk.status();
     assert!(status.configured && status.trip.is_none());
     desk.order(Command::Event(Event::Arm));
-    desk.until(State::Armed);
+    desk.until(Mode::Armed);
 }

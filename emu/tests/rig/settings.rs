@@ -7,7 +7,7 @@ use link::Calibration;
 use link::command::Command;
 use link::reply::Reply;
 use link::status::Timing;
-use outerloop_core::{Config, Event, State};
+use outerloop_core::{Config, Event, Mode};
 
 /// Where tests and calibrations are, rows of slots.
 const TESTS: u64 = 0x081c_0000;
@@ -54,7 +54,7 @@ fn the_settings_that_were_saved_last_are_in_force_at_power_up() {
     desk.pc.forget_steps();
     let reply = desk.ask(Command::Event(Event::Arm));
     assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
-    assert_eq!(desk.status().state, State::Idle);
+    assert_eq!(desk.status().state, Mode::Idle);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use emu::{Fault, Planned};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::Input;
 use link::{Calibration, Command};
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Mode};
 
 /// Largest distance of the command as read back from the command as sent, in codes, after a fault in mid test and until
 /// the test trips.
@@ -18,9 +18,9 @@ fn read_back_after(fault: Fault) -> f32 {
         ..Bench::default()
     });
     desk.start();
-    desk.until(State::Tripped);
+    desk.until(Mode::Tripped);
     let line = Calibration::placeholder(&crate::desk::codes()).command;
-    let moving = |state| matches!(state, Some(State::Running));
+    let moving = |state| matches!(state, Some(Mode::Running));
     let running = desk.steps.iter().filter(|(_, s)| moving(s.state()));
     running
         .map(|(_, s)| (line.quantity(s.inputs[0]) - s.command_m).abs() / line.per_code)
@@ -54,7 +54,7 @@ fn a_second_displacement_and_the_heads_acceleration_come_with_every_step() {
         ]
     );
     desk.start();
-    desk.until(State::Finished);
+    desk.until(Mode::Finished);
     // The rig's second sensor is as its first.
     assert!(
         desk.steps

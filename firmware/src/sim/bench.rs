@@ -12,7 +12,7 @@ use link::command::Command;
 use link::frame::Seen;
 use link::reply::{Answer, Reply};
 use link::status::Start;
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// The simulated board with its tasks, and what is broken in it.
 pub type Bench<P> = Tasks<Faulty<SimBoard<P>>>;
@@ -167,7 +167,7 @@ impl<H: Hardware> Tasks<H> {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> Mode {
         self.station.state()
     }
 }

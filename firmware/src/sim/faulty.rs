@@ -4,7 +4,7 @@ use crate::hardware::Hardware;
 use crate::station::Sign;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// What is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -91,7 +91,7 @@ impl<H: Hardware> Hardware for Faulty<H> {
         self.board.feed();
     }
 
-    fn starving(&mut self, task: Sign, tick: u32, state: State) {
+    fn starving(&mut self, task: Sign, tick: u32, state: Mode) {
         self.board.starving(task, tick, state);
     }
 }

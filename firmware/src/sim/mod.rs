@@ -12,7 +12,7 @@ use crate::station::{Clock, Sign};
 use link::channel::Line;
 use link::telemetry::MAX_INPUTS;
 use link::{Calibration, CodeRange, Input};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// The converters of the NUCLEO-F429ZI.
 pub const CODES: CodeRange = CodeRange {
@@ -135,7 +135,7 @@ impl<P: Plant> Hardware for SimBoard<P> {
         self.fed += 1;
     }
 
-    fn starving(&mut self, task: Sign, _: u32, _: State) {
+    fn starving(&mut self, task: Sign, _: u32, _: Mode) {
         self.starving = Some(task);
     }
 }

@@ -1,9 +1,9 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::record::flag;
-use outerloop_core::supervise::{Rejected, Trip};
-use outerloop_core::{Config, Design, Event, GroundMotion, OuterLoop, Refusal, Sample, State};
+use outerloop_core::{
+    Config, Design, Event, GroundMotion, Mode, OuterLoop, Pace, Refusal, Rejected, Sample, Trip,
+    flag,
+};
 
 /// The most degrees of freedom of a test on a board: one with the actuator, the others calculated.
 pub const MAX_DOF: usize = 3;
@@ -84,7 +84,7 @@ impl AnyLoop {
     /// # Errors
     /// As [`OuterLoop::handle`].
     #[inline(never)] // Inlined for every number of floors, the stack would hold what each of them needs.
-    pub fn handle(&mut self, event: Event) -> Result<State, Rejected> {
+    pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
         each_loop!(self, outer => outer.handle(event))
     }
 
@@ -99,7 +99,7 @@ impl AnyLoop {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> Mode {
         each_loop!(self, outer => outer.state())
     }
 

@@ -5,7 +5,7 @@ use super::period::{Output, Station};
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
 use link::status::Timing;
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Mode};
 
 impl Station {
     pub(super) fn carry_out(
@@ -13,7 +13,7 @@ impl Station {
         order: Order,
         hardware: &mut impl Hardware,
     ) -> Result<Returned, Refused> {
-        let idle = self.state() == State::Idle;
+        let idle = self.state() == Mode::Idle;
         match order {
             Order::Event(event) => self.event(event),
             Order::History(index) => {
@@ -73,7 +73,7 @@ impl Station {
             return Err(Refused::NothingToRun);
         }
         let state = self.setup.outer.handle(event);
-        if state == Ok(State::Idle) {
+        if state == Ok(Mode::Idle) {
             self.output.out_of_range = false;
             self.signal = None;
         }

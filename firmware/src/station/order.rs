@@ -6,9 +6,7 @@ use crate::station::commission::Generator;
 use link::channel::Calibration;
 use link::reply::MAX_RECORD;
 use link::status::Timing;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::supervise::{Rejected, Trip};
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Mode, Pace, Rejected, Trip};
 
 /// An order. The interrupt takes one a step, after the command has gone out.
 pub enum Order {
@@ -39,7 +37,7 @@ pub struct Outcome {
     /// The first control step with it in force.
     pub tick: u32,
     /// The state now.
-    pub state: State,
+    pub state: Mode,
     /// What comes back, or why nothing was done.
     pub result: Result<Returned, Refused>,
 }

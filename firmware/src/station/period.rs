@@ -12,7 +12,7 @@ use crate::station::commission::Generator;
 use heapless::spsc::{Consumer, Producer};
 use link::channel::{Calibration, ErrorFeedback};
 use link::telemetry::StepReport;
-use outerloop_core::{Event, Fault, GroundMotion, Sample, State};
+use outerloop_core::{Event, Fault, GroundMotion, Mode, Sample};
 
 /// A step's report with its number.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,7 @@ impl Station {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> Mode {
         self.setup.outer.state()
     }
 
@@ -209,7 +209,7 @@ impl Station {
         let was_down = core::mem::replace(&mut self.held, pressed);
         if pressed && !was_down {
             let event = match self.state() {
-                State::Approaching => Event::Stop,
+                Mode::Approaching => Event::Stop,
                 _ => Event::Hold,
             };
             // Where nothing is to be held it means nothing.
@@ -219,7 +219,7 @@ impl Station {
 
     /// The commissioning signal's next command, and the end of the run after its last.
     fn goal_m(&mut self) -> Option<f32> {
-        if !matches!(self.state(), State::Running | State::Commissioning) {
+        if !matches!(self.state(), Mode::Running | Mode::Commissioning) {
             return None;
         }
         let signal = self.signal.as_mut()?;

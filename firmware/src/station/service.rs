@@ -23,7 +23,7 @@ use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{LastWords, Start, Status};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
-use outerloop_core::{Config, Event, Refusal, State};
+use outerloop_core::{Config, Event, Mode, Refusal};
 
 /// What does not change while the board runs.
 #[derive(Clone, Debug)]
@@ -91,7 +91,7 @@ pub struct Service {
     calibration: Calibration,
     calibrated: bool,
     windows: [Window; 2],
-    state: State,
+    state: Mode,
     tick: u32,
     request: u16,
     pending: Pending,
@@ -130,7 +130,7 @@ impl Service {
             calibrated: parts.calibration.is_some(),
             board,
             windows: [Window::new(), Window::new()],
-            state: State::Idle,
+            state: Mode::Idle,
             tick: 0,
             request: 0,
             pending: Pending::Nothing,
@@ -269,7 +269,7 @@ impl Service {
         Asked::Reply(self.answer(reply))
     }
 
-    fn done(&mut self, tick: u32, state: State) -> Asked {
+    fn done(&mut self, tick: u32, state: Mode) -> Asked {
         self.reply(Reply::Done { tick, state })
     }
 
@@ -330,7 +330,7 @@ impl Service {
         })
     }
 
-    fn status(&self, tick: u32, state: State, vitals: &Vitals, link: Seen, stack: u32) -> Reply {
+    fn status(&self, tick: u32, state: Mode, vitals: &Vitals, link: Seen, stack: u32) -> Reply {
         Reply::Status(Status {
             tick,
             state,
@@ -456,7 +456,7 @@ impl Service {
     }
 
     fn save(&mut self) -> Asked {
-        if self.state != State::Idle {
+        if self.state != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
         if self.config.is_none() && !self.calibrated {

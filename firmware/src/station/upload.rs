@@ -3,7 +3,7 @@
 use link::command::MAX_POINTS;
 use link::frame::checksum;
 use link::reply::{RefusedParameter, Reply};
-use outerloop_core::{Refusal, State};
+use outerloop_core::{Mode, Refusal};
 
 /// How far it has come.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ pub enum Uploaded {
 
 impl Uploaded {
     /// As an answer to the chunk.
-    pub fn reply(&self, tick: u32, state: State) -> Reply {
+    pub fn reply(&self, tick: u32, state: Mode) -> Reply {
         match *self {
             Self::Part | Self::Whole => Reply::Done { tick, state },
             Self::Expected(point) => Reply::Expected(point),

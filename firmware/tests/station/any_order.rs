@@ -6,8 +6,7 @@ use link::Calibration;
 use link::command::{Channel, Command, Shape, Signal};
 use link::frame::checksum;
 use link::reply::Reply;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::{Event, State};
+use outerloop_core::{Event, Mode, Pace};
 use proptest::prelude::*;
 
 fn command() -> impl Strategy<Value = Command> {
@@ -58,8 +57,8 @@ fn command() -> impl Strategy<Value = Command> {
 fn calm(b: &mut Bench) {
     for _ in 0..200_000 {
         match b.board.state() {
-            State::Idle => return,
-            State::Finished | State::Tripped => drop(b.event(Event::Clear)),
+            Mode::Idle => return,
+            Mode::Finished | Mode::Tripped => drop(b.event(Event::Clear)),
             _ => drop(b.event(Event::Stop)),
         }
         for _ in 0..20 {
@@ -87,6 +86,6 @@ proptest! {
         prop_assert!(matches!(calibrated, Reply::Done { .. }), "{:?}", calibrated);
         b.ready(config(), &pulse());
         let started = b.event(Event::Start);
-        prop_assert!(matches!(started, Reply::Done { state: State::Running, .. }), "{:?}", started);
+        prop_assert!(matches!(started, Reply::Done { state: Mode::Running, .. }), "{:?}", started);
     }
 }

@@ -6,9 +6,7 @@ use link::Calibration;
 use link::command::Command;
 use link::frame::{Seen, checksum};
 use link::reply::Reply;
-use outerloop_core::Config;
-use outerloop_core::config::Limits;
-use outerloop_core::{Event, Fault, State};
+use outerloop_core::{Config, Event, Fault, Mode, config::Limits};
 use std::ops::{Deref, DerefMut};
 
 pub const STIFFNESS_N_PER_M: f64 = 158e3;
@@ -100,12 +98,12 @@ impl Bench {
         self.board.hardware.board.code
     }
 
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> Mode {
         self.log.last().unwrap().step.state().unwrap()
     }
 
     /// Steps until the state is `state`; returns how many.
-    pub fn until(&mut self, state: State) -> usize {
+    pub fn until(&mut self, state: Mode) -> usize {
         for steps in 0..60_000 {
             if !self.log.is_empty() && self.state() == state {
                 return steps;
@@ -146,7 +144,7 @@ impl Bench {
             matches!(
                 armed,
                 Reply::Done {
-                    state: State::Approaching | State::Armed,
+                    state: Mode::Approaching | Mode::Armed,
                     ..
                 }
             ),

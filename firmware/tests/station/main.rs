@@ -12,9 +12,9 @@ use link::Calibration;
 use link::command::{Channel, Command, Shape, Signal};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
-use outerloop_core::config::Limits;
-use outerloop_core::supervise::HISTORY;
-use outerloop_core::{Design, Event, Fault, GroundMotion, OuterLoop, Sample, State};
+use outerloop_core::{
+    Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits,
+};
 
 fn done(reply: &Reply) -> u32 {
     match reply {
@@ -55,7 +55,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
         b.step();
     }
     events.push((done(&b.event(Event::Start)), Event::Start));
-    b.until(State::Finished);
+    b.until(Mode::Finished);
     events.push((done(&b.event(Event::Clear)), Event::Clear));
     for _ in 0..10 {
         b.step();
@@ -83,7 +83,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
         moved = moved.max(record.command_m[0].abs());
     }
     assert!(moved > 0.005, "the test moved {moved} m");
-    assert_eq!(outer.state(), State::Idle);
+    assert_eq!(outer.state(), Mode::Idle);
 }
 
 #[test]
@@ -128,16 +128,16 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
             matches!(
                 reply,
                 Reply::Rejected {
-                    state: State::Running,
+                    state: Mode::Running,
                     ..
                 }
             ),
             "{reply:?}"
         );
     }
-    b.until(State::Finished);
+    b.until(Mode::Finished);
     done(&b.event(Event::Clear));
-    b.until(State::Idle);
+    b.until(Mode::Idle);
     // The room that was offered in vain is still there, and so is the ground motion.
     done(&b.ask(Command::Configure(config())));
     done(&b.event(Event::Arm));
@@ -197,7 +197,7 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
         b.step();
         assert!(!b.permit());
         assert_eq!(b.code(), held, "{fault:?}: the converter holds");
-        assert_eq!((b.state(), b.fault()), (State::Tripped, Some(fault)));
+        assert_eq!((b.state(), b.fault()), (Mode::Tripped, Some(fault)));
     }
     let Reply::Status(status) = b.ask(Command::Status) else {
         panic!("no status");
@@ -304,8 +304,8 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
         b.step();
     }
     done(&b.event(Event::Start));
-    b.until(State::Commissioning);
-    let steps = b.until(State::Finished);
+    b.until(Mode::Commissioning);
+    let steps = b.until(Mode::Finished);
     assert!((5998..=6003).contains(&steps), "{steps}");
     let largest = b.log.iter().rev().take(6000).map(|r| r.step.command_m);
     let largest = largest.fold(0.0_f32, |a, x| a.max(x.abs()));
@@ -342,8 +342,8 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
         b.step();
     }
     done(&b.event(Event::Start));
-    b.until(State::Commissioning);
-    let steps = b.until(State::Finished);
+    b.until(Mode::Commissioning);
+    let steps = b.until(Mode::Finished);
     assert!((5998..=6003).contains(&steps), "{steps}");
     let played: Vec<f32> = b
         .log
@@ -394,7 +394,7 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
         matches!(&reply, Reply::Refused(r) if r.name == "limits.displacement_m"),
         "{reply:?}"
     );
-    assert_eq!(b.board.state(), State::Idle);
+    assert_eq!(b.board.state(), Mode::Idle);
 }
 
 #[test]
@@ -442,7 +442,7 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     b.ready(config(), &pulse());
     b.hardware.broken.hold_pressed = true;
     b.step();
-    assert_eq!(b.state(), State::Armed, "there is nothing to hold yet");
+    assert_eq!(b.state(), Mode::Armed, "there is nothing to hold yet");
     b.hardware.broken.hold_pressed = false;
     b.step();
     done(&b.event(Event::Start));
@@ -451,11 +451,11 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     }
     b.hardware.broken.hold_pressed = true;
     b.step();
-    assert_eq!(b.state(), State::Holding);
+    assert_eq!(b.state(), Mode::Holding);
     done(&b.event(Event::Start));
     for _ in 0..20 {
         b.step();
-        assert_ne!(b.state(), State::Holding, "the button has not come up");
+        assert_ne!(b.state(), Mode::Holding, "the button has not come up");
     }
 }
 

@@ -6,9 +6,7 @@ use link::Calibration;
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
-use outerloop_core::outer_loop::Pace;
-use outerloop_core::record::flag;
-use outerloop_core::{Config, Design, Event, GroundMotion, OuterLoop, Sample, State};
+use outerloop_core::{Config, Design, Event, GroundMotion, Mode, OuterLoop, Pace, Sample, flag};
 
 fn done(reply: &Reply) -> u32 {
     match reply {
@@ -90,13 +88,13 @@ fn continuous_targets_are_passed_and_answered_and_every_step_is_worked_out_again
             if b.log.last().unwrap().step.flags & flag::SOLVED != 0 && place > 0 {
                 break;
             }
-            if place == 0 && b.state() == State::Running {
+            if place == 0 && b.state() == Mode::Running {
                 break;
             }
         }
     }
     told.push((done(&b.event(Event::Stop)), Ok(Event::Stop)));
-    b.until(State::Finished);
+    b.until(Mode::Finished);
     told.push((done(&b.event(Event::Clear)), Ok(Event::Clear)));
     b.step();
     assert!(!b.permit());
@@ -124,7 +122,7 @@ fn a_target_of_stop_and_go_is_gone_to_at_the_speed_of_the_approach_and_stood_at(
     for _ in 0..100 {
         b.step();
     }
-    assert_eq!(b.state(), State::Running, "it stands, and waits");
+    assert_eq!(b.state(), Mode::Running, "it stands, and waits");
     let told = [
         (at, Ok(Event::Arm)),
         (target, Err(0.004)),
@@ -146,7 +144,7 @@ fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     // A target beyond the limit trips on its way, and PERMIT is low.
     done(&b.ask(Command::Target(0.5)));
     done(&b.event(Event::Start));
-    b.until(State::Tripped);
+    b.until(Mode::Tripped);
     assert!(!b.permit());
     // Another test integrates by itself again: it needs something to run.
     let mut b = bench();
@@ -165,5 +163,5 @@ fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     for _ in 0..200 {
         b.step();
     }
-    assert_eq!(b.state(), State::Running);
+    assert_eq!(b.state(), Mode::Running);
 }

@@ -3,9 +3,8 @@
 use super::machine::{Clock, Machine};
 use crate::{Scenario, Shaking};
 use firmware::session::Summary;
-use outerloop_core::record::flag;
 use outerloop_core::{
-    Config, Design, Event, Fault, GroundMotion, OuterLoop, Record, Sample, State,
+    Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
 };
 use plant::Rig;
 use std::io::{Error, Result};
@@ -64,13 +63,13 @@ pub fn rig<const N: usize>(scenario: &Scenario, seed: u64) -> impl FnMut(&[f32; 
 pub type Records = Vec<Vec<u32>>;
 
 /// What the operator does in a control period, by its number and the state, and what the board reports.
-pub type Script<'a> = &'a dyn Fn(u32, State) -> (Option<Event>, Option<Fault>);
+pub type Script<'a> = &'a dyn Fn(u32, Mode) -> (Option<Event>, Option<Fault>);
 
 /// Idles for a while, arms, starts as soon as it may and stays until the end.
-pub fn plain(tick: u32, state: State) -> (Option<Event>, Option<Fault>) {
+pub fn plain(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
     let event = match state {
-        State::Idle if tick >= 200 => Some(Event::Arm),
-        State::Armed => Some(Event::Start),
+        Mode::Idle if tick >= 200 => Some(Event::Arm),
+        Mode::Armed => Some(Event::Start),
         _ => None,
     };
     (event, None)
@@ -142,7 +141,7 @@ pub fn drive<const N: usize>(
 ) -> Result<Records> {
     let mut records = Records::with_capacity(ticks as usize);
     let mut command_m = [0.0; N];
-    let mut state = State::Idle;
+    let mut state = Mode::Idle;
     for tick in 0..ticks {
         let mut sample = rig(&command_m);
         let (event, fault) = script(tick, state);
@@ -156,9 +155,9 @@ pub fn drive<const N: usize>(
 }
 
 /// The state in a record: bits 0 to 3 of its third word.
-fn state_of(words: &[u32]) -> Result<State> {
+fn state_of(words: &[u32]) -> Result<Mode> {
     let flags = words.get(2).copied().unwrap_or(u32::MAX);
-    let state = State::from_code(flags & 0xf);
+    let state = Mode::from_code(flags & 0xf);
     state.ok_or_else(|| Error::other("a record without a state"))
 }
 

@@ -8,13 +8,10 @@ use crate::rths::shaking::Shaking;
 use crate::rths::trial::{Answers, Hybrid, Readings};
 use crate::rths::{FLOORS, RATE_HZ, channels};
 use nalgebra::Matrix3;
-use outerloop_core::config::{
-    Adaptation, Compensation, Hydraulic, StructureConfig, Tangent, Timing,
-};
-use outerloop_core::structure::Structure;
 use outerloop_core::{
-    Config, Design, Event, Follower, GroundMotion, Method, OuterLoop, Prediction, Refusal, Sample,
-    State,
+    Config, Design, Event, Follower, GroundMotion, Method, Mode, OuterLoop, Prediction, Refusal,
+    Sample, Structure,
+    config::{Adaptation, Compensation, Hydraulic, StructureConfig, Tangent, Timing},
 };
 
 /// What core is told.
@@ -165,7 +162,7 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
             // The targets that this sample belongs to.
             let targets_m = step.record.command_m;
             // A loop that tripped leaves no numbers.
-            let tripped = outer.state() == State::Tripped;
+            let tripped = outer.state() == Mode::Tripped;
             for (floor, target_m) in answers.floors_m.iter_mut().zip(targets_m) {
                 floor[l] = if tripped {
                     f64::NAN

@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use embassy_stm32::pac;
 use link::frame::checksum;
 use link::status::{Cause, LastWords, Start};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// Bytes of coded last words, at most.
 const ROOM: usize = 160;
@@ -21,21 +21,21 @@ struct Kept {
 #[unsafe(link_section = ".uninit.kept")]
 static mut KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
 
-static STATE: AtomicU8 = AtomicU8::new(State::Idle as u8);
+static STATE: AtomicU8 = AtomicU8::new(Mode::Idle as u8);
 
 /// The control interrupt's state after a step, for last words.
 #[inline]
-pub fn note_state(state: State) {
+pub fn note_state(state: Mode) {
     STATE.store(state as u8, Relaxed);
 }
 
 /// The last noted state.
-pub fn noted_state() -> State {
+pub fn noted_state() -> Mode {
     let code = STATE.load(Relaxed);
-    State::ALL
+    Mode::ALL
         .into_iter()
         .find(|&s| s as u8 == code)
-        .unwrap_or(State::Idle)
+        .unwrap_or(Mode::Idle)
 }
 
 /// Keeps `words` until [`take`]. For the control interrupt and for the end of the program, which nothing interrupts.
@@ -98,7 +98,7 @@ pub fn last_words(start: Start) -> Option<LastWords> {
         (Start::Watchdog, None) => Some(LastWords {
             cause: Cause::Silent,
             tick: 0,
-            state: State::Idle,
+            state: Mode::Idle,
             text: link::reply::cut("the control interrupt stopped"),
         }),
         (_, words) => words,

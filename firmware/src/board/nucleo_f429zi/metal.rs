@@ -12,7 +12,7 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use link::status::{Cause, LastWords};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
 /// The watchdog bites so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
 pub const WATCHDOG_US: u32 = 25_000;
@@ -117,7 +117,7 @@ impl<C: Converters> Hardware for Metal<C> {
     }
 
     #[cold]
-    fn starving(&mut self, task: Sign, tick: u32, state: State) {
+    fn starving(&mut self, task: Sign, tick: u32, state: Mode) {
         if !core::mem::replace(&mut self.starving, true) {
             kept::keep(&LastWords {
                 cause: Cause::Starved,

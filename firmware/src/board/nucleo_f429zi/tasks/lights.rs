@@ -6,9 +6,9 @@ use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::peripherals::{PB0, PB7, PB14};
 use embassy_time::{Duration, Ticker};
-use outerloop_core::State;
+use outerloop_core::Mode;
 
-/// State and fault of the last step that was sent.
+/// Mode and fault of the last step that was sent.
 static FLAGS: AtomicU32 = AtomicU32::new(0);
 
 /// Of a control step's record.
@@ -54,10 +54,10 @@ pub async fn task(mut lamps: Lamps, crystal_ok: bool, crashed: bool) {
         drill::background();
         let flags = FLAGS.load(Relaxed);
         let fault = flags >> 8 & 0xff;
-        let state = State::from_code(flags & 0xf);
-        let moving = state.is_some_and(State::permits_motion);
+        let state = Mode::from_code(flags & 0xf);
+        let moving = state.is_some_and(Mode::permits_motion);
         lamps.green.set_level(Level::from(match state {
-            Some(State::Running | State::Resuming | State::Commissioning) => true,
+            Some(Mode::Running | Mode::Resuming | Mode::Commissioning) => true,
             Some(_) => count % 10 == 0,
             None => false,
         }));
