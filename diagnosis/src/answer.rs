@@ -1,6 +1,5 @@
-//! What the diagnosis says.
+//! What is said of a channel: data only, so that every part of the diagnosis may use it.
 
-use crate::remainder::Correction;
 use plant::{Channel, Effect, Family};
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +34,15 @@ pub struct FoundParameter {
     pub ci90: [f64; 2],
 }
 
+/// What speaks for a name, on data left out block by block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Certificate {
+    /// How many times the squares the best rival of any other kind leaves in its place.
+    pub rivals_leave: f64,
+    /// Share of the squares that it still takes beside an unnamed rest of all other kinds; none of an actuator's.
+    pub beside_the_rest: Option<f64>,
+}
+
 /// An effect that was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoundEffect {
@@ -45,6 +53,8 @@ pub struct FoundEffect {
     /// Expected share of false names among all names given with this confidence or more; none in a set, whose members
     /// have probabilities.
     pub q: Option<f64>,
+    /// What `q` was read off.
+    pub certificate: Option<Certificate>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
 }
@@ -91,6 +101,32 @@ pub struct Share {
     pub odd: f64,
     /// The part that is even.
     pub even: f64,
+}
+
+/// Where a rest was learned: outside it is not said what it would be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Range {
+    /// Smallest and largest displacement, mm.
+    pub x_mm: [f64; 2],
+    /// Smallest and largest speed, mm/s.
+    pub v_mm_per_s: [f64; 2],
+    /// Smallest and largest value of the other signal.
+    pub other: [f64; 2],
+    /// Length of the shortest record, s.
+    pub seconds: f64,
+}
+
+/// What a rest depends on, without a name: strengths of the columns of one class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Correction {
+    /// What it depends on.
+    pub depends_on: DependsOn,
+    /// Where it was learned; it is nothing outside.
+    pub range: Range,
+    /// The strengths.
+    pub strengths: Vec<f64>,
 }
 
 /// A line in the spectrum of the rest.
@@ -225,16 +261,4 @@ pub struct ChannelAnswer {
     /// Held-out data, for pictures.
     #[serde(skip)]
     pub traces: Traces,
-}
-
-/// The whole answer.
-#[derive(Clone, Debug, Serialize)]
-pub struct Diagnosis {
-    /// How long it took, s.
-    pub seconds: f64,
-    /// One answer for each channel of the model.
-    pub channels: Vec<ChannelAnswer>,
-    /// The model with what was found.
-    #[serde(skip)]
-    pub improved: crate::Model,
 }

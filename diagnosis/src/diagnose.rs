@@ -18,7 +18,20 @@ use crate::problem::{Fitted, Problem, rms};
 use crate::recording::{Recording, range};
 use crate::{Refusal, input, joint, lattice, noise, plausible, remainder, rest, spectrum};
 use plant::{Channel, Effect, Family};
+use serde::Serialize;
 use std::time::Instant;
+
+/// The whole answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// How long it took, s.
+    pub seconds: f64,
+    /// One answer for each channel of the model.
+    pub channels: Vec<ChannelAnswer>,
+    /// The model with what was found.
+    #[serde(skip)]
+    pub improved: Model,
+}
 
 /// Finds what `model` lacks to explain `train`, and judges it on `test`, which takes no part in the search.
 ///

@@ -46,19 +46,26 @@ pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Fi
                     .into_owned()
             });
             first += unknowns.len();
-            let spread = part.map(|c| &gradient * c * gradient.transpose());
-            central
-                .into_iter()
-                .enumerate()
-                .map(|(i, (name, unit, value))| {
-                    let half = spread
-                        .as_ref()
-                        .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt());
-                    (name, unit, value, [value - half, value + half])
-                })
-                .collect()
+            around(central, &gradient, part.as_ref())
         })
         .collect()
+}
+
+/// Values with their intervals, from how they change with the unknowns and how those vary together; without that they are
+/// not known at all.
+pub fn around(
+    values: Vec<(&'static str, &'static str, f64)>,
+    gradient: &DMatrix<f64>,
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<Figure> {
+    let spread = covariance.map(|c| gradient * c * gradient.transpose());
+    let half = |i: usize| {
+        spread
+            .as_ref()
+            .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt())
+    };
+    let with = |(i, (name, unit, value))| (name, unit, value, [value - half(i), value + half(i)]);
+    values.into_iter().enumerate().map(with).collect()
 }
 
 /// `H^-1 (sum of outer products of the blocks' scores) H^-1`, over declared parameters and all unknowns of the effects.

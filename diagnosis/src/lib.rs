@@ -38,14 +38,13 @@ mod spectrum;
 mod stamps;
 
 pub use answer::{
-    ChannelAnswer, DependsOn, Diagnosis, Errors, FoundEffect, FoundParameter, Line, Member,
-    Nearest, Refitted, Remainder, Share, Traces, Tried, Verdict,
+    Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,
+    Member, Nearest, Range, Refitted, Remainder, Share, Traces, Tried, Verdict,
 };
-pub use diagnose::diagnose;
+pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
 pub use joint::SavedElement;
 pub use model::{ActuatorModel, Declared, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
 pub use recording::Recording;
 pub use refusal::Refusal;
-pub use remainder::{Correction, Range};

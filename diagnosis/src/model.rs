@@ -1,9 +1,9 @@
 //! What the laboratory declares: each parameter with its standard tolerance.
 
 use crate::Refusal;
+use crate::answer::Correction;
 use crate::joint::SavedElement;
 use crate::library;
-use crate::remainder::Correction;
 use plant::{Channel, EffectSpec};
 use serde::{Deserialize, Serialize};
 

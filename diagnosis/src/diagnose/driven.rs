@@ -105,7 +105,7 @@ impl Channelled<'_> {
                     };
                     answer.effects = names
                         .iter()
-                        .map(|n| self.drive_effect(&train, &fit, n.effect, Some(q(n.rho))))
+                        .map(|n| self.drive_effect(&train, &fit, n.effect, Some(n.certificate)))
                         .collect();
                     kept.clone_from(&fit);
                     self.take(
@@ -178,7 +178,13 @@ impl Channelled<'_> {
         train.save(fit, &train.spread(fit), improved);
     }
 
-    fn drive_effect(&self, data: &Data, fit: &Fit, name: Effect, q: Option<f64>) -> FoundEffect {
+    fn drive_effect(
+        &self,
+        data: &Data,
+        fit: &Fit,
+        name: Effect,
+        certificate: Option<Certificate>,
+    ) -> FoundEffect {
         let spread = data.spread(fit);
         let parameters = data
             .figures(fit, name, &spread)
@@ -193,7 +199,8 @@ impl Channelled<'_> {
         FoundEffect {
             name,
             family: name.entry().family,
-            q,
+            q: certificate.map(|c| q(c.rivals_leave)),
+            certificate,
             parameters,
         }
     }

@@ -131,6 +131,7 @@ impl Channelled<'_> {
                 name: e.candidate.effect,
                 family: e.candidate.effect.entry().family,
                 q: None,
+                certificate: None,
                 parameters: figures
                     .into_iter()
                     .map(|(name, unit, value, ci90)| FoundParameter {
@@ -166,6 +167,7 @@ impl Channelled<'_> {
             name: Effect::Quantisation,
             family: Effect::Quantisation.entry().family,
             q: None,
+            certificate: None,
             parameters: vec![FoundParameter {
                 name: name.into(),
                 value: step,

@@ -2,7 +2,8 @@
 
 use super::Channelled;
 use crate::answer::{
-    ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces, Verdict,
+    Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
+    Verdict,
 };
 use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER};
 use crate::joint::{self, Explained, Fit, Outcome};
@@ -177,19 +178,23 @@ fn nearest(name: Effect, before: &Left, after: &Left) -> Nearest {
 }
 
 fn effects(explained: &Explained) -> Vec<FoundEffect> {
-    let effect = |(name, rho, figures): &(Effect, Option<f64>, Vec<joint::Sure>)| FoundEffect {
-        name: *name,
-        family: name.entry().family,
-        q: rho.map(joint::q),
-        parameters: figures
-            .iter()
-            .map(|&(name, unit, value, ci90)| FoundParameter {
-                name: name.into(),
-                value,
-                unit: unit.into(),
-                ci90,
-            })
-            .collect(),
-    };
+    let effect =
+        |(name, certificate, figures): &(Effect, Option<Certificate>, Vec<joint::Sure>)| {
+            FoundEffect {
+                name: *name,
+                family: name.entry().family,
+                q: certificate.map(|c| joint::q(c.rivals_leave)),
+                certificate: *certificate,
+                parameters: figures
+                    .iter()
+                    .map(|&(name, unit, value, ci90)| FoundParameter {
+                        name: name.into(),
+                        value,
+                        unit: unit.into(),
+                        ci90,
+                    })
+                    .collect(),
+            }
+        };
     explained.names.iter().map(effect).collect()
 }

@@ -2,6 +2,7 @@
 
 use super::fit::{DECLARED, Fit, Model};
 use super::search::{Scored, Search};
+use crate::answer::Certificate;
 use crate::criteria::{ALMOST_ALL, CERTAIN, LARGEST_SET, LEAST_PROBABLE, WEIGHT};
 use plant::Effect;
 use rayon::prelude::*;
@@ -13,8 +14,8 @@ const RIVALS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Name {
     pub effect: Effect,
-    /// How many times the squares grow if it is replaced by the best of another name.
-    pub rho: f64,
+    /// What speaks for it.
+    pub certificate: Certificate,
 }
 
 /// What can be said.
@@ -98,7 +99,7 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
             let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
             Name {
                 effect,
-                rho: least.exp(),
+                certificate: certificate(least),
             }
         })
         .collect();
@@ -106,7 +107,7 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
     let sure: Vec<Name> = judged
         .iter()
         .copied()
-        .filter(|n| n.rho >= CERTAIN)
+        .filter(|n| n.certificate.rivals_leave >= CERTAIN)
         .collect();
     let unknown = |nearest| Outcome::Unknown { nearest, explained };
     if !sure.is_empty() {
@@ -121,7 +122,11 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
             _ => unknown(sure[0].effect),
         };
     }
-    let Some(first) = judged.iter().max_by(|a, b| a.rho.total_cmp(&b.rho)) else {
+    let Some(first) = judged.iter().max_by(|a, b| {
+        a.certificate
+            .rivals_leave
+            .total_cmp(&b.certificate.rivals_leave)
+    }) else {
         return Outcome::Nothing;
     };
     // The preferred member alone: what stands beside it cannot be vouched for either, and its rivals are those without it.
@@ -133,6 +138,14 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
     });
     set.or_else(|| of_single_names(search, declared))
         .unwrap_or_else(|| unknown(first.effect))
+}
+
+/// Of a name whose best rival leaves this logarithm of the squares.
+fn certificate(least: f64) -> Certificate {
+    Certificate {
+        rivals_leave: least.exp(),
+        beside_the_rest: None,
+    }
 }
 
 /// A set of a name and its rivals; `None` where there is no rival or too many.
@@ -190,10 +203,12 @@ fn of_single_names(search: &Search, declared: &Scored) -> Option<Outcome> {
         .collect();
     let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
     if least >= CERTAIN.ln() {
-        let rho = least.exp();
         return Some(Outcome::Named {
             fit: best.fit,
-            names: vec![Name { effect, rho }],
+            names: vec![Name {
+                effect,
+                certificate: certificate(least),
+            }],
             more: true,
         });
     }

@@ -5,6 +5,7 @@ use super::polish::Polished;
 use super::search::restrict;
 use super::separable::inseparable;
 use super::set::{DECLARED, Library, Set, column};
+use crate::answer::Certificate;
 use crate::criteria::{BESIDE_THE_REST, BLOCKS, PRICE};
 use nalgebra::{DMatrix, DVector};
 use plant::Effect;
@@ -21,14 +22,31 @@ pub struct Candidate {
     pub rms: f64,
     /// How many times the squares grow with the best rival of any other kind in its place.
     pub rho: f64,
-    /// It is no better beside an unnamed rest of all other kinds.
-    pub void: bool,
+    /// Logarithm of the squares with it over those without it, beside an unnamed rest of all other kinds.
+    pub beside: f64,
+    /// It has no part that is the same everywhere along the way.
+    pub varies: bool,
     /// Names of other kinds that this motion cannot tell from it, whatever fits.
     pub inseparable: Vec<(Effect, Kind)>,
     /// The best of each other family and kind; best first.
     pub rivals: Vec<Rival>,
     /// Of one kind with it but of another family.
     pub kin: Option<Rival>,
+}
+
+impl Candidate {
+    /// Whether it is no better beside an unnamed rest of all other kinds, or a product of place and speed.
+    pub fn is_void(&self) -> bool {
+        self.varies || self.beside > (1.0 - BESIDE_THE_REST).ln()
+    }
+
+    /// What is said of it.
+    pub fn certificate(&self) -> Certificate {
+        Certificate {
+            rivals_leave: self.rho,
+            beside_the_rest: Some(1.0 - self.beside.exp()),
+        }
+    }
 }
 
 /// What could be in the place of a name.
@@ -194,8 +212,12 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
     Candidate {
         name: group.name,
-        void: varies(library, &group.elements)
-            || !group.elements.is_empty() && is_void(library, group.kind, &group.elements),
+        beside: if group.elements.is_empty() {
+            f64::NEG_INFINITY
+        } else {
+            beside_the_rest(library, group.kind, &group.elements)
+        },
+        varies: varies(library, &group.elements),
         inseparable: if group.elements.is_empty() {
             Vec::new()
         } else {
@@ -332,8 +354,8 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
     !elements.is_empty() && laws.all(along)
 }
 
-/// Whether elements are worth nothing beside an unnamed rest of all other kinds.
-fn is_void(library: &Library, kind: Kind, elements: &[usize]) -> bool {
+/// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.
+fn beside_the_rest(library: &Library, kind: Kind, elements: &[usize]) -> f64 {
     // What a play takes off a spring is a slider that pulls.
     let own = |k: Kind| k == kind || (kind == Kind::Play && k == Kind::Memory);
     let rest = rest_columns(library).into_iter().filter(|r| !own(r.0));
@@ -347,10 +369,8 @@ fn is_void(library: &Library, kind: Kind, elements: &[usize]) -> bool {
     );
     let with = ridge_costs(&columns, &library.force);
     match (without, with) {
-        (Some(without), Some(with)) => {
-            library.fall(&with) > library.fall(&without) + (1.0 - BESIDE_THE_REST).ln()
-        }
-        _ => false,
+        (Some(without), Some(with)) => library.fall(&with) - library.fall(&without),
+        _ => f64::NEG_INFINITY,
     }
 }
 

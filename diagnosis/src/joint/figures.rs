@@ -3,6 +3,7 @@
 use super::element::{Element, Law};
 use super::fit::Fit;
 use super::set::{DECLARED, Library, column};
+use crate::interval;
 use crate::linear::dot;
 use nalgebra::{DMatrix, DVector};
 use plant::Effect;
@@ -10,11 +11,8 @@ use plant::Effect;
 /// A parameter: name, unit, value.
 type Figure = (&'static str, &'static str, f64);
 
-/// Name, unit, value, 90 % interval.
-pub type Sure = (&'static str, &'static str, f64, [f64; 2]);
+pub use crate::interval::Figure as Sure;
 
-/// Half a two-sided 90 % interval of the normal distribution.
-const NINETY: f64 = 1.645;
 /// Blocks of the sandwich, from long to short: what is correlated over many samples shows in the long ones.
 const SANDWICH: [usize; 3] = [12, 40, 120];
 /// Step of a shape, relative, and of a strength.
@@ -171,18 +169,7 @@ pub fn with_intervals(
                     gradient[(i, j)] = (there.2 - here[i].2) / step;
                 }
             }
-            let spread = covariance
-                .as_ref()
-                .map(|c| &gradient * c * gradient.transpose());
-            here.into_iter()
-                .enumerate()
-                .map(|(i, (name, unit, value))| {
-                    let half = spread
-                        .as_ref()
-                        .map_or(f64::INFINITY, |s| NINETY * s[(i, i)].max(0.0).sqrt());
-                    (name, unit, value, [value - half, value + half])
-                })
-                .collect()
+            interval::around(here, &gradient, covariance.as_ref())
         })
         .collect()
 }

@@ -7,6 +7,7 @@ use super::fit::Fit;
 use super::polish::polish;
 use super::search::restrict;
 use super::set::{Library, Set};
+use crate::answer::Certificate;
 use crate::criteria::{CERTAIN, LARGEST_SET, LEAST_PROBABLE, LEAST_TIMES, WEIGHT, WITHIN_A_KIND};
 use plant::{Effect, Family};
 
@@ -16,8 +17,11 @@ pub struct Explained {
     /// The model.
     pub fit: Fit,
     /// Each name, its certificate where it has one, and its parameters.
-    pub names: Vec<(Effect, Option<f64>, Vec<Sure>)>,
+    pub names: Vec<(Effect, Option<Certificate>, Vec<Sure>)>,
 }
+
+/// A name, its elements in the library, and what speaks for it.
+type Named = (Effect, Vec<usize>, Option<Certificate>);
 
 /// What the search came to.
 #[derive(Clone, Debug)]
@@ -71,12 +75,12 @@ pub fn conclude(
         let kin = n.kin.as_ref().is_some_and(|k| k.times < WITHIN_A_KIND);
         kin || !n.inseparable.is_empty()
     };
-    let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.void);
+    let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
     let (open, sure): (Vec<Candidate>, Vec<Candidate>) = sure.cloned().partition(undecided);
     if !sure.is_empty() {
-        let groups: Vec<(Effect, Vec<usize>, Option<f64>)> = sure
+        let groups: Vec<Named> = sure
             .iter()
-            .map(|n| (n.name, n.elements.clone(), Some(n.rho)))
+            .map(|n| (n.name, n.elements.clone(), Some(n.certificate())))
             .collect();
         let model = explained(library, set, &groups, cutoff_hz)?;
         return Some(Outcome::Named(model, sure.len() < names.len()));
@@ -126,12 +130,7 @@ fn members(first: &Candidate) -> Vec<(Effect, f64)> {
 }
 
 /// The model with some names and no other elements.
-fn explained(
-    library: &Library,
-    set: &Set,
-    groups: &[(Effect, Vec<usize>, Option<f64>)],
-    cutoff_hz: f64,
-) -> Option<Explained> {
+fn explained(library: &Library, set: &Set, groups: &[Named], cutoff_hz: f64) -> Option<Explained> {
     let kept: Vec<usize> = groups.iter().flat_map(|g| g.1.clone()).collect();
     let own = if kept.len() == set.elements.len() {
         set.clone()
@@ -190,7 +189,8 @@ mod tests {
             elements: vec![0],
             rms: 1.0,
             rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
-            void: false,
+            beside: -1.0,
+            varies: false,
             inseparable: Vec::new(),
             rivals,
             kin: None,

@@ -166,6 +166,7 @@ fn catalogued(
                 name: e.candidate.effect,
                 family: e.candidate.effect.entry().family,
                 q: None,
+                certificate: None,
                 parameters: (e.candidate.parameters)(&e.amplitudes, &e.shapes, scales)
                     .into_iter()
                     .map(|(name, unit, value)| FoundParameter {

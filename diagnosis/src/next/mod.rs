@@ -15,8 +15,9 @@ pub use phase::{Form, Phase};
 pub use room::{Origin, Room};
 
 use crate::Refusal;
-use crate::answer::{ChannelAnswer, Diagnosis, Verdict};
+use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::{CERTAIN, INSEPARABLE, NOISE};
+use crate::diagnose::Diagnosis;
 use crate::model::Model;
 use crate::recording::Recording;
 use phase::Played;

@@ -1,9 +1,8 @@
 //! What a rest may depend on: columns for each class, of no equation in particular.
 
-use crate::answer::DependsOn;
+use crate::answer::{DependsOn, Range};
 use crate::library::operators::friction;
 use crate::signals::{derivative, lagged};
-use serde::{Deserialize, Serialize};
 
 /// The motion of one record beside its rest.
 #[derive(Clone, Debug)]
@@ -38,20 +37,6 @@ impl Moves {
             rest,
         }
     }
-}
-
-/// Where a rest was learned: outside it is not said what it would be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Range {
-    /// Smallest and largest displacement, mm.
-    pub x_mm: [f64; 2],
-    /// Smallest and largest speed, mm/s.
-    pub v_mm_per_s: [f64; 2],
-    /// Smallest and largest value of the other signal.
-    pub other: [f64; 2],
-    /// Length of the shortest record, s.
-    pub seconds: f64,
 }
 
 impl Range {

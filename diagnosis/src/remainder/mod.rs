@@ -4,17 +4,16 @@
 mod columns;
 mod lines;
 
-pub use columns::{Moves, Range};
+pub use columns::Moves;
 pub use lines::lines;
 
-use crate::answer::{DependsOn, Remainder, Share};
+use crate::answer::{Correction, DependsOn, Range, Remainder, Share};
 use crate::linear::{dot, gram};
 use crate::problem::{add_scaled, rms};
 use crate::recording::Recording;
 use crate::{Model, Refusal};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
-use serde::{Deserialize, Serialize};
 
 /// Ridge, as a share of a column's mean square times the samples.
 const RIDGE: f64 = 1e-4;
@@ -34,18 +33,6 @@ const CLASSES: [DependsOn; 7] = [
     DependsOn::Amplitude,
     DependsOn::OtherChannel,
 ];
-
-/// What a rest depends on, without a name: strengths of the columns of one class.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Correction {
-    /// What it depends on.
-    pub depends_on: DependsOn,
-    /// Where it was learned; it is nothing outside.
-    pub range: Range,
-    /// The strengths.
-    pub strengths: Vec<f64>,
-}
 
 impl Correction {
     /// Whether its numbers are finite and in order.
