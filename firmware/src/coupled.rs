@@ -5,13 +5,10 @@
 //! a structure that the ground shakes. Only the tracker's step is timed.
 
 use outerloop_core::Refusal;
-use outerloop_core::coupled::Pair;
-use outerloop_core::coupled::coupler::Coupler;
-use outerloop_core::coupled::estimate;
-use outerloop_core::coupled::forward::Forward;
-use outerloop_core::coupled::observer::{self, Mode};
-use outerloop_core::coupled::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
-use outerloop_core::coupled::tracker::{Constants, Settings, Tracked, Tracker};
+use outerloop_core::coupled::{
+    Coupler, EstimatorSettings, Forward, MAX_PARAMETERS, ObserverSettings, Pair, Parameter, Plant,
+    Spreads, Tracked, Tracker, TrackerConstants, TrackerSettings, VibrationMode,
+};
 
 const TURN: f32 = core::f32::consts::TAU;
 const PERIOD_S: f32 = 1.0 / 1024.0;
@@ -70,8 +67,8 @@ impl Scenario {
         for pole in &mut truth.slow_pole_rad_per_s {
             *pole *= 1.05;
         }
-        let target = |participation: f32, noise| observer::Settings {
-            modes: core::iter::once(Mode {
+        let target = |participation: f32, noise| ObserverSettings {
+            modes: core::iter::once(VibrationMode {
                 omega_rad_per_s: f64::from(OMEGA_RAD_PER_S),
                 damping_ratio: f64::from(RATIO),
                 participation: f64::from(participation),
@@ -80,12 +77,12 @@ impl Scenario {
             noise,
             process_per_s2: 0.2,
         };
-        let constants = Constants::new(&Settings {
+        let constants = TrackerConstants::new(&TrackerSettings {
             coupler: Coupler {
                 pin_x_m: [0.2667; 2],
                 pin_y_m: [-0.127, 0.127],
             },
-            estimate: estimate::Settings {
+            estimate: EstimatorSettings {
                 plant: PLANT,
                 spreads: spreads(),
                 noise_m: 12e-6,

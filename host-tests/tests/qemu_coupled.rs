@@ -64,7 +64,7 @@ fn two_coupled_actuators_have_the_same_bits_in_qemu() {
         "a step of the tracker, 13 parameters estimated: {} instructions at worst, {} on average; state {} bytes",
         instructions(count(0)),
         instructions(count(1)),
-        size_of::<outerloop_core::coupled::tracker::Tracker>(),
+        size_of::<outerloop_core::coupled::Tracker>(),
     );
     assert_eq!(hash, on_this_machine().hash());
     // 168 MHz, 1.8 cycles an instruction, 1024 samples a second: a tenth of the period is 9100 instructions.

@@ -6,10 +6,10 @@ use super::rig::{COUPLER, FRAME_RATIO, Parameters, noise_m};
 use super::structure::{Matrices, ROTATION, X};
 use super::{PERIOD_S, SIGN};
 use crate::Refused;
-use outerloop_core::coupled::estimate;
-use outerloop_core::coupled::observer;
-use outerloop_core::coupled::plant::{Parameter, Plant, Spreads};
-use outerloop_core::coupled::tracker::{Constants, Settings, Tracker};
+use outerloop_core::coupled::{
+    EstimatorSettings, ObserverSettings, Parameter, Plant, Spreads, Tracker, TrackerConstants,
+    TrackerSettings,
+};
 
 /// One of the contestants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl Contestant {
 #[derive(Clone, Debug)]
 pub struct Calibration {
     start: [Start; 2],
-    coupled: [Constants; 2],
+    coupled: [TrackerConstants; 2],
 }
 
 /// Modes that show at the interface.
@@ -109,9 +109,9 @@ impl Calibration {
     pub fn new(start: [Start; 2], reference: &Matrices) -> Result<Self, Refused> {
         let plant = nominal();
         let tracker = |spreads: Spreads| {
-            Constants::new(&Settings {
+            TrackerConstants::new(&TrackerSettings {
                 coupler: COUPLER,
-                estimate: estimate::Settings {
+                estimate: EstimatorSettings {
                     plant,
                     spreads,
                     noise_m: noise_m() as f32,
@@ -133,7 +133,7 @@ impl Calibration {
 
     /// A contestant at rest; none for the perfect one.
     pub fn controller(&self, contestant: Contestant) -> Option<Box<dyn Controller + Send>> {
-        let coupled = |k: &Constants, estimated| {
+        let coupled = |k: &TrackerConstants, estimated| {
             Box::new(CoreTracker {
                 tracker: Tracker::at_rest(k.clone()),
                 estimated,
@@ -189,13 +189,13 @@ fn spreads() -> Spreads {
 }
 
 /// The modes of the reference as the interface shows them, in the rig's sign.
-fn target(reference: &Matrices, at: usize, coordinate: usize) -> observer::Settings {
+fn target(reference: &Matrices, at: usize, coordinate: usize) -> ObserverSettings {
     let sign = if coordinate == 1 { SIGN } else { 1.0 };
     let mut modes = reference.modes(at, MODES);
     for mode in &mut modes {
         mode.participation *= sign;
     }
-    observer::Settings {
+    ObserverSettings {
         modes: modes.into_iter().collect(),
         noise: TARGET_NOISE[coordinate],
         process_per_s2: PROCESS,

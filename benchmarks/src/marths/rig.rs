@@ -6,7 +6,7 @@ use super::{PERIOD_S, RATE_HZ};
 use crate::linear::Linear;
 use crate::noise::{Normal, Purpose};
 use nalgebra::{SMatrix, Vector1};
-use outerloop_core::coupled::coupler::Coupler;
+use outerloop_core::coupled::Coupler;
 use std::f64::consts::TAU;
 
 /// Pins of the coupler, as published.

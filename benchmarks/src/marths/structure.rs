@@ -3,7 +3,7 @@
 use super::{GROUND_SCALE, PERIOD_S};
 use crate::Refused;
 use nalgebra::{DMatrix, Matrix2, Matrix3, SMatrix, SVector, SymmetricEigen};
-use outerloop_core::coupled::observer::Mode;
+use outerloop_core::coupled::VibrationMode;
 
 /// Degrees of freedom.
 pub const DOF: usize = 29;
@@ -92,7 +92,7 @@ impl Matrices {
 
     /// The `count` modes that show most in degree of freedom `at` when the ground shakes, by static condensation of what
     /// has no mass.
-    pub fn modes(&self, at: usize, count: usize) -> Vec<Mode> {
+    pub fn modes(&self, at: usize, count: usize) -> Vec<VibrationMode> {
         let heavy: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] > 0.0).collect();
         let light: Vec<usize> = (0..DOF).filter(|&i| self.mass[(i, i)] <= 0.0).collect();
         let pick = |rows: &[usize], columns: &[usize]| {
@@ -113,7 +113,7 @@ impl Matrices {
         let eigen = SymmetricEigen::new(0.5 * (&scaled + scaled.transpose()));
         let shaken = shaken();
         let [m, k] = rayleigh(0.05, [13.493, 165.125]);
-        let mut modes: Vec<Mode> = (0..heavy.len())
+        let mut modes: Vec<VibrationMode> = (0..heavy.len())
             .map(|r| {
                 let shape =
                     DMatrix::from_fn(heavy.len(), 1, |i, _| eigen.eigenvectors[(i, r)] / root(i));
@@ -128,7 +128,7 @@ impl Matrices {
                         .map_or(0.0, |i| (follow.row(i) * &shape)[0]),
                 };
                 let omega = eigen.eigenvalues[r].max(0.0).sqrt();
-                Mode {
+                VibrationMode {
                     omega_rad_per_s: omega,
                     damping_ratio: 0.5 * (m / omega + k * omega),
                     participation: -load * shown,

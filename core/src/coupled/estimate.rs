@@ -19,7 +19,7 @@ const FARTHEST: f32 = 0.3;
 
 /// What the estimator is told.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct EstimatorSettings {
     /// The plant as declared.
     pub plant: Plant,
     /// What of it may be off, and by how much; none: the plant is taken as declared.
@@ -31,7 +31,7 @@ pub struct Settings {
     pub period_s: f32,
 }
 
-impl Settings {
+impl EstimatorSettings {
     /// Checks the settings.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ pub struct Estimator {
 
 impl Estimator {
     /// At rest at zero, with the plant as declared.
-    pub fn at_rest(settings: &Settings) -> Self {
+    pub fn at_rest(settings: &EstimatorSettings) -> Self {
         let mut covariance = Factored::default();
         for (variance, &(_, spread)) in covariance.diagonal.iter_mut().zip(&settings.spreads) {
             *variance = spread * spread;
@@ -104,7 +104,12 @@ impl Estimator {
     }
 
     /// One sample: what was sent since the last, what is measured now. Returns the model's strokes, m.
-    pub fn update(&mut self, settings: &Settings, sent_m: &Pair, measured_m: &Pair) -> Pair {
+    pub fn update(
+        &mut self,
+        settings: &EstimatorSettings,
+        sent_m: &Pair,
+        measured_m: &Pair,
+    ) -> Pair {
         let modelled_m = self.forward.step(
             &self.plant,
             &settings.spreads,
@@ -227,7 +232,7 @@ mod tests {
         for (&(parameter, _), by) in spreads.iter().zip(off) {
             truth.scale(parameter, libm::expf(by));
         }
-        let settings = Settings {
+        let settings = EstimatorSettings {
             plant: FRAME,
             spreads,
             noise_m: 1e-6,

@@ -12,32 +12,40 @@
 //!
 //! The plant is estimated *forwards*, from the command, which carries no noise, and inverted on paper.
 //!
-//! | look in | for |
+//! | name | what it is |
 //! |---|---|
-//! | [`coupler`] | strokes from x and theta and back, exact and linearised |
-//! | [`plant`] | the 2 x 2 transfer function and its parameters |
-//! | [`forward`] | what the plant would answer to the commands, and how that depends on each parameter |
-//! | [`estimate`] | the parameters from the difference to what was measured |
-//! | [`inverse`] | commands for a target, cross terms included |
-//! | [`observer`] | smooth derivatives of a target that is driven by a known ground motion |
-//! | [`tracker`] | all of them, one call a sample |
-//! | [`outer_loop`] | a whole test: modes, interlocks in both systems of coordinates, integration, tracker |
-//! | [`response`] | the modes of a structure as the observers want them |
+//! | [`CoupledLoop`] | a whole test: modes, interlocks in both systems of coordinates, integration, tracker |
+//! | [`Tracker`] | all of what follows, one call a sample |
+//! | [`Coupler`] | strokes from x and theta and back, exact and linearised |
+//! | [`Plant`] | the 2 x 2 transfer function and its parameters |
+//! | [`Forward`] | what the plant would answer to the commands, and how that depends on each parameter |
+//! | [`EstimatorSettings`] | how the parameters are found from the difference to what was measured |
+//! | [`ObserverSettings`] | smooth derivatives of a target that is driven by a known ground motion |
+//! | [`observed`] | the modes of a structure as the observers want them |
 //!
 //! # When not to use it
 //! A single actuator, or actuators that do not feel each other: the predictors in [`crate::Prediction`] need a tenth of
 //! the instructions. Path zeros in both columns of the plant are refused.
 
-pub mod coupler;
-pub mod estimate;
-pub mod filter;
-pub mod forward;
-pub mod inverse;
-pub mod observer;
-pub mod outer_loop;
-pub mod plant;
-pub mod response;
-pub mod tracker;
+mod coupler;
+mod estimate;
+mod filter;
+mod forward;
+mod inverse;
+mod observer;
+mod outer_loop;
+mod plant;
+mod response;
+mod tracker;
+
+pub use coupler::{Coupler, LARGEST_ROTATION};
+pub use estimate::EstimatorSettings;
+pub use forward::{Forward, Slopes};
+pub use observer::{MAX_MODES, ObserverSettings, VibrationMode};
+pub use outer_loop::{Bounds, CoupledLoop, CoupledSettings, CoupledStep};
+pub use plant::{MAX_PARAMETERS, Parameter, Plant, Spread, Spreads};
+pub use response::observed;
+pub use tracker::{Broken, Limit, Tracked, Tracker, TrackerConstants, TrackerSettings};
 
 /// A value for each of the two actuators, or for `x` and `theta`.
 pub type Pair = [f32; 2];

@@ -14,7 +14,7 @@ const STATES: usize = 2 * MAX_MODES;
 
 /// One mode as a coordinate of the interface shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mode {
+pub struct VibrationMode {
     /// Angular frequency, rad/s.
     pub omega_rad_per_s: f64,
     /// Damping ratio.
@@ -25,9 +25,9 @@ pub struct Mode {
 
 /// What the observer of one coordinate is told.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct ObserverSettings {
     /// The modes that matter.
-    pub modes: Vec<Mode, MAX_MODES>,
+    pub modes: Vec<VibrationMode, MAX_MODES>,
     /// Noise that the target carries, m (or rad) rms.
     pub noise: f64,
     /// White acceleration that drives each mode beside the ground, m/s^2 (or rad/s^2) rms in a sample.
@@ -44,9 +44,9 @@ struct ModeConstants {
     gain: [f32; 2],
 }
 
-/// Constants of an observer.
+/// ObserverConstants of an observer.
 #[derive(Clone, Debug)]
-pub struct Constants {
+pub struct ObserverConstants {
     modes: [ModeConstants; MAX_MODES],
     count: usize,
     period_s: f32,
@@ -54,12 +54,12 @@ pub struct Constants {
 
 type Matrix = [[f64; STATES]; STATES];
 
-impl Constants {
+impl ObserverConstants {
     /// Steady gains for samples `period_s` apart.
     ///
     /// # Errors
     /// No mode, or numbers that give no steady gain.
-    pub fn new(settings: &Settings, period_s: f64) -> Result<Self, Refusal> {
+    pub fn new(settings: &ObserverSettings, period_s: f64) -> Result<Self, Refusal> {
         let refused = |name, value, accepted| Refusal {
             name,
             value,
@@ -204,7 +204,7 @@ impl Observer {
     }
 
     /// One sample of the target and of the ground's acceleration; returns the target and its derivatives.
-    pub fn update(&mut self, k: &Constants, target: f32, ground_m_per_s2: f32) -> Jet<4> {
+    pub fn update(&mut self, k: &ObserverConstants, target: f32, ground_m_per_s2: f32) -> Jet<4> {
         let held = 0.5 * (ground_m_per_s2 + self.ground_m_per_s2);
         let jerk = (ground_m_per_s2 - self.ground_m_per_s2) / k.period_s;
         self.ground_m_per_s2 = ground_m_per_s2;
@@ -239,13 +239,13 @@ impl Observer {
 mod tests {
     use super::*;
 
-    fn settings() -> Settings {
-        let mode = |hz: f64, damping_ratio, participation| Mode {
+    fn settings() -> ObserverSettings {
+        let mode = |hz: f64, damping_ratio, participation| VibrationMode {
             omega_rad_per_s: core::f64::consts::TAU * hz,
             damping_ratio,
             participation,
         };
-        Settings {
+        ObserverSettings {
             modes: [
                 mode(2.29, 0.047, -0.257),
                 mode(12.7, 0.03, -0.508),
@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn derivatives_of_a_response_to_the_ground_come_out() {
         let period = 1.0 / 1024.0;
-        let k = Constants::new(&settings(), period).unwrap();
+        let k = ObserverConstants::new(&settings(), period).unwrap();
         // The same modes in f64 with steps a sixteenth as long.
         let fine = period / 16.0;
         let ground = |t: f64| libm::sin(11.0 * t) + 0.5 * libm::sin(71.0 * t);
@@ -314,11 +314,11 @@ mod tests {
         let mut none = settings();
         none.modes.clear();
         assert_eq!(
-            Constants::new(&none, 1e-3).unwrap_err().name,
+            ObserverConstants::new(&none, 1e-3).unwrap_err().name,
             "observer.modes"
         );
         assert_eq!(
-            Constants::new(&settings(), 0.1).unwrap_err().name,
+            ObserverConstants::new(&settings(), 0.1).unwrap_err().name,
             "observer.omega_rad_per_s"
         );
     }

@@ -13,7 +13,7 @@
 
 use super::Pair;
 use super::coupler::Coupler;
-use super::tracker::{Broken, Constants, Limit, Settings as TrackerSettings, Tracker};
+use super::tracker::{Broken, Limit, Tracker, TrackerConstants, TrackerSettings};
 use crate::float::{larger, smaller};
 use crate::ground_motion::GroundMotion;
 use crate::newmark::{Coefficients, Newmark};
@@ -37,7 +37,7 @@ pub struct Bounds {
 
 /// What a test is told.
 #[derive(Clone, Debug)]
-pub struct Settings<const N: usize> {
+pub struct CoupledSettings<const N: usize> {
     /// The structure; degrees of freedom 0 and 1 are x and rotation of the interface.
     pub structure: Structure<N>,
     /// Coupler, plant, observers and largest positions. The target is a sampling period ahead.
@@ -106,7 +106,7 @@ impl<const N: usize> CoupledLoop<N> {
     ///
     /// # Errors
     /// The first setting that cannot be used.
-    pub fn new(settings: &Settings<N>) -> Result<Self, Refusal> {
+    pub fn new(settings: &CoupledSettings<N>) -> Result<Self, Refusal> {
         let period_s = settings.tracker.estimate.period_s;
         let refused = |name, value: f32, accepted| Refusal {
             name,
@@ -133,7 +133,7 @@ impl<const N: usize> CoupledLoop<N> {
                 return Err(refused("coupled.limits", value, "numbers above 0"));
             }
         }
-        let tracker = Constants::new(&TrackerSettings {
+        let tracker = TrackerConstants::new(&TrackerSettings {
             ahead_s: period_s,
             ..settings.tracker.clone()
         })?;

@@ -1,6 +1,6 @@
 //! The modes of a structure, as the observers of a target want them.
 
-use super::observer::{self, MAX_MODES, Mode};
+use super::observer::{MAX_MODES, ObserverSettings, VibrationMode};
 use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::Structure;
@@ -17,7 +17,7 @@ pub fn observed<const N: usize>(
     axis: usize,
     noise: f64,
     process_per_s2: f64,
-) -> Result<observer::Settings, Refusal> {
+) -> Result<ObserverSettings, Refusal> {
     let (omegas, shapes) = matrix::modes(&structure.mass, &structure.stiffness)
         .ok_or(Refusal::matrix("structure.mass_kg"))?;
     let row = shapes.get(axis).ok_or(Refusal {
@@ -30,12 +30,12 @@ pub fn observed<const N: usize>(
             .map(|i| shapes[i][m] * (0..N).map(|j| a[i][j] * right(j)).sum::<f64>())
             .sum()
     };
-    let modes = (0..N.min(MAX_MODES)).map(|m| Mode {
+    let modes = (0..N.min(MAX_MODES)).map(|m| VibrationMode {
         omega_rad_per_s: omegas[m],
         damping_ratio: form(&structure.damping, m, &|j| shapes[j][m]) / (2.0 * omegas[m]),
         participation: -row[m] * form(&structure.mass, m, &|j| structure.influence[j]),
     });
-    Ok(observer::Settings {
+    Ok(ObserverSettings {
         modes: modes.collect(),
         noise,
         process_per_s2,

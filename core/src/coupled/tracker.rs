@@ -2,21 +2,21 @@
 
 use super::Pair;
 use super::coupler::{Coupler, LARGEST_ROTATION};
-use super::estimate::{self, Estimator};
+use super::estimate::{Estimator, EstimatorSettings};
 use super::inverse::{Inverse, Jet};
-use super::observer::{self, Observer};
+use super::observer::{Observer, ObserverConstants, ObserverSettings};
 use super::plant::Plant;
 use crate::refusal::Refusal;
 
 /// What the tracker is told.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct TrackerSettings {
     /// Geometry between the structure's coordinates and the strokes.
     pub coupler: Coupler,
     /// The plant and what of it is to be estimated.
-    pub estimate: estimate::Settings,
+    pub estimate: EstimatorSettings,
     /// How the target moves, x and theta.
-    pub target: [observer::Settings; 2],
+    pub target: [ObserverSettings; 2],
     /// The target is given so many seconds ahead of its time, 0 to 0.1; it is held back by them.
     pub ahead_s: f32,
     /// Below this frequency, Hz, the estimated strokes follow the readings, above it the model.
@@ -27,21 +27,21 @@ pub struct Settings {
     pub interface_limit: Pair,
 }
 
-/// Constants worked out once.
+/// TrackerConstants worked out once.
 #[derive(Clone, Debug)]
-pub struct Constants {
-    settings: Settings,
-    observers: [observer::Constants; 2],
+pub struct TrackerConstants {
+    settings: TrackerSettings,
+    observers: [ObserverConstants; 2],
     /// Share of a reading's news that goes into the estimate in a sample.
     follow: f32,
 }
 
-impl Constants {
+impl TrackerConstants {
     /// Checks `settings` and works out the gains.
     ///
     /// # Errors
     /// The first setting that cannot be used.
-    pub fn new(settings: &Settings) -> Result<Self, Refusal> {
+    pub fn new(settings: &TrackerSettings) -> Result<Self, Refusal> {
         settings.estimate.check()?;
         let refused = |name, value: f32, accepted| Refusal {
             name,
@@ -72,8 +72,8 @@ impl Constants {
         }
         let period_s = settings.estimate.period_s;
         let observers = [
-            observer::Constants::new(&settings.target[0], f64::from(period_s))?,
-            observer::Constants::new(&settings.target[1], f64::from(period_s))?,
+            ObserverConstants::new(&settings.target[0], f64::from(period_s))?,
+            ObserverConstants::new(&settings.target[1], f64::from(period_s))?,
         ];
         let turn = core::f32::consts::TAU * settings.trust_reading_hz * period_s;
         Ok(Self {
@@ -124,7 +124,7 @@ pub struct Tracked {
 /// The tracker of a pair of coupled actuators.
 #[derive(Clone, Debug)]
 pub struct Tracker {
-    constants: Constants,
+    constants: TrackerConstants,
     observers: [Observer; 2],
     estimator: Estimator,
     inverse: Inverse,
@@ -134,7 +134,7 @@ pub struct Tracker {
 
 impl Tracker {
     /// At rest at zero.
-    pub fn at_rest(constants: Constants) -> Self {
+    pub fn at_rest(constants: TrackerConstants) -> Self {
         Self {
             observers: [Observer::at_rest(), Observer::at_rest()],
             estimator: Estimator::at_rest(&constants.settings.estimate),
@@ -218,7 +218,7 @@ fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
     ]
 }
 
-impl Settings {
+impl TrackerSettings {
     /// The first limit that a target or a command breaks, in both systems of coordinates.
     fn broken(&self, target: &Pair, command_m: &Pair) -> Option<Broken> {
         let [x, theta] = *target;

@@ -9,7 +9,7 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use firmware as _;
-use outerloop_core::coupled::outer_loop::CoupledLoop;
+use outerloop_core::coupled::CoupledLoop;
 use outerloop_core::{Event, GroundMotion, OuterLoop, Sample};
 
 unsafe extern "C" {

@@ -1,4 +1,4 @@
-use super::super::estimate;
+use super::super::estimate::EstimatorSettings;
 use super::super::forward::Forward;
 use super::super::plant::tests::FRAME;
 use super::super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
@@ -29,7 +29,7 @@ fn structure() -> Structure<2> {
     }
 }
 
-fn settings() -> Settings<2> {
+fn settings() -> CoupledSettings<2> {
     let spreads = [
         (Parameter::SlowPole(0), 0.06),
         (Parameter::SlowPole(1), 0.06),
@@ -42,10 +42,10 @@ fn settings() -> Settings<2> {
         force: 1e5,
         tracking: 0.05,
     };
-    Settings {
+    CoupledSettings {
         tracker: TrackerSettings {
             coupler: COUPLER,
-            estimate: estimate::Settings {
+            estimate: EstimatorSettings {
                 plant: FRAME,
                 spreads: spreads.into_iter().collect(),
                 noise_m: 1e-5,
@@ -153,7 +153,7 @@ fn differences(ground: &GroundMotion<'_>, targets: &[Pair; STEPS], from: usize) 
 }
 
 /// A running test, with its laboratory.
-fn running(settings: &Settings<2>) -> (CoupledLoop<2>, Laboratory, Pair) {
+fn running(settings: &CoupledSettings<2>) -> (CoupledLoop<2>, Laboratory, Pair) {
     let (mut outer, mut laboratory) = (CoupledLoop::new(settings).unwrap(), Laboratory::new());
     let mut sent_m = [0.0; 2];
     for tick in 0..20_000 {
@@ -208,7 +208,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
 fn every_interlock_acts_and_names_its_axis() {
     let points = shaking();
     let ground = GroundMotion::new(&points, 0.01, f64::from(PERIOD_S)).unwrap();
-    let trip = |change: &dyn Fn(&mut Settings<2>), spoil: &dyn Fn(&mut Sample<2>)| {
+    let trip = |change: &dyn Fn(&mut CoupledSettings<2>), spoil: &dyn Fn(&mut Sample<2>)| {
         let mut settings = settings();
         change(&mut settings);
         let (mut outer, mut laboratory, mut sent_m) = running(&settings);
@@ -230,9 +230,9 @@ fn every_interlock_acts_and_names_its_axis() {
         None
     };
     let good = |_: &mut Sample<2>| ();
-    let as_is = |_: &mut Settings<2>| ();
+    let as_is = |_: &mut CoupledSettings<2>| ();
     assert_eq!(trip(&as_is, &good), None);
-    type Change = fn(&mut Settings<2>);
+    type Change = fn(&mut CoupledSettings<2>);
     let limits: [(Change, Fault, u8); 6] = [
         (
             |s| s.tracker.interface_limit[0] = 1e-4,
@@ -307,7 +307,7 @@ fn a_hold_stands_still_and_the_test_goes_on_where_it_stood() {
 
 #[test]
 fn what_cannot_be_is_refused_by_name() {
-    let refused = |change: fn(&mut Settings<2>)| {
+    let refused = |change: fn(&mut CoupledSettings<2>)| {
         let mut settings = settings();
         change(&mut settings);
         CoupledLoop::new(&settings).map(drop).unwrap_err().name
