@@ -48,6 +48,12 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Refusal> {
     let begin = Instant::now();
     model.check()?;
+    if model.coupled.is_some() {
+        return Err(Refusal::new(
+            "the model declares [coupled], several coordinates: accepted here is one axis, [actuator], [specimen] or both; \
+             `outerloop diagnose` reads the other",
+        ));
+    }
     plausible::check(model, train, test, rest)?;
     let [train, test, rest] = [train, test, rest].map(|set| remainder::taken_off(model, set));
     let (train, test, rest) = (&train[..], &test[..], &rest[..]);

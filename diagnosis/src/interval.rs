@@ -11,7 +11,7 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Half a two-sided 90 % interval of the normal distribution.
-const NINETY: f64 = 1.645;
+pub const NINETY: f64 = 1.645;
 /// Length of a block of the bootstrap, s: longer than what is left of a correlation.
 const BLOCK_S: f64 = 0.25;
 /// Lengths of the sandwich's blocks, s.

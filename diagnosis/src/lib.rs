@@ -8,7 +8,9 @@
 mod advice;
 mod answer;
 mod base;
+mod coupled;
 mod criteria;
+mod declared;
 mod diagnose;
 mod drive;
 mod drivetrain;
@@ -41,10 +43,15 @@ pub use answer::{
     Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,
     Member, Nearest, Range, Refitted, Remainder, Share, Traces, Tried, Verdict,
 };
+pub use coupled::{
+    CoordinateAnswer, CoupledDiagnosis, CoupledRecord, CoupledSpecimen, CoupledTraces,
+    CoupledVerdict, MATRICES, WrongEntry, diagnose_coupled,
+};
+pub use declared::Declared;
 pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
 pub use joint::SavedElement;
-pub use model::{ActuatorModel, Declared, Model, RigLimits, SpecimenModel};
+pub use model::{ActuatorModel, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
 pub use recording::Recording;
 pub use refusal::Refusal;

@@ -2,20 +2,13 @@
 
 use crate::Refusal;
 use crate::answer::Correction;
+use crate::coupled::CoupledSpecimen;
+pub use crate::declared::Declared;
+use crate::declared::LARGEST_TOLERANCE;
 use crate::joint::SavedElement;
 use crate::library;
 use plant::{Channel, EffectSpec};
 use serde::{Deserialize, Serialize};
-
-/// A declared parameter. The fit may move it by three tolerances; to want more is an effect by name.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Declared {
-    /// Value, in the unit of the parameter's name.
-    pub value: f64,
-    /// One standard tolerance, absolute.
-    pub tolerance: f64,
-}
 
 /// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
 fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
@@ -46,9 +39,6 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
     let here = effect.clone().in_channel(channel);
     here.check(&place).map_err(|e| Refusal::new(e.to_string()))
 }
-
-/// Beyond it nothing is declared at all, in whatever unit.
-const LARGEST_TOLERANCE: f64 = 1e9;
 
 /// Command to displacement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -150,6 +140,9 @@ pub struct Model {
     /// Displacement to force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen: Option<SpecimenModel>,
+    /// Displacement to force of a specimen of several coordinates; it stands alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupled: Option<CoupledSpecimen>,
     /// What the rig may do: a next test is designed inside it.
     #[serde(default, skip_serializing_if = "RigLimits::is_empty")]
     pub limits: RigLimits,
@@ -162,6 +155,14 @@ impl Model {
     /// A value that is not finite, a negative tolerance, a negative delay, lag or mass, a limit that is not above 0.
     pub fn check(&self) -> Result<(), Refusal> {
         self.limits.check()?;
+        if let Some(coupled) = &self.coupled {
+            if self.actuator.is_some() || self.specimen.is_some() {
+                return Err(Refusal::new(
+                    "the model declares [coupled] beside [actuator] or [specimen]: accepted is one or the other",
+                ));
+            }
+            return coupled.check();
+        }
         let actuator = self.actuator.iter().flat_map(|a| {
             [
                 ("actuator.gain", a.gain, f64::MIN),
@@ -231,7 +232,8 @@ impl Model {
         }
         if self.actuator.is_none() && self.specimen.is_none() {
             return Err(Refusal::new(
-                "the model declares no channel: accepted is a table [actuator], a table [specimen], or both",
+                "the model declares no channel: accepted is a table [actuator], a table [specimen], or both; a table \
+                 [coupled] for a specimen of several coordinates",
             ));
         }
         Ok(())
