@@ -19,6 +19,7 @@
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`provenance`] | who ran what, when, with which files |
 //! | [`wording`] | what a diagnosis says, in sentences |
+//! | [`physical_part`] | what the multi-axial problem declares physical, and what its record says of it |
 //! | [`serve`] | the rig as an element of a finite-element model |
 //! | [`scope`] | a picture in the browser while a test runs |
 //! | [`report`] | the self-contained HTML page |
@@ -43,6 +44,7 @@ pub mod improvement;
 pub mod judged;
 pub mod keys;
 pub mod numbers;
+pub mod physical_part;
 pub mod provenance;
 pub mod report;
 pub mod scope;

@@ -2,7 +2,7 @@
 
 use super::contestants::{Calibration, Contestant};
 use super::criteria::{Both, Criteria, deviation};
-use super::declared::{self, Floor};
+use super::declared;
 use super::rig::{Parameters, noise_m};
 use super::structure::{Matrices, Part, sampled};
 use super::trial::{self, Trace};
@@ -16,6 +16,8 @@ pub struct Problem {
     pub reference: Matrices,
     /// What is computed.
     pub numerical: Matrices,
+    /// What is subtracted as physical.
+    pub part: Part,
     /// What contestants start from.
     pub calibration: Calibration,
 }
@@ -41,8 +43,19 @@ impl Problem {
         Ok(Self {
             calibration: Calibration::new(super::regression::parse(start)?, &reference)?,
             numerical: reference.less(&Part::declared()),
+            part: Part::declared(),
             reference,
         })
+    }
+
+    /// The same with another part subtracted as physical, but for [`Matrices::held_by`]. It is a deviation from the
+    /// problem's rules.
+    #[must_use]
+    pub fn with(mut self, part: &Part) -> Self {
+        let part = self.reference.held_by(part);
+        self.numerical = self.reference.less(&part);
+        self.part = part;
+        self
     }
 
     /// A record, from points `interval_s` apart, m/s^2.
@@ -74,7 +87,7 @@ impl Problem {
         Ok(Record {
             name: name.to_owned(),
             reference: trial::computed(&self.reference, &ground)?,
-            j7_floor: declared::floor(&self.reference, &Part::declared(), &ground)?,
+            j7_floor: declared::floor(&self.reference, &self.part, &ground)?,
             j2_true_floor,
             ground,
         })
@@ -99,23 +112,6 @@ impl Problem {
             &record.ground,
             (draw, 1.0),
         )
-    }
-
-    /// What the loop's own records say of the declared part, and J7's floor with each part of it put right. The records are
-    /// those of core's tracker on the nominal plant, noise included.
-    ///
-    /// # Errors
-    /// A record in which nothing moves.
-    pub fn floors(
-        &self,
-        record: &Record,
-        draw: u64,
-    ) -> Result<(declared::Found, Vec<Floor>), Refused> {
-        let nominal = Parameters::nominal();
-        let trace = self.trial(Contestant::CoupledRaw, record, &nominal, draw)?;
-        let found = declared::found(&trace)?;
-        let floors = declared::floors(&self.reference, &found, &record.ground)?;
-        Ok((found, floors))
     }
 }
 

@@ -20,7 +20,7 @@
 //! | [`trial`] | the closed loop, and what it leaves |
 //! | [`criteria`] | J1 to J9 |
 //! | [`bench`] | every controller under every record, on the nominal and on drawn plants |
-//! | [`declared`] | what the loop's own records say of the declared physical part |
+//! | [`declared`] | what the declared physical part costs, and the record that tells what is wrong in it |
 //!
 //! The problem's own files give the structure, the plant and the geometry; its Simulink model is not among them. What
 //! that left open is stated where it was decided: the derivatives of the strokes behind damping and inertia ([`frame`]),

@@ -16,6 +16,9 @@ pub const FREE_ROTATION: usize = 28;
 /// x of the second and third storey.
 pub const STOREYS: [usize; 2] = [25, 12];
 
+/// Degrees of freedom of a [`Part`], in its order.
+const INTERFACE: [usize; 3] = [X, FREE_ROTATION, ROTATION];
+
 /// A matrix of the whole structure.
 pub type Whole = SMatrix<f64, DOF, DOF>;
 type Vector = SVector<f64, DOF>;
@@ -29,6 +32,17 @@ pub struct Matrices {
     pub damping: Whole,
     /// N/m and so on.
     pub stiffness: Whole,
+}
+
+/// What a motion is multiplied by for a force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Acceleration.
+    Mass,
+    /// Velocity.
+    Damping,
+    /// Displacement.
+    Stiffness,
 }
 
 /// Mass, damping and stiffness that stand in the laboratory, for x, the free rotation and the controlled one.
@@ -71,6 +85,19 @@ impl Matrices {
         rest
     }
 
+    /// `part` without the masses that the structure itself does not have: less than no mass cannot be integrated with a
+    /// force that comes a sample late.
+    #[must_use]
+    pub fn held_by(&self, part: &Part) -> Part {
+        let heavy = |i: usize| self.mass[(INTERFACE[i], INTERFACE[i])] > 0.0;
+        let mut held = part.clone();
+        held.mass = Matrix3::from_fn(|i, j| match heavy(i) && heavy(j) {
+            true => part.mass[(i, j)],
+            false => 0.0,
+        });
+        held
+    }
+
     /// The other way round.
     #[must_use]
     pub fn plus(&self, part: &Part) -> Self {
@@ -80,9 +107,8 @@ impl Matrices {
     }
 
     fn add(&mut self, sign: f64, part: &Part) {
-        let at = [X, FREE_ROTATION, ROTATION];
-        for (i, &row) in at.iter().enumerate() {
-            for (j, &column) in at.iter().enumerate() {
+        for (i, &row) in INTERFACE.iter().enumerate() {
+            for (j, &column) in INTERFACE.iter().enumerate() {
                 self.mass[(row, column)] += sign * part.mass[(i, j)];
                 self.damping[(row, column)] += sign * part.damping[(i, j)];
                 self.stiffness[(row, column)] += sign * part.stiffness[(i, j)];
@@ -180,26 +206,37 @@ impl Part {
         }
     }
 
-    /// A part without the free rotation, from matrices for x and the controlled rotation in the structure's sign.
-    pub fn of_two(mass: &Matrix2<f64>, damping: &Matrix2<f64>, stiffness: &Matrix2<f64>) -> Self {
-        let spread = |m: &Matrix2<f64>| {
-            Matrix3::new(
-                m[(0, 0)],
-                0.0,
-                m[(0, 1)],
-                0.0,
-                0.0,
-                0.0,
-                m[(1, 0)],
-                0.0,
-                m[(1, 1)],
-            )
-        };
+    /// The matrix of each kind, mass, damping and stiffness, as `entry` gives it.
+    pub fn from_fn(entry: impl Fn(Kind, usize, usize) -> f64) -> Self {
+        let matrix = |kind| Matrix3::from_fn(|i, j| entry(kind, i, j));
         Self {
-            mass: spread(mass),
-            damping: spread(damping),
-            stiffness: spread(stiffness),
+            mass: matrix(Kind::Mass),
+            damping: matrix(Kind::Damping),
+            stiffness: matrix(Kind::Stiffness),
         }
+    }
+
+    /// One of the three.
+    pub fn matrix(&self, kind: Kind) -> &Matrix3<f64> {
+        match kind {
+            Kind::Mass => &self.mass,
+            Kind::Damping => &self.damping,
+            Kind::Stiffness => &self.stiffness,
+        }
+    }
+
+    /// A part without the free rotation, from matrices for x and the controlled rotation in the structure's sign.
+    pub fn of_two([mass, damping, stiffness]: &[Matrix2<f64>; 3]) -> Self {
+        // Place of x and of the controlled rotation.
+        let two = |i: usize| [Some(0), None, Some(1)][i];
+        Self::from_fn(|kind, i, j| {
+            let matrix = match kind {
+                Kind::Mass => mass,
+                Kind::Damping => damping,
+                Kind::Stiffness => stiffness,
+            };
+            two(i).zip(two(j)).map_or(0.0, |at| matrix[at])
+        })
     }
 }
 
@@ -250,6 +287,8 @@ fn table(name: &str, csv: &str) -> Result<Whole, Refused> {
 #[derive(Clone, Debug)]
 pub struct Newmark {
     mass: Whole,
+    /// As the published masses are: a vector does for the matrix.
+    lumped: bool,
     damping: Whole,
     flexible: Whole,
     load: Vector,
@@ -272,6 +311,7 @@ impl Newmark {
             .ok_or_else(|| Refused::new("marths: the numerical part cannot be integrated"))?;
         Ok(Self {
             load: matrices.mass * shaken(),
+            lumped: Whole::from_diagonal(&matrices.mass.diagonal()) == matrices.mass,
             mass: matrices.mass,
             damping: matrices.damping,
             flexible,
@@ -291,8 +331,12 @@ impl Newmark {
     pub fn step(&mut self, ground_m_per_s2: f64, resisting: [f64; 2]) {
         let (a, b) = (4.0 / (PERIOD_S * PERIOD_S), 2.0 / PERIOD_S);
         let (u, v, w) = (&self.displacement, &self.velocity, &self.acceleration);
-        // The published masses are lumped.
-        let inertia = (u * a + v * (2.0 * b) + w).component_mul(&self.mass.diagonal());
+        let moved = u * a + v * (2.0 * b) + w;
+        let inertia = if self.lumped {
+            moved.component_mul(&self.mass.diagonal())
+        } else {
+            self.mass * moved
+        };
         let mut load = inertia + self.damping * (u * b + v) - self.load * ground_m_per_s2;
         load[X] -= resisting[0];
         load[ROTATION] -= resisting[1];

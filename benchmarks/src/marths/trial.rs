@@ -9,7 +9,7 @@ use super::contestants::{Calibration, Contestant};
 use super::controller::Target;
 use super::frame::{Frame, Resistance};
 use super::rig::{COUPLER, Channels, Parameters, Rig};
-use super::structure::{Matrices, Newmark, Part, ROTATION, STOREYS, X};
+use super::structure::{FREE_ROTATION, Matrices, Newmark, Part, ROTATION, STOREYS, X};
 use super::{RATE_HZ, SIGN};
 use crate::Refused;
 
@@ -28,6 +28,8 @@ pub struct Trace {
     pub interface: Vec<[f64; 2]>,
     /// Force (N) and moment (N m) of the frame, in the rig's sign.
     pub force: Vec<[f64; 2]>,
+    /// The rotation of the numerical part beside the interface that nothing controls, rad, in the structure's sign.
+    pub free_rotation: Vec<f64>,
     /// x of the second and third storey, m.
     pub storeys_m: Vec<[f64; 2]>,
     /// Share of the samples in which a command was at its limit.
@@ -65,8 +67,8 @@ pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
 /// # Errors
 /// A structure that cannot be integrated.
 pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
-    let [mass, damping, stiffness] = Frame::published().in_structure();
-    let mut newmark = Newmark::new(&numerical.plus(&Part::of_two(&mass, &damping, &stiffness)))?;
+    let frame = Part::of_two(&Frame::published().in_structure());
+    let mut newmark = Newmark::new(&numerical.plus(&frame))?;
     newmark.shake(numerical);
     let mut trace = Trace::default();
     for &g in ground {
@@ -135,6 +137,7 @@ impl Trace {
         let stroke_m = strokes_m(interface);
         self.numerical.push(interface);
         self.target_m.push(stroke_m);
+        self.free_rotation.push(newmark.at(FREE_ROTATION));
         self.storeys_m.push(STOREYS.map(|s| newmark.at(s)));
         Target {
             interface,

@@ -24,6 +24,8 @@ const UNITS: &[(&str, &[&str])] = &[
     ("mn", &["mn", "meganewton"]),
     ("lbf", &["lbf", "lb"]),
     ("kip", &["kip", "kips"]),
+    ("rad", &["rad", "radian", "radians"]),
+    ("n_m", &["n_m", "nm", "n m", "n*m"]),
     ("m_per_s", &["m_per_s", "m/s"]),
     ("mm_per_s", &["mm_per_s", "mm/s"]),
     ("g", &["g"]),

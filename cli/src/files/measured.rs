@@ -90,7 +90,7 @@ impl Library {
     }
 
     /// The recording behind `path`; one file under two names is one recording.
-    fn whole(&mut self, path: &Path) -> Result<&Recording, Failure> {
+    pub(super) fn whole(&mut self, path: &Path) -> Result<&Recording, Failure> {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
             let recording = Recording::load_with_any_time(path, &self.columns)?;

@@ -5,6 +5,7 @@ pub mod archive;
 pub mod binary;
 pub mod channels;
 pub mod columns;
+pub mod coupled;
 pub mod decode;
 pub mod dialect;
 pub mod ground_motion;

@@ -15,7 +15,17 @@ use std::path::Path;
 /// A unit, what it is in SI, and whether the SI value is the number as it stands.
 type UnitOf = (&'static str, f64);
 
-const LENGTH: &[UnitOf] = &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254)];
+/// The displacement of a rotation is an angle.
+const LENGTH: &[UnitOf] = &[
+    ("m", 1.0),
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("in", 0.0254),
+    (ANGLE, 1.0),
+];
+/// The unit of a rotation, and of what resists it.
+const ANGLE: &str = "rad";
+const MOMENT: &str = "n_m";
 /// Pounds are those of NIST SP 811.
 const FORCE: &[UnitOf] = &[
     ("n", 1.0),
@@ -23,6 +33,7 @@ const FORCE: &[UnitOf] = &[
     ("mn", 1e6),
     ("lbf", 4.448_222),
     ("kip", 4448.222),
+    (MOMENT, 1.0),
     ("1", 1.0),
 ];
 const ENERGY: &[UnitOf] = &[("j", 1.0)];
@@ -78,6 +89,13 @@ pub struct Column {
     pub unit: String,
     /// Values in SI units, or in the file's own unit where that is `1` or not known.
     pub values: Vec<f64>,
+}
+
+impl Column {
+    /// Whether it is an angle or a moment.
+    pub fn is_of_rotation(&self) -> bool {
+        [ANGLE, MOMENT].contains(&self.unit.as_str())
+    }
 }
 
 /// The longest displacement of a test rig, m: beyond it the unit is not what the file says.
@@ -235,19 +253,24 @@ impl Recording {
             .find(|c| c.quantity == quantity && c.axis == axis)
     }
 
-    /// u_c of axis 1, m.
+    /// u_c of axis 1, m; none of a rotation.
     pub fn command_m(&self) -> Option<&[f64]> {
-        Some(&self.column("command", 1)?.values)
+        self.linear("command")
     }
 
-    /// u_m of axis 1, m.
+    /// u_m of axis 1, m; none of a rotation.
     pub fn displacement_m(&self) -> Option<&[f64]> {
-        Some(&self.column("displacement", 1)?.values)
+        self.linear("displacement")
     }
 
-    /// R_m of axis 1: N, or the file's own unit where [`Recording::force_has_unit`] says no.
+    fn linear(&self, quantity: &str) -> Option<&[f64]> {
+        let column = self.column(quantity, 1)?;
+        (!column.is_of_rotation()).then_some(&column.values[..])
+    }
+
+    /// R_m of axis 1: N, or the file's own unit where [`Recording::force_has_unit`] says no; none of a moment.
     pub fn force(&self) -> Option<&[f64]> {
-        Some(&self.column("force", 1)?.values)
+        self.linear("force")
     }
 
     /// Whether the force is in newtons.

@@ -5,9 +5,10 @@ use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
 use super::rths::table;
 use super::{Drawn, cannot, escape, page, plot};
 use crate::failure::Failure;
+use crate::physical_part::Found;
+use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
 use benchmarks::marths::bench::{Problem, Record, Row};
 use benchmarks::marths::contestants::{ALL, Contestant};
-use benchmarks::marths::declared::{Floor, Found};
 use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
 use benchmarks::marths::trial::Trace;
@@ -15,7 +16,7 @@ use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.
-pub type DeclaredPart<'a> = (&'a Record, Found, Vec<Floor>);
+pub type DeclaredPart<'a> = (&'a Record, Found);
 
 /// The benchmark: the tables, a closer look at each ground motion, and what J7 hides.
 ///
@@ -130,22 +131,17 @@ fn draw_look(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
 fn declared_part(parts: &[DeclaredPart<'_>]) -> String {
     let mut html = String::from(
         "<h2>What J7 hides</h2><p>A tracker without error or delay still has the J7 of the first row: what is subtracted as \
-         physical is not the frame that answers. Least squares of the loop's own record, with its noise, find what \
-         does.</p>",
+         physical is not the frame that answers. The loop's own record, with its noise, names what is wrong in it.</p>",
     );
-    for (record, found, floors) in parts {
-        let (k, m) = (&found.stiffness, &found.mass);
-        let _ = write!(
-            html,
-            "<h3>{}</h3><p>Found: stiffness {:.3}, {:.3}, {:.3} (MN/m, MN, MN m), mass {:.1} kg. Declared: 4.916, -1.561, \
-             1.259; 902.5 kg.</p>",
-            escape(&record.name),
-            k[(0, 0)] * 1e-6,
-            k[(0, 1)] * 1e-6,
-            k[(1, 1)] * 1e-6,
-            m[(0, 0)]
-        );
-        let rows = floors
+    for (record, found) in parts {
+        let _ = write!(html, "<h3>{}</h3>", escape(&record.name));
+        for c in &found.diagnosis.coordinates {
+            let _ = write!(html, "<p>{}</p>", escape(&headline(c)));
+        }
+        let wrong = found.diagnosis.coordinates.iter().flat_map(wrong_rows);
+        html += &table(&WRONG_HEAD, wrong);
+        let rows = found
+            .floors
             .iter()
             .map(|f| vec![f.subtracted.to_owned(), both(f.j7)]);
         html += &table(

@@ -1,6 +1,7 @@
 //! The report: one HTML file that needs nothing beside it.
 
 mod comparison;
+mod coupled;
 mod diagnosis;
 mod figures;
 mod marths;
@@ -11,6 +12,7 @@ mod scale;
 mod served;
 
 pub use comparison::{of_compare, of_comparison};
+pub use coupled::of_coupled;
 pub use marths::of_marths;
 pub use rths::of_rths;
 pub use served::{Session, of_served};

@@ -1,5 +1,6 @@
 //! Tables and progress on the terminal.
 
+pub mod coupled;
 mod diagnosis;
 pub mod interrupt;
 mod next;

@@ -1,5 +1,7 @@
 //! `outerloop diagnose`: what the declared model lacks to explain what was measured.
 
+mod coupled;
+
 use super::json;
 use crate::failure::Failure;
 use crate::files::columns::Columns;
@@ -62,6 +64,9 @@ impl Diagnose {
                 "--save-model {}: is the declared model itself, which would be lost: accepted is another file",
                 path.display()
             )));
+        }
+        if let Some(specimen) = &declared.coupled {
+            return self.several(specimen);
         }
         let mut library = Library::with(&self.columns);
         let train = library.parts(&self.train)?;

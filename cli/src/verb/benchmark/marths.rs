@@ -4,12 +4,12 @@ use super::refused;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
+use crate::physical_part::{self, Found};
 use crate::report;
-use crate::terminal::{Progress, table};
+use crate::terminal::{self, Progress, table};
 use crate::verb::json;
 use benchmarks::marths::bench::{self, Problem, Record, Row};
 use benchmarks::marths::contestants::{ALL, Contestant};
-use benchmarks::marths::declared::{Floor, Found};
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +24,10 @@ pub(super) struct Marths {
     /// The folder of data; left out: OUTERLOOP_DATA, else ../shared/data
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
+    /// What is subtracted as physical, in place of what the problem declares: a model with a table [coupled], such as
+    /// `diagnose --save-model` makes of declared.toml and record-NAME.csv of this command's --out
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// Drawn plants for each record
     #[arg(long, default_value_t = 20)]
     plants: usize,
@@ -33,7 +37,7 @@ pub(super) struct Marths {
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
-    /// Write report.html and marths.json there
+    /// Write report.html, marths.json, the loop's record of each ground motion and the declared physical part there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -62,7 +66,11 @@ impl Marths {
                 .collect::<Result<Vec<_>, _>>()?,
         };
         let folder = super::data_folder(self.data.as_deref());
-        let problem = load(&folder.join("marths"))?;
+        let mut problem = load(&folder.join("marths"))?;
+        if let Some(file) = &self.model {
+            problem = problem.with(&physical_part::load(file)?);
+        }
+        let problem = problem;
         let records = self
             .names()?
             .into_iter()
@@ -92,34 +100,53 @@ impl Marths {
             )
             .map_err(refused)?
         };
-        let parts = records
-            .iter()
-            .map(|r| {
-                let (found, floors) = problem.floors(r, self.seed).map_err(refused)?;
-                Ok((r, found, floors))
-            })
-            .collect::<Result<Vec<_>, Failure>>()?;
+        let parts = terminal::while_waiting("diagnosing the loop's records", || {
+            records
+                .iter()
+                .map(|r| Ok((r, Found::of(&problem, r, self.seed)?)))
+                .collect::<Result<Vec<_>, Failure>>()
+        })?;
         let answer = serde_json::json!({
             "rules": "official", "seed": self.seed, "plants": self.plants, "rows": rows,
-            "declared_part": parts.iter().map(|(record, _, floors)| serde_json::json!({
-                "record": record.name, "floors": floors,
+            "model": self.model,
+            "declared_part": parts.iter().map(|(record, found)| serde_json::json!({
+                "record": record.name, "floors": found.floors, "diagnosis": found.diagnosis,
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
         if self.json {
             println!("{}", json(&answer)?);
         } else {
+            if let Some(file) = &self.model {
+                println!(
+                    "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has \
+                     none there, and less than none cannot be integrated.\n",
+                    file.display()
+                );
+            }
             print(&rows);
-            for (record, found, floors) in &parts {
-                print_parts(&record.name, found, floors);
+            for (record, found) in &parts {
+                print_parts(&record.name, found);
             }
         }
         if let Some(folder) = &self.out {
             let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
-            output::write_all(
-                folder,
-                &[("report.html", page), ("marths.json", json(&answer)?)],
-            )?;
+            let mut files = vec![
+                ("report.html".to_owned(), page),
+                ("marths.json".to_owned(), json(&answer)?),
+                (
+                    "declared.toml".to_owned(),
+                    physical_part::to_toml(&problem.part)?,
+                ),
+            ];
+            for (record, found) in &parts {
+                files.push((format!("record-{}.csv", record.name), found.csv(&problem)));
+            }
+            let files: Vec<(&str, String)> = files
+                .iter()
+                .map(|(name, text)| (name.as_str(), text.clone()))
+                .collect();
+            output::write_all(folder, &files)?;
         }
         Ok(())
     }
@@ -176,19 +203,12 @@ fn print(rows: &[Row]) {
     }
 }
 
-fn print_parts(record: &str, found: &Found, floors: &[Floor]) {
-    let (k, m) = (&found.stiffness, &found.mass);
-    println!(
-        "\n{record}: what stands in the laboratory, from the loop's own record: stiffness {:.3}, {:.3}, {:.3} MN, MN, MN m; \
-         mass {:.1} kg (declared 4.916, -1.561, 1.259; 902.5 kg)",
-        k[(0, 0)] * 1e-6,
-        k[(0, 1)] * 1e-6,
-        k[(1, 1)] * 1e-6,
-        m[(0, 0)],
-    );
-    for floor in floors {
+fn print_parts(record: &str, found: &Found) {
+    println!("\n{record}: the declared physical part against the loop's own record.");
+    println!("{}", terminal::coupled::coupled(&found.diagnosis));
+    for floor in &found.floors {
         println!(
-            "  subtracted {:48} J7 of a tracker without error {}",
+            "  subtracted {:32} J7 of a tracker without error {}",
             floor.subtracted,
             both(floor.j7)
         );

@@ -1,0 +1,139 @@
+//! Records of a specimen of several coordinates: coordinate 1 of the model is axis 1 of the file, and so on.
+
+use super::measured::{Library, Part};
+use super::recording::{Column, Recording};
+use crate::failure::Failure;
+use diagnosis::{CoupledRecord, CoupledSpecimen};
+use std::fmt::Write as _;
+
+/// What a force is called in messages, by whether it is a moment.
+const FORCE: [&str; 2] = ["force%_n", "force%_n_m"];
+const DISPLACEMENT: [&str; 2] = ["displacement%_m", "displacement%_rad"];
+const TARGET: [&str; 2] = ["target%_m", "target%_rad"];
+
+/// A record, and the file and time that it is of.
+struct Placed {
+    record: CoupledRecord,
+    from_to_s: [f64; 2],
+}
+
+/// The parts for training and for test, of the coordinates that `specimen` names.
+///
+/// # Errors
+/// A file that cannot be used; a coordinate without its columns; a span that is not inside its record; training and test
+/// data that overlap.
+pub fn parts(
+    library: &mut Library,
+    specimen: &CoupledSpecimen,
+    [train, test]: [&[Part]; 2],
+) -> Result<[Vec<CoupledRecord>; 2], Failure> {
+    let mut placed = |parts: &[Part]| -> Result<Vec<Placed>, Failure> {
+        let one = |p: &Part| part(library.whole(&p.file)?, p.span_s, specimen);
+        parts.iter().map(one).collect()
+    };
+    let (train, test) = (placed(train)?, placed(test)?);
+    for a in &train {
+        for b in test.iter().filter(|b| b.record.name == a.record.name) {
+            if a.from_to_s[0] <= b.from_to_s[1] && b.from_to_s[0] <= a.from_to_s[1] {
+                return Err(Failure::input(format!(
+                    "{}: training and test data overlap in time: accepted are spans that do not, or two records",
+                    a.record.name
+                )));
+            }
+        }
+    }
+    Ok([train, test].map(|set| set.into_iter().map(|p| p.record).collect()))
+}
+
+fn part(
+    file: &Recording,
+    span_s: Option<[f64; 2]>,
+    specimen: &CoupledSpecimen,
+) -> Result<Placed, Failure> {
+    let [from, to] = span_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let time_s = &file.time_s;
+    let first = time_s.partition_point(|t| *t < from);
+    let end = time_s.partition_point(|t| *t < to);
+    let (start_s, end_s) = (time_s[0], time_s[time_s.len() - 1]);
+    let open = |s: f64| s.is_infinite();
+    if end <= first || (!open(from) && from < start_s) || (!open(to) && to > end_s + 1.0) {
+        return Err(Failure::input(format!(
+            "{}: the span {from}..{to} s is not inside the record: accepted are times from {start_s} to {end_s} s",
+            file.file
+        )));
+    }
+    let named = |quantity: &str, names: [&str; 2], i: usize| -> Result<&Column, Failure> {
+        let rotates = specimen.is_rotation(i);
+        let column = file.column(quantity, i + 1);
+        column
+            .filter(|c| c.is_of_rotation() == rotates)
+            .ok_or_else(|| {
+                let axis = if i == 0 {
+                    String::new()
+                } else {
+                    (i + 1).to_string()
+                };
+                Failure::input(format!(
+                    "{}: has no column {} for coordinate {} of the model, {}",
+                    file.file,
+                    names[usize::from(rotates)].replace('%', &axis),
+                    i + 1,
+                    specimen.coordinates[i]
+                ))
+            })
+    };
+    let columns = |quantity: &str, names: [&str; 2]| -> Result<Vec<Vec<f64>>, Failure> {
+        (0..specimen.count())
+            .map(|i| Ok(named(quantity, names, i)?.values[first..end].to_vec()))
+            .collect()
+    };
+    let displacement = columns("displacement", DISPLACEMENT)?;
+    // Time is judged as that of a single axis is.
+    let clock = diagnosis::Recording {
+        name: file.file.clone(),
+        time_s: time_s[first..end].to_vec(),
+        displacement_mm: displacement.first().cloned(),
+        ..diagnosis::Recording::default()
+    };
+    clock.check().map_err(|e| Failure::input(e.to_string()))?;
+    Ok(Placed {
+        record: CoupledRecord {
+            name: file.file.clone(),
+            interval_s: clock.interval_s(),
+            displacement,
+            force: columns("force", FORCE)?,
+            target: columns("target", TARGET).ok(),
+        },
+        from_to_s: [time_s[first], time_s[end - 1]],
+    })
+}
+
+/// A record as CSV that [`parts`] reads back. Values are written in single precision.
+pub fn to_csv(specimen: &CoupledSpecimen, record: &CoupledRecord) -> String {
+    let mut text = String::from("time_s");
+    let mut columns: Vec<&Vec<f64>> = Vec::new();
+    for i in 0..specimen.count() {
+        let axis = if i == 0 {
+            String::new()
+        } else {
+            (i + 1).to_string()
+        };
+        let name =
+            |names: [&str; 2]| names[usize::from(specimen.is_rotation(i))].replace('%', &axis);
+        if let Some(target) = &record.target {
+            let _ = write!(text, ",{}", name(TARGET));
+            columns.push(&target[i]);
+        }
+        let _ = write!(text, ",{},{}", name(DISPLACEMENT), name(FORCE));
+        columns.extend([&record.displacement[i], &record.force[i]]);
+    }
+    text.push('\n');
+    for k in 0..record.displacement[0].len() {
+        let _ = write!(text, "{}", k as f64 * record.interval_s);
+        for column in &columns {
+            let _ = write!(text, ",{:e}", column[k] as f32);
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,84 @@
+//! `outerloop diagnose` of a specimen of several coordinates.
+
+use super::{Diagnose, file_name, json};
+use crate::failure::Failure;
+use crate::files::measured::Library;
+use crate::files::{coupled, model, output};
+use crate::report;
+use crate::terminal;
+use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
+
+impl Diagnose {
+    /// Diagnoses the table `[coupled]` of a model.
+    ///
+    /// # Errors
+    /// Data that cannot be judged; an option that means nothing here.
+    pub(super) fn several(&self, declared: &CoupledSpecimen) -> Result<(), Failure> {
+        for (name, given) in [
+            ("--rest", !self.rest.is_empty()),
+            ("--remainder", self.remainder),
+            ("--next", self.next.is_some()),
+        ] {
+            if given {
+                return Err(Failure::input(format!(
+                    "{name} has no meaning for a model of several coordinates, [coupled]: accepted are --train, --test, \
+                     --save-model, --out and --json"
+                )));
+            }
+        }
+        let mut library = Library::with(&self.columns);
+        let [train, test] = coupled::parts(&mut library, declared, [&self.train, &self.test])?;
+        let d = terminal::while_waiting("diagnosing", || {
+            diagnosis::diagnose_coupled(declared, &train, &test)
+        })
+        .map_err(|e| Failure::input(e.to_string()))?;
+        let text = |specimen: &CoupledSpecimen| {
+            model::to_toml(&Model {
+                coupled: Some(specimen.clone()),
+                ..Model::default()
+            })
+        };
+        let improved = text(&d.improved)?;
+        if let Some(path) = &self.save_model {
+            output::write(path, &improved)?;
+        }
+        if let Some(folder) = &self.out {
+            let title = format!(
+                "What {} says about {}",
+                file_name(&self.train[0].file),
+                file_name(&self.model)
+            );
+            let page = report::of_coupled(&title, &d, [&text(declared)?, &improved])?;
+            output::write_all(
+                folder,
+                &[
+                    ("report.html", page),
+                    ("diagnosis.json", json(&d)?),
+                    ("model.toml", improved),
+                ],
+            )?;
+        }
+        if self.json {
+            println!("{}", json(&d)?);
+            return Ok(());
+        }
+        println!("{}", terminal::coupled::coupled(&d));
+        if let Some(path) = &self.save_model {
+            println!("{} is in {}", saved(&d), path.display());
+        }
+        if let Some(folder) = &self.out {
+            println!("Look at {}", folder.join("report.html").display());
+        }
+        Ok(())
+    }
+}
+
+/// What a saved model is, truthfully.
+fn saved(d: &CoupledDiagnosis) -> &'static str {
+    let right = |v: CoupledVerdict| matches!(v, CoupledVerdict::None | CoupledVerdict::Unknown);
+    if d.coordinates.iter().all(|c| right(c.verdict)) {
+        "The model as it was declared"
+    } else {
+        "The improved model"
+    }
+}
