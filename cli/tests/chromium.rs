@@ -268,9 +268,9 @@ fn a_browser_sees_every_step_of_a_running_test_and_its_buttons_work() {
     look_on(&["run", "examples/table1.toml"]);
 }
 
-/// Builds image and emulator: `cargo test -p cli --release --test chromium -- --ignored`.
+/// For two minutes: `OUTERLOOP_SCOPE_SECONDS=120`, see docs/scope.md.
 #[test]
-#[ignore = "needs the image and the emulator, which scripts/emu-test builds"]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn a_browser_sees_every_step_of_a_test_on_the_emulated_board() {
     look_on(&[
         "run",

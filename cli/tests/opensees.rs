@@ -196,7 +196,7 @@ fn a_steel_frame_with_its_brace_in_the_laboratory_is_the_frame_with_its_own_brac
 /// A frame whose brace is behind the emulated board: the flashed image, its converters, a yielding specimen on an actuator
 /// that is 12 ms late.
 #[test]
-#[ignore = "needs the image and the emulator, which scripts/emu-test builds"]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn a_steel_frame_with_its_brace_behind_the_emulated_board_completes_and_every_step_is_proven() {
     let Some(python) = python() else { return };
     let folder = tempfile::tempdir().unwrap();
