@@ -91,10 +91,7 @@ fn kind(bytes: &[u8]) -> &'static str {
             b'D' | b'R' | b'Q' | b'M',
             b' ',
             ..,
-        ] => {
-            " of MiniSEED, which holds counts of a recorder and not accelerations: ObsPy applies the instrument's \
-             response and writes text"
-        }
+        ] => " of MiniSEED, which is read as a ground motion alone: ObsPy writes it as text",
         _ => "",
     }
 }

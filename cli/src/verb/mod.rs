@@ -40,6 +40,9 @@ pub struct Common {
     /// Unit of such a ground motion
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
+    /// Counts for one of that unit, of a ground motion in MiniSEED as a recorder writes it; the station's metadata have it
+    #[arg(long, value_name = "COUNTS", allow_negative_numbers = true)]
+    sensitivity: Option<f64>,
     /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
     #[arg(long = "set", value_name = "PATH=VALUE")]
     overrides: Vec<String>,
@@ -75,6 +78,7 @@ impl Common {
         let columns = Columns {
             interval_s: self.dt,
             unit: self.unit,
+            sensitivity: self.sensitivity,
         };
         let shaking = match named.or(test.excitation.record.as_deref()) {
             Some(path) => GroundMotionFile::load(path, columns)?,

@@ -1,11 +1,12 @@
-//! Ground motions: CSV with `time_s,acc_g` in any dialect, PEER AT2, the networks' formats, or accelerations alone.
+//! Ground motions: CSV with `time_s,acc_g` in any dialect, PEER AT2, the networks' formats, MiniSEED, or accelerations alone.
 
 mod at2;
 mod fortran;
+mod miniseed;
 mod strong_motion;
 
+use super::decode;
 use super::header::unit_named;
-use super::read;
 use super::table::{NumberTable, number};
 use crate::failure::Failure;
 use std::path::Path;
@@ -28,6 +29,8 @@ pub struct Columns {
     pub interval_s: Option<f64>,
     /// `--unit`.
     pub unit: Option<Unit>,
+    /// `--sensitivity`: what one of that unit is in a recorder's counts.
+    pub sensitivity: Option<f64>,
 }
 
 /// Unit of an acceleration.
@@ -89,21 +92,8 @@ impl GroundMotionFile {
     /// # Errors
     /// Anything that cannot be what it says, with the line.
     pub fn load(path: &Path, columns: Columns) -> Result<Self, Failure> {
-        let text = read(path)?;
         let file = path.display().to_string();
-        let at2 = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("at2"));
-        let first = text.lines().find(|l| !is_comment(l)).unwrap_or("");
-        let points = if at2 || at2::is_at2(&text) {
-            at2::parse(&file, &text)?
-        } else if let Some(format) = strong_motion::Format::of(&text) {
-            format.parse(&file, &text)?
-        } else if first.split_whitespace().all(|w| number(w).is_some()) && !first.is_empty() {
-            read_numbers(&file, &text, columns)?
-        } else {
-            read_csv(&file, &text)?
-        };
+        let points = Self::points(path, &file, columns)?;
         if let (Some(own), Some(said)) = (points.unit, columns.unit)
             && own != said
         {
@@ -123,6 +113,40 @@ impl GroundMotionFile {
         }
         let name = path.file_stem().map(|s| s.to_string_lossy());
         Self::of_points(&file, &name.unwrap_or_default(), points)
+    }
+
+    /// What the file holds, by its format.
+    fn points(path: &Path, file: &str, columns: Columns) -> Result<Points, Failure> {
+        if let Some(sensitivity) = columns.sensitivity
+            && !(sensitivity > 0.0 && sensitivity.is_finite())
+        {
+            return Err(Failure::input(format!(
+                "--sensitivity = {sensitivity} is refused: accepted are counts above 0"
+            )));
+        }
+        let bytes = decode::bytes(path)?;
+        if miniseed::is_miniseed(&bytes) {
+            return miniseed::parse(file, &bytes, columns);
+        }
+        if columns.sensitivity.is_some() {
+            return Err(Failure::input(format!(
+                "{file}: is no MiniSEED, and --sensitivity is for the counts in such a file: accepted is the file without it"
+            )));
+        }
+        let text = decode::text(file, bytes)?;
+        let at2 = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("at2"));
+        let first = text.lines().find(|l| !is_comment(l)).unwrap_or("");
+        if at2 || at2::is_at2(&text) {
+            at2::parse(file, &text)
+        } else if let Some(format) = strong_motion::Format::of(&text) {
+            format.parse(file, &text)
+        } else if first.split_whitespace().all(|w| number(w).is_some()) && !first.is_empty() {
+            read_numbers(file, &text, columns)
+        } else {
+            read_csv(file, &text)
+        }
     }
 
     /// Times, s, and accelerations, g; `name` is shown.
