@@ -197,6 +197,50 @@ fn nothing_is_missing_where_nothing_was_added() {
         assert_eq!(c["error_before"], c["error_after"]);
         assert!(c["effects"].as_array().unwrap().is_empty());
     }
+    let origin = &d["provenance"];
+    assert_eq!(origin["files"].as_array().unwrap().len(), 2, "{origin}");
+    assert!(
+        origin["command"]
+            .as_str()
+            .unwrap()
+            .starts_with("outerloop diagnose")
+    );
+}
+
+#[test]
+fn a_model_of_a_force_without_a_unit_says_so_and_is_not_taken_for_newtons() {
+    let lab = Laboratory::with(INERTIA);
+    let record = lab.changed("plain.csv", |_, _| {});
+    let text = std::fs::read_to_string(&record).unwrap();
+    lab.write("plain.csv", &text.replacen("force_n", "force_1", 1));
+    let (declared, model) = (lab.path("model.toml"), lab.path("without.toml"));
+    let done = lab.halves(&declared, &record, &["--save-model", &model]);
+    assert!(done.status.success(), "{done:?}");
+    let saved = std::fs::read_to_string(&model).unwrap();
+    assert!(saved.contains("force_unit = \"1\""), "{saved}");
+    assert!(saved.contains("mass_kg]\nvalue = 60."), "{saved}");
+    // It goes on with records of its own kind, and not with others.
+    let again = lab.diagnose(&model, &record);
+    assert_eq!(channel(&again, "specimen")["verdict"], "none");
+    let newtons = lab.record();
+    let (train, test) = (
+        format!("{newtons}@0..11"),
+        format!("{newtons}@11.001..21.4"),
+    );
+    lab.refused(
+        &model,
+        &train,
+        &test,
+        &[],
+        &["specimen.force_unit", "in newtons"],
+    );
+    let run = outerloop(&["run", &lab.path("test.toml"), "--model", &model]);
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(
+        said.contains("nothing of its specimen is taken into account"),
+        "{said}"
+    );
+    assert!(!said.contains("inertia of"), "{said}");
 }
 
 #[test]

@@ -51,7 +51,7 @@ pub use declared::Declared;
 pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
 pub use joint::SavedElement;
-pub use model::{ActuatorModel, Model, RigLimits, SpecimenModel};
+pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
 pub use recording::Recording;
 pub use refusal::Refusal;

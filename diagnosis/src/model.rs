@@ -64,10 +64,32 @@ pub struct ActuatorModel {
     pub remainder: Option<Correction>,
 }
 
+/// Unit of the force that a specimen's parameters are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ForceUnit {
+    /// Newtons.
+    #[default]
+    #[serde(rename = "N")]
+    Newton,
+    /// None: a recorded force without a unit, such as a normalised one. The N of the parameters' names stand for the
+    /// record's own unit.
+    #[serde(rename = "1")]
+    Without,
+}
+
+impl ForceUnit {
+    fn is_newton(&self) -> bool {
+        *self == Self::Newton
+    }
+}
+
 /// Displacement to force.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenModel {
+    /// What the N in the names of the parameters are.
+    #[serde(default, skip_serializing_if = "ForceUnit::is_newton")]
+    pub force_unit: ForceUnit,
     /// Stiffness, N/mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness_n_per_mm: Option<Declared>,

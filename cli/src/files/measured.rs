@@ -85,6 +85,11 @@ impl Library {
         forces.all(Recording::force_has_unit)
     }
 
+    /// Whether a force was read, and all of them are in newtons.
+    pub fn force_in_newtons(&self) -> bool {
+        self.force_has_unit() && self.read.values().any(|r| r.force().is_some())
+    }
+
     fn part(&mut self, part: &Part) -> Result<diagnosis::Recording, Failure> {
         part_of(self.whole(&part.file)?, part.span_s)
     }

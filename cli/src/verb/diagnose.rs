@@ -7,9 +7,10 @@ use crate::failure::Failure;
 use crate::files::columns::Columns;
 use crate::files::measured::{Library, Part};
 use crate::files::{model, output, signal};
+use crate::provenance::Told;
 use crate::report;
 use crate::terminal;
-use diagnosis::{Diagnosis, Next};
+use diagnosis::{Diagnosis, ForceUnit, Next};
 use plant::Channel;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -72,6 +73,16 @@ impl Diagnose {
         let train = library.parts(&self.train)?;
         let test = library.parts(&self.test)?;
         let rest = library.parts(&self.rest)?;
+        let specimen = declared.specimen.as_ref();
+        if library.force_in_newtons()
+            && specimen.is_some_and(|s| s.force_unit == ForceUnit::Without)
+        {
+            return Err(Failure::input(format!(
+                "{}: specimen.force_unit is \"1\", and the records' force is in newtons: accepted is a model in newtons, \
+                 without this key",
+                self.model.display()
+            )));
+        }
         let mut diagnosis = terminal::while_waiting("diagnosing", || {
             diagnosis::diagnose(&declared, &train, &test, &rest)
         })
@@ -96,13 +107,14 @@ impl Diagnose {
             }
         };
         let improved = model::to_toml(&diagnosis.improved)?;
-        let told = Told {
+        let answer = Answer {
             diagnosis: &diagnosis,
             next: next
                 .as_ref()
                 .zip(self.next.as_deref())
                 .map(|(design, file)| Designed { file, design }),
         };
+        let told = Told::of(&answer);
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
@@ -151,7 +163,7 @@ impl Diagnose {
 
 /// A diagnosis as JSON, and the next test where one was asked for.
 #[derive(Serialize)]
-struct Told<'a> {
+struct Answer<'a> {
     #[serde(flatten)]
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -222,6 +234,9 @@ fn file_name(path: &Path) -> String {
 
 /// The force has no unit in the file: nothing that is said of it may have one.
 pub fn without_unit(diagnosis: &mut Diagnosis) {
+    if let Some(specimen) = &mut diagnosis.improved.specimen {
+        specimen.force_unit = ForceUnit::Without;
+    }
     for channel in diagnosis.channels.iter_mut().filter(|c| c.unit == "N") {
         channel.unit = "1".into();
         for p in channel.effects.iter_mut().flat_map(|e| &mut e.parameters) {

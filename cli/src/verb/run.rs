@@ -16,6 +16,7 @@ use crate::scope::Scoped;
 use crate::story::Site;
 use crate::terminal::{self, Progress};
 use crate::trace::Response;
+use diagnosis::ForceUnit;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -63,15 +64,20 @@ impl Run {
         }
         let mut remarks: Vec<String> = test.told_the_truth().into_iter().collect();
         if let Some(path) = &self.model {
-            let known = model::load(path)?;
-            let done = improvement::apply(&known, &mut test.config);
-            remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
-            if known.specimen.is_some() {
+            let mut known = model::load(path)?;
+            if known
+                .specimen
+                .take_if(|s| s.force_unit == ForceUnit::Without)
+                .is_some()
+            {
                 remarks.push(format!(
-                    "{}: its N are those of the record that it was found in; a force without a unit (force_1) has none.",
+                    "{}: was fitted to a force without a unit (specimen.force_unit = \"1\"): nothing of its specimen is taken \
+                     into account.",
                     path.display()
                 ));
             }
+            let done = improvement::apply(&known, &mut test.config);
+            remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
         }
         let kind = match &self.compensation {
             Some(name) => method(name)?,
@@ -145,7 +151,7 @@ impl Run {
         let played = terminal::while_waiting("playing the signal", || {
             self.place.play_course(test, &course, seed, &mut scope)
         })?;
-        let told = PlayedSignal {
+        let played_signal = PlayedSignal {
             signal: path,
             steps: played.steps,
             rate_hz,
@@ -159,6 +165,7 @@ impl Run {
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),
         };
+        let told = Told::seeded(&played_signal, seed);
         if let Some(folder) = &self.out {
             output::write_all(
                 folder,

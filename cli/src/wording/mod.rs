@@ -282,12 +282,7 @@ mod tests {
             actuator: None,
             specimen: Some(SpecimenModel {
                 stiffness_n_per_mm: Some(stiffness),
-                damping_n_s_per_mm: None,
-                mass_kg: None,
-                offset_n: None,
-                effects: Vec::new(),
-                remainder: None,
-                elements: Vec::new(),
+                ..SpecimenModel::default()
             }),
             ..Model::default()
         };

@@ -64,9 +64,7 @@ fn model(paper: &Paper) -> Model {
             damping_n_s_per_mm: s.damping_n_s_per_mm.map(known),
             mass_kg: s.mass_kg.map(known),
             offset_n: s.offset_n.map(known),
-            effects: Vec::new(),
-            remainder: None,
-            elements: Vec::new(),
+            ..SpecimenModel::default()
         }),
         ..Model::default()
     }
