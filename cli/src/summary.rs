@@ -181,6 +181,14 @@ impl Summary {
         self.locked_share > LOCKED_SHARE
     }
 
+    /// eps_rms, or infinite of a test that did not run to its end: what tests are ranked by.
+    pub fn error(&self) -> f64 {
+        match self.verdict {
+            Verdict::Completed => self.eps_rms,
+            Verdict::Tripped | Verdict::Diverged => f64::INFINITY,
+        }
+    }
+
     /// What the figures are worth.
     pub fn worth(&self) -> Worth {
         match self.verdict {

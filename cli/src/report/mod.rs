@@ -1,19 +1,23 @@
 //! The report: one HTML file that needs nothing beside it.
 
+mod check;
 mod comparison;
 mod coupled;
 mod diagnosis;
 mod figures;
 mod marths;
+mod monte_carlo;
 mod next;
 mod plot;
 mod rths;
 mod scale;
 mod served;
 
+pub use check::{Checked, of_check};
 pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
 pub use marths::of_marths;
+pub use monte_carlo::{Many, of_monte_carlo};
 pub use rths::of_rths;
 pub use served::{Session, of_served};
 
@@ -283,10 +287,11 @@ fn verdict(s: &Summary) -> String {
     )
 }
 
+fn tile(value: String, meaning: &str) -> String {
+    format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
+}
+
 fn tiles(s: &Summary) -> String {
-    let tile = |value: String, meaning: &str| {
-        format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
-    };
     let tiles = [
         tile(
             percent(s.eps_rms),

@@ -39,6 +39,8 @@ pub struct Curve {
     pub colour: Colour,
     /// Whether it is drawn broad, to be seen under another one.
     pub broad: bool,
+    /// Whether its points are dots that no line joins.
+    pub dots: bool,
     /// Its points.
     pub points: Vec<(f64, f64)>,
 }
@@ -50,6 +52,7 @@ impl Curve {
             name: "",
             colour,
             broad: false,
+            dots: false,
             points,
         }
     }
@@ -57,6 +60,11 @@ impl Curve {
     /// The same with a name.
     pub fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
+    }
+
+    /// The same as dots.
+    pub fn dots(self) -> Self {
+        Self { dots: true, ..self }
     }
 
     /// The same, broad.
@@ -223,7 +231,7 @@ pub fn plot(
     grid(&mut svg, &x, &y, shape);
     let _ = write!(
         svg,
-        "</g><svg class=\"area\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{}\" height=\"{}\" viewBox=\"{LEFT} {TOP} {0} {1}\">",
+        "</g><svg class=\"area\" preserveAspectRatio=\"none\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{}\" height=\"{}\" viewBox=\"{LEFT} {TOP} {0} {1}\">",
         width - RIGHT - LEFT,
         height - BELOW - TOP
     );
@@ -255,7 +263,8 @@ fn finite(curve: &Curve) -> Curve {
 
 fn classes(curve: &Curve) -> String {
     let broad = if curve.broad { " broad" } else { "" };
-    format!("curve {}{broad}", curve.colour.0)
+    let dots = if curve.dots { " dots" } else { "" };
+    format!("curve {}{broad}{dots}", curve.colour.0)
 }
 
 fn grid(svg: &mut String, x: &Axis, y: &Axis, shape: Shape) {
@@ -293,6 +302,11 @@ fn grid(svg: &mut String, x: &Axis, y: &Axis, shape: Shape) {
 
 /// The path of a curve, and whether it is a band.
 fn drawn(curve: &Curve, x: &Axis, y: &Axis) -> (String, bool) {
+    if curve.dots {
+        // A line of no length with round ends.
+        let dot = |p: &(f64, f64)| format!("M{:.1} {:.1}h0", x.place(p.0), y.place(p.1));
+        return (curve.points.iter().map(dot).collect(), false);
+    }
     let rising = curve.points.windows(2).all(|w| w[0].0 <= w[1].0);
     let points = if rising {
         columns(curve.points.len(), DRAWN_COLUMNS, |i| curve.points[i])

@@ -2,11 +2,14 @@
 
 use super::closed_loop::Question;
 use super::frame::Frame;
+use super::predictor::Law;
 use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;
+use crate::files::test::TestFile;
 use outerloop_core::Prediction;
 use outerloop_core::config::Filter;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// A quantity, its limit and what is between.
@@ -104,6 +107,45 @@ pub fn of(question: &Question<'_>, frame: &Frame) -> Result<Limits, Failure> {
         gain: Limit::new(1.0, gain),
         time_scale_needed: time_scale(question)?,
     })
+}
+
+/// Points of [`over_delay`].
+const POINTS: usize = 40;
+
+/// The fastest growing motion over the delay: ms of the laboratory at the first natural frequency, 1/s of model time.
+/// From a fifth of the actuator's own times to half as much again as the limit, or to twice the present delay where no
+/// limit was found.
+///
+/// # Errors
+/// A test that cannot be written down.
+pub fn over_delay(test: &TestFile, limits: &Limits) -> Result<Vec<(f64, f64)>, Failure> {
+    let question = Question {
+        config: &test.config,
+        rig: &test.plant,
+        law: Law::Learnt,
+    };
+    let frame = Frame::of(&test.config)?;
+    let present_ms = limits.delay.present;
+    let further_ms = match limits.delay.limit {
+        Some(limit) if limit > present_ms => 1.5 * (limit - present_ms),
+        _ => present_ms,
+    };
+    let shorter = (0..POINTS / 4).map(|k| Variation {
+        delay: 0.2 + 0.8 * k as f64 / (POINTS / 4) as f64,
+        ..Variation::NONE
+    });
+    let longer = (0..=POINTS).map(|k| Variation {
+        extra_s: 1e-3 * further_ms * k as f64 / POINTS as f64,
+        ..Variation::NONE
+    });
+    let rigs: Vec<Variation> = shorter.chain(longer).collect();
+    rigs.into_par_iter()
+        .map(|vary| {
+            let (late_s, _) = question.lateness(&frame, &vary)?;
+            let row = row(&question, &frame, &vary)?;
+            Ok((1e3 * late_s, row.growth_per_s))
+        })
+        .collect()
 }
 
 /// The first value above 0 at which `stable` fails, sought in steps that double from `from`, at most to `to`.

@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::files::output;
 use crate::files::signal::Signal;
 use crate::files::test::TestFile;
+use crate::provenance::Told;
 use crate::scope::Scoped;
 use clap::{Args, Subcommand};
 use link::Calibration;
@@ -68,7 +69,7 @@ impl Plain {
     fn identify(&self) -> Result<(), Failure> {
         let identity = board::identify(&mut connect(&self.port)?)?;
         if self.json {
-            println!("{}", json(&identity)?);
+            println!("{}", json(&Told::of(&identity))?);
             return Ok(());
         }
         println!(
@@ -92,7 +93,7 @@ impl Plain {
         let identity = board::identify(connection)?;
         let status = board::status(connection)?;
         if self.json {
-            println!("{}", json(&status)?);
+            println!("{}", json(&Told::of(&status))?);
             return Ok(());
         }
         println!("{}", board::describe(&identity, &status));
@@ -102,7 +103,7 @@ impl Plain {
     fn clear(&self) -> Result<(), Failure> {
         board::clear(&mut connect(&self.port)?)?;
         if self.json {
-            println!("{{}}");
+            println!("{}", json(&Told::of(&serde_json::Map::new()))?);
         } else {
             println!("The board is idle.");
         }

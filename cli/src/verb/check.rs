@@ -7,8 +7,10 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::near_fault::near_fault;
+use crate::files::output;
 use crate::files::test::TestFile;
-use crate::provenance::Told;
+use crate::provenance::{Told, note_seed};
+use crate::report::{self, Checked, Section};
 use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Answer, Row};
@@ -62,6 +64,9 @@ pub struct Check {
     /// Standard deviation of the structure's damping, per cent
     #[arg(long, default_value_t = 20.0, value_name = "PERCENT")]
     damping_spread: f64,
+    /// Write report.html and check.json there
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["survey", "monitor"])]
+    out: Option<PathBuf>,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
     json: bool,
@@ -90,13 +95,19 @@ impl Check {
             let progress = Progress::over("rigs", spread.plants as u64);
             stability::answer(&test, &spread, || progress.add(1))?
         };
-        let judgement = self.judge(&test, &spread, &answer)?;
+        let experiment = self.experiment(&test)?;
+        let judgement = judge(&experiment, &spread, &answer)?;
+        let whole = Whole {
+            judgement: &judgement,
+            answer: &answer,
+        };
+        note_seed(self.seed);
+        let told = Told::of(&whole);
+        if let Some(folder) = &self.out {
+            write(folder, &experiment, &whole, json(&told)?)?;
+        }
         if self.json {
-            let whole = Whole {
-                judgement: &judgement,
-                answer: &answer,
-            };
-            println!("{}", json(&Told::of(&whole))?);
+            println!("{}", json(&told)?);
         } else {
             print(&answer);
             println!(
@@ -106,6 +117,9 @@ impl Check {
                 percent(judgement.expected_eps_rms),
                 percent(judgement.expected_eps_rms_differing),
             );
+            if let Some(folder) = &self.out {
+                println!("Look at {}", folder.join("report.html").display());
+            }
         }
         let said = format!("{}: {}", path.display(), judgement.reason);
         match judgement.verdict {
@@ -115,40 +129,13 @@ impl Check {
         }
     }
 
-    /// The verdict, and what would be better.
-    fn judge(
-        &self,
-        test: &TestFile,
-        spread: &Spread,
-        answer: &Answer,
-    ) -> Result<Judgement, Failure> {
+    /// The planned motion.
+    fn experiment(&self, test: &TestFile) -> Result<Experiment, Failure> {
         let shaking = match self.record.as_deref().or(test.excitation.record.as_deref()) {
             Some(path) => GroundMotionFile::load(path, Columns::default())?,
             None => near_fault(),
         };
-        let experiment = Experiment::new(test.clone(), &shaking, None)?;
-        let eigenvalues = Eigenvalues::of(test)?;
-        let progress = Progress::over("tests", 3);
-        let mut judgement =
-            soundness::judge(&experiment, &eigenvalues, spread, || progress.add(1))?;
-        if judgement.verdict == Verdict::Stable {
-            return Ok(judgement);
-        }
-        if let Some(reason) = answer.reason.as_ref().filter(|_| soundness::fixed(test)) {
-            judgement.reason = reason.clone();
-        }
-        let others: Vec<String> = soundness::alternatives(&experiment, GOOD_EPS_RMS)?
-            .into_iter()
-            .take(3)
-            .map(|(name, eps)| format!("{name} ({})", percent(eps)))
-            .collect();
-        if !others.is_empty() {
-            judgement.reason += &format!(
-                "; the planned motion is good with the compensations {}",
-                others.join(", ")
-            );
-        }
-        Ok(judgement)
+        Experiment::new(test.clone(), &shaking, None)
     }
 
     fn spread(&self) -> Result<Spread, Failure> {
@@ -177,6 +164,60 @@ impl Check {
             damping: share("damping-spread", self.damping_spread)?,
         })
     }
+}
+
+/// The verdict, and what would be better.
+fn judge(experiment: &Experiment, spread: &Spread, answer: &Answer) -> Result<Judgement, Failure> {
+    let test = &experiment.test;
+    let eigenvalues = Eigenvalues::of(test)?;
+    let progress = Progress::over("tests", 3);
+    let mut judgement = soundness::judge(experiment, &eigenvalues, spread, || progress.add(1))?;
+    if judgement.verdict == Verdict::Stable {
+        return Ok(judgement);
+    }
+    if let Some(reason) = answer.reason.as_ref().filter(|_| soundness::fixed(test)) {
+        judgement.reason = reason.clone();
+    }
+    let others: Vec<String> = soundness::alternatives(experiment, GOOD_EPS_RMS)?
+        .into_iter()
+        .take(3)
+        .map(|(name, eps)| format!("{name} ({})", percent(eps)))
+        .collect();
+    if !others.is_empty() {
+        judgement.reason += &format!(
+            "; the planned motion is good with the compensations {}",
+            others.join(", ")
+        );
+    }
+    Ok(judgement)
+}
+
+/// The report and the figures.
+fn write(
+    folder: &Path,
+    experiment: &Experiment,
+    whole: &Whole<'_>,
+    told: String,
+) -> Result<(), Failure> {
+    let ideal = experiment.ideal()?;
+    let method = experiment.test.config.compensation.kind;
+    let seed = whole.answer.perturbed.spread.seed;
+    let run = experiment.run(method, &ideal, seed, true, ())?;
+    let page = report::of_check(&Checked {
+        judgement: whole.judgement,
+        answer: whole.answer,
+        over_delay: &stability::limits::over_delay(&experiment.test, &whole.answer.limits)?,
+        planned: Section {
+            experiment,
+            summary: &run.summary,
+            trace: run
+                .trace
+                .as_ref()
+                .ok_or_else(|| Failure::test("the planned motion kept no record"))?,
+            ideal: &ideal,
+        },
+    })?;
+    output::write_all(folder, &[("report.html", page), ("check.json", told)])
 }
 
 /// All that is found out, as JSON.

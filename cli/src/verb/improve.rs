@@ -4,6 +4,7 @@ use super::place::Place;
 use super::{Common, json};
 use crate::failure::Failure;
 use crate::files::{model, output, record_csv, signal};
+use crate::provenance::Told;
 use crate::report;
 use crate::story::{Outcome, Story};
 use crate::terminal::{self, Progress};
@@ -84,7 +85,7 @@ impl Improve {
         }
         if self.common.json {
             let rows = named.iter().map(|(name, s)| row(name, s)).collect();
-            println!("{}", json(&Rows { rows })?);
+            println!("{}", json(&Told::seeded(&Rows { rows }, self.common.seed))?);
         } else {
             self.print(&named);
         }

@@ -1,14 +1,22 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
 use super::{Common, json, method};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::files::output;
+use crate::judged::Run;
 use crate::provenance::Told;
+use crate::report::{self, Many, Section};
 use crate::stability::perturbed::Spread;
-use crate::summary::{Summary, Verdict};
+use crate::stability::rig::Variation;
+use crate::summary::Summary;
 use crate::terminal::{Progress, percent, table};
+use crate::trace::Response;
+use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The same test on many rigs that are not quite the declared one
@@ -25,6 +33,9 @@ pub struct MonteCarlo {
     /// How many tests
     #[arg(long, default_value_t = 10_000)]
     tests: usize,
+    /// Write report.html, tests.csv (each rig, and how its test ended) and monte-carlo.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 /// Standard deviations of the rigs, as `check` has them: times 10 %, gain 2 %, stiffness 5 %.
@@ -69,12 +80,12 @@ impl MonteCarlo {
             None => test.config.compensation.kind,
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        let rigs = Spread {
+        let spread = Spread {
             plants: self.tests,
             seed: self.common.seed,
             ..SPREAD
-        }
-        .draw();
+        };
+        let rigs = spread.draw();
         let steps = experiment.control_steps();
         let progress = Progress::over("tests", (steps * self.tests) as u64);
         let began = Instant::now();
@@ -82,34 +93,111 @@ impl MonteCarlo {
             .par_iter()
             .enumerate()
             .map(|(i, rig)| {
-                let own = experiment.on_rig(rig);
-                // What is wrong with a specimen is no error of the test: it is in the ideal as well.
-                let ideal = own.ideal()?;
-                let seed = self.common.seed.wrapping_add(i as u64);
-                let run = own.run(kind, &ideal, seed, false, progress.witness())?;
-                Ok(run.summary)
+                let one = self.one(&experiment, kind, (i, rig), Some(&progress))?;
+                Ok(one.run.summary)
             })
             .collect::<Result<_, Failure>>()?;
         let wall_s = began.elapsed().as_secs_f64();
         drop(progress);
         let outcome = outcome(&summaries, wall_s);
+        if let Some(folder) = &self.out {
+            // The worst once more, with every step kept.
+            let worst = (0..rigs.len())
+                .max_by(|a, b| summaries[*a].error().total_cmp(&summaries[*b].error()))
+                .unwrap_or(0);
+            let one = self.one(&experiment, kind, (worst, &rigs[worst]), None)?;
+            let many = Many {
+                spread: &spread,
+                rigs: &rigs,
+                summaries: &summaries,
+                worst_rig: &rigs[worst],
+                worst: one.section()?,
+            };
+            let told = json(&Told::seeded(&outcome, self.common.seed))?;
+            write(folder, &many, told)?;
+        }
         if self.common.json {
             println!("{}", json(&Told::seeded(&outcome, self.common.seed))?);
         } else {
             print(&outcome, kind.name());
+            if let Some(folder) = &self.out {
+                println!("Look at {}", folder.join("report.html").display());
+            }
         }
         Ok(())
     }
+
+    /// The test on the `i`-th rig; every step is kept where no progress is told.
+    fn one(
+        &self,
+        experiment: &Experiment,
+        kind: Method,
+        (i, rig): (usize, &Variation),
+        progress: Option<&Progress>,
+    ) -> Result<One, Failure> {
+        let own = experiment.on_rig(rig);
+        // What is wrong with a specimen is no error of the test: it is in the ideal as well.
+        let ideal = own.ideal()?;
+        let seed = self.common.seed.wrapping_add(i as u64);
+        let run = match progress {
+            Some(progress) => own.run(kind, &ideal, seed, false, progress.witness())?,
+            None => own.run(kind, &ideal, seed, true, ())?,
+        };
+        Ok(One { own, ideal, run })
+    }
+}
+
+/// The test on one of the rigs.
+struct One {
+    own: Experiment,
+    ideal: Response,
+    run: Run,
+}
+
+impl One {
+    fn section(&self) -> Result<Section<'_>, Failure> {
+        Ok(Section {
+            experiment: &self.own,
+            summary: &self.run.summary,
+            trace: self
+                .run
+                .trace
+                .as_ref()
+                .ok_or_else(|| Failure::test("the worst test kept no record"))?,
+            ideal: &self.ideal,
+        })
+    }
+}
+
+/// The report, each test in a line, and the figures.
+fn write(folder: &Path, many: &Many<'_>, told: String) -> Result<(), Failure> {
+    let mut tests = String::from(
+        "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
+    );
+    for (i, (rig, s)) in many.rigs.iter().zip(many.summaries).enumerate() {
+        let _ = writeln!(
+            tests,
+            "{i},{},{},{},{},{},{}",
+            rig.delay,
+            rig.gain,
+            rig.stiffness,
+            s.verdict.name(),
+            s.eps_rms,
+            s.eps_max
+        );
+    }
+    output::write_all(
+        folder,
+        &[
+            ("report.html", report::of_monte_carlo(many)?),
+            ("tests.csv", tests),
+            ("monte-carlo.json", told),
+        ],
+    )
 }
 
 fn outcome(summaries: &[Summary], wall_s: f64) -> Outcome {
-    let mut errors: Vec<f64> = summaries
-        .iter()
-        .map(|s| match s.verdict {
-            Verdict::Completed => s.eps_rms,
-            Verdict::Tripped | Verdict::Diverged => f64::INFINITY,
-        })
-        .collect();
+    let mut errors: Vec<f64> = summaries.iter().map(Summary::error).collect();
     errors.sort_by(f64::total_cmp);
     let at = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize];
     let steps: usize = summaries.iter().map(|s| s.steps).sum();

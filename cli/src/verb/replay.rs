@@ -3,7 +3,7 @@
 use super::place::{Place, Where};
 use crate::failure::Failure;
 use crate::files::{archive, channels};
-use crate::provenance;
+use crate::provenance::{self, Told};
 use crate::story::Site;
 use crate::terminal::Progress;
 use crate::trace::Trace;
@@ -59,7 +59,7 @@ impl Replay {
             .ok_or_else(|| Failure::test("the replay kept no record"))?;
         let found = compare(&archived, &trace);
         if self.json {
-            println!("{}", super::json(&found)?);
+            println!("{}", super::json(&Told::of(&found))?);
         }
         match &found.first_difference {
             None => {

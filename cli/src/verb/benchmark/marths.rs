@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
 use crate::physical_part::{self, Found};
+use crate::provenance::{Told, note_seed};
 use crate::report;
 use crate::terminal::{self, Progress, table};
 use crate::verb::json;
@@ -52,6 +53,7 @@ impl Marths {
     /// Bad input, or files of the problem that are not there.
     pub(super) fn go(&self) -> Result<(), Failure> {
         let begin = std::time::Instant::now();
+        note_seed(self.seed);
         if self.plants > 1000 {
             return Err(Failure::input(format!(
                 "--plants {}: accepted are 0 to 1000",
@@ -114,8 +116,9 @@ impl Marths {
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
+        let told = Told::of(&answer);
         if self.json {
-            println!("{}", json(&answer)?);
+            println!("{}", json(&told)?);
         } else {
             if let Some(file) = &self.model {
                 println!(
@@ -133,7 +136,7 @@ impl Marths {
             let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
             let mut files = vec![
                 ("report.html".to_owned(), page),
-                ("marths.json".to_owned(), json(&answer)?),
+                ("marths.json".to_owned(), json(&told)?),
                 (
                     "declared.toml".to_owned(),
                     physical_part::to_toml(&problem.part)?,

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
 use crate::files::table::NumberTable;
+use crate::provenance::{Told, note_seed};
 use crate::report;
 use crate::terminal::{Progress, table};
 use crate::verb::json;
@@ -76,6 +77,7 @@ impl Rths {
     /// Bad input.
     pub(super) fn go(&self) -> Result<(), Failure> {
         let began = Instant::now();
+        note_seed(self.seed);
         let rules = self.rules()?;
         if self.plants > 1000 {
             return Err(Failure::input(format!(
@@ -117,8 +119,9 @@ impl Rths {
             "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": targets,
             "best": best(&rows), "rows": rows, "seconds": seconds,
         });
+        let told = Told::of(&answer);
         if self.json {
-            println!("{}", json(&answer)?);
+            println!("{}", json(&told)?);
         } else {
             print(&rules, &rows, &targets);
         }
@@ -126,7 +129,7 @@ impl Rths {
             let page = report::of_rths(&bench, &rows, &targets)?;
             output::write_all(
                 folder,
-                &[("report.html", page), ("rths.json", json(&answer)?)],
+                &[("report.html", page), ("rths.json", json(&told)?)],
             )?;
         }
         Ok(())
@@ -212,10 +215,9 @@ impl Rths {
             for (i, j) in found.j.iter().enumerate() {
                 row[format!("J{}", i + 1)] = serde_json::json!(j);
             }
-            println!(
-                "{}",
-                json(&serde_json::json!({ "rules": rules.name(), "rows": [row] }))?
-            );
+            let answer =
+                serde_json::json!({ "rules": rules.name(), "seed": self.seed, "rows": [row] });
+            println!("{}", json(&Told::of(&answer))?);
             return Ok(());
         }
         println!(

@@ -2,6 +2,7 @@
 
 use super::Check;
 use crate::failure::Failure;
+use crate::provenance::Told;
 use crate::soundness::monitor;
 use crate::soundness::survey::{self, Case, Truth};
 use crate::terminal::{Progress, table};
@@ -36,14 +37,12 @@ impl Check {
             monitor::run(&plans, || progress.add(1))?
         };
         let rows = monitor::table(&cases);
+        let watched = Watched {
+            rows: &rows,
+            cases: &cases,
+        };
         if self.json {
-            println!(
-                "{}",
-                json(&Watched {
-                    rows: &rows,
-                    cases: &cases
-                })?
-            );
+            println!("{}", json(&Told::seeded(&watched, self.seed))?);
         } else {
             let [energy, hsem, displacement, tracking] = monitor::INDICATORS;
             let mut t = table(&[
@@ -98,14 +97,12 @@ impl Check {
             survey::run(&tests, || progress.add(1))?
         };
         let rows = survey::table(&cases);
+        let surveyed = Survey {
+            rows: &rows,
+            cases: &cases,
+        };
         if self.json {
-            println!(
-                "{}",
-                json(&Survey {
-                    rows: &rows,
-                    cases: &cases
-                })?
-            );
+            println!("{}", json(&Told::seeded(&surveyed, self.seed))?);
         } else {
             let mut t = table(&["tests", "which", "", "stable", "doubtful", "unstable"]);
             for r in rows.iter().filter(|r| r.count > 0) {
