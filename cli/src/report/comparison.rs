@@ -86,13 +86,10 @@ fn verdict_of_best(best: &Section<'_>) -> String {
 pub fn of_comparison(rows: &[Row], lead: &str) -> Result<String, Failure> {
     let standings = standing::of(rows);
     let body = || -> Drawn {
-        let head = standings_head();
-        let mut html = String::from(
-            "<p>Every compensation on the same tests. An error is eps_rms, Eq 18: the rms of the difference to the same \
-             integration with an ideal actuator, relative to its largest displacement. Means are geometric; a test that \
-             tripped or ran away counts as 100 %. The best mean comes first.</p>",
-        );
-        html += &table(&head, standings.iter().map(standings_row));
+        let mut html = standings.first().map_or_else(String::new, nearest);
+        html += "<p>Every compensation on the same tests. An error is eps_rms, Eq 18: the rms of the difference to the same \
+                 integration with an ideal actuator, relative to its largest displacement. Means are geometric; a test that \
+                 tripped or ran away counts as 100 %.</p>";
         html += "<h2>Error over the delay</h2><p>The worse of the ground motions. The delay is told exactly.</p>";
         for family in [Family::Linear, Family::Yielding] {
             let _ = write!(
@@ -105,11 +102,32 @@ pub fn of_comparison(rows: &[Row], lead: &str) -> Result<String, Failure> {
             }
             html += "</div>";
         }
+        html += "<h2>Standings</h2><p>The best mean comes first.</p>";
+        html += &table(&standings_head(), standings.iter().map(standings_row));
         html += "<h2>Every condition</h2><p>The worse of the ground motions.</p>";
         html += &conditions(rows, &standings);
         Ok(html)
     };
     page_of(lead, body())
+}
+
+/// Who is the nearest over all, and how often nobody was nearer.
+fn nearest(best: &Standing) -> String {
+    let class = if best.failed == 0 { "good" } else { "fair" };
+    format!(
+        "<p class=\"verdict {class}\"><b>{}</b> comes nearest over all: a mean error of {}, {} at worst; in {} of {} tests nobody \
+         is nearer, and {} of them it loses.</p>",
+        best.compensation,
+        percent(best.mean),
+        percent(best.worst),
+        best.best_in,
+        best.tests,
+        if best.failed == 0 {
+            "none".to_owned()
+        } else {
+            best.failed.to_string()
+        }
+    )
 }
 
 fn page_of(lead: &str, body: Drawn) -> Result<String, Failure> {
@@ -146,7 +164,7 @@ fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
             Curve::new(colour, places.iter().map(point).collect()).named(name)
         })
         .collect();
-    let svg = plot::plot(HALF.of_percent(), "delay [ms]", "eps_rms", &curves)?;
+    let svg = plot::plot(HALF.of_percent(), "delay [ms]", "eps_rms [%]", &curves)?;
     Ok(figure(&svg, &format!("Actuator: {actuator}.")))
 }
 

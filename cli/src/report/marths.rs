@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 /// What the loop's record of a ground motion says of the declared part.
 pub type DeclaredPart<'a> = (&'a Record, Found);
 
-/// The benchmark: the tables, a closer look at each ground motion, and what J7 hides.
+/// The benchmark: for each ground motion who tracks best, a closer look and the table; then what J7 hides.
 ///
 /// # Errors
 /// The drawing library's; a structure that cannot be integrated.
@@ -28,20 +28,21 @@ pub fn of_marths(
     rows: &[Row],
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
-    let mut body = format!("<p>{}</p>", escape(LEGEND));
+    let mut body = String::new();
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         let Some(first) = group.first() else { continue };
-        let _ = write!(
-            body,
-            "<h2>{}</h2>{}<p>{}.</p>",
-            escape(&first.record),
-            table(&HEAD, group.iter().map(cells)),
-            escape(&floors(first))
-        );
+        let _ = write!(body, "<h2>{}</h2>{}", escape(&first.record), verdict(group));
         if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == first.record) {
             body += &closer_look(problem, record, seed)?;
         }
+        let _ = write!(
+            body,
+            "{}<p>{}.</p>",
+            table(&HEAD, group.iter().map(cells)),
+            escape(&floors(first))
+        );
     }
+    let _ = write!(body, "<p>{}</p>", escape(LEGEND));
     body += "<h2>What the controllers know</h2><ul>";
     for (_, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == name) {
@@ -56,6 +57,34 @@ pub fn of_marths(
          times {GROUND_SCALE}. Seed {seed}, {plants} drawn plants. A simulated rig: a real one is less kind."
     );
     Ok(page("The multi-axial benchmark problem", &lead, &body))
+}
+
+/// Whose true strokes come nearest to their targets on the worst of the drawn plants; where none was drawn, on the nominal
+/// one.
+fn verdict(rows: &[Row]) -> String {
+    let error = |r: &Row| match r.worst.perturbed {
+        0 => r.j.j2_true,
+        _ => r.worst.j2_true,
+    };
+    let controllers = rows
+        .iter()
+        .filter(|r| r.controller != Contestant::Perfect.name());
+    let nearest = controllers.min_by(|a, b| {
+        let sum = |r: &Row| error(r).iter().sum::<f64>();
+        sum(a).total_cmp(&sum(b))
+    });
+    nearest.map_or_else(String::new, |best| {
+        format!(
+            "<p class=\"verdict\"><b>{}</b> tracks best: J2* of {} % for the two actuators{}.</p>",
+            best.controller,
+            both(error(best)),
+            if best.worst.perturbed > 0 {
+                ", on the worst of the drawn plants"
+            } else {
+                ""
+            }
+        )
+    })
 }
 
 /// The published adaptive controller and core's on the nominal plant, around the largest displacement.

@@ -1,10 +1,13 @@
-// Zoom, cursor and legend of the plots: drag over a part, double-click for the whole, click a name to hide its curve.
+// Zoom, cursor and legend of the plots: drag over a part, double-click for the whole, click a name to hide its curve. On a
+// narrow screen a wide plot is laid out anew, as high as before and with letters that can be read.
 "use strict";
 for (const plot of document.querySelectorAll(".plot")) {
   const svg = plot.querySelector("svg.drawing"), area = svg.querySelector("svg.area");
   const grid = svg.querySelector("g.grid"), readout = plot.querySelector(".cursor");
   const numbers = (name) => svg.dataset[name].split(" ").map(Number);
-  const [left, top, right, bottom] = numbers("box"), whole = { x: numbers("x"), y: numbers("y") };
+  const [left, top, right, bottom] = numbers("box"), wide = svg.getAttribute("viewBox");
+  let end = right; // of the axis, which is not that of the curves' own box on a narrow screen
+  const whole = { x: numbers("x"), y: numbers("y") };
   const percent = svg.dataset.percent, still = { grid: grid.innerHTML };
   const curves = [...area.querySelectorAll("path.curve")].map((path) => {
     const raw = atob(path.dataset.points), points = [];
@@ -15,7 +18,7 @@ for (const plot of document.querySelectorAll(".plot")) {
     const rising = points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
     return { path, points, rising, d: path.getAttribute("d"), cls: path.getAttribute("class") };
   });
-  const rising = curves.length > 0 && curves.every((c) => c.rising);
+  const rising = curves.length > 0 && curves.every((c) => c.rising && !c.path.classList.contains("dots"));
   let view = { x: [...whole.x], y: [...whole.y] };
   const px = (v) => left + (right - left) * (v - view.x[0]) / (view.x[1] - view.x[0]);
   const py = (v) => bottom - (bottom - top) * (v - view.y[0]) / (view.y[1] - view.y[0]);
@@ -26,21 +29,27 @@ for (const plot of document.querySelectorAll(".plot")) {
     for (let k = Math.ceil(a / step); k <= Math.floor(b / step); k++) all.push(k * step);
     return all;
   };
-  const draw = () => {
+  const axes = () => {
     let marks = "";
-    for (const v of ticks(view.x, svg.classList.contains("half") ? 6 : 11))
-      marks += `<path d="M${px(v)} ${bottom}V${top}"/><text class="x" x="${px(v)}" y="${bottom + 18}">${label(v)}</text>`;
+    for (const v of ticks(view.x, end - left < 500 ? 6 : 11)) {
+      const x = left + (px(v) - left) * (end - left) / (right - left);
+      marks += `<path d="M${x} ${bottom}V${top}"/><text class="x" x="${x}" y="${bottom + 18}">${label(v)}</text>`;
+    }
     for (const v of ticks(view.y, 6)) {
       if (percent && v % 1) continue;
-      marks += `<path d="M${left} ${py(v)}H${right}"/><text class="y" x="${left - 7}" y="${py(v) + 4.5}">${label(percent ? 100 * 10 ** v : v)}</text>`;
+      marks += `<path d="M${left} ${py(v)}H${end}"/><text class="y" x="${left - 7}" y="${py(v) + 4.5}">${label(percent ? 100 * 10 ** v : v)}</text>`;
     }
     grid.innerHTML = marks;
+  };
+  const draw = () => {
+    axes();
     for (const c of curves) {
       let d = "", n = 0;
       for (let i = 0; i < c.points.length; i++) {
         const outside = (k) => k in c.points && (c.points[k][0] < view.x[0] || c.points[k][0] > view.x[1]);
         if (c.rising && outside(i) && outside(i - 1) && outside(i + 1)) continue;
-        d += `${n++ ? "L" : "M"}${px(c.points[i][0]).toFixed(1)} ${py(c.points[i][1]).toFixed(1)}`;
+        const dots = c.path.classList.contains("dots");
+        d += `${n++ && !dots ? "L" : "M"}${px(c.points[i][0]).toFixed(1)} ${py(c.points[i][1]).toFixed(1)}${dots ? "h0" : ""}`;
       }
       c.path.setAttribute("d", d || "M0 0");
       c.path.classList.remove("band");
@@ -48,13 +57,25 @@ for (const plot of document.querySelectorAll(".plot")) {
   };
   const reset = () => {
     view = { x: [...whole.x], y: [...whole.y] };
-    grid.innerHTML = still.grid;
+    if (end === right) grid.innerHTML = still.grid; else axes();
     for (const c of curves) { c.path.setAttribute("d", c.d); c.path.setAttribute("class", c.cls); }
   };
+  const fit = (narrow) => {
+    const [, , width, height] = wide.split(" ").map(Number), shown = narrow && width > 600 ? 400 : width;
+    end = right - width + shown;
+    svg.setAttribute("viewBox", `0 0 ${shown} ${height}`);
+    area.setAttribute("width", end - left);
+    if (plot.classList.contains("zoomed")) axes(); else if (end === right) grid.innerHTML = still.grid; else axes();
+  };
+  const look = () => fit(svg.clientWidth > 0 && svg.clientWidth < 600);
+  addEventListener("resize", look);
+  addEventListener("beforeprint", () => fit(false));
+  addEventListener("afterprint", look);
+  look();
   const at = (event) => {
     const p = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    const clamp = (v, a, b) => Math.min(Math.max(v, a), b), x = clamp(p.x, left, right), y = clamp(p.y, top, bottom);
-    return { px: x, py: y, x: view.x[0] + (view.x[1] - view.x[0]) * (x - left) / (right - left),
+    const clamp = (v, a, b) => Math.min(Math.max(v, a), b), x = clamp(p.x, left, end), y = clamp(p.y, top, bottom);
+    return { px: x, py: y, x: view.x[0] + (view.x[1] - view.x[0]) * (x - left) / (end - left),
       y: view.y[0] + (view.y[1] - view.y[0]) * (bottom - y) / (bottom - top) };
   };
   const shape = (name) => document.createElementNS("http://www.w3.org/2000/svg", name);
