@@ -5,9 +5,8 @@ use outerloop_cli::failure::{EXIT_STATUSES, Failure};
 use outerloop_cli::{terminal, verb};
 use std::process::ExitCode;
 
-/// The outer loop of a fast pseudodynamic test
 #[derive(Parser, Debug)]
-#[command(name = "outerloop", version, about, after_help = EXIT_STATUSES)]
+#[command(name = "outerloop", version, about = "Runs and judges fast pseudodynamic tests", after_help = EXIT_STATUSES)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -68,7 +67,8 @@ fn main() -> ExitCode {
             return match said.print() {
                 Ok(()) => ExitCode::from(said.exit_code() as u8),
                 Err(e) => ended(Err(Failure::input(format!(
-                    "standard output cannot be written: {e}"
+                    "standard output cannot be written: {}",
+                    outerloop_cli::files::plain::reason(&e)
                 )))),
             };
         }

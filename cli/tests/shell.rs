@@ -21,7 +21,14 @@ fn completions_and_the_man_page_know_every_verb() {
         out.status.success() && text.contains(".TH outerloop 1"),
         "{text}"
     );
-    for verb in ["OUTERLOOP RUN", "OUTERLOOP SERVE", "OUTERLOOP BOARD"] {
-        assert!(text.contains(verb), "{verb}");
+    for verb in [
+        "OUTERLOOP RUN",
+        "OUTERLOOP SERVE",
+        "OUTERLOOP BOARD IDENTIFY",
+        "OUTERLOOP BENCHMARK RTHS",
+    ] {
+        assert!(text.contains(&format!(".SH \"{verb}\"")), "{verb}");
     }
+    // Options of a verb within a verb.
+    assert!(text.contains("\\-\\-deviate"), "{text}");
 }

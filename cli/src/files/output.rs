@@ -12,7 +12,17 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// A folder or file that cannot be written; what was there before is left as it was.
 pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
+    let new = !folder.exists();
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
+    write_into(folder, files).inspect_err(|_| {
+        // Nothing of a result that could not be written; a folder with something in it stays.
+        if new {
+            let _ = fs::remove_dir(folder);
+        }
+    })
+}
+
+fn write_into<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
     let mut ready: Vec<(tempfile::TempPath, PathBuf)> = Vec::new();
     let mut streams = Vec::new();
     for (name, text) in files {
@@ -139,6 +149,18 @@ mod tests {
         let mode = fs::metadata(at("real.toml")).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o640);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_filled_is_not_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let new = folder.path().join("new");
+        // No file can have this name.
+        let long = "x".repeat(300);
+        assert!(write_all(&new, &[("a", "1"), (&long, "2")]).is_err());
+        assert!(!new.exists());
+        assert!(write_all(folder.path(), &[(&long, "2")]).is_err());
+        assert!(folder.path().exists());
     }
 
     #[test]

@@ -16,11 +16,16 @@ use crate::numbers::length;
 use crate::summary::Summary;
 use crate::trace::Witness;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, ContentArrangement, Table, TableComponent};
+use comfy_table::{
+    CellAlignment, ColumnConstraint, ContentArrangement, Table, TableComponent, Width,
+};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use outerloop_core::Record;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
+
+/// Columns of a terminal from which on tables are set with room around each cell.
+const SPACIOUS: u16 = 120;
 
 /// A table with a head; numbers, from the second column on, to the right.
 pub fn table(head: &[&str]) -> Table {
@@ -33,15 +38,27 @@ pub fn table(head: &[&str]) -> Table {
         // As wide as the terminal; as wide as it needs where there is none.
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_header(head);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
+    let narrow = table.width().is_some_and(|columns| columns < SPACIOUS);
+    for (i, column) in table.column_iter_mut().enumerate() {
+        if i > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        if narrow {
+            column.set_padding((0, 1));
+        }
+        if narrow && i == 0 {
+            // Names are read first: their head is not broken.
+            let least = head[0].split(' ').map(str::len).max().unwrap_or(0) + 1;
+            column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(least as u16)));
+        }
     }
     table
 }
 
-/// One row a test.
+/// One row a test; the ground motion where there is more than one.
 pub fn summaries(rows: &[Summary]) -> Table {
-    let mut t = table(&[
+    let several = rows.windows(2).any(|w| w[0].record != w[1].record);
+    let mut head = vec![
         "ground motion",
         "compensation",
         "verdict",
@@ -51,9 +68,11 @@ pub fn summaries(rows: &[Summary]) -> Table {
         "added damping",
         "energy error",
         "energy ratio",
-    ]);
+    ];
+    head.drain(..usize::from(!several));
+    let mut t = table(&head);
     for s in rows {
-        t.add_row([
+        let cells = [
             s.record.clone(),
             s.compensation.to_owned(),
             s.trip
@@ -64,7 +83,8 @@ pub fn summaries(rows: &[Summary]) -> Table {
             percent(s.mean_added_damping_ratio),
             joule(s.energy_error_j),
             percent(s.energy_ratio),
-        ]);
+        ];
+        t.add_row(cells.into_iter().skip(usize::from(!several)));
     }
     t
 }

@@ -4,6 +4,7 @@
 //! [`failure`] tells of it when the verb has done its work.
 
 use crate::failure::Failure;
+use crate::files::plain;
 use std::fmt::Arguments;
 use std::io::{Write, stdout};
 use std::sync::OnceLock;
@@ -18,7 +19,7 @@ pub fn print_line(text: Arguments<'_>) {
     }
     let mut out = stdout().lock();
     if let Err(e) = out.write_fmt(text).and_then(|()| out.write_all(b"\n")) {
-        let _ = BROKEN.set(e.to_string());
+        let _ = BROKEN.set(plain::reason(&e));
     }
 }
 
@@ -28,7 +29,7 @@ pub fn print_line(text: Arguments<'_>) {
 /// A standard output that cannot be written.
 pub fn finish() -> Result<(), Failure> {
     if let Err(e) = stdout().flush() {
-        let _ = BROKEN.set(e.to_string());
+        let _ = BROKEN.set(plain::reason(&e));
     }
     match BROKEN.get() {
         None => Ok(()),

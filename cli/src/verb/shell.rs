@@ -1,6 +1,7 @@
 //! `outerloop completions` and `outerloop man`: what a shell and `man` know of the command line, made from it.
 
 use crate::failure::Failure;
+use crate::files::plain;
 use std::io::Write;
 
 /// What a shell completes after `outerloop`
@@ -27,7 +28,7 @@ impl Completions {
 pub struct Man;
 
 impl Man {
-    /// Prints it: the program, then each verb.
+    /// Prints it: the program, then each verb and what belongs to it, such as `board identify`.
     ///
     /// # Errors
     /// Standard output that cannot be written.
@@ -37,20 +38,34 @@ impl Man {
         command.build();
         let page = clap_mangen::Man::new(command.clone());
         page.render(&mut text).map_err(cannot)?;
-        for verb in command.get_subcommands() {
-            let name = format!("outerloop {}", verb.get_name());
-            let _ = writeln!(text, ".SH \"{}\"", name.to_uppercase());
-            let page = clap_mangen::Man::new(verb.clone());
-            page.render_synopsis_section(&mut text).map_err(cannot)?;
-            page.render_description_section(&mut text).map_err(cannot)?;
-            page.render_options_section(&mut text).map_err(cannot)?;
-        }
+        verbs(&command, "outerloop", &mut text).map_err(cannot)?;
         print(&text)
     }
 }
 
+/// A section for each verb of `command`, and for each verb of it.
+fn verbs(command: &clap::Command, name: &str, text: &mut Vec<u8>) -> std::io::Result<()> {
+    for verb in command.get_subcommands().filter(|v| v.get_name() != "help") {
+        let name = format!("{name} {}", verb.get_name());
+        writeln!(text, ".SH \"{}\"", name.to_uppercase())?;
+        let page = clap_mangen::Man::new(verb.clone());
+        let mut parts = Vec::new();
+        page.render_synopsis_section(&mut parts)?;
+        page.render_description_section(&mut parts)?;
+        page.render_options_section(&mut parts)?;
+        // Sections of their own in a page of their own; here they are parts of one.
+        let parts = String::from_utf8_lossy(&parts).replace(".SH ", ".SS ");
+        text.write_all(parts.as_bytes())?;
+        verbs(verb, &name, text)?;
+    }
+    Ok(())
+}
+
 fn print(text: &[u8]) -> Result<(), Failure> {
-    std::io::stdout()
-        .write_all(text)
-        .map_err(|e| Failure::input(format!("standard output cannot be written: {e}")))
+    std::io::stdout().write_all(text).map_err(|e| {
+        Failure::input(format!(
+            "standard output cannot be written: {}",
+            plain::reason(&e)
+        ))
+    })
 }
