@@ -4,6 +4,7 @@ use super::{Diagnose, file_name, json};
 use crate::failure::Failure;
 use crate::files::measured::Library;
 use crate::files::{coupled, model, output};
+use crate::provenance::Told;
 use crate::report;
 use crate::terminal;
 use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
@@ -53,13 +54,13 @@ impl Diagnose {
                 folder,
                 &[
                     ("report.html", page),
-                    ("diagnosis.json", json(&d)?),
+                    ("diagnosis.json", json(&Told::of(&d))?),
                     ("model.toml", improved),
                 ],
             )?;
         }
         if self.json {
-            println!("{}", json(&d)?);
+            println!("{}", json(&Told::of(&d))?);
             return Ok(());
         }
         println!("{}", terminal::coupled::coupled(&d));
