@@ -1,5 +1,6 @@
-//! The benchmark problems of real-time hybrid simulation, each with its rig, its rules and its criteria in f64, and core's
-//! methods in f32 as contestants.
+#![doc = include_str!("../README.md")]
+//!
+//! # Map
 //!
 //! | look in | for |
 //! |---|---|

@@ -1,4 +1,6 @@
-//! What a declared model of a test rig lacks: the residual between model and record, traced to a physical effect.
+#![doc = include_str!("../README.md")]
+//!
+//! # Method
 //!
 //! Regression lowers an error and names no cause. Here every effect of a library is fitted together with the declared
 //! parameters (inside their tolerances), in both channels, and accepted by statistics and by size against a noise floor

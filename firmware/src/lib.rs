@@ -1,4 +1,6 @@
-//! The control loop on a microcontroller.
+#![doc = include_str!("../README.md")]
+//!
+//! # Map
 //!
 //! ```text
 //!  station     what runs on every board: the control period (station/period.rs), commands, upload, calibration, limits

@@ -1,4 +1,6 @@
-//! What the PC and the board say to each other over the serial port. `no_std`, no heap, bounded, no panic.
+#![doc = include_str!("../README.md")]
+//!
+//! # Map
 //!
 //! ```text
 //!  PC ─► board    command    request number, one of [`Command`]

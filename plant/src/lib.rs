@@ -1,5 +1,6 @@
-//! The simulated rig of a fast pseudodynamic test, in f64 on the host: what a command becomes on its way through
-//! actuator, specimen, sensors and converters. It shares no equation with the loop that it is to judge.
+#![doc = include_str!("../README.md")]
+//!
+//! # Map
 //!
 //! ```text
 //!  command ─► actuator ─► floor displacement ─► storey drift ─► storey shear ─► floor force
