@@ -1,34 +1,27 @@
 //! The laboratory around the board. Its turn comes at every period of the sampling timer, and when a converter outside the
 //! chip has something to do.
 
+mod faults;
 mod pins;
+mod timer;
 
 use crate::chain::{self, Chain, Converters, Instant, Shown};
 use crate::log::{Fault, Log, Planned, Seen};
 use crate::nucleo::Nucleo;
 use crate::permission::Permission;
 use crate::registers::{
-    GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_CR2, TIM2_EGR, TIM2_PSC,
-    Violation,
+    GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_EGR, Violation,
 };
 use crate::wire::Wire;
 use link::Calibration;
-use pins::{BUTTON, PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, drive, stop_contact};
+use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
 use plant::Rig;
-use rigless::device::Level;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
-use rigless::soc::Width;
-use rigless::soc::stm32f427::peripherals::rcc::Apb;
 use rigless::time::VirtualNanos;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-
-const UG: u64 = 1;
-const MMS: u64 = 7 << 4;
-
-/// Added to the number of a drill, see the firmware's `drill`.
-const DRILL_MAGIC: u32 = 0x4452_4c00;
+use timer::{Sampling, UG};
 
 /// While nothing samples: how often the laboratory looks, ns.
 const IDLE_TURN_NS: u64 = 500_000;
@@ -38,9 +31,6 @@ const PC_STEPS: u32 = 400;
 
 /// For so long, and no longer.
 const PC_PATIENCE: Duration = Duration::from_secs(5);
-
-/// A burst of noise on the force, as a share of the converter's range to either side.
-const BURST_SHARE: f64 = 2000.0 / 4095.0;
 
 /// A rig that sinks comes to rest at this share of its stroke.
 const SUNK_SHARE: f64 = 0.6;
@@ -78,26 +68,6 @@ pub struct Laboratory {
     quiet_steps: u32,
     step_began: u64,
     awaiting_command: bool,
-}
-
-/// The sampling timer as it runs.
-#[derive(Clone, Copy, Debug)]
-struct Sampling {
-    timer_hz: u64,
-    next_ns: u64,
-    /// What the nanoseconds leave over, in 1/timer_hz of a nanosecond.
-    rest: u64,
-    period_ticks: u64,
-}
-
-impl Sampling {
-    /// The update after this one, with the period that is then in force.
-    fn advance(&mut self, period_ticks: u64) {
-        let ns = self.period_ticks * 1_000_000_000 + self.rest;
-        self.next_ns += ns / self.timer_hz;
-        self.rest = ns % self.timer_hz;
-        self.period_ticks = period_ticks;
-    }
 }
 
 impl Laboratory {
@@ -262,23 +232,6 @@ impl Laboratory {
         self.convert(session, now, host);
     }
 
-    /// What the sensors show with what is wrong with them.
-    fn disturbed(&mut self, mut shown: Shown) -> Shown {
-        let top = f64::from(self.chain.converters().widths().sensor_top);
-        match self.active {
-            Some(Fault::SensorAtRail) => shown.displacement = top,
-            Some(Fault::FrozenSensor) => shown.displacement = self.frozen.displacement,
-            Some(Fault::NoiseBurst) => {
-                let up = self.permit_steps.is_multiple_of(2);
-                let sign = if up { 1.0 } else { -1.0 };
-                let free = 0.005 * top;
-                shown.force = (shown.force + sign * BURST_SHARE * top).clamp(free, top - free);
-            }
-            _ => self.frozen = shown,
-        }
-        shown
-    }
-
     /// Starts the conversions, if an update does.
     fn convert(&mut self, session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host) {
         if self.chain.update(session, &self.registers, now, host) {
@@ -297,50 +250,6 @@ impl Laboratory {
         self.log_mut().violations.extend(found);
     }
 
-    fn go_wrong(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
-        let due = |p: &Planned| self.permit_steps >= p.after_steps;
-        let Some(planned) = self.plan.take_if(|p| due(p)) else {
-            return;
-        };
-        self.note(session, stop.at, Seen::Fault);
-        self.active = Some(planned.fault);
-        match planned.fault {
-            Fault::EmergencyStop => stop_contact(session, stop.at, false),
-            Fault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
-            Fault::Chain(contact) => self.permission.fault = Some(contact),
-            Fault::LinkCut(steps) => {
-                self.wire.cut();
-                self.mend_at_step = self.steps + steps;
-            }
-            Fault::Reset => {
-                session.reset_by_pin(stop.at, stop.instruction_count, host);
-                self.pins_float(session, stop.at);
-            }
-            // Memory of the chip: it is there.
-            Fault::Drill(number) => drop(host.write(
-                self.drill_address,
-                Width::W32,
-                u64::from(DRILL_MAGIC + number),
-            )),
-            Fault::DeadOutput => self.chain.break_output(session),
-            Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst | Fault::DeadValve => {}
-        }
-    }
-
-    /// A reset: every pin of the chip floats at once, and PERMIT is pulled down outside.
-    fn pins_float(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
-        self.resets = session.resets().len();
-        self.note(session, at, Seen::Reset);
-        if self.permission.set_level(false) {
-            self.note(session, at, Seen::Permit(false));
-        }
-        self.permission.reset();
-        self.registers.reset();
-        self.chain.reset();
-        (self.sampling, self.last_trigger_ns) = (None, 0);
-        self.idle_turn_ns = at.0;
-    }
-
     /// The board's time runs on only with the PC: a PC that is kept from running is no lost PC.
     fn keep_pace(&mut self) {
         if self.wire.is_pending() {
@@ -351,42 +260,6 @@ impl Laboratory {
         if self.patient && self.quiet_steps > PC_STEPS && !self.wire.is_cut() {
             self.wire.wait_for_pc(PC_PATIENCE);
             self.quiet_steps = 0;
-        }
-    }
-
-    /// TIM2 starts to count: its first update is a period away.
-    fn begin_sampling(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
-        let (rcc, registers) = session.board_mut().chip.clocks();
-        let timer_hz = rcc.timer_clock(registers, Apb::One) / (self.registers.read(TIM2_PSC) + 1);
-        let period_ticks = self.registers.read(TIM2_ARR) + 1;
-        let mut sampling = Sampling {
-            timer_hz,
-            next_ns: at.0,
-            rest: 0,
-            period_ticks,
-        };
-        sampling.advance(period_ticks);
-        session.pause_at(Some(VirtualNanos(sampling.next_ns)));
-        session.run_until(VirtualNanos(sampling.next_ns));
-        self.sampling = Some(sampling);
-    }
-
-    /// An update by software is an update: it restarts the count, and leaves the timer as a trigger, under the reset value
-    /// of MMS too.
-    fn update_by_software(
-        &mut self,
-        session: &mut Session<Nucleo>,
-        now: Instant,
-        host: &mut dyn Host,
-    ) {
-        if let Some(sampling) = &mut self.sampling {
-            let period_ticks = self.registers.read(TIM2_ARR) + 1;
-            (sampling.next_ns, sampling.rest) = (now.at.0, 0);
-            sampling.period_ticks = period_ticks;
-            sampling.advance(period_ticks);
-        }
-        if matches!(self.registers.read(TIM2_CR2) & MMS, 0 | 0x20) {
-            self.convert(session, now, host);
         }
     }
 

@@ -4,11 +4,12 @@
 use outerloop_cli::board::emulated::{Emulated, Laboratory};
 use outerloop_cli::board::limits::Plan;
 use outerloop_cli::board::{BoardBench, Connection, Course, Operator, Patience, Played, calibrate};
-use outerloop_cli::experiment::{Experiment, Run};
+use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::signal::Signal;
 use outerloop_cli::files::test::TestFile;
+use outerloop_cli::judged::Run;
 use outerloop_cli::story::{Outcome, Site, Story};
 use outerloop_cli::terminal::Progress;
 use outerloop_cli::trace::{Response, Witness};

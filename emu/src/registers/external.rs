@@ -46,13 +46,7 @@ pub const SAMPLING: [Demand; 7] = [
         1 << 8,
         "another peripheral drives CONVST",
     ),
-    demand(
-        "TIM2_PSC",
-        TIM2_PSC,
-        0xffff,
-        0,
-        "the period is a multiple of what was asked for",
-    ),
+    PRESCALER,
 ];
 
 /// Without these the conversions are not read, or not at their time.
@@ -159,34 +153,10 @@ pub const READING: [Demand; 14] = [
 
 /// Without these the output never takes a command over, or not at its instant.
 pub const OUTPUT: [Demand; 15] = [
-    demand(
-        "TIM4_SMCR.TS",
-        TIM4_SMCR,
-        7 << 4,
-        1 << 4,
-        "TIM4 does not follow TIM2",
-    ),
-    demand(
-        "TIM4_SMCR.SMS",
-        TIM4_SMCR,
-        7,
-        6,
-        "TIM4 is not started by TIM2",
-    ),
-    demand(
-        "TIM4_CR1.OPM",
-        TIM4_CR1,
-        1 << 3,
-        1 << 3,
-        "TIM4 runs on and LDAC falls at other instants",
-    ),
-    demand(
-        "TIM4_CCMR1.OC1M",
-        TIM4_CCMR1,
-        7 << 4,
-        7 << 4,
-        "LDAC does not fall at its instant",
-    ),
+    FOLLOWS,
+    STARTED,
+    ONE_PULSE,
+    EDGE,
     demand(
         "TIM4_CCR1",
         TIM4_CCR1,

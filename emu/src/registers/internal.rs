@@ -11,13 +11,7 @@ pub const SAMPLING: [Demand; 11] = [
         2 << 4,
         "the timer's update does not leave it",
     ),
-    demand(
-        "TIM2_PSC",
-        TIM2_PSC,
-        0xffff,
-        0,
-        "the period is a multiple of what was asked for",
-    ),
+    PRESCALER,
     demand(
         "ADC1_CR2.JEXTSEL",
         ADC1_CR2,
@@ -100,34 +94,10 @@ pub const PINS: [Demand; 2] = [
 
 /// Without these the output never takes a command over, or not at its instant.
 pub const OUTPUT: [Demand; 11] = [
-    demand(
-        "TIM4_SMCR.TS",
-        TIM4_SMCR,
-        7 << 4,
-        1 << 4,
-        "TIM4 does not follow TIM2",
-    ),
-    demand(
-        "TIM4_SMCR.SMS",
-        TIM4_SMCR,
-        7,
-        6,
-        "TIM4 is not started by TIM2",
-    ),
-    demand(
-        "TIM4_CR1.OPM",
-        TIM4_CR1,
-        1 << 3,
-        1 << 3,
-        "TIM4 runs on and hands commands over at other instants",
-    ),
-    demand(
-        "TIM4_CCMR1.OC1M",
-        TIM4_CCMR1,
-        7 << 4,
-        7 << 4,
-        "TIM4's compare makes no edge at its instant",
-    ),
+    FOLLOWS,
+    STARTED,
+    ONE_PULSE,
+    EDGE,
     demand(
         "TIM4_CCR1",
         TIM4_CCR1,

@@ -128,6 +128,48 @@ const fn demand(
     }
 }
 
+// The timers, with whichever converters: TIM2 samples, TIM4 hands the command over.
+
+const PRESCALER: Demand = demand(
+    "TIM2_PSC",
+    TIM2_PSC,
+    0xffff,
+    0,
+    "the period is a multiple of what was asked for",
+);
+
+const FOLLOWS: Demand = demand(
+    "TIM4_SMCR.TS",
+    TIM4_SMCR,
+    7 << 4,
+    1 << 4,
+    "TIM4 does not follow TIM2",
+);
+
+const STARTED: Demand = demand(
+    "TIM4_SMCR.SMS",
+    TIM4_SMCR,
+    7,
+    6,
+    "TIM4 is not started by TIM2",
+);
+
+const ONE_PULSE: Demand = demand(
+    "TIM4_CR1.OPM",
+    TIM4_CR1,
+    1 << 3,
+    1 << 3,
+    "TIM4 runs on: the command is shown at other instants",
+);
+
+const EDGE: Demand = demand(
+    "TIM4_CCMR1.OC1M",
+    TIM4_CCMR1,
+    7 << 4,
+    7 << 4,
+    "TIM4's compare makes no edge: the command is not shown at its instant",
+);
+
 /// Without these a guard is not what it seems, with whichever converters.
 pub const GUARDS: [Demand; 8] = [
     demand(

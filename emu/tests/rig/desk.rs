@@ -9,7 +9,7 @@ use link::status::Status;
 use link::telemetry::StepReport;
 use link::{Calibration, CodeRange};
 use outerloop_cli::board::{Connection, Image, Patience, Port, status};
-use outerloop_core::{config::Limits, Config, Event, Mode};
+use outerloop_core::{Config, Event, Mode, config::Limits};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
 use rigless::session::Session;

@@ -287,15 +287,8 @@ fn zeroing_moves_the_zero_and_not_the_scale() {
     );
 }
 
-#[test]
-fn a_commissioning_signal_runs_and_ends_by_itself() {
-    let mut b = bench();
-    done(&b.ask(Command::Configure(config())));
-    done(&b.ask(Command::Signal(Some(Signal {
-        shape: Shape::Sine { frequency_hz: 2.0 },
-        amplitude_m: 0.01,
-        seconds: 3.0,
-    }))));
+/// Plays the signal that is set, from idle to its end by itself.
+fn commissioned_for_three_seconds(b: &mut Bench) {
     for _ in 0..300 {
         b.step();
     }
@@ -307,6 +300,18 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
     b.until(Mode::Commissioning);
     let steps = b.until(Mode::Finished);
     assert!((5998..=6003).contains(&steps), "{steps}");
+}
+
+#[test]
+fn a_commissioning_signal_runs_and_ends_by_itself() {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config())));
+    done(&b.ask(Command::Signal(Some(Signal {
+        shape: Shape::Sine { frequency_hz: 2.0 },
+        amplitude_m: 0.01,
+        seconds: 3.0,
+    }))));
+    commissioned_for_three_seconds(&mut b);
     let largest = b.log.iter().rev().take(6000).map(|r| r.step.command_m);
     let largest = largest.fold(0.0_f32, |a, x| a.max(x.abs()));
     assert!((largest - 0.01).abs() < 1e-4, "{largest}");
@@ -334,17 +339,7 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
     }
     b.upload(&[0.0, 0.01, -0.005, 0.0], 1.0);
     done(&b.ask(Command::Signal(Some(signal))));
-    for _ in 0..300 {
-        b.step();
-    }
-    done(&b.event(Event::Arm));
-    while b.log.last().unwrap().step.command_m != 0.0 {
-        b.step();
-    }
-    done(&b.event(Event::Start));
-    b.until(Mode::Commissioning);
-    let steps = b.until(Mode::Finished);
-    assert!((5998..=6003).contains(&steps), "{steps}");
+    commissioned_for_three_seconds(&mut b);
     let played: Vec<f32> = b
         .log
         .iter()

@@ -1,0 +1,86 @@
+//! What goes wrong in the laboratory, and what a reset does to it.
+
+use super::Laboratory;
+use super::pins::{BUTTON, drive, stop_contact};
+use crate::chain::Shown;
+use crate::log::{Fault, Planned, Seen};
+use crate::nucleo::Nucleo;
+use rigless::device::Level;
+use rigless::emulator::{Host, Stop};
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::time::VirtualNanos;
+
+/// Added to the number of a drill, see the firmware's `drill`.
+const DRILL_MAGIC: u32 = 0x4452_4c00;
+
+/// A burst of noise on the force, as a share of the converter's range to either side.
+const BURST_SHARE: f64 = 2000.0 / 4095.0;
+
+impl Laboratory {
+    /// What the sensors show with what is wrong with them.
+    pub(super) fn disturbed(&mut self, mut shown: Shown) -> Shown {
+        let top = f64::from(self.chain.converters().widths().sensor_top);
+        match self.active {
+            Some(Fault::SensorAtRail) => shown.displacement = top,
+            Some(Fault::FrozenSensor) => shown.displacement = self.frozen.displacement,
+            Some(Fault::NoiseBurst) => {
+                let up = self.permit_steps.is_multiple_of(2);
+                let sign = if up { 1.0 } else { -1.0 };
+                let free = 0.005 * top;
+                shown.force = (shown.force + sign * BURST_SHARE * top).clamp(free, top - free);
+            }
+            _ => self.frozen = shown,
+        }
+        shown
+    }
+
+    pub(super) fn go_wrong(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) {
+        let due = |p: &Planned| self.permit_steps >= p.after_steps;
+        let Some(planned) = self.plan.take_if(|p| due(p)) else {
+            return;
+        };
+        self.note(session, stop.at, Seen::Fault);
+        self.active = Some(planned.fault);
+        match planned.fault {
+            Fault::EmergencyStop => stop_contact(session, stop.at, false),
+            Fault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
+            Fault::Chain(contact) => self.permission.fault = Some(contact),
+            Fault::LinkCut(steps) => {
+                self.wire.cut();
+                self.mend_at_step = self.steps + steps;
+            }
+            Fault::Reset => {
+                session.reset_by_pin(stop.at, stop.instruction_count, host);
+                self.pins_float(session, stop.at);
+            }
+            // Memory of the chip: it is there.
+            Fault::Drill(number) => drop(host.write(
+                self.drill_address,
+                Width::W32,
+                u64::from(DRILL_MAGIC + number),
+            )),
+            Fault::DeadOutput => self.chain.break_output(session),
+            Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst | Fault::DeadValve => {}
+        }
+    }
+
+    /// A reset: every pin of the chip floats at once, and PERMIT is pulled down outside.
+    pub(super) fn pins_float(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
+        self.resets = session.resets().len();
+        self.note(session, at, Seen::Reset);
+        if self.permission.set_level(false) {
+            self.note(session, at, Seen::Permit(false));
+        }
+        self.permission.reset();
+        self.registers.reset();
+        self.chain.reset();
+        (self.sampling, self.last_trigger_ns) = (None, 0);
+        self.idle_turn_ns = at.0;
+    }
+}
