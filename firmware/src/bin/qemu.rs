@@ -5,14 +5,17 @@
 #![no_std]
 #![no_main]
 
-use core::fmt::Write;
 use cortex_m::Peripherals;
-use firmware::board::qemu::{Exchange, Lost, SysTick, exit};
+use firmware::board::qemu::{Begin, Exchange, Lost, SysTick, exit};
 use firmware::board::stack::HighWater;
-use firmware::session::{Answer, Header, MAX_POINTS, MAX_REFUSAL, Summary};
+use firmware::session::{Output, Summary};
 use firmware::step_time::StepTime;
-use heapless::String;
-use outerloop_core::{Config, Design, Fault, GroundMotion, OuterLoop, Record};
+use link::Command;
+use link::reply::{RefusedParameter, Reply};
+use outerloop_core::{Design, GroundMotion, OuterLoop, Record};
+
+/// The longest ground motion: what the emulated machine's memory leaves room for.
+const MAX_POINTS: usize = 14_000;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -23,80 +26,66 @@ fn main() -> ! {
     })
 }
 
-fn session(points: &mut [f32]) -> Result<(), Lost> {
+fn session(memory: &mut [f32]) -> Result<(), Lost> {
     let mut pc = Exchange::open()?;
-    let (header, config) = pc.begin(points)?;
-    let points = points.get(..header.points as usize).ok_or(Lost)?;
-    let Some(config) = config else {
-        return refuse(
-            &mut pc,
-            format_args!("the configuration cannot be read: accepted is the one of this version"),
-        );
-    };
-    match header.dof {
-        1 => run::<1>(&mut pc, &header, &config, points),
-        2 => run::<2>(&mut pc, &header, &config, points),
-        3 => run::<3>(&mut pc, &header, &config, points),
-        n => refuse(
-            &mut pc,
-            format_args!("{n} degrees of freedom are refused: accepted are 1 to 3"),
-        ),
+    let begin = pc.begin(memory)?;
+    let points = memory.get(..begin.points).ok_or(Lost)?;
+    match begin.config.structure.mass_kg.len() {
+        1 => run::<1>(&mut pc, &begin, points),
+        2 => run::<2>(&mut pc, &begin, points),
+        3 => run::<3>(&mut pc, &begin, points),
+        n => {
+            let refused = RefusedParameter::new("structure.mass_kg", n as f64, "1 to 3 storeys");
+            pc.reply(begin.request, Reply::Refused(refused))
+        }
     }
 }
 
 /// The session of a loop with `N` degrees of freedom.
 #[inline(never)]
-fn run<const N: usize>(
-    pc: &mut Exchange,
-    header: &Header,
-    config: &Config,
-    points: &[f32],
-) -> Result<(), Lost> {
-    let design = match Design::<N>::new(config) {
+fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Result<(), Lost> {
+    let design = match Design::<N>::new(&begin.config) {
         Ok(design) => design,
-        Err(refusal) => return refuse(pc, format_args!("{refusal}")),
+        Err(refusal) => return pc.reply(begin.request, refusal.into()),
     };
-    let Some(ground) = GroundMotion::new(points, header.point_interval_s, config.model_step_s())
-    else {
-        return refuse(
-            pc,
-            format_args!(
-                "a ground motion with a point every {} s is refused: accepted is 0.001 of an integration step and more",
-                header.point_interval_s
-            ),
-        );
+    let model_step_s = begin.config.model_step_s();
+    let Some(ground) = GroundMotion::new(points, begin.interval_s, model_step_s) else {
+        let accepted = "at least a thousandth of the integration step";
+        let refused = RefusedParameter::new("motion.interval_s", begin.interval_s, accepted);
+        return pc.reply(begin.request, Reply::Refused(refused));
     };
     let mut outer = OuterLoop::new(design);
-    let (mut time, mut late) = (StepTime::new(header.deadline_ticks), false);
+    let mut time = StepTime::new(u32::MAX);
     let watch = SysTick::start(Peripherals::take().ok_or(Lost)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
-    pc.reply(&String::new())?;
+    let done = |tick, state| Reply::Done { tick, state };
+    pc.reply(begin.request, done(0, outer.state()))?;
 
     let mut hash = Record::<N>::HASH_START;
     let (mut period_stack, mut event_stack) = (0, 0);
     let mut stack = HighWater::paint();
-    while let Some((event, mut sample)) = pc.period::<N>()? {
-        let mut rejected = false;
-        if let Some(event) = event {
+    while let Some((command, sample)) = pc.period::<N>()? {
+        if command {
             period_stack = stack.bytes().max(period_stack);
+            let (request, Command::Event(event)) = pc.command()? else {
+                return Err(Lost);
+            };
             stack = HighWater::paint();
-            rejected = outer.handle(event).is_err();
+            let handled = outer.handle(event);
             event_stack = stack.bytes().max(event_stack);
+            let reply = handled.map_or_else(Reply::from, |state| done(time.steps(), state));
+            pc.reply(request, reply)?;
             stack = HighWater::paint();
-        }
-        if late {
-            sample.fault = sample.fault.or(Some(Fault::DeadlineMissed));
         }
         let begin = watch.now();
         let step = outer.step(&sample, &ground);
-        late = !time.add(SysTick::between(begin, watch.now()));
-        let answer = Answer {
-            rejected,
+        time.add(SysTick::between(begin, watch.now()));
+        let output = Output {
             permit: step.permit,
             command_m: step.command_m,
         };
         hash = step.record.hash(hash);
-        pc.answer(&answer, step.record)?;
+        pc.output(&output, step.record)?;
     }
     pc.end(&Summary {
         hash,
@@ -109,13 +98,6 @@ fn run<const N: usize>(
         event_stack_bytes: event_stack as u32,
         state_bytes: size_of::<OuterLoop<N>>() as u32,
     })
-}
-
-/// Closes the session before it begins, with the reason; what does not fit of it is cut.
-fn refuse(pc: &mut Exchange, reason: core::fmt::Arguments<'_>) -> Result<(), Lost> {
-    let mut text = String::<MAX_REFUSAL>::new();
-    let _ = text.write_fmt(reason);
-    pc.reply(&text)
 }
 
 #[panic_handler]

@@ -1,31 +1,33 @@
-//! What the PC and the image in QEMU say to each other: 32-bit words, least significant byte first.
+//! What the PC and the image in QEMU say to each other over one pipe.
 //!
 //! ```text
-//!  PC ─► image   header, configuration (postcard), ground motion         once
-//!  PC ◄─ image   length and text of the refusal; no text: accepted       once
+//!  PC ─► image   commands of `link`: ground motion, then configuration   once
+//!  PC ◄─ image   replies of `link`
+//!
 //!  PC ─► image   order, displacements, forces                            every control period
-//!  PC ◄─ image   answer, commands, record                                every control period
+//!  PC ─► image   a command of `link`, the event                          where the order announces one
+//!  PC ◄─ image   its reply
+//!  PC ◄─ image   permission, commands, record                            every control period
+//!
 //!  PC ─► image   end
 //!  PC ◄─ image   summary
 //! ```
 //!
-//! The pipe between two processes neither loses nor garbles, so there is no check sum and no sequence number here.
+//! What goes over a board's port goes here, too, as frames of [`link`]. What goes through a board's converters, sample and
+//! command, and the whole record, of which telemetry carries a digest, are 32-bit words, least significant byte first:
+//! framing them would take longer than the step that is looked at, and the closed loop is to be twenty times faster than
+//! real time. The pipe between two processes neither loses nor garbles.
 
-mod header;
 mod period;
 mod summary;
 
-pub use header::{Header, MAX_CONFIG, MAX_POINTS};
-pub use period::{Answer, Order};
+pub use period::{Order, Output};
 pub use summary::Summary;
 
 use outerloop_core::Record;
 use outerloop_core::config::MAX_DOF;
 
-/// The longest refusal, bytes.
-pub const MAX_REFUSAL: usize = 256;
-
-/// Bytes of the longest message: an answer with the record of [`MAX_DOF`] degrees of freedom.
+/// Bytes of the longest message: an output with the record of [`MAX_DOF`] degrees of freedom.
 const MAX_BYTES: usize = 4 * (1 + MAX_DOF + Record::<MAX_DOF>::WORDS);
 
 /// A message as it is sent.

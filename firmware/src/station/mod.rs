@@ -22,7 +22,7 @@ mod service;
 mod settings;
 mod setup;
 mod spacing;
-mod upload;
+pub(crate) mod upload;
 mod window;
 
 pub use any_loop::AnyLoop;

@@ -91,7 +91,7 @@ impl Upload {
     }
 
     /// Takes a chunk into `memory`.
-    pub fn take(&mut self, memory: &mut [f32; MAX_POINTS], first: u32, points: &[f32]) -> Uploaded {
+    pub fn take(&mut self, memory: &mut [f32], first: u32, points: &[f32]) -> Uploaded {
         let end = self.received + points.len();
         if first as usize != self.received || end > self.count || points.is_empty() {
             return Uploaded::Expected(self.received as u32);

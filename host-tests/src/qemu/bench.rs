@@ -3,6 +3,7 @@
 use super::machine::{Clock, Machine};
 use crate::{Scenario, Shaking};
 use firmware::session::Summary;
+use link::reply::RefusedParameter;
 use outerloop_core::{
     Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
 };
@@ -85,7 +86,8 @@ pub fn here<const N: usize>(
     script: Script<'_>,
     rig: impl FnMut(&[f32; N]) -> Sample<N>,
 ) -> Result<(Records, u64)> {
-    let design = Design::new(test.config).map_err(|e| Error::other(e.to_string()))?;
+    let design = Design::new(test.config)
+        .map_err(|refusal| Error::other(RefusedParameter::from(refusal).to_string()))?;
     let mut outer = OuterLoop::<N>::new(design);
     let Shaking {
         acc_m_per_s2,

@@ -1,11 +1,16 @@
 //! The emulated machine and a session with the image in it.
 
 use super::bench::Test;
-use firmware::session::{Answer, Header, Order, Summary};
+use firmware::session::{Order, Output, Summary};
+use link::Decoder;
+use link::command::{CHUNK, Command};
+use link::frame::checksum;
+use link::message::Message;
+use link::reply::{Answer, Reply};
 use outerloop_core::{Event, Sample};
 use std::io::{Error, Read, Result, Write};
 use std::path::Path;
-use std::process::{Child, ChildStderr, Command, Stdio};
+use std::process::{self, Child, ChildStderr, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The emulator.
@@ -26,6 +31,8 @@ pub enum Clock {
 #[derive(Debug)]
 pub struct Machine<const N: usize> {
     child: Child,
+    decoder: Decoder,
+    request: u16,
 }
 
 impl<const N: usize> Machine<N> {
@@ -45,7 +52,7 @@ impl<const N: usize> Machine<N> {
         if clock != Clock::Tracing {
             share_a_processor();
         }
-        let mut command = Command::new(EMULATOR);
+        let mut command = process::Command::new(EMULATOR);
         command
             .args([
                 "-M",
@@ -76,6 +83,8 @@ impl<const N: usize> Machine<N> {
         }
         Ok(Self {
             child: command.spawn()?,
+            decoder: Decoder::new(),
+            request: 0,
         })
     }
 
@@ -84,31 +93,51 @@ impl<const N: usize> Machine<N> {
     /// # Errors
     /// The image has gone, or refuses the test, in its own words.
     pub fn begin(&mut self, test: &Test<'_>) -> Result<()> {
-        let (config, points) = (test.config, &test.shaking.acc_m_per_s2);
-        let config = postcard::to_stdvec(config).map_err(Error::other)?;
-        let header = Header {
-            dof: N as u32,
-            config_bytes: config.len() as u32,
+        let points = &test.shaking.acc_m_per_s2;
+        self.accepted(Command::Motion {
             points: points.len() as u32,
-            deadline_ticks: u32::MAX,
-            point_interval_s: test.shaking.interval_s,
-        };
-        let mut bytes = header.encode().to_vec();
-        bytes.extend_from_slice(&config);
-        bytes.extend(points.iter().flat_map(|x| x.to_le_bytes()));
-        self.write(&bytes)?;
-        let mut length = [0; 4];
-        self.read(&mut length)?;
-        let mut refusal = vec![0; u32::from_le_bytes(length) as usize];
-        self.read(&mut refusal)?;
-        if refusal.is_empty() {
-            Ok(())
-        } else {
-            Err(Error::other(String::from_utf8_lossy(&refusal)))
+            interval_s: test.shaking.interval_s,
+            checksum: checksum(points.iter().flat_map(|p| p.to_le_bytes())),
+        })?;
+        for (i, chunk) in points.chunks(CHUNK).enumerate() {
+            self.accepted(Command::Points {
+                first: (i * CHUNK) as u32,
+                points: chunk.iter().copied().collect(),
+            })?;
+        }
+        self.accepted(Command::Configure(test.config.clone()))
+    }
+
+    /// Sends a command that must be done.
+    fn accepted(&mut self, command: Command) -> Result<()> {
+        self.send(&command)?;
+        match self.reply()? {
+            Reply::Done { .. } => Ok(()),
+            Reply::Refused(refused) => Err(Error::other(refused.to_string())),
+            other => Err(Error::other(format!("the image answers {other:?}"))),
         }
     }
 
-    /// One control period; gives the answer and the words of the record.
+    fn send(&mut self, command: &Command) -> Result<()> {
+        self.request = self.request.wrapping_add(1);
+        let wire = command.encode(self.request);
+        self.write(&wire.map_err(|_| Error::other("the command is too long"))?)
+    }
+
+    /// The reply to the command that was sent last.
+    fn reply(&mut self) -> Result<Reply> {
+        loop {
+            let mut byte = [0];
+            self.read(&mut byte)?;
+            if let Some(frame) = self.decoder.push(byte[0]) {
+                let answer = Answer::decode(&frame).filter(|a| a.request == self.request);
+                let answer = answer.ok_or_else(|| Error::other("the image answers out of turn"))?;
+                return Ok(answer.reply);
+            }
+        }
+    }
+
+    /// One control period; gives what was sent and the words of the record.
     ///
     /// # Errors
     /// The image has gone.
@@ -116,12 +145,18 @@ impl<const N: usize> Machine<N> {
         &mut self,
         event: Option<Event>,
         sample: Sample<N>,
-    ) -> Result<(Answer<N>, Vec<u32>)> {
-        self.write(&Order::Step { event, sample }.encode())?;
-        let mut bytes = vec![0; Answer::<N>::BYTES];
+    ) -> Result<(Output<N>, Vec<u32>)> {
+        let command = event.is_some();
+        self.write(&Order::Step { command, sample }.encode())?;
+        if let Some(event) = event {
+            self.send(&Command::Event(event))?;
+            // Rejected where it means nothing yet, here as there.
+            self.reply()?;
+        }
+        let mut bytes = vec![0; Output::<N>::BYTES];
         self.read(&mut bytes)?;
-        let (answer, words) = Answer::decode(&bytes).map_err(malformed)?;
-        Ok((answer, words.collect()))
+        let (output, words) = Output::decode(&bytes).map_err(malformed)?;
+        Ok((output, words.collect()))
     }
 
     /// Ends the session; gives its account.
@@ -189,7 +224,10 @@ fn malformed(_: firmware::session::Malformed) -> Error {
 
 /// The option had another name before QEMU 8.1.
 fn one_instruction_at_a_time() -> Result<&'static [&'static str]> {
-    let output = Command::new(EMULATOR).arg("--version").output()?.stdout;
+    let output = process::Command::new(EMULATOR)
+        .arg("--version")
+        .output()?
+        .stdout;
     let text = String::from_utf8_lossy(&output);
     let mut numbers = text
         .split(|c: char| !c.is_ascii_digit())

@@ -1,8 +1,12 @@
-//! The PC as the board's converters: samples come from its pipe, commands go into it.
+//! The PC as the board's port and converters: commands and samples come from its pipe, replies and commands go into it.
 
-use super::semihosting::{File, Mode};
-use crate::session::{Answer, Header, MAX_CONFIG, MAX_REFUSAL, Malformed, Message, Order, Summary};
-use outerloop_core::{Config, Event, Record, Sample};
+use super::semihosting::{self, File};
+use crate::session::{Malformed, Message, Order, Output, Summary};
+use crate::station::upload::{Upload, Uploaded};
+use link::message::Message as _;
+use link::reply::{Answer, RefusedParameter, Reply};
+use link::{Command, Decoder};
+use outerloop_core::{Config, Mode, Record, Sample};
 
 /// The PC has gone, or talks of something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,10 +18,24 @@ impl From<Malformed> for Lost {
     }
 }
 
+/// What a session begins with; the command that brought it waits for its reply.
+pub struct Begin {
+    /// Number of that command.
+    pub request: u16,
+    /// The test.
+    pub config: Config,
+    /// Points of the ground motion.
+    pub points: usize,
+    /// Interval of the points, s.
+    pub interval_s: f64,
+}
+
 /// Both ends of the pipe: standard input and output of the emulator.
 pub struct Exchange {
     from_pc: File,
     to_pc: File,
+    decoder: Decoder,
+    replies: u16,
 }
 
 impl Exchange {
@@ -27,63 +45,112 @@ impl Exchange {
     /// The host does not give its standard input and output away.
     pub fn open() -> Result<Self, Lost> {
         Ok(Self {
-            from_pc: File::open(c"/dev/stdin", Mode::Read)?,
-            to_pc: File::open(c"/dev/stdout", Mode::Write)?,
+            from_pc: File::open(c"/dev/stdin", semihosting::Mode::Read)?,
+            to_pc: File::open(c"/dev/stdout", semihosting::Mode::Write)?,
+            decoder: Decoder::new(),
+            replies: 0,
         })
     }
 
-    /// Reads what a session begins with; `points` takes the ground motion, m/s^2.
+    /// Waits for a command; gives its number.
     ///
     /// # Errors
-    /// The PC has gone or announces what does not fit; no configuration where it cannot be read as one.
-    pub fn begin(&mut self, points: &mut [f32]) -> Result<(Header, Option<Config>), Lost> {
-        let mut bytes = [0; Header::BYTES];
-        self.from_pc.read(&mut bytes)?;
-        let header = Header::decode(&bytes)?;
-        let mut config = [0; MAX_CONFIG];
-        let config = config.get_mut(..header.config_bytes as usize).ok_or(Lost)?;
-        self.from_pc.read(config)?;
-        for point in points.get_mut(..header.points as usize).ok_or(Lost)? {
-            let mut word = [0; 4];
-            self.from_pc.read(&mut word)?;
-            *point = f32::from_le_bytes(word);
+    /// The PC has gone, or its frame holds no command.
+    pub fn command(&mut self) -> Result<(u16, Command), Lost> {
+        loop {
+            let mut byte = [0; 1];
+            self.from_pc.read(&mut byte)?;
+            let [byte] = byte;
+            if let Some(frame) = self.decoder.push(byte) {
+                let command = Command::decode(&frame).ok_or(Lost)?;
+                return Ok((frame.sequence, command));
+            }
         }
-        Ok((header, postcard::from_bytes(config).ok()))
     }
 
-    /// Tells whether the session is accepted: an empty text is yes.
+    /// Answers the command of this number.
     ///
     /// # Errors
     /// The PC has gone.
-    pub fn reply(&mut self, refusal: &heapless::String<MAX_REFUSAL>) -> Result<(), Lost> {
-        self.to_pc.write(&(refusal.len() as u32).to_le_bytes())?;
-        self.to_pc.write(refusal.as_bytes())
+    pub fn reply(&mut self, request: u16, reply: Reply) -> Result<(), Lost> {
+        let answer = Answer { request, reply };
+        let wire = answer.encode(self.replies).map_err(|_| Lost)?;
+        self.replies = self.replies.wrapping_add(1);
+        self.to_pc.write(&wire)
     }
 
-    /// Waits for the next order; `None` at the end of the session.
+    /// Takes a ground motion into `memory`, m/s^2, until the configuration comes behind it.
+    ///
+    /// # Errors
+    /// The PC has gone, or its frame holds no command.
+    pub fn begin(&mut self, memory: &mut [f32]) -> Result<Begin, Lost> {
+        let (mut upload, mut whole) = (None, None);
+        loop {
+            let (request, command) = self.command()?;
+            let reply = match (command, &mut upload, &whole) {
+                (Command::Configure(config), _, Some(motion)) => {
+                    let motion: &Upload = motion;
+                    return Ok(Begin {
+                        request,
+                        config,
+                        points: motion.count(),
+                        interval_s: motion.interval_s(),
+                    });
+                }
+                (Command::Motion { points, .. }, ..) if points as usize > memory.len() => {
+                    let accepted = "what the emulated machine has memory for";
+                    let points = f64::from(points);
+                    Reply::Refused(RefusedParameter::new("motion.points", points, accepted))
+                }
+                (
+                    Command::Motion {
+                        points,
+                        interval_s,
+                        checksum,
+                    },
+                    ..,
+                ) => match Upload::new(points, interval_s, checksum) {
+                    Ok(begun) => {
+                        upload = Some(begun);
+                        Uploaded::Part.reply(0, Mode::Idle)
+                    }
+                    Err(refusal) => refusal.into(),
+                },
+                (Command::Points { first, points }, Some(upload), _) => {
+                    let uploaded = upload.take(memory, first, &points);
+                    whole = (uploaded == Uploaded::Whole).then_some(*upload);
+                    uploaded.reply(0, Mode::Idle)
+                }
+                _ => Reply::Unknown,
+            };
+            self.reply(request, reply)?;
+        }
+    }
+
+    /// Waits for the next order, its sample and whether a command follows; `None` at the end of the session.
     ///
     /// # Errors
     /// The PC has gone or the order means nothing.
-    pub fn period<const N: usize>(&mut self) -> Result<Option<(Option<Event>, Sample<N>)>, Lost> {
+    pub fn period<const N: usize>(&mut self) -> Result<Option<(bool, Sample<N>)>, Lost> {
         let mut bytes = Message::new();
         bytes.resize_default(Order::<N>::BYTES).map_err(|_| Lost)?;
         self.from_pc.read(&mut bytes)?;
         Ok(match Order::decode(&bytes)? {
             Order::End => None,
-            Order::Step { event, sample } => Some((event, sample)),
+            Order::Step { command, sample } => Some((command, sample)),
         })
     }
 
-    /// Answers an order.
+    /// What the order came to.
     ///
     /// # Errors
     /// The PC has gone.
-    pub fn answer<const N: usize>(
+    pub fn output<const N: usize>(
         &mut self,
-        answer: &Answer<N>,
+        output: &Output<N>,
         record: &Record<N>,
     ) -> Result<(), Lost> {
-        self.to_pc.write(&answer.encode(record))
+        self.to_pc.write(&output.encode(record))
     }
 
     /// Closes the session.

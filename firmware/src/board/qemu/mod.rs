@@ -7,6 +7,6 @@ mod exchange;
 mod semihosting;
 mod systick;
 
-pub use exchange::{Exchange, Lost};
+pub use exchange::{Begin, Exchange, Lost};
 pub use semihosting::{File, Mode, exit};
 pub use systick::SysTick;
