@@ -227,6 +227,12 @@ impl Summary {
                     self.steps as f64 / self.rate_hz,
                 )
             }
+            (Verdict::Tripped, Some(t)) if t.fault == Fault::Reading => format!(
+                "Tripped on {} after {:.2} s of the laboratory: the actuator was read further out than it was sent, {}.",
+                t.fault.name(),
+                self.steps as f64 / self.rate_hz,
+                against_limit(t),
+            ),
             (Verdict::Tripped, Some(t)) => format!(
                 "Tripped on {} after {:.2} s of the laboratory: {}.",
                 t.fault.name(),

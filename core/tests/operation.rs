@@ -374,6 +374,67 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     assert_eq!(outer.trip().unwrap().fault, Fault::Displacement);
 }
 
+/// A servo that goes further than it is sent: the command never leaves the stroke, the actuator does.
+#[test]
+fn an_actuator_that_is_read_beyond_the_stroke_trips_in_every_mode_with_permission() {
+    let none = GroundMotion::none();
+    let points = shaking(RECORD_S);
+    let modes = [
+        Mode::Armed,
+        Mode::Running,
+        Mode::Commissioning,
+        Mode::Holding,
+        Mode::Finished,
+    ];
+    for mode in modes {
+        let mut config = table1();
+        config.limits.displacement_m = Some(0.01);
+        let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+        let quiet = ground(&points);
+        let stands = |outer: &mut OuterLoop<1>, read_m: f32| {
+            let shaken = if mode == Mode::Armed { &none } else { &quiet };
+            outer.step(&Sample::new([read_m], [0.0]), shaken).permit
+        };
+        stands(&mut outer, 0.0);
+        outer.handle(Event::Arm).unwrap();
+        if mode != Mode::Armed {
+            outer.handle(Event::Start).unwrap();
+        }
+        match mode {
+            Mode::Commissioning => outer.set_goal(Some([0.0])),
+            Mode::Holding => {
+                outer.handle(Event::Hold).unwrap();
+            }
+            Mode::Finished => {
+                outer.handle(Event::Stop).unwrap();
+            }
+            _ => {}
+        }
+        assert_eq!(outer.state(), mode);
+        // Three per cent are the noise's and the calibration's.
+        assert!(stands(&mut outer, -0.0102), "{mode:?}");
+        assert!(!stands(&mut outer, -0.0104), "{mode:?}");
+        let trip = outer.trip().unwrap();
+        assert_eq!(trip.fault, Fault::Reading, "{mode:?}");
+        assert_eq!((trip.value, trip.limit), (-0.0104, 0.0103));
+    }
+}
+
+#[test]
+fn a_known_error_of_the_transducer_is_no_motion_beyond_the_stroke() {
+    let mut config = table1();
+    config.limits.displacement_m = Some(0.01);
+    config.rig.displacement_offset_m = [0.002].into_iter().collect();
+    let none = GroundMotion::none();
+    for (read_m, fault) in [(0.0119, None), (-0.009, Some(Fault::Reading))] {
+        let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
+        outer.step(&Sample::new([0.002], [0.0]), &none);
+        outer.handle(Event::Arm).unwrap();
+        outer.step(&Sample::new([read_m], [0.0]), &none);
+        assert_eq!(outer.trip().map(|t| t.fault), fault, "{read_m}");
+    }
+}
+
 #[test]
 fn a_sensor_that_stands_away_from_zero_does_not_forbid_arming() {
     let mut config = table1();

@@ -2,7 +2,7 @@
 //!
 //! | limit | is |
 //! |---|---|
-//! | `displacement_m` | 1.5 times the largest displacement of the ideal test |
+//! | `displacement_m` | 1.5 times the largest displacement of the ideal test, and 7 standard deviations of the reading's noise |
 //! | `velocity_m_per_s` | 3 times its largest velocity in the laboratory, at least twice that of the approach |
 //! | `force_n` | 1.5 times the elastic storey's force at its largest displacement, and 7 standard deviations of the noise |
 //! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
@@ -127,7 +127,9 @@ impl Plan {
         let late_m = 2.0 * self.velocity_m_per_s * self.delay_s;
         let stale = (self.delay_s + STALE_S) * self.rate_hz;
         Limits {
-            displacement_m: stated.displacement_m.or(Some(MARGIN * self.displacement_m)),
+            displacement_m: stated
+                .displacement_m
+                .or(Some(MARGIN * self.displacement_m + noise_m)),
             velocity_m_per_s: stated.velocity_m_per_s.or((!has_speed).then_some(speed)),
             force_n: stated
                 .force_n
@@ -235,14 +237,14 @@ mod tests {
         };
         let limits = PLAN.limits(&stated, &SHOWN);
         assert_eq!(limits.force_n, Some(4000.0));
-        assert!((limits.displacement_m.unwrap() - 0.03).abs() < 1e-12);
+        assert!((limits.displacement_m.unwrap() - 0.03007).abs() < 1e-12);
         assert!((limits.velocity_m_per_s.unwrap() - 0.3).abs() < 1e-12);
         assert!((limits.tracking_m.unwrap() - 0.00287).abs() < 1e-12);
         assert_eq!(limits.stale_steps, Some(48));
         assert_eq!(limits.frozen_m, Some(1e-4));
         let shown = describe(&stated, &limits);
         assert!(
-            shown.contains("displacement_m      30.0000 mm     worked out"),
+            shown.contains("displacement_m      30.0700 mm     worked out"),
             "{shown}"
         );
         assert!(shown.contains("force_n              4.0000 kN"), "{shown}");

@@ -12,6 +12,7 @@
 //! | displacement | what is sent over the planned peak (`limits.displacement_m`) |
 //! | tracking | the reading's distance from where the actuator was sent, over what the told delay and the planned speed make
 //!   of it and a twentieth of the planned peak (`limits.tracking_m`) |
+//! | reading | what is measured over the planned peak; the same `limits.displacement_m` bounds it, 3 % further out |
 
 use super::survey::{Dice, Range, test_file};
 use super::{Eigenvalues, fixed};
@@ -22,6 +23,7 @@ use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::score::Score;
 use crate::trace::{Response, Witness};
+use outerloop_core::config::Limits;
 use outerloop_core::{Force, Method, Prediction, Record, flag};
 use plant::actuator::DelayJump;
 use rayon::prelude::*;
@@ -44,7 +46,7 @@ const SOUND_EPS_RMS: f64 = 0.05;
 const SOUND_PHASE_RAD: f64 = 0.15;
 
 /// Indicators, in the order of the table above.
-pub const INDICATORS: [&str; 4] = ["energy", "hsem", "displacement", "tracking"];
+pub const INDICATORS: [&str; 5] = ["energy", "hsem", "displacement", "tracking", "reading"];
 
 /// What breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -91,7 +93,7 @@ pub struct Case {
     /// True where the test counts: a sound one whose result is good, a broken one that goes too far.
     pub counts: bool,
     /// The largest of each indicator: of a sound test in all of it, of a broken one until it has gone too far.
-    pub largest: [f64; 4],
+    pub largest: [f64; 5],
     /// Its error.
     pub eps_rms: f64,
     /// The test file.
@@ -104,8 +106,8 @@ struct Gauge<'a> {
     stiffness_n_per_m: &'a [f64],
     largest_strain_j: f64,
     tracking_m: Vec<f64>,
-    largest: [f64; 4],
-    largest_in_time: [f64; 4],
+    largest: [f64; 5],
+    largest_in_time: [f64; 5],
     gone: bool,
     floor_j: f64,
 }
@@ -113,12 +115,13 @@ struct Gauge<'a> {
 impl Witness for Gauge<'_> {
     fn see<const N: usize>(&mut self, r: &Record<N>) {
         let mut motion = 0.0_f64;
-        let (mut command, mut tracking) = (0.0_f64, 0.0_f64);
+        let (mut command, mut tracking, mut reading) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (j, peak_m) in self.peaks_m.iter().enumerate() {
             let [target, sent, read] =
                 [r.command_m[j], r.sent_m[j], r.displacement_m[j]].map(f64::from);
             command = command.max(sent.abs() / peak_m);
-            motion = motion.max(target.abs().max(read.abs()) / peak_m);
+            reading = reading.max(read.abs() / peak_m);
+            motion = motion.max(target.abs() / peak_m).max(reading);
             let error_m = (sent - read).abs();
             tracking = tracking.max(error_m / self.tracking_m[j]);
         }
@@ -137,7 +140,7 @@ impl Witness for Gauge<'_> {
         } else {
             0.0
         };
-        let now = [f64::from(r.energy_ratio), hsem, command, tracking];
+        let now = [f64::from(r.energy_ratio), hsem, command, tracking, reading];
         for (largest, now) in self.largest.iter_mut().zip(now) {
             // What is no number is beyond every threshold.
             *largest = if now.is_nan() {
@@ -248,8 +251,8 @@ impl Plan {
             stiffness_n_per_m: &stiffness[..physical],
             largest_strain_j: 0.0,
             tracking_m: tracking_m(e, ideal),
-            largest: [0.0; 4],
-            largest_in_time: [0.0; 4],
+            largest: [0.0; 5],
+            largest_in_time: [0.0; 5],
             gone: false,
             floor_j: 0.5 * stiffness[0] * 1e-6,
         };
@@ -324,24 +327,32 @@ pub struct Row {
     /// Tests that were drawn and do not count: sound ones with a poor result, broken ones that go nowhere.
     pub others: usize,
     /// Stopped by each indicator at its threshold.
-    pub stopped: [usize; 4],
-    /// Stopped by energy, displacement or tracking: what a test runs with.
+    pub stopped: [usize; 5],
+    /// Stopped by energy, displacement, tracking or reading: what a test runs with.
     pub together: usize,
     /// The largest value of each indicator over sound tests.
-    pub largest: [f64; 4],
+    pub largest: [f64; 5],
 }
 
 /// Thresholds of the indicators. The published one has that of core's, so that they are compared at the same.
-pub const THRESHOLDS: [f64; 4] = [ENERGY_TRIP, ENERGY_TRIP, DISPLACEMENT, TRACKING];
+pub fn thresholds() -> [f64; 5] {
+    let limits = Limits {
+        displacement_m: Some(DISPLACEMENT),
+        ..Limits::default()
+    };
+    let reading = limits.reading_m().unwrap_or(f64::INFINITY);
+    [ENERGY_TRIP, ENERGY_TRIP, DISPLACEMENT, TRACKING, reading]
+}
 
 /// Every kind's row, sound tests first.
 pub fn table(cases: &[Case]) -> Vec<Row> {
+    let thresholds = thresholds();
     let kinds = std::iter::once(Kind::Sound).chain(Kind::BROKEN);
     kinds
         .map(|kind| {
             let own = cases.iter().filter(|case| case.kind == kind);
             let (count, others): (Vec<&Case>, Vec<&Case>) = own.partition(|case| case.counts);
-            let stops = |case: &Case, i: usize| case.largest[i] >= THRESHOLDS[i];
+            let stops = |case: &Case, i: usize| case.largest[i] >= thresholds[i];
             Row {
                 kind,
                 count: count.len(),
@@ -349,7 +360,7 @@ pub fn table(cases: &[Case]) -> Vec<Row> {
                 stopped: std::array::from_fn(|i| count.iter().filter(|c| stops(c, i)).count()),
                 together: count
                     .iter()
-                    .filter(|c| [0, 2, 3].into_iter().any(|i| stops(c, i)))
+                    .filter(|c| [0, 2, 3, 4].into_iter().any(|i| stops(c, i)))
                     .count(),
                 largest: std::array::from_fn(|i| {
                     count.iter().map(|c| c.largest[i]).fold(0.0, f64::max)

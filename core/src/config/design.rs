@@ -190,6 +190,7 @@ fn limits(config: &Config) -> supervise::Limits {
     let velocity_step_m = or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz));
     supervise::Limits {
         displacement_m: or_off(l.displacement_m),
+        reading_m: or_off(l.reading_m()),
         increment_m,
         velocity_step_m,
         least_step_m: increment_m.min(velocity_step_m),

@@ -192,7 +192,7 @@ impl Default for Estimation {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Limits {
-    /// Largest command, m.
+    /// Largest command, m; the measured displacement, without what is known to be wrong with it, may be 3 % larger.
     pub displacement_m: Option<f64>,
     /// Largest change of the command in one control step, m.
     pub increment_m: Option<f64>,
@@ -217,7 +217,16 @@ pub struct Limits {
     pub locked_damping_ratio: Option<f64>,
 }
 
+/// By how much a measured displacement may be beyond [`Limits::displacement_m`], as a share of it: the noise, the gain of
+/// the calibration, and by how much an actuator swings over a target at the limit.
+const READ_BEYOND: f64 = 0.03;
+
 impl Limits {
+    /// Largest measured displacement, m.
+    pub fn reading_m(&self) -> Option<f64> {
+        self.displacement_m.map(|x| (1.0 + READ_BEYOND) * x)
+    }
+
     /// [`frozen_m`](Self::frozen_m), or what it is where it is left out: 0.1 mm.
     pub fn hidden_motion_m(&self) -> f64 {
         self.frozen_m.unwrap_or(1e-4)

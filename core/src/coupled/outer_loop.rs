@@ -139,6 +139,7 @@ impl<const N: usize> CoupledLoop<N> {
         })?;
         let limits = |b: &Bounds| Limits {
             displacement_m: f32::MAX,
+            reading_m: f32::MAX,
             increment_m: f32::MAX,
             velocity_step_m: b.speed_per_s * period_s,
             least_step_m: b.speed_per_s * period_s,

@@ -34,11 +34,13 @@ pub enum Fault {
     EmergencyStop = 13,
     /// The contact of the actuator's permission did not follow the PERMIT line.
     PermitChain = 14,
+    /// The measured displacement left the allowed stroke: the actuator went further than it was sent.
+    Reading = 15,
 }
 
 impl Fault {
     /// Every fault, by number.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::NonFinite,
         Self::AdcRail,
         Self::StaleSample,
@@ -53,9 +55,10 @@ impl Fault {
         Self::LinkLost,
         Self::EmergencyStop,
         Self::PermitChain,
+        Self::Reading,
     ];
 
-    /// The number, 1 to 14; 0 is no fault.
+    /// The number, 1 to 15; 0 is no fault.
     pub const fn code(self) -> u8 {
         self as u8
     }
@@ -82,13 +85,14 @@ impl Fault {
             Self::LinkLost => "link_lost",
             Self::EmergencyStop => "emergency_stop",
             Self::PermitChain => "permit_chain",
+            Self::Reading => "reading",
         }
     }
 
     /// Unit of the value and the limit in a [`Trip`].
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::Displacement | Self::Increment | Self::Tracking => "m",
+            Self::Displacement | Self::Increment | Self::Tracking | Self::Reading => "m",
             Self::Velocity => "m/s",
             Self::Force => "N",
             Self::StaleSample | Self::TargetLate => "steps",
@@ -136,5 +140,6 @@ mod tests {
         }
         assert_eq!(Fault::from_code(0), None);
         assert_eq!(Fault::PermitChain.code(), 14);
+        assert_eq!(Fault::Reading.code(), 15);
     }
 }

@@ -7,6 +7,8 @@ use super::fault::Fault;
 pub struct Limits {
     /// Largest command, m.
     pub displacement_m: f32,
+    /// Largest measured displacement, m.
+    pub reading_m: f32,
     /// Largest change of the command in a control step, m.
     pub increment_m: f32,
     /// Largest speed of the command as a change in a control step, m.
@@ -87,7 +89,8 @@ pub fn within<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> bool {
         let kept = c.next_m[j].abs() <= limits.displacement_m
             && step <= limits.least_step_m
             && c.force_n[j].abs() <= limits.force_n
-            && (c.aimed_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m;
+            && (c.aimed_m[j] - c.displacement_m[j]).abs() <= limits.tracking_m
+            && c.displacement_m[j].abs() <= limits.reading_m;
         if !kept {
             return false;
         }
@@ -151,6 +154,10 @@ pub fn first_fault<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Optio
         if !(error <= limits.tracking_m) {
             found(Fault::Tracking, j, error, limits.tracking_m);
         }
+        let reading = c.displacement_m[j];
+        if !(reading.abs() <= limits.reading_m) {
+            found(Fault::Reading, j, reading, limits.reading_m);
+        }
     }
     if !(c.energy_ratio <= limits.energy_trip) {
         found(Fault::EnergyRatio, 0, c.energy_ratio, limits.energy_trip);
@@ -180,6 +187,7 @@ mod tests {
 
     const LIMITS: Limits = Limits {
         displacement_m: 0.1,
+        reading_m: 0.103,
         increment_m: 2e-3,
         velocity_step_m: 1e-3,
         least_step_m: 1e-3,
@@ -225,6 +233,19 @@ mod tests {
         assert_eq!(fault(found(|v, _| v[0] = 2.5e-3)), Some(Fault::Increment));
         assert_eq!(fault(found(|v, _| v[3] = -1.01e4)), Some(Fault::Force));
         assert_eq!(fault(found(|v, _| v[2] = 0.021)), Some(Fault::Tracking));
+        assert_eq!(
+            found(|v, _| (v[0], v[1], v[2]) = (-0.1, -0.1, -0.103)),
+            None
+        );
+        assert_eq!(
+            found(|v, _| (v[0], v[1], v[2]) = (-0.1, -0.1, -0.1031)),
+            Some(Finding {
+                fault: Fault::Reading,
+                axis: 0,
+                value: -0.1031,
+                limit: 0.103
+            })
+        );
         assert_eq!(fault(found(|v, _| v[4] = 0.21)), Some(Fault::EnergyRatio));
         assert_eq!(fault(found(|_, n| n[0] = 4)), Some(Fault::StaleSample));
         assert_eq!(fault(found(|_, n| n[1] = 11)), Some(Fault::TargetLate));

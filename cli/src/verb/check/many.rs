@@ -44,7 +44,7 @@ impl Check {
         if self.json {
             println!("{}", json(&Told::seeded(&watched, self.seed))?);
         } else {
-            let [energy, hsem, displacement, tracking] = monitor::INDICATORS;
+            let [energy, hsem, displacement, tracking, reading] = monitor::INDICATORS;
             let mut t = table(&[
                 "tests",
                 "",
@@ -52,11 +52,13 @@ impl Check {
                 energy,
                 displacement,
                 tracking,
-                "any of the three",
+                reading,
+                "any of the four",
                 hsem,
             ]);
             for r in &rows {
-                let [energy, hsem, displacement, tracking] = r.stopped.map(|n| n.to_string());
+                let [energy, hsem, displacement, tracking, reading] =
+                    r.stopped.map(|n| n.to_string());
                 t.add_row([
                     r.kind.name().to_owned(),
                     r.count.to_string(),
@@ -64,19 +66,21 @@ impl Check {
                     energy,
                     displacement,
                     tracking,
+                    reading,
                     r.together.to_string(),
                     hsem,
                 ]);
             }
             println!("{t}");
-            let [energy, hsem, displacement, tracking] =
-                rows.first().map_or([0.0; 4], |r| r.largest);
+            let [energy, hsem, displacement, tracking, reading] =
+                rows.first().map_or([0.0; 5], |r| r.largest);
             println!(
-                "Stopped at an energy error of {} of the energy in the test, or at {} of the planned peak, or at {} of the planned tracking; broken tests \
-                 before {} of it.\nSound tests came to {energy:.3} by core's indicator, {hsem:.3} by the published one, \
-                 {displacement:.3} of the planned peak, {tracking:.3} of the planned tracking.",
+                "Stopped at an energy error of {} of the energy in the test, or where {} of the planned peak are sent or {:.3} of it are read, \
+                 or at {} of the planned tracking; broken tests before {} of the peak.\nSound tests came to {energy:.3} by core's indicator, {hsem:.3} by the published one, \
+                 {displacement:.3} of the planned peak sent and {reading:.3} of it read, {tracking:.3} of the planned tracking.",
                 monitor::ENERGY_TRIP,
                 monitor::DISPLACEMENT,
+                monitor::thresholds()[4],
                 monitor::TRACKING,
                 monitor::TOO_FAR,
             );
