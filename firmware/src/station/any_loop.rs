@@ -1,9 +1,7 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
-use outerloop_core::{
-    Config, Design, Event, GroundMotion, Mode, OuterLoop, Pace, Refusal, Rejected, Sample, Trip,
-    flag,
-};
+use super::rehearsal::rehearse;
+use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: one with the actuator, the others calculated.
 pub const MAX_DOF: usize = 3;
@@ -118,7 +116,7 @@ impl AnyLoop {
     }
 
     /// Runs some solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was
-    /// built. Interrupts may fall into some of them: a quarter of the longest is left out.
+    /// built.
     #[inline(never)]
     pub fn rehearse(&mut self, now: fn() -> u32) -> u32 {
         each_loop!(self, outer => rehearse(outer, now))
@@ -137,37 +135,4 @@ fn too_many(floors: usize) -> Refusal {
         value: floors as f64,
         accepted: "1 to 3 floors on this board",
     }
-}
-
-/// Solved steps that are timed.
-const REHEARSED: usize = 16;
-
-/// Steps of a rehearsal at most, 10 ms of them: the task that rehearses has to show signs of life.
-const REHEARSAL_STEPS: usize = 400;
-
-fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
-    let ground = GroundMotion::none();
-    let mut ticks = heapless::Vec::<u32, REHEARSED>::new();
-    let (mut longest, mut at_m) = (0, 0.0_f32);
-    for step in 0..REHEARSAL_STEPS {
-        // As soon as each means something; before that it is refused, and nothing has changed.
-        for event in [Event::Arm, Event::Start] {
-            let _ = outer.handle(event);
-        }
-        // A motion that turns and a force that is none of its stiffness: all that a step can have to do.
-        let swing = [1.0_f32, 0.5, -0.5, -1.0][step / 8 % 4];
-        at_m += 1e-6 * swing;
-        let mut sample = Sample::new([0.0; N], [0.0; N]);
-        (sample.displacement_m[0], sample.force_n[0]) = (at_m, 10.0 * swing);
-        let begin = now();
-        let record = outer.step(&sample, &ground).record;
-        let took = now().wrapping_sub(begin);
-        longest = longest.max(took);
-        if record.flags & flag::SOLVED != 0 && step > REHEARSED && ticks.push(took).is_err() {
-            break;
-        }
-    }
-    outer.restart();
-    ticks.sort_unstable();
-    ticks.get(ticks.len() * 3 / 4).copied().unwrap_or(longest)
 }

@@ -17,6 +17,7 @@ mod evidence;
 mod motion;
 mod order;
 mod period;
+mod rehearsal;
 mod ring;
 mod service;
 mod settings;

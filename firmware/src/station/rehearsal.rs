@@ -1,0 +1,108 @@
+//! How long a step of a test takes on this chip, before anything moves.
+
+use outerloop_core::{Event, GroundMotion, OuterLoop, Sample, flag};
+
+/// Solved steps that are timed, the last of the rehearsal: caches and predictors are warm then.
+const TIMED: usize = 16;
+
+/// Steps of a rehearsal, 10 ms of them: the task that rehearses has to show signs of life.
+const STEPS: usize = 400;
+
+/// Control steps to one that is solved, at most.
+const LONGEST: usize = 50;
+
+/// Runs solved steps and times them by `now`; returns the ticks of a long one, and leaves the loop as it was built.
+///
+/// A step takes no less than its instructions take, and more where the control interrupt or one of the link falls into it:
+/// one in ten or so. So a quarter of the longest is left out. The longest of those that are left, and not the shortest,
+/// since steps differ by themselves: a predictor that learns, a damping that acts.
+pub(super) fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
+    let (mut ticks, solved) = timed(outer, now);
+    outer.restart();
+    let ticks = &mut ticks[..solved.min(TIMED)];
+    ticks.sort_unstable();
+    // A test none of whose steps can be timed is none that keeps its deadline.
+    let place = ticks.len().saturating_sub(1) * 3 / 4;
+    ticks.get(place).copied().unwrap_or(u32::MAX)
+}
+
+/// Ticks of the last solved steps, and how many there were.
+fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; TIMED], usize) {
+    // A ground at rest that outlasts the rehearsal: at its end the test would be over, and nothing solved any more.
+    let rest = [0.0; 2];
+    let ground = GroundMotion::new(&rest, 1.0, 0.5 / STEPS as f64);
+    let ground = ground.unwrap_or(GroundMotion::none());
+    let (mut ticks, mut solved, mut at_m) = ([0; TIMED], 0, 0.0_f32);
+    for step in 0..STEPS {
+        // Of a test of long integration steps the start is nearly all that is solved.
+        if solved < step / LONGEST {
+            outer.restart();
+        }
+        // As soon as each means something; before that it is refused, and nothing has changed.
+        for event in [Event::Clear, Event::Arm, Event::Start] {
+            let _ = outer.handle(event);
+        }
+        // A motion that turns and a force that is none of its stiffness: all that a step can have to do.
+        let swing = [1.0_f32, 0.5, -0.5, -1.0][step / 8 % 4];
+        at_m += 1e-6 * swing;
+        let mut sample = Sample::new([0.0; N], [0.0; N]);
+        (sample.displacement_m[0], sample.force_n[0]) = (at_m, 10.0 * swing);
+        let begin = now();
+        let record = outer.step(&sample, &ground).record;
+        let took = now().wrapping_sub(begin);
+        if record.flags & flag::SOLVED != 0 {
+            ticks[solved % TIMED] = took;
+            solved += 1;
+        }
+    }
+    (ticks, solved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use outerloop_core::{Config, Design, Method, Mode, Prediction};
+
+    /// A step takes 100 ticks; into one in seven an interrupt falls.
+    fn now() -> u32 {
+        static CALLS: AtomicU32 = AtomicU32::new(0);
+        let call = CALLS.fetch_add(1, Ordering::Relaxed);
+        let interrupts = call.div_ceil(2) / 7;
+        100 * call + 5000 * interrupts
+    }
+
+    fn outer<const N: usize>(method: Method, substeps: u16) -> OuterLoop<N> {
+        let mut config = Config::shear_frame([1000.0; N], [1.58e3; N], [0.02; N]);
+        config.structure.physical_storeys = Some(1);
+        config.compensation.kind = method;
+        config.timing.substeps = substeps;
+        OuterLoop::new(Design::new(&config).unwrap())
+    }
+
+    fn solves<const N: usize>(method: Method) {
+        let (_, solved) = timed(&mut outer::<N>(method, 20), || 0);
+        assert_eq!(solved, STEPS.div_ceil(20), "{method}, {N} floors");
+    }
+
+    #[test]
+    fn with_every_method_the_steps_that_are_timed_are_solved_ones() {
+        let behind = Prediction::ALL[1..]
+            .iter()
+            .map(|&p| Method::Paper.behind(p));
+        for method in Method::ALL.into_iter().chain(behind) {
+            solves::<1>(method);
+            solves::<2>(method);
+            solves::<3>(method);
+        }
+    }
+
+    #[test]
+    fn an_interrupt_in_some_of_the_steps_does_not_make_a_test_too_long() {
+        for substeps in [1, 20, 60, 400] {
+            let mut outer = outer::<1>(Method::Paper, substeps);
+            assert_eq!(rehearse(&mut outer, now), 100, "{substeps} substeps");
+            assert_eq!(outer.state(), Mode::Idle);
+        }
+    }
+}
