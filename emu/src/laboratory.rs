@@ -12,6 +12,7 @@ use crate::permission::Permission;
 use crate::registers::{
     GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_EGR, Violation,
 };
+use crate::servo::Servo;
 use crate::wire::Wire;
 use link::Calibration;
 use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
@@ -53,6 +54,7 @@ pub struct Laboratory {
     mutant: Option<Mutant>,
     chain: Chain,
     permission: Permission,
+    servo: Servo,
     /// Where the rig stands while it is blocked, m, and how fast it sinks then, m/s.
     stands_at_m: f64,
     sinks_m_per_s: f64,
@@ -89,6 +91,7 @@ impl Laboratory {
             mutant: None,
             chain: Chain::new(converters),
             permission: Permission::default(),
+            servo: Servo::default(),
             stands_at_m: 0.0,
             sinks_m_per_s: 0.0,
             was_at_m: [0.0; 2],
@@ -170,6 +173,7 @@ impl Laboratory {
     fn step_rig(&mut self, session: &mut Session<Nucleo>, at_ns: u64, period_ns: u64) -> Shown {
         let pin = self.chain.pin(session, &self.registers);
         let told_m = chain::command_m(&self.wired, pin.unwrap_or(0));
+        let told_m = self.servo.follow(told_m, self.active);
         let moves =
             self.permission.closed(at_ns, period_ns) && self.active != Some(Fault::DeadValve);
         let period_s = period_ns as f64 * 1e-9;

@@ -5,6 +5,7 @@
 //!  nucleo       the board: the chip, its crystal, its supply, the serial line
 //!  chain        the converters between rig and chip: its own ADC and DAC, or an AD7606 and an AD5761R on its SPI
 //!  registers    what the image writes where the emulator has no model, and what it must have written
+//!  servo        what goes wrong between command and rig
 //!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
@@ -26,6 +27,7 @@ pub mod log;
 pub mod nucleo;
 pub mod permission;
 pub mod registers;
+pub mod servo;
 pub mod wire;
 
 pub use chain::Converters;

@@ -26,6 +26,18 @@ pub enum Fault {
     DeadOutput,
     /// The servo valve sticks: the rig stays where it is, whatever it is told.
     DeadValve,
+    /// The servo goes to so many hundredths of where it is sent, by and by within 100 control steps.
+    Gain {
+        /// Hundredths.
+        percent: u32,
+    },
+    /// The specimen is so many hundredths as stiff: the force is.
+    Stiffness {
+        /// Hundredths.
+        percent: u32,
+    },
+    /// The servo becomes later by so many control steps.
+    LateBy(usize),
     /// The firmware's own drill of this number, by a write into its memory as a debugger does it.
     Drill(u32),
 }

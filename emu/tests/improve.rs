@@ -39,31 +39,6 @@ displacement_noise_mm = 0.02
 force_noise_n = 5
 ";
 
-/// What is in the rig, beside what the file declares: true motion and reading of each channel, force, and time.
-const SCENARIOS: [(&str, &str); 6] = [
-    (
-        "the actuator stands off",
-        "[[plant.effects]]\nname = 'offset'\nchannel = 'actuator'\noffset_mm = 1",
-    ),
-    ("the displacement reads off", "displacement_offset_mm = 1"),
-    (
-        "the actuator goes too far",
-        "[[plant.effects]]\nname = 'gain_error'\nchannel = 'actuator'\nerror = 0.05",
-    ),
-    (
-        "the load cell reads too much",
-        "[[plant.effects]]\nname = 'gain_error'\nchannel = 'specimen'\nerror = 0.06",
-    ),
-    (
-        "mass on the load cell",
-        "[[plant.effects]]\nname = 'inertia_force'\nmass_kg = 60",
-    ),
-    (
-        "a second lag",
-        "[[plant.effects]]\nname = 'second_lag'\nlag_ms = 4",
-    ),
-];
-
 /// Emulated boards, each behind a rig of its own; a rig keeps its board.
 #[derive(Default)]
 struct Boards {
@@ -121,27 +96,70 @@ fn story(text: &str) -> Story {
     story
 }
 
-#[test]
-#[ignore = "not yet seen to pass on the present image, see docs/firmware.md"]
-fn what_the_telemetry_tells_makes_the_next_test_on_the_same_board_as_good_as_without_the_effect() {
-    for (what, more) in SCENARIOS {
-        let story = story(&format!("{TEST}{more}\n"));
-        let possible = story.possible.as_ref().unwrap();
-        let eps = [&story.before, &story.after, possible].map(|run| run.summary.eps_rms);
-        println!(
-            "{what}: found {}; eps_rms on the board {:.4} before, {:.4} with what was found, {:.4} without the effect; {:?}",
-            Story::named(&story.diagnosis),
-            eps[0],
-            eps[1],
-            eps[2],
-            story.changes
-        );
-        assert!(!story.changes.is_empty(), "{what}");
-        assert!(eps[1] < 1.1 * eps[2], "{what}: {eps:?}");
-        assert_ne!(story.outcome(), Outcome::Worse, "{what}: {eps:?}");
-        for run in [&story.before, &story.after] {
-            let board = run.summary.board.as_ref().unwrap();
-            assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{what}");
-        }
+/// The error of the test, before, with what was found, and without the effect.
+fn told(what: &str, more: &str) -> (Story, [f64; 3]) {
+    let story = story(&format!("{TEST}{more}\n"));
+    let possible = story.possible.as_ref().unwrap();
+    let eps = [&story.before, &story.after, possible].map(|run| run.summary.eps_rms);
+    println!(
+        "{what}: found {}, {} designed tests; eps_rms on the board {:.4} before, {:.4} with what was found, {:.4} without \
+         the effect; {:?}",
+        Story::named(&story.diagnosis),
+        story.designed.len(),
+        eps[0],
+        eps[1],
+        eps[2],
+        story.changes
+    );
+    for run in [&story.before, &story.after] {
+        let board = run.summary.board.as_ref().unwrap();
+        assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{what}");
     }
+    (story, eps)
+}
+
+/// What the telemetry tells makes the next test on the same board as good as without the effect.
+fn comes_back(what: &str, more: &str) {
+    let (story, eps) = told(what, more);
+    assert!(!story.changes.is_empty(), "{what}");
+    assert!(eps[0] > 1.5 * eps[2], "{what}: {eps:?}");
+    assert!(eps[1] < 1.1 * eps[2], "{what}: {eps:?}");
+    assert_eq!(story.outcome(), Outcome::Better, "{what}: {eps:?}");
+}
+
+#[test]
+fn an_actuator_that_stands_off_is_sent_elsewhere() {
+    comes_back(
+        "the actuator stands off",
+        "[[plant.effects]]\nname = 'offset'\nchannel = 'actuator'\noffset_mm = 2",
+    );
+}
+
+#[test]
+fn a_displacement_that_reads_off_is_taken_off_once() {
+    comes_back("the displacement reads off", "displacement_offset_mm = 2");
+}
+
+#[test]
+fn a_second_lag_is_sent_ahead_of() {
+    comes_back(
+        "a second lag",
+        "[[plant.effects]]\nname = 'second_lag'\nchannel = 'actuator'\nlag_ms = 4",
+    );
+}
+
+#[test]
+fn an_actuator_that_goes_too_far_is_sent_less_far() {
+    comes_back(
+        "the actuator goes too far",
+        "[[plant.effects]]\nname = 'gain_error'\nchannel = 'actuator'\nerror = 0.05",
+    );
+}
+
+#[test]
+fn a_load_cell_that_reads_too_much_is_divided_by_that() {
+    comes_back(
+        "the load cell reads too much",
+        "[[plant.effects]]\nname = 'gain_error'\nchannel = 'specimen'\nerror = 0.06",
+    );
 }

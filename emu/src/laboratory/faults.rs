@@ -2,7 +2,7 @@
 
 use super::Laboratory;
 use super::pins::{BUTTON, drive, stop_contact};
-use crate::chain::Shown;
+use crate::chain::{self, Shown};
 use crate::log::{Fault, Planned, Seen};
 use crate::nucleo::Nucleo;
 use rigless::device::Level;
@@ -29,6 +29,10 @@ impl Laboratory {
                 let sign = if up { 1.0 } else { -1.0 };
                 let free = 0.005 * top;
                 shown.force = (shown.force + sign * BURST_SHARE * top).clamp(free, top - free);
+            }
+            Some(Fault::Stiffness { percent }) => {
+                let none = chain::sensor_code(self.wired.force, 0.0);
+                shown.force = none + (shown.force - none) * f64::from(percent) / 100.0;
             }
             _ => self.frozen = shown,
         }
@@ -66,7 +70,14 @@ impl Laboratory {
                 u64::from(DRILL_MAGIC + number),
             )),
             Fault::DeadOutput => self.chain.break_output(session),
-            Fault::SensorAtRail | Fault::FrozenSensor | Fault::NoiseBurst | Fault::DeadValve => {}
+            // Seen in what the sensors show and where the rig goes.
+            Fault::SensorAtRail
+            | Fault::FrozenSensor
+            | Fault::NoiseBurst
+            | Fault::DeadValve
+            | Fault::Gain { .. }
+            | Fault::Stiffness { .. }
+            | Fault::LateBy(_) => {}
         }
     }
 

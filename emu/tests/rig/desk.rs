@@ -102,6 +102,8 @@ pub struct Bench {
     pub lsi_hz: u64,
     pub plan: Option<Planned>,
     pub mutant: Option<Mutant>,
+    /// The rig, a TOML table; left out: 3 ms late, a linear specimen.
+    pub rig: Option<RigSpec>,
     /// How fast the rig sinks while nothing permits it to move, m/s.
     pub sinks_m_per_s: f64,
 }
@@ -114,6 +116,7 @@ impl Default for Bench {
             lsi_hz: USUAL_LSI_HZ,
             plan: None,
             mutant: None,
+            rig: None,
             sinks_m_per_s: 0.0,
         }
     }
@@ -161,10 +164,10 @@ impl Desk {
         let firmware = bench
             .firmware
             .unwrap_or_else(|| Firmware::read(image()).expect("an image"));
-        let spec: RigSpec = toml::from_str(
-            "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n",
-        )
-        .expect("a rig");
+        let spec = bench.rig.unwrap_or_else(|| {
+            let text = "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n";
+            toml::from_str(text).expect("a rig")
+        });
         let rig = Rig::new(&spec, &[STIFFNESS_N_PER_M], 2000.0, 1).expect("a rig");
         let wire = Wire::default();
         let drill = firmware.symbol("DRILL").expect("the symbol DRILL");

@@ -9,6 +9,7 @@ const IMAGE: Image = Image::Internal;
 mod crashes;
 mod desk;
 mod limits_and_link;
+mod monitor;
 mod mutant;
 mod mutants;
 mod settings;

@@ -151,3 +151,37 @@ fn spread(desk: &mut Desk, full: bool) -> (u32, u32) {
     let seen = &log.latency_ns[begin.max(100)..];
     (*seen.iter().min().unwrap(), *seen.iter().max().unwrap())
 }
+
+/// A rig that stands to either side of zero is read where it stands, to half a code.
+#[test]
+fn a_converter_has_no_step_at_zero() {
+    let calibration = link::Calibration::placeholder(&crate::desk::codes());
+    for offset_mm in [-20.0, -0.1, 0.1, 20.0] {
+        let rig = format!(
+            "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n\
+             displacement_offset_mm = {offset_mm}\nforce_offset_n = {}\n",
+            100.0 * offset_mm
+        );
+        let mut desk = Desk::with(crate::desk::Bench {
+            rig: Some(toml::from_str(&rig).unwrap()),
+            ..Default::default()
+        });
+        desk.calibrate();
+        // The rig has stood all the time.
+        for _ in 0..50 {
+            desk.step();
+        }
+        let read = desk.step();
+        let of = |line: link::channel::Line, code| (line.quantity(code), line.per_code);
+        let wanted = [offset_mm * 1e-3, 100.0 * offset_mm];
+        let got = [
+            of(calibration.displacement, read.displacement),
+            of(calibration.force, read.force),
+        ];
+        for (wanted, (got, per_code)) in wanted.into_iter().zip(got) {
+            // Both conversions of a pair are alike: a code of the sum is half a code of one.
+            let codes = (f64::from(got) - wanted) / f64::from(per_code);
+            assert!(codes.abs() <= 1.01, "{offset_mm} mm: {codes} codes");
+        }
+    }
+}
