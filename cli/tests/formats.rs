@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{json, refused};
+use common::{json, outerloop, refused};
 
 /// A motion and what a first-order actuator makes of it, 1 kHz.
 fn rows() -> Vec<[f64; 3]> {
@@ -133,5 +133,18 @@ fn published_mat_and_hdf5_files_are_read_as_they_are() {
             &["identify", &h5],
             &["has no time", "--rate", "multisine/u"],
         );
+    }
+}
+
+#[test]
+fn counts_of_a_recorder_shake_a_test_once_their_unit_is_said() {
+    let file = "cli/tests/miniseed/steim2.mseed";
+    for verb in ["run", "check"] {
+        let test = [verb, "examples/table1.toml", "--record", file];
+        refused(&test, &["steim2.mseed", "--unit", "--sensitivity"]);
+        let said = ["--unit", "m/s2", "--sensitivity", "1e6", "--json"];
+        let output = outerloop(&[&test[..], &said].concat());
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["provenance"]["files"][1]["file"], file);
     }
 }

@@ -2,10 +2,10 @@
 
 mod many;
 
-use super::{json, method};
+use super::{Motion, json, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::files::ground_motion::{Columns, GroundMotionFile};
+use crate::files::ground_motion::GroundMotionFile;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
@@ -28,6 +28,8 @@ pub struct Check {
     /// The ground motion: CSV, AT2, or one acceleration a line
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    motion: Motion,
     /// Instead of a test: the verdicts against what the tests then do, over so many drawn rigs
     #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
     survey: Option<usize>,
@@ -132,7 +134,7 @@ impl Check {
     /// The planned motion.
     fn experiment(&self, test: &TestFile) -> Result<Experiment, Failure> {
         let shaking = match self.record.as_deref().or(test.excitation.record.as_deref()) {
-            Some(path) => GroundMotionFile::load(path, Columns::default())?,
+            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
             None => near_fault(),
         };
         Experiment::new(test.clone(), &shaking, None)

@@ -29,11 +29,9 @@ use outerloop_core::{Accepted, Method};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What `run` and `compare` have in common.
+/// What is said on the command line of a ground motion that does not say it itself.
 #[derive(clap::Args, Debug)]
-pub struct Common {
-    /// The test file
-    test: PathBuf,
+pub struct Motion {
     /// Interval of a ground motion that has one acceleration a line, s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<f64>,
@@ -43,6 +41,25 @@ pub struct Common {
     /// Counts for one of that unit, of a ground motion in MiniSEED as a recorder writes it; the station's metadata have it
     #[arg(long, value_name = "COUNTS", allow_negative_numbers = true)]
     sensitivity: Option<f64>,
+}
+
+impl Motion {
+    fn columns(&self) -> Columns {
+        Columns {
+            interval_s: self.dt,
+            unit: self.unit,
+            sensitivity: self.sensitivity,
+        }
+    }
+}
+
+/// What `run` and `compare` have in common.
+#[derive(clap::Args, Debug)]
+pub struct Common {
+    /// The test file
+    test: PathBuf,
+    #[command(flatten)]
+    motion: Motion,
     /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
     #[arg(long = "set", value_name = "PATH=VALUE")]
     overrides: Vec<String>,
@@ -75,13 +92,8 @@ impl Common {
 
     /// The test on a ground motion: the one named here, else the test's, else the built-in one.
     fn experiment(&self, test: &TestFile, named: Option<&Path>) -> Result<Experiment, Failure> {
-        let columns = Columns {
-            interval_s: self.dt,
-            unit: self.unit,
-            sensitivity: self.sensitivity,
-        };
         let shaking = match named.or(test.excitation.record.as_deref()) {
-            Some(path) => GroundMotionFile::load(path, columns)?,
+            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
             None => near_fault(),
         };
         Experiment::new(test.clone(), &shaking, self.duration)
