@@ -49,7 +49,7 @@ impl Sum {
     }
 
     /// Displacement and velocity that are missing at `omega` so that the answer of the motion ahead there is `wanted`.
-    pub(crate) fn missing(&self, wanted: Answer, omega: f64) -> [f64; 2] {
+    pub(crate) fn missing(&self, wanted: FrequencyResponse, omega: f64) -> [f64; 2] {
         let square = omega * omega;
         let real = self.displacement - square * self.acceleration;
         let per_omega = self.velocity - square * self.jerk;
@@ -98,14 +98,14 @@ pub enum LinearForce {
 
 /// Command over target that brings a rig to the target at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub struct FrequencyResponse {
     /// Real part.
     pub real: f64,
     /// Imaginary part; positive where the command leads.
     pub imaginary: f64,
 }
 
-impl Answer {
+impl FrequencyResponse {
     /// Its amplitude.
     pub(crate) fn gain(self) -> f64 {
         libm::hypot(self.real, self.imaginary)
@@ -121,7 +121,7 @@ impl Answer {
 #[derive(Debug)]
 pub struct Setting<'a> {
     config: &'a Config,
-    learnt: Option<(Answer, f64)>,
+    learnt: Option<(FrequencyResponse, f64)>,
     at_bounds: bool,
 }
 
@@ -136,7 +136,7 @@ impl<'a> Setting<'a> {
     }
 
     /// A law that has learnt to answer with `wanted` at `omega` (rad per control step).
-    pub fn learnt(config: &'a Config, wanted: Answer, omega: f64) -> Self {
+    pub fn learnt(config: &'a Config, wanted: FrequencyResponse, omega: f64) -> Self {
         Self {
             learnt: Some((wanted, omega)),
             ..Self::told(config)
@@ -173,7 +173,7 @@ impl<'a> Setting<'a> {
     }
 
     /// What is to be answered and at which frequency, rad per control step; `None` where nothing has been learnt.
-    pub(crate) fn wanted(&self) -> Option<(Answer, f64)> {
+    pub(crate) fn wanted(&self) -> Option<(FrequencyResponse, f64)> {
         self.learnt
     }
 
@@ -214,7 +214,7 @@ mod tests {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
         config.compensation.delay_ms = 4.0;
         let omega: f64 = 0.006;
-        let answer = |gain: f64, phase: f64| Answer {
+        let answer = |gain: f64, phase: f64| FrequencyResponse {
             real: gain * libm::cos(phase),
             imaginary: gain * libm::sin(phase),
         };

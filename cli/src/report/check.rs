@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::numbers::{length, percent, three};
 use crate::soundness::{Judgement, Verdict};
 use crate::stability::limits::Limit;
-use crate::stability::{Answer, Row};
+use crate::stability::{Row, Stability};
 use std::fmt::Write as _;
 
 /// A check as the report shows it.
@@ -17,7 +17,7 @@ pub struct Checked<'a> {
     /// The verdict.
     pub judgement: &'a Judgement,
     /// What the eigenvalues say.
-    pub answer: &'a Answer,
+    pub answer: &'a Stability,
     /// The fastest growing motion over the delay: ms of the laboratory, 1/s of model time.
     pub over_delay: &'a [(f64, f64)],
     /// The planned motion on the simulated rig.
@@ -162,7 +162,7 @@ fn growth(
     Ok(figure(&svg, caption))
 }
 
-fn tables(a: &Answer) -> String {
+fn tables(a: &Stability) -> String {
     let or_none = |value: Option<f64>, unit: &str| {
         value.map_or_else(|| "none found".into(), |v| format!("{}{unit}", three(v)))
     };

@@ -66,7 +66,7 @@ pub struct Row {
 
 /// What is found out about a test.
 #[derive(Clone, Debug, Serialize)]
-pub struct Answer {
+pub struct Stability {
     /// The compensation that was asked about, and its eigenvalues.
     #[serde(flatten)]
     pub row: Row,
@@ -122,7 +122,11 @@ pub fn row(question: &Question<'_>, frame: &Frame, vary: &Variation) -> Result<R
 ///
 /// # Errors
 /// A test or rig that cannot be written down.
-pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Result<Answer, Failure> {
+pub fn answer(
+    test: &TestFile,
+    spread: &Spread,
+    tell: impl Fn() + Sync,
+) -> Result<Stability, Failure> {
     let config = &test.config;
     let question = Question {
         config,
@@ -168,7 +172,7 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
         })
         .filter(|other| !matches!(other, Ok(o) if o.compensation == row.compensation))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut answer = Answer {
+    let mut answer = Stability {
         row,
         at_start,
         rate_hz: config.timing.rate_hz,
@@ -192,7 +196,7 @@ pub fn answer(test: &TestFile, spread: &Spread, tell: impl Fn() + Sync) -> Resul
 }
 
 /// Why it cannot be stable, and what would be.
-fn reason(a: &Answer) -> String {
+fn reason(a: &Stability) -> String {
     let mut would = Vec::new();
     if let Some(ms) = a.limits.delay.limit {
         would.push(format!("a delay below {ms:.3} ms"));
@@ -235,7 +239,7 @@ fn reason(a: &Answer) -> String {
     )
 }
 
-fn notes(test: &TestFile, answer: &Answer, at_bounds: bool) -> Vec<String> {
+fn notes(test: &TestFile, answer: &Stability, at_bounds: bool) -> Vec<String> {
     let c = &test.config.compensation;
     let mut notes = Vec::new();
     if !test.plant.effects.is_empty() {

@@ -5,7 +5,7 @@ use super::frame::Frame;
 use super::rig::LinearRig;
 use nalgebra::{Complex, DMatrix};
 use outerloop_core::Config;
-use outerloop_core::linear::{Answer, Linear, Setting, Sum};
+use outerloop_core::linear::{FrequencyResponse, Linear, Setting, Sum};
 
 /// What adaptive predictors know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl Predictor {
                     Law::Learnt => {
                         let wanted = rig.response(j, omega).inv();
                         let (real, imaginary) = (wanted.re, wanted.im);
-                        Setting::learnt(config, Answer { real, imaginary }, omega)
+                        Setting::learnt(config, FrequencyResponse { real, imaginary }, omega)
                     }
                 };
                 let linear = config.compensation.kind.predictor.linear(&mut setting);

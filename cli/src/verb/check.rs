@@ -13,7 +13,7 @@ use crate::provenance::{Told, note_seed};
 use crate::report::{self, Checked, Section};
 use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
 use crate::stability::perturbed::Spread;
-use crate::stability::{self, Answer, Row};
+use crate::stability::{self, Row, Stability};
 use crate::summary::GOOD_EPS_RMS;
 use crate::terminal::{Progress, percent, table};
 use serde::Serialize;
@@ -169,7 +169,11 @@ impl Check {
 }
 
 /// The verdict, and what would be better.
-fn judge(experiment: &Experiment, spread: &Spread, answer: &Answer) -> Result<Judgement, Failure> {
+fn judge(
+    experiment: &Experiment,
+    spread: &Spread,
+    answer: &Stability,
+) -> Result<Judgement, Failure> {
     let test = &experiment.test;
     let eigenvalues = Eigenvalues::of(test)?;
     let progress = Progress::over("tests", 3);
@@ -228,14 +232,14 @@ struct Whole<'a> {
     #[serde(flatten)]
     judgement: &'a Judgement,
     #[serde(flatten)]
-    answer: &'a Answer,
+    answer: &'a Stability,
 }
 
 fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
     value.map_or_else(|| "none found".into(), text)
 }
 
-fn print(a: &Answer) {
+fn print(a: &Stability) {
     println!(
         "{} states over an integration step of {:.4} ms.\n",
         a.states,
