@@ -1,6 +1,6 @@
 //! Every number of a test file's compensation, estimation and pace reaches the loop: a test in which one of them is
 //! another sends other commands. What each does is tested where it is done.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::type_complexity)]
 
 mod common;
 
