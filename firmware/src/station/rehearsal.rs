@@ -16,14 +16,21 @@ const LONGEST: usize = 50;
 /// A step takes no less than its instructions take, and more where the control interrupt or one of the link falls into it:
 /// one in ten or so. So a quarter of the longest is left out. The longest of those that are left, and not the shortest,
 /// since steps differ by themselves: a predictor that learns, a damping that acts.
+#[inline(never)] // The stack would hold what each number of floors needs.
 pub(super) fn rehearse<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> u32 {
     let (mut ticks, solved) = timed(outer, now);
-    outer.restart();
+    start_anew(outer);
     let ticks = &mut ticks[..solved.min(TIMED)];
     ticks.sort_unstable();
     // A test none of whose steps can be timed is none that keeps its deadline.
     let place = ticks.len().saturating_sub(1) * 3 / 4;
     ticks.get(place).copied().unwrap_or(u32::MAX)
+}
+
+/// Once, and not inlined in two places: the parts that go back stand on the stack.
+#[inline(never)]
+fn start_anew<const N: usize>(outer: &mut OuterLoop<N>) {
+    outer.restart();
 }
 
 /// Ticks of the last solved steps, and how many there were.
@@ -36,7 +43,7 @@ fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; T
     for step in 0..STEPS {
         // Of a test of long integration steps the start is nearly all that is solved.
         if solved < step / LONGEST {
-            outer.restart();
+            start_anew(outer);
         }
         // As soon as each means something; before that it is refused, and nothing has changed.
         for event in [Event::Clear, Event::Arm, Event::Start] {
