@@ -8,6 +8,9 @@ use common::{Rig, STIFFNESS_N_PER_M, table1};
 use outerloop_core::config::{Compensation, Estimation, Filter, Hydraulic, Secant, Timing};
 use outerloop_core::{Config, Design, Event, GroundMotion, Method, OuterLoop, Sample};
 
+/// Gives one of the numbers another value.
+type Change<T> = fn(&mut T);
+
 /// Commands of four seconds on a rig that is 4 ms late and whose load cell and transducer are noisy, m.
 fn commands(config: &Config) -> Vec<u32> {
     let ground = common::shaking(4.0);
@@ -58,7 +61,7 @@ fn acts(name: &str, before: &Config, change: impl Fn(&mut Config)) {
 #[test]
 fn every_number_of_the_paper_s_damping_acts() {
     let paper = test(Method::Paper);
-    let each: [(&str, fn(&mut Compensation)); 8] = [
+    let each: [(&str, Change<Compensation>); 8] = [
         ("secant", |c| c.secant = Secant::Measured),
         ("gamma", |c| c.gamma = 0.3),
         ("window_steps", |c| c.window_steps = 8),
@@ -79,7 +82,7 @@ fn every_number_of_the_paper_s_damping_acts() {
 
 #[test]
 fn every_number_of_a_predictor_acts() {
-    let each: [(&str, Method, fn(&mut Compensation)); 16] = [
+    let each: [(&str, Method, Change<Compensation>); 16] = [
         ("delay_ms", Method::Lagrange, |c| c.delay_ms = 3.0),
         ("order", Method::Lagrange, |c| c.order = 2),
         ("inverse", Method::FeedforwardFeedback, |c| {
@@ -130,7 +133,7 @@ fn every_number_of_a_predictor_acts() {
 fn every_number_of_a_servo_hydraulic_actuator_acts() {
     let mut known = test(Method::Hydraulic);
     known.compensation.hydraulic = Some(Hydraulic::of_delay(0.004, STIFFNESS_N_PER_M));
-    let each: [(&str, fn(&mut Hydraulic)); 13] = [
+    let each: [(&str, Change<Hydraulic>); 13] = [
         ("a1_b0", |h| h.a1_b0 *= 1.1),
         ("a2", |h| h.a2 *= 1.1),
         ("a3", |h| h.a3 = 1.0),
@@ -160,7 +163,7 @@ fn every_number_of_the_estimation_acts() {
 
     let mut kalman = test(Method::Paper);
     kalman.estimation.kind = Filter::Kalman;
-    let each: [(&str, fn(&mut Estimation)); 8] = [
+    let each: [(&str, Change<Estimation>); 8] = [
         ("delay_ms", |e| e.delay_ms = 2.0),
         ("lag_ms", |e| e.lag_ms = 2.0),
         ("lag_damping_ratio", |e| e.lag_damping_ratio = 0.5),
@@ -179,7 +182,7 @@ fn every_number_of_the_estimation_acts() {
 fn every_number_of_the_pace_acts() {
     let mut paced = test(Method::Paper);
     paced.timing.substeps = 4;
-    let each: [(&str, fn(&mut Timing)); 3] = [
+    let each: [(&str, Change<Timing>); 3] = [
         ("time_scale", |t| t.time_scale = 2.0),
         ("substeps", |t| t.substeps = 2),
         ("solve_substeps", |t| t.solve_substeps = 2),
