@@ -1,5 +1,6 @@
 //! The declared parameters of a channel.
 
+use crate::criteria::REACH;
 use crate::joint::SavedElement;
 use crate::linear::Bound;
 use crate::model::{ActuatorModel, Declared, SpecimenModel};
@@ -28,9 +29,6 @@ pub struct Base {
     /// Elements beside the specimen that it already has.
     pub elements: Vec<SavedElement>,
 }
-
-/// Declared parameters move by so many tolerances.
-const REACH: f64 = 3.0;
 
 impl Base {
     pub fn actuator(model: &ActuatorModel) -> Self {
@@ -83,6 +81,24 @@ impl Base {
     pub fn tolerance(&self, index: usize) -> f64 {
         let own = self.free.iter().find(|f| f.index == index);
         own.map_or(0.0, |f| f.tolerance)
+    }
+
+    /// The least that a parameter of a specimen can be: damping and mass are not negative, unless they are declared so.
+    pub fn least(&self, index: usize) -> f64 {
+        if (index == 1 || index == 2) && self.values[index] >= 0.0 {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+
+    /// What a parameter of a specimen may be as long as it stays what was declared.
+    pub fn within_tolerances(&self, index: usize) -> Bound {
+        let (value, reach) = (self.values[index], REACH * self.tolerance(index));
+        Bound {
+            low: (value - reach).max(self.least(index)),
+            high: value + reach,
+        }
     }
 
     /// How far each free parameter may go from `theta`.

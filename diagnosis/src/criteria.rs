@@ -19,6 +19,9 @@ pub const CUTOFFS: usize = 10;
 pub const BAND_ROOM: f64 = 1.3;
 /// The lowest cut-off within this of the best is taken: what it leaves out is noise.
 pub const CUTOFF_ROOM: f64 = 1.03;
+/// No cut-off at which the declared model, held within its tolerances, leaves so many times the squares that it leaves at its
+/// best one: noise in an acceleration grows with the fifth power of the cut-off in squares, an element that is missing does not.
+pub const CUTOFF_HOLDS: f64 = 3.0;
 /// Share of the speed's power that ends the band of the motion.
 pub const BAND_POWER: f64 = 0.9;
 
@@ -39,9 +42,14 @@ pub const FRICTION_YIELD: f64 = 0.04;
 pub const STRIBECK_YIELD: f64 = 0.06;
 /// Exponents of speed: below the first friction, below the second viscous, above it quadratic.
 pub const EXPONENTS: [f64; 2] = [0.35, 1.25];
+/// Exponent of friction in series with a spring below which it is a damper there: 1 is Maxwell's, from 3 on the force hardly
+/// grows with speed.
+pub const RELAXES: f64 = 2.0;
 /// A force that saturates below this share of the top speed is friction.
 pub const FRICTION_SPEED: f64 = 0.08;
 
+/// A name takes at least this share off the held-out error: less is within what two runs of one test differ by.
+pub const WORTH_A_NAME: f64 = 0.05;
 /// A name is given where rivals of every other kind leave so many times the squares (`joint/certificate.rs`: the table
 /// of false names among 300 simulated and 43 real records).
 pub const CERTAIN: f64 = 2.0;
@@ -66,7 +74,10 @@ pub const WEIGHT: f64 = 4.0;
 pub const NEARLY: f64 = 1.7;
 /// Friction and hysteresis are one kind, told apart by where they yield; a name needs the other to leave so many times
 /// the squares.
-pub const WITHIN_A_KIND: f64 = 1.2;
+pub const WITHIN_A_KIND: f64 = 1.5;
+/// Yield, over half the range, up to which hysteresis may be the give of a sliding contact: bristles and seals give a tenth of a
+/// small stroke. Between this and [`FRICTION_YIELD`] friction and hysteresis are a set, whichever fits.
+pub const MAY_BE_FRICTION: f64 = 0.1;
 /// A rival that leaves less than this share of the squares gets no more odds for it.
 pub const LEAST_TIMES: f64 = 0.8;
 /// A member of a set that is less probable is not worth a line.

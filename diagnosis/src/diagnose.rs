@@ -239,12 +239,22 @@ impl Channelled<'_> {
         }
         let mut with = improved.clone();
         let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
-        if self.base.channel == Channel::Actuator
-            && self.base.known.is_empty()
-            && !self.stands(&answer, &noise, explanation.structured[1])
-            && let Some(answer) = self.driven(&noise, improved)
-        {
-            return (answer, None);
+        if self.base.channel == Channel::Actuator && self.base.known.is_empty() {
+            let stands = self.stands(&answer, &noise, explanation.structured[1]);
+            // Motion is lost in a valve, in a linkage and to friction: the valve's is only in the joint search.
+            let lost = |e: &FoundEffect| matches!(e.family, Family::Friction | Family::Gap);
+            if !stands || answer.effects.iter().any(lost) {
+                let mut model = improved.clone();
+                let better = |a: &ChannelAnswer| {
+                    !stands
+                        || !a.effects.is_empty()
+                            && a.error_after.test_rms < answer.error_after.test_rms
+                };
+                if let Some(answer) = self.driven(&noise, &mut model).filter(better) {
+                    *improved = model;
+                    return (answer, None);
+                }
+            }
         }
         if let Some((answer, model)) = self.better_joined(&answer, &noise, improved) {
             *improved = model;
@@ -326,7 +336,10 @@ impl Channelled<'_> {
 
     /// The noise floor: from rest, else from the difference of one period to the next, else from above the motion.
     fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
-        let least = self.output_step().hypot(self.through()) / 12.0_f64.sqrt();
+        let least = self
+            .output_step()
+            .hypot(self.through_derivatives(cutoff_hz))
+            / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
             let problem = self.problem(records, cutoff_hz)?;
             Some(problem.residuals(&[], &problem.scales))
@@ -407,6 +420,23 @@ impl Channelled<'_> {
             .iter()
             .filter_map(|r| lattice::step(self.input_of(r)?));
         self.base.values[0].abs() * steps.fold(0.0, f64::max)
+    }
+
+    /// The same with what damping and mass make of the step's derivatives below a cut-off: a rest on one level of the
+    /// converter does not show it.
+    fn through_derivatives(&self, cutoff_hz: f64) -> f64 {
+        let stiff = self.through();
+        let [k, c, m, _] = self.base.values;
+        if stiff == 0.0 || k == 0.0 {
+            return stiff;
+        }
+        let step = stiff / k.abs();
+        // White noise below a share of half the rate: its n-th derivative has omega^2n / (2 n + 1) of the power.
+        let share = (2.0 * cutoff_hz * self.train[0].interval_s()).min(1.0);
+        let omega = std::f64::consts::TAU * cutoff_hz;
+        let speed = step * omega * (share / 3.0).sqrt();
+        let acceleration = step * omega * omega * (share / 5.0).sqrt();
+        stiff.hypot(c * speed).hypot(1e-3 * m * acceleration)
     }
 
     /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then

@@ -230,6 +230,8 @@ const STOP: usize = 10;
 const STOPS: usize = 3;
 /// Of what the driving signal moves during a stop: the share by which it must go on and come back.
 const GOES_ON: f64 = 0.15;
+/// And of its whole range: less is its noise while everything holds.
+const GOES_FAR: f64 = 0.02;
 
 /// Whether `x` stands at a rail again and again: at its largest or smallest value while what drives it goes on in the
 /// same direction and comes back. A part that has stopped because its drive has turned (a play, a hold) is no rail.
@@ -264,12 +266,13 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
     } else {
         1.0
     };
+    let least = GOES_FAR * crate::recording::range(drive);
     let on = |&(from, end): &(usize, usize)| {
         let out = if x[from] == high { sign } else { -sign };
         let inside: Vec<f64> = drive[from..end].iter().map(|u| out * u).collect();
         let farthest = inside.iter().fold(f64::MIN, |m, u| m.max(*u));
         let turn = farthest - inside[inside.len() - 1];
-        farthest - inside[0] > GOES_ON * turn && farthest - inside[0] > 0.0
+        farthest - inside[0] > (GOES_ON * turn).max(least)
     };
     2 * stops.iter().filter(|s| on(s)).count() >= stops.len()
 }

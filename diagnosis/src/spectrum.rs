@@ -182,6 +182,8 @@ pub fn periodogram(x: &[f64]) -> Vec<f64> {
 const BAND: f64 = 0.9;
 /// What rises less than this above the floor of a reading is its noise.
 const FLOOR: f64 = 6.0;
+/// Power of a converter's steps, over that of an even distribution of its error: holds that lie between two of them have more.
+const STEPS: f64 = 2.0;
 
 /// Where the motion ends: 90 % of the power of its speed lies below, Hz; the noise of its reading is taken off.
 pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
@@ -189,7 +191,14 @@ pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     let mut upper = power[power.len() / 2..].to_vec();
     upper.sort_by(f64::total_cmp);
     let floor = FLOOR * upper[upper.len() / 2];
-    let speed: Vec<f64> = power
+    // Nor is it motion above where there is no more power than a converter's steps make; of a ramp these are lines.
+    let steps = crate::lattice::step(x).map_or(0.0, |q| STEPS * q * q / 12.0);
+    let mut above = 0.0;
+    let last = power.iter().rposition(|p| {
+        above += p * bin_hz;
+        above > steps
+    })?;
+    let speed: Vec<f64> = power[..=last]
         .iter()
         .enumerate()
         .map(|(k, p)| if *p > floor { p * (k * k) as f64 } else { 0.0 })

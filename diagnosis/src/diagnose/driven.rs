@@ -3,6 +3,7 @@
 use super::Channelled;
 use crate::answer::*;
 use crate::base::Base;
+use crate::criteria::WORTH_A_NAME;
 use crate::drivetrain::{self, Data, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::{Noise, Source};
@@ -93,7 +94,8 @@ impl Channelled<'_> {
             Outcome::Named { fit, names, more } => {
                 let (after, held) = errors(&fit, &train, &test);
                 let gain = self.gain(&held_before, &held);
-                if gain[0] <= 0.0 {
+                let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
+                if little || gain[0] <= 0.0 {
                     let explained = 1.0 - (after.train_nrmse / before.train_nrmse).powi(2);
                     unknown(&mut answer, names[0].effect, explained.max(0.0));
                 } else {
@@ -121,7 +123,8 @@ impl Channelled<'_> {
             Outcome::Set { fit, members } => {
                 let (after, held) = errors(&fit, &train, &test);
                 let gain = self.gain(&held_before, &held);
-                if gain[0] <= 0.0 {
+                let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
+                if little || gain[0] <= 0.0 {
                     let explained = 1.0 - (after.train_nrmse / before.train_nrmse).powi(2);
                     unknown(&mut answer, members[0].0, explained.max(0.0));
                 } else {

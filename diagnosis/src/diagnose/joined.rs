@@ -5,7 +5,7 @@ use crate::answer::{
     Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
     Verdict,
 };
-use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER};
+use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
 use crate::joint::{self, Explained, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::Noise;
@@ -90,7 +90,11 @@ impl Channelled<'_> {
                 let certain = matches!(outcome, Outcome::Named(..));
                 let first = explained.names[0].0;
                 // A name must help on data that took no part; a set of names must account for most of it.
-                let most = if certain { 1.0 } else { SET_LEAVES };
+                let most = if certain {
+                    1.0 - WORTH_A_NAME
+                } else {
+                    SET_LEAVES
+                };
                 let little = after.errors.test_rms > most * before.errors.test_rms;
                 if little || (certain && gain[0] <= 0.0) {
                     answer.verdict = Verdict::Unknown;

@@ -30,7 +30,7 @@ impl Channelled<'_> {
                     ));
                 }
             }
-            // A command that stays at its end was meant to; a sensor that does is at its rail.
+            // A command that stays at its end was meant to; a sensor that does is at its rail: the force goes on there.
             let driven_by = r.command_mm.as_deref().unwrap_or(target);
             if self.base.channel == Channel::Specimen
                 && !coarse(input)

@@ -4,13 +4,12 @@ use super::BLOCKS;
 use super::part::{Kind, Part, Sizes};
 use super::way::{Run, Way};
 use crate::base::Base;
+use crate::criteria::REACH;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use nalgebra::DVector;
 
 /// The declared parameters: gain, delay, lag, offset.
 pub const DECLARED: usize = 4;
-/// Declared parameters are held within so many tolerances.
-const REACH: f64 = 3.0;
 /// Linear steps of a fit at most.
 const STEPS: usize = 10;
 /// A fall of the squares that is not worth another step, as a share.

@@ -1,7 +1,9 @@
 //! A displacement below a cut-off, with its derivatives, and where its motion ends.
 
 use crate::criteria::BAND_POWER;
-use crate::spectrum::Motion;
+use crate::linear::{dot, gram};
+use crate::spectrum::{Motion, motion_band_hz};
+use nalgebra::DVector;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -10,6 +12,15 @@ use std::f64::consts::{PI, TAU};
 const FALL: f64 = 0.15;
 /// Share of a signal that is mirrored at each end, at most.
 const MIRRORED: f64 = 0.25;
+
+/// Share of a cycle of the band's end over which the bend of an end is read.
+const PART: f64 = 0.35;
+/// Fewer samples tell no bend.
+const FEW: usize = 8;
+/// Power of the curve through them.
+const CURVE: i32 = 5;
+/// Widths beyond which a bend is nothing.
+const GONE: f64 = 6.0;
 
 /// The discrete Fourier transform of a displacement, mirrored at its ends with equal slope.
 #[derive(Debug)]
@@ -20,16 +31,97 @@ pub struct Band {
     interval_s: f64,
     first: f64,
     slope: f64,
+    bends: [Bend; 2],
+}
+
+/// How a signal bends at one of its ends: `a t^2 / 2` that fades within a share of a cycle. Without it a mirror image
+/// would turn the acceleration round there.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bend {
+    /// Where, s.
+    at_s: f64,
+    /// Second derivative there.
+    acceleration: f64,
+    /// Where it has faded, s.
+    width_s: f64,
+}
+
+impl Bend {
+    /// From the first samples of a signal, or of its reverse: a polynomial through a part of a cycle, by least squares.
+    fn of(start: impl Iterator<Item = f64>, width_s: f64, interval_s: f64, at_s: f64) -> Self {
+        let y: Vec<f64> = start.collect();
+        let n = y.len();
+        let t = |i: usize| i as f64 / n as f64;
+        let columns: Vec<Vec<f64>> = (0..=CURVE)
+            .map(|power| (0..n).map(|i| t(i).powi(power)).collect())
+            .collect();
+        let matrix = gram(&columns);
+        let right = DVector::from_fn(columns.len(), |i, _| dot(&columns[i], &y));
+        let Some(inverse) = matrix.try_inverse() else {
+            return Self::default();
+        };
+        let w = &inverse * right;
+        let left: f64 = (0..n)
+            .map(|i| {
+                let fit: f64 = (0..columns.len()).map(|c| w[c] * columns[c][i]).sum();
+                (y[i] - fit).powi(2)
+            })
+            .sum();
+        let variance = inverse[(2, 2)] * left / (n - columns.len()) as f64;
+        // As much of it as is no noise.
+        let sure = 1.0 - (variance / (w[2] * w[2]).max(f64::MIN_POSITIVE)).min(1.0);
+        let span = n as f64 * interval_s;
+        Self {
+            at_s,
+            acceleration: 2.0 * w[2] / (span * span) * sure,
+            width_s,
+        }
+    }
+
+    /// Value, first and second derivative.
+    fn over(&self, t_s: f64) -> [f64; 3] {
+        let u = (t_s - self.at_s) / self.width_s;
+        if u.abs() > GONE || self.acceleration == 0.0 {
+            return [0.0; 3];
+        }
+        // a t^2 / 2 exp(-u^2).
+        let fades = self.acceleration * (-u * u).exp();
+        let t = t_s - self.at_s;
+        [
+            0.5 * fades * t * t,
+            fades * t * (1.0 - u * u),
+            fades * (1.0 - 5.0 * u * u + 2.0 * u.powi(4)),
+        ]
+    }
 }
 
 impl Band {
     pub fn new(x: &[f64], interval_s: f64) -> Self {
         let n = x.len();
+        let end_s = (n - 1) as f64 * interval_s;
+        let mut bends = [Bend::default(); 2];
+        if let Some(hz) = motion_band_hz(x, interval_s) {
+            let samples = (PART / (hz * interval_s)) as usize;
+            if samples >= FEW && 4 * samples < n {
+                let width = PART / hz;
+                let first = x[..samples].iter().copied();
+                let last = x[n - samples..].iter().rev().copied();
+                bends = [
+                    Bend::of(first, width, interval_s, 0.0),
+                    Bend::of(last, width, interval_s, end_s),
+                ];
+            }
+        }
+        let straight = |(i, x): (usize, &f64)| {
+            let t = i as f64 * interval_s;
+            x - bends.iter().map(|b| b.over(t)[0]).sum::<f64>()
+        };
+        let x: Vec<f64> = x.iter().enumerate().map(straight).collect();
         let least = ((MIRRORED * n as f64) as usize).min(n - 1);
         let pad = (smooth_length(n + least) - n) / 2;
         let pad = pad.min(n - 1);
         let mut series: Vec<f64> = (1..=pad).rev().map(|i| 2.0 * x[0] - x[i]).collect();
-        series.extend_from_slice(x);
+        series.extend_from_slice(&x);
         series.extend((1..=pad).map(|i| 2.0 * x[n - 1] - x[n - 1 - i]));
         let m = series.len();
         // A straight line from end to end is taken off, so that the period closes.
@@ -44,6 +136,7 @@ impl Band {
             interval_s,
             first,
             slope,
+            bends,
         }
     }
 
@@ -89,7 +182,7 @@ impl Band {
         let here = self.pad * fine..(self.pad + self.n - 1) * fine + 1;
         let line = |i: usize| self.first + self.slope * (i as f64 / fine as f64 + self.pad as f64);
         let speed = self.slope / self.interval_s;
-        Motion {
+        let mut motion = Motion {
             x: both[here.clone()]
                 .iter()
                 .enumerate()
@@ -97,7 +190,17 @@ impl Band {
                 .collect(),
             v: both[here.clone()].iter().map(|c| c.im + speed).collect(),
             a: third[here].iter().map(|c| c.re).collect(),
+        };
+        for i in 0..motion.x.len() {
+            let t = i as f64 * self.interval_s / fine as f64;
+            for bend in &self.bends {
+                let [x, v, a] = bend.over(t);
+                motion.x[i] += x;
+                motion.v[i] += v;
+                motion.a[i] += a;
+            }
         }
+        motion
     }
 
     /// Where nine tenths of the speed's power lie below, Hz; the level of the upper half of the spectrum is taken for
@@ -152,6 +255,22 @@ fn smooth_length(least: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_motion_that_begins_and_ends_at_its_crest_has_its_acceleration_there() {
+        let (h, w) = (2e-3, TAU * 0.7);
+        let x: Vec<f64> = (0..5001).map(|i| 10.0 * (w * i as f64 * h).cos()).collect();
+        let m = Band::new(&x, h).motion(8.0, 1);
+        for i in (0..25).chain(4976..5001) {
+            let a = -w * w * x[i];
+            assert!(
+                (m.a[i] - a).abs() < 0.05 * w * w * 10.0,
+                "{i}: {} {a}",
+                m.a[i]
+            );
+            assert!((m.x[i] - x[i]).abs() < 0.01, "{i}");
+        }
+    }
 
     #[test]
     fn derivatives_of_a_swept_sine_are_those_of_its_equation() {

@@ -8,7 +8,7 @@ use super::set::{DECLARED, Library, Set, column};
 use crate::answer::Certificate;
 use crate::criteria::{BESIDE_THE_REST, BLOCKS, PRICE};
 use nalgebra::{DMatrix, DVector};
-use plant::Effect;
+use plant::{Effect, Family};
 use rayon::prelude::*;
 
 /// A name and what speaks for it.
@@ -30,6 +30,8 @@ pub struct Candidate {
     pub inseparable: Vec<(Effect, Kind)>,
     /// The best of each other family and kind; best first.
     pub rivals: Vec<Rival>,
+    /// It is named hysteresis and yields so early that it may be friction.
+    pub may_slide: bool,
     /// Of one kind with it but of another family.
     pub kin: Option<Rival>,
 }
@@ -139,6 +141,11 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
             }),
         }
     }
+    for g in groups.iter_mut().filter(|g| g.kind == Kind::Place) {
+        if g.elements.len() > 1 {
+            g.name = spring(library, set, &strengths, &g.elements);
+        }
+    }
     if groups.is_empty() {
         let moved = (0..DECLARED).filter(|&i| set.moved[i]);
         groups.extend(moved.map(|i| Group {
@@ -150,6 +157,33 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
         }));
     }
     groups
+}
+
+/// The name of several elements that depend on the place: together they are one spring, whose two sides may be alike.
+fn spring(library: &Library, set: &Set, strengths: &[f64], own: &[usize]) -> Effect {
+    let sizes = &library.sizes;
+    let places = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|u| sizes.middle + u * sizes.x);
+    let mut force = [0.0; 5];
+    for (&e, strength) in set.elements.iter().zip(&strengths[DECLARED..]) {
+        if own.contains(&e) {
+            let own = library.elements[e].over(&places, sizes);
+            force
+                .iter_mut()
+                .zip(own)
+                .for_each(|(f, o)| *f += strength * o);
+        }
+    }
+    let [a, b, c, d, e] = force;
+    let (odd, half) = (0.5 * (e - a), 0.5 * (d - b));
+    // What bends alike on both sides, and what does not.
+    let (bends, differs) = (odd - 2.0 * half, 0.5 * (e + a) - c);
+    if differs.abs() > bends.abs() {
+        Effect::AsymmetricStiffness
+    } else if bends > 0.0 {
+        Effect::Hardening
+    } else {
+        Effect::Softening
+    }
 }
 
 fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
@@ -218,6 +252,11 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
             beside_the_rest(library, group.kind, &group.elements)
         },
         varies: varies(library, &group.elements),
+        may_slide: family == Family::Hysteresis
+            && group
+                .elements
+                .iter()
+                .any(|&e| library.elements[e].may_slide(&library.sizes)),
         inseparable: if group.elements.is_empty() {
             Vec::new()
         } else {

@@ -4,20 +4,36 @@ use super::blocks::{Blocks, Term};
 use super::set::{DECLARED, column, declared_columns};
 use super::track::{Sizes, Source, Track};
 use super::{element::Element, element::Law};
-use crate::criteria::{BAND_ROOM, CUTOFF_ROOM, CUTOFFS};
+use crate::base::Base;
+use crate::criteria::{BAND_ROOM, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
 use crate::linear::Bound;
 use rayon::prelude::*;
 
+/// What a cut-off leaves, cross-validated.
+struct Judged {
+    hz: f64,
+    /// With everything free.
+    free: f64,
+    /// With the declared parameters within their tolerances.
+    held: f64,
+}
+
 /// The lowest cut-off of a ladder whose cross-validated squares are within a few percent of the best; never inside the
-/// band of any span.
-pub fn choose(train: &[Source], test: &[Source], found: Option<&[Element]>) -> Option<f64> {
+/// band of any span, and none at which the declared model itself drowns in the noise of its derivatives: free parameters
+/// hide that, since a mass that multiplies noise is fitted as none.
+pub fn choose(
+    base: &Base,
+    train: &[Source],
+    test: &[Source],
+    found: Option<&[Element]>,
+) -> Option<f64> {
     let band = |s: &[Source]| s.iter().map(Source::band_hz).fold(0.0, f64::max);
     let (own, other) = (band(train), band(test));
     let half_rate = 0.5 / train[0].interval_s();
     let lowest = (BAND_ROOM * own.max(other)).min(half_rate);
     let step = (half_rate / lowest).powf(1.0 / (CUTOFFS - 1) as f64);
     let ladder: Vec<f64> = (0..CUTOFFS).map(|i| lowest * step.powi(i as i32)).collect();
-    let judged: Vec<(f64, f64)> = ladder
+    let judged: Vec<Judged> = ladder
         .par_iter()
         .filter_map(|&hz| {
             let hz_used = if hz > 0.99 * half_rate {
@@ -26,18 +42,20 @@ pub fn choose(train: &[Source], test: &[Source], found: Option<&[Element]>) -> O
                 hz
             };
             let tracks: Vec<Track> = train.iter().map(|s| s.track(hz_used)).collect();
-            Some((hz, squares(&tracks, found)?))
+            let [free, held] = squares(base, &tracks, found)?;
+            Some(Judged { hz, free, held })
         })
         .collect();
-    let best = judged.iter().map(|j| j.1).fold(f64::INFINITY, f64::min);
-    judged
-        .into_iter()
-        .find(|j| j.1 <= CUTOFF_ROOM * best)
-        .map(|j| j.0)
+    let least = |of: fn(&Judged) -> f64| judged.iter().map(of).fold(f64::INFINITY, f64::min);
+    let most_held = CUTOFF_HOLDS * least(|j| j.held);
+    let clear = || judged.iter().filter(|j| j.held <= most_held);
+    let best = clear().map(|j| j.free).fold(f64::INFINITY, f64::min);
+    clear().find(|j| j.free <= CUTOFF_ROOM * best).map(|j| j.hz)
 }
 
-/// Cross-validated squares of a model of everyday columns, or of elements that were found.
-fn squares(tracks: &[Track], found: Option<&[Element]>) -> Option<f64> {
+/// Cross-validated squares of a model of everyday columns, or of elements that were found: with all parameters free, and
+/// with the declared ones within their tolerances.
+fn squares(base: &Base, tracks: &[Track], found: Option<&[Element]>) -> Option<[f64; 2]> {
     let sizes = Sizes::of(tracks);
     let everyday = [
         Element::new(Law::Saturating, [0.05 * sizes.v]),
@@ -56,7 +74,12 @@ fn squares(tracks: &[Track], found: Option<&[Element]>) -> Option<f64> {
             .map(|e| column(tracks, 1, |t| e.force(t, &sizes))),
     );
     let force: Vec<f64> = tracks.iter().flat_map(|t| t.force.clone()).collect();
-    let terms: Vec<Term> = (0..columns.len()).map(|i| (i, Bound::FREE)).collect();
-    let costs = Blocks::new(&columns, &force).cross_validated(&terms)?;
-    Some(costs.iter().sum())
+    let blocks = Blocks::new(&columns, &force);
+    let free: Vec<Term> = (0..columns.len()).map(|i| (i, Bound::FREE)).collect();
+    let mut held = free.clone();
+    for (i, term) in held.iter_mut().take(DECLARED).enumerate() {
+        term.1 = base.within_tolerances(i);
+    }
+    let sum = |terms: &[Term]| Some(blocks.cross_validated(terms)?.iter().sum::<f64>());
+    Some([sum(&free)?, sum(&held)?])
 }

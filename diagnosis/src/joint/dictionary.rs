@@ -43,6 +43,12 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
             }
         }
     }
+    // A dashpot of nearly its speed behind a spring.
+    for give in [0.08, 0.2, 0.4] {
+        for creep in [0.5, 1.0] {
+            add(Law::InSeries, [give * x, creep * v, 1.4, 0.0]);
+        }
+    }
     for exponent in [0.2, 0.35, 0.5, 0.7, 0.85, 1.2, 1.5, 2.0, 2.5, 3.0] {
         add(Law::PowerOfSpeed, [exponent, 0.0, 0.0, 0.0]);
     }

@@ -2,7 +2,9 @@
 
 use super::laws;
 use super::track::{Sizes, Track};
-use crate::criteria::{EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, NEARLY, STRIBECK_YIELD};
+use crate::criteria::{
+    EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_FRICTION, NEARLY, RELAXES, STRIBECK_YIELD,
+};
 use crate::linear::Bound;
 use plant::Effect;
 use serde::{Deserialize, Serialize};
@@ -144,6 +146,21 @@ impl Element {
         }
     }
 
+    /// The force of a spring at some places.
+    pub fn over(&self, places: &[f64], sizes: &Sizes) -> Vec<f64> {
+        let track = Track {
+            interval_s: sizes.interval_s,
+            fine: 1,
+            x: places.to_vec(),
+            v: vec![0.0; places.len()],
+            a: Vec::new(),
+            first: 0,
+            time_s: Vec::new(),
+            force: Vec::new(),
+        };
+        self.force(&track, sizes)
+    }
+
     /// What its strength may be.
     pub fn bound(&self) -> Bound {
         match self.law {
@@ -171,6 +188,7 @@ impl Element {
     /// Its kind.
     pub fn kind(&self, sizes: &Sizes) -> Kind {
         match self.law {
+            Law::InSeries if self.relaxes() => Kind::Linear,
             Law::Slider
             | Law::Stribeck
             | Law::BoucWen
@@ -196,6 +214,7 @@ impl Element {
         let [p, q, ..] = self.shape;
         let give = p / sizes.x;
         match self.law {
+            Law::InSeries if self.relaxes() => Effect::MaxwellDamper,
             Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
             Law::Slider | Law::InSeries | Law::SliderAway | Law::SliderAlong | Law::Distributed
                 if self.yields_at() < FRICTION_YIELD * sizes.x =>
@@ -230,9 +249,29 @@ impl Element {
         let near = match self.law {
             Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
             Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
+            Law::InSeries if self.relaxes() => self.shape[2] * NEARLY > RELAXES,
+            Law::InSeries => {
+                return kind == Kind::Linear && self.shape[2] < NEARLY * RELAXES;
+            }
             _ => false,
         };
         near && kind == Kind::Memory
+    }
+
+    /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
+    pub fn may_slide(&self, sizes: &Sizes) -> bool {
+        let yields = matches!(
+            self.law,
+            Law::Slider | Law::Stribeck | Law::BoucWen | Law::Distributed | Law::InSeries
+        );
+        let give = self.yields_at() / sizes.x;
+        yields && give > FRICTION_YIELD && give < MAY_BE_FRICTION
+    }
+
+    /// Whether what is in series with the spring is more a dashpot than friction: its force grows at least with the root of
+    /// the speed.
+    fn relaxes(&self) -> bool {
+        self.law == Law::InSeries && self.shape[2] < RELAXES
     }
 
     /// Where it yields, mm.
@@ -293,7 +332,7 @@ impl Element {
             Law::InSeries => {
                 (1e-3 * x..=0.6 * x).contains(&p)
                     && (1e-3 * sizes.v..=3.0 * sizes.v).contains(&q)
-                    && (1.5..=12.0).contains(&r)
+                    && (1.1..=12.0).contains(&r)
             }
             Law::PowerOfSpeed => (0.1..=4.0).contains(&p),
             Law::Saturating => (3e-3 * sizes.v..=2.0 * sizes.v).contains(&p),

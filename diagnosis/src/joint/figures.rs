@@ -51,6 +51,12 @@ pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED
             ]
         }
         Effect::BoucWenHysteresis => vec![("force_n", "N", strength), ("yield_mm", "mm", p)],
+        Effect::MaxwellDamper if first.law == Law::InSeries => vec![
+            ("stiffness_n_per_mm", "N/mm", strength / p),
+            ("force_at_speed_n", "N", strength),
+            ("speed_mm_per_s", "mm/s", q),
+            ("exponent", "", 1.0 / r),
+        ],
         Effect::MaxwellDamper => vec![
             ("stiffness_n_per_mm", "N/mm", strength),
             ("relaxation_ms", "ms", 1e3 * p),

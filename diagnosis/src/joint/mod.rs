@@ -59,11 +59,11 @@ pub struct Found {
 pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Found> {
     let sources: Vec<Source> = train.iter().map(Source::new).collect::<Option<_>>()?;
     let held_out: Vec<Source> = test.iter().map(Source::new).collect::<Option<_>>()?;
-    let mut cutoff_hz = cutoff::choose(&sources, &held_out, None)?;
+    let mut cutoff_hz = cutoff::choose(base, &sources, &held_out, None)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
     let mut best = searched(&library)?;
-    let again_hz = cutoff::choose(&sources, &held_out, Some(&best.elements))?;
+    let again_hz = cutoff::choose(base, &sources, &held_out, Some(&best.elements))?;
     let other: Vec<Track>;
     if again_hz != cutoff_hz && !best.elements.is_empty() {
         other = sources.iter().map(|s| s.track(again_hz)).collect();

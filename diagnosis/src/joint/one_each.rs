@@ -24,7 +24,7 @@ pub fn one_each(
 ) -> Option<Vec<(Effect, Fit, f64)>> {
     let bare = super::without_known(base, train)?;
     let sources: Vec<Source> = bare.iter().map(Source::new).collect::<Option<_>>()?;
-    let cutoff_hz = cutoff::choose(&sources, &sources, None)?;
+    let cutoff_hz = cutoff::choose(base, &sources, &sources, None)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
     let mut scored: Vec<(Effect, Set, f64)> = (0..library.elements.len())

@@ -73,7 +73,7 @@ pub fn conclude(
     // Friction or hysteresis: of one kind, and where it yields does not tell.
     let undecided = |n: &Candidate| {
         let kin = n.kin.as_ref().is_some_and(|k| k.times < WITHIN_A_KIND);
-        kin || !n.inseparable.is_empty()
+        kin || n.may_slide || !n.inseparable.is_empty()
     };
     let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
     let (open, sure): (Vec<Candidate>, Vec<Candidate>) = sure.cloned().partition(undecided);
@@ -114,6 +114,10 @@ fn members(first: &Candidate) -> Vec<(Effect, f64)> {
             let odds = rival.priced.max(LEAST_TIMES).powf(-WEIGHT);
             members.push((rival.name, commonness(rival.name) * odds));
         }
+    }
+    // As probable as the hysteresis that the model has, whatever the exact shape of its knee.
+    if first.may_slide && members.iter().all(|m| m.0 != Effect::CoulombFriction) {
+        members.push((Effect::CoulombFriction, commonness(first.name)));
     }
     // What the motion cannot tell apart is equally probable, but for how common it is.
     for &(name, _) in &first.inseparable {
@@ -191,6 +195,7 @@ mod tests {
             rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
             beside: -1.0,
             varies: false,
+            may_slide: false,
             inseparable: Vec::new(),
             rivals,
             kin: None,
@@ -234,6 +239,15 @@ mod tests {
         let both = members(&friction);
         assert_eq!(both.len(), 2);
         assert!((both[0].1 - both[1].1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn hysteresis_that_yields_early_may_be_friction_and_keeps_its_own_model() {
+        let mut early = candidate(Effect::BoucWenHysteresis, Vec::new());
+        early.may_slide = true;
+        let both = members(&early);
+        assert_eq!(both[0].0, Effect::BoucWenHysteresis);
+        assert_eq!(both[1].0, Effect::CoulombFriction);
     }
 
     #[test]

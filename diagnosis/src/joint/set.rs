@@ -5,7 +5,7 @@ use super::dictionary;
 use super::element::Element;
 use super::track::{Sizes, Track};
 use crate::base::Base;
-use crate::criteria::{BLOCKS, FLOOR, PRICE, REACH};
+use crate::criteria::{BLOCKS, FLOOR, PRICE};
 use crate::linear::Bound;
 use rayon::prelude::*;
 
@@ -142,23 +142,12 @@ impl<'a> Library<'a> {
 
     /// What a declared parameter may be.
     pub fn parameter(&self, i: usize, moved: bool) -> Bound {
-        let value = self.base.values[i];
-        let tolerance = self.base.tolerance(i);
-        // Damping and mass are not negative, unless they are declared so.
-        let floor = if (i == 1 || i == 2) && value >= 0.0 {
-            0.0
-        } else {
-            f64::NEG_INFINITY
-        };
-        if moved {
-            return Bound {
-                low: floor,
-                high: f64::INFINITY,
-            };
+        if !moved {
+            return self.base.within_tolerances(i);
         }
         Bound {
-            low: (value - REACH * tolerance).max(floor),
-            high: value + REACH * tolerance,
+            low: self.base.least(i),
+            high: f64::INFINITY,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The numbers of a model that a fit may move, and how its answer changes with them.
 
 use super::predict::{Planned, answer};
+use crate::criteria::REACH;
 use crate::model::{Declared, Model};
 use plant::Channel;
 
@@ -28,8 +29,6 @@ enum Which {
     Shape(usize, usize),
 }
 
-/// Declared parameters are free within so many tolerances.
-const REACH: f64 = 3.0;
 /// Step of a derivative, as a share of a number's spread.
 const STEP: f64 = 0.02;
 

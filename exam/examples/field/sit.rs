@@ -12,13 +12,25 @@ pub struct Sat {
     pub said: Said,
     /// What comes nearest, and the notes.
     pub notes: Vec<String>,
-    /// For each name with a `q`: that, and whether it is false.
-    pub vouched: Vec<(f64, bool)>,
+    /// Names with a `q`.
+    pub vouched: Vec<Vouched>,
     /// Held-out NRMSE before, after, and the stated floor.
     pub errors: [f64; 3],
     /// User time is that of this thread alone only where one thread works.
     pub seconds: f64,
     pub samples: usize,
+}
+
+/// A name with what speaks for it.
+#[derive(Clone, Debug)]
+pub struct Vouched {
+    pub name: &'static str,
+    pub q: f64,
+    pub is_false: bool,
+    pub certificate: Option<diagnosis::Certificate>,
+    /// Held-out error after over before.
+    pub leaves: f64,
+    pub actuator: bool,
 }
 
 fn recordings(field: &Field) -> [Recording; 2] {
@@ -118,9 +130,16 @@ pub fn sit(seed: u64) -> Sat {
         }
         Ok(d) => {
             let a = &d.channels[0];
+            let leaves = a.error_after.test_rms / a.error_before.test_rms.max(f64::MIN_POSITIVE);
             let vouched = a.effects.iter().filter_map(|e| {
-                let wrong = !field.truth.allows(e.name.name());
-                e.q.map(|q| (q, wrong))
+                Some(Vouched {
+                    name: e.name.name(),
+                    q: e.q?,
+                    is_false: !field.truth.allows(e.name.name()),
+                    certificate: e.certificate,
+                    leaves,
+                    actuator: matches!(field.believed, Believed::Actuator(_)),
+                })
             });
             let unit = a.error_before.test_nrmse / a.error_before.test_rms.max(f64::MIN_POSITIVE);
             let errors = [

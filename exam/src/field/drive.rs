@@ -202,6 +202,7 @@ impl Rig {
         let linear = matches!(self.cause, Drive::Slower | Drive::Later | Drive::OilColumn);
         Truth {
             cause: self.cause.name(),
+            steps: false,
             right: right.to_vec(),
             beside: beside.to_vec(),
             nameless: matches!(self.cause, Drive::Hunting | Drive::SecondAxis),

@@ -378,6 +378,7 @@ impl Rig {
         };
         Truth {
             cause: self.cause.name(),
+            steps: false,
             right: own.0.to_vec(),
             beside: own.1.to_vec(),
             nameless: matches!(

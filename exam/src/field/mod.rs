@@ -104,7 +104,10 @@ fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
         train,
         test,
         one_file,
-        truth: rig.truth(&plan),
+        truth: Truth {
+            steps: reading.has_steps(),
+            ..rig.truth(&plan)
+        },
     }
 }
 
@@ -134,6 +137,9 @@ fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
         train,
         test,
         one_file,
-        truth: rig.truth(&plan),
+        truth: Truth {
+            steps: reading.has_steps(),
+            ..rig.truth(&plan)
+        },
     }
 }

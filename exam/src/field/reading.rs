@@ -28,6 +28,11 @@ impl Reading {
         }
     }
 
+    /// Whether a converter's steps are in the record.
+    pub(super) const fn has_steps(&self) -> bool {
+        self.bits > 0
+    }
+
     /// A record of a motion; the displacement's noise is a third of the force's.
     pub(super) fn record(
         &self,
