@@ -53,6 +53,14 @@ pub const WORTH_A_NAME: f64 = 0.05;
 /// A name is given where rivals of every other kind leave so many times the squares (`joint/certificate.rs`: the table
 /// of false names among 300 simulated and 43 real records).
 pub const CERTAIN: f64 = 2.0;
+/// Expected share of false names by how many times the squares the best rival leaves, at least; below the last, [`LEAST_SURE`].
+/// Counted on drawn rigs (docs/diagnosis.md); no sample is large enough to promise less than one in fifty.
+pub const FALSE_NAMES: [(f64, f64); 4] = [(3.0, 0.02), (2.0, 0.04), (1.5, 0.15), (1.2, 0.25)];
+/// Expected share of false names whose rival leaves next to nothing more.
+pub const LEAST_SURE: f64 = 0.4;
+/// Expected share of false names of effects tried one by one against a known noise, of those that leave nothing but noise
+/// and of those that leave more.
+pub const FALSE_SINGLES: [f64; 2] = [0.04, 0.1];
 /// Beside an unnamed rest of all other kinds an element must still lower the squares by this share.
 pub const BESIDE_THE_REST: f64 = 0.03;
 /// A set of more names says nothing.
@@ -104,6 +112,8 @@ pub const LINES: f64 = 0.3;
 /// What a declared model leaves below this share of the force is within the class of a good load cell (0.5, ISO 7500-1):
 /// where no element is worth its price nothing is missing that could be asked about.
 pub const TRANSDUCER: f64 = 0.005;
+/// The same of a displacement (0.1, a good LVDT), where no rest tells that it is better than that.
+pub const DISPLACEMENT_TRANSDUCER: f64 = 0.001;
 /// A rest that is so many times as loud as samples of the same motion differ by is none: that figure is within a third.
 pub const LOUD_REST: f64 = 2.0;
 /// A single name of an actuator that leaves no more than this share of the squares is what is missing there, whatever else

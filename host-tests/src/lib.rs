@@ -9,6 +9,7 @@ pub mod foresight;
 pub mod loopback;
 pub mod outside;
 pub mod qemu;
+pub mod simulated;
 
 use outerloop_core::{
     Config, Design, Event, GroundMotion, Method, Mode, OuterLoop, Record, Sample, config::Filter,

@@ -76,6 +76,23 @@ impl Case {
         self.between(&self.train, &self.test)
     }
 
+    /// The whole of the first held-out file, and where its span begins, s.
+    ///
+    /// # Errors
+    /// The sentence of a refusal.
+    pub fn held_out(&self) -> Result<(diagnosis::Recording, f64), String> {
+        let folder = test_data::file("outside").ok_or("no data")?;
+        let first = self.test.first().ok_or("nothing is held out")?;
+        let (file, span) = first.split_once('@').unwrap_or((first, "0.."));
+        let from_s = span.split_once("..").and_then(|s| s.0.parse().ok());
+        let part: Part = folder.join(file).display().to_string().parse()?;
+        let whole = Library::default()
+            .parts(&[part])
+            .map_err(|e| e.to_string())?;
+        let whole = whole.into_iter().next().ok_or("no record")?;
+        Ok((whole, from_s.unwrap_or(0.0)))
+    }
+
     /// What is trained with and what is held out.
     pub fn spans(&self) -> [&[String]; 2] {
         [&self.train, &self.test]

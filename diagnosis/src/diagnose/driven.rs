@@ -3,12 +3,12 @@
 use super::Channelled;
 use crate::answer::*;
 use crate::base::Base;
-use crate::criteria::WORTH_A_NAME;
+use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
 use crate::drivetrain::{self, Data, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::{Noise, Source};
 use crate::problem::rms;
-use crate::{advice, interval};
+use crate::{advice, interval, joint};
 use plant::Effect;
 
 /// Up to so much of a noise that a rest has told, beside it, nothing is missing.
@@ -37,11 +37,6 @@ fn errors(fit: &Fit, train: &Data, test: &Data) -> (Errors, Vec<f64>) {
         test_rms: rms(std::slice::from_ref(&tested)),
     };
     (errors, tested)
-}
-
-/// Expected share of false names at a certificate, from simulated and real records (docs/diagnosis.md).
-fn q(rho: f64) -> f64 {
-    if rho >= 3.0 { 0.02 } else { 0.04 }
 }
 
 impl Channelled<'_> {
@@ -81,7 +76,9 @@ impl Channelled<'_> {
             answer.verdict = Verdict::Unknown;
             answer.nearest = Some(Nearest { name, explained });
         };
+        let exact = before.test_nrmse < DISPLACEMENT_TRANSDUCER && noise.from != Source::Rest;
         match found.outcome {
+            _ if exact => {}
             Outcome::Nothing => {
                 if reached > ABOUT_THE_NOISE * noise.rms {
                     let tried = answer.tried.first();
@@ -202,7 +199,7 @@ impl Channelled<'_> {
         FoundEffect {
             name,
             family: name.entry().family,
-            q: certificate.map(|c| q(c.rivals_leave)),
+            q: certificate.map(|c| joint::q(c.rivals_leave)),
             certificate,
             parameters,
         }

@@ -2,7 +2,7 @@
 
 use super::Channelled;
 use crate::answer::*;
-use crate::criteria::TRANSDUCER;
+use crate::criteria::{FALSE_SINGLES, TRANSDUCER};
 use crate::explain::Explanation;
 use crate::fit::Solution;
 use crate::improved::improve;
@@ -16,8 +16,9 @@ use plant::{Channel, Effect, Family};
 /// The held-out data as a problem, and what an answer leaves of them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
 
-/// Gives the names of an answer what speaks for them: of one alone, the best rival of another family, fitted as it was.
-fn vouch(answer: &mut ChannelAnswer) {
+/// Gives the names of an answer what speaks for them: of one alone, the best rival of another family, fitted as it was; of
+/// all, whether they leave more than noise.
+fn vouch(answer: &mut ChannelAnswer, leaves_more: bool) {
     let left = |of: &dyn Fn(Family) -> bool| {
         let tried = answer.tried.iter().filter(|t| of(t.name.entry().family));
         tried.map(|t| t.rms_left).fold(f64::INFINITY, f64::min)
@@ -34,7 +35,7 @@ fn vouch(answer: &mut ChannelAnswer) {
     };
     for effect in &mut answer.effects {
         effect.certificate = certificate;
-        effect.q = Some(0.04);
+        effect.q = Some(FALSE_SINGLES[usize::from(leaves_more)]);
     }
 }
 
@@ -110,7 +111,7 @@ impl Channelled<'_> {
             answer.alternatives.clone_from(&e.alternatives);
             answer.effects = self.effects(&e.after, noise);
             if e.alternatives.is_empty() {
-                vouch(&mut answer);
+                vouch(&mut answer, e.structured[1] > noise.rms);
             }
             improve(&self.base, &e.after, &answer.effects, improved);
         } else if (e.vetoed || found) && !self.within_a_transducer(&before) {

@@ -45,7 +45,10 @@ impl Candidate {
     /// What is said of it.
     pub fn certificate(&self) -> Certificate {
         Certificate {
-            rivals_leave: self.rho,
+            rivals_leave: self
+                .kin
+                .as_ref()
+                .map_or(self.rho, |k| k.times.min(self.rho)),
             beside_the_rest: Some(1.0 - self.beside.exp()),
         }
     }

@@ -8,7 +8,10 @@ use super::polish::polish;
 use super::search::restrict;
 use super::set::{Library, Set};
 use crate::answer::Certificate;
-use crate::criteria::{CERTAIN, LARGEST_SET, LEAST_PROBABLE, LEAST_TIMES, WEIGHT, WITHIN_A_KIND};
+use crate::criteria::{
+    CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
+    WITHIN_A_KIND,
+};
 use plant::{Effect, Family};
 
 /// A model with its names.
@@ -36,15 +39,10 @@ pub enum Outcome {
     Unknown(Effect),
 }
 
-/// Expected share of false names at this certificate, from simulated and real records (docs/diagnosis.md).
-pub fn q(rho: f64) -> f64 {
-    match rho {
-        r if r >= 3.0 => 0.02,
-        r if r >= 2.0 => 0.04,
-        r if r >= 1.5 => 0.15,
-        r if r >= 1.2 => 0.25,
-        _ => 0.4,
-    }
+/// Expected share of false names among all that are given with this certificate or a better one.
+pub fn q(rivals_leave: f64) -> f64 {
+    let row = FALSE_NAMES.iter().find(|row| rivals_leave >= row.0);
+    row.map_or(LEAST_SURE, |row| row.1)
 }
 
 /// How often a cause is met among those that fit a specimen's record equally well, relative to friction: every machine
