@@ -28,6 +28,11 @@ fn all(seeds: std::ops::Range<u64>) -> Vec<Sat> {
             s.notes
         );
     }
+    for s in &all {
+        for v in s.vouched.iter().filter(|v| v.is_false) {
+            println!("false: {} | {}", s.id, v.row());
+        }
+    }
     all
 }
 

@@ -86,21 +86,11 @@ fn by_cause(all: &[Sat]) {
 
 /// What spoke for each name, for those who want to calibrate anew.
 fn evidence(all: &[Sat]) {
-    println!("| rig | name | false | rivals leave | beside the rest | error left | q |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("| rig | name | channel | false | rivals leave | beside the rest | error left | q |");
+    println!("|---|---|---|---|---|---|---|---|");
     for s in all {
         for v in &s.vouched {
-            let rivals = v.certificate.map_or(f64::NAN, |c| c.rivals_leave);
-            let beside = v.certificate.and_then(|c| c.beside_the_rest);
-            println!(
-                "| {} | {} | {} | {rivals:.2} | {:.3} | {:.3} | {} |",
-                s.id,
-                v.name,
-                u8::from(v.is_false),
-                beside.unwrap_or(f64::NAN),
-                v.leaves,
-                v.q
-            );
+            println!("| {} | {} |", s.id, v.row());
         }
     }
 }

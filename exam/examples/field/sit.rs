@@ -33,6 +33,27 @@ pub struct Vouched {
     pub actuator: bool,
 }
 
+impl Vouched {
+    /// As a row of a table: name, channel, whether it is false, what rivals leave, what is left, `q`.
+    pub fn row(&self) -> String {
+        let rivals = self.certificate.map_or(f64::NAN, |c| c.rivals_leave);
+        let beside = self.certificate.and_then(|c| c.beside_the_rest);
+        format!(
+            "{} | {} | {} | {rivals:.2} | {:.3} | {:.3} | {}",
+            self.name,
+            if self.actuator {
+                "actuator"
+            } else {
+                "specimen"
+            },
+            u8::from(self.is_false),
+            beside.unwrap_or(f64::NAN),
+            self.leaves,
+            self.q
+        )
+    }
+}
+
 fn recordings(field: &Field) -> [Recording; 2] {
     let recording = |name: &str, r: &exam::Record| {
         let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
