@@ -72,6 +72,33 @@ fn alone(ground: &GroundMotion<'_>) -> f64 {
     sum
 }
 
+/// The ideal on a linear spring, without a simulated rig.
+fn on_a_spring(ground: &GroundMotion<'_>) -> f64 {
+    let mut test = IdealTest::new(&design(Method::None));
+    let mut sum = 0.0;
+    for _ in 0..STEPS {
+        let force_n = STIFFNESS_N_PER_M * f64::from(test.command_m()[0]);
+        test.step([force_n as f32], ground);
+        sum += f64::from(test.command_m()[0]);
+    }
+    sum
+}
+
+/// The ideals of four tests on springs, step by step in turn: what one waits for is time for the others.
+fn in_turn(ground: &GroundMotion<'_>) -> f64 {
+    let design = design(Method::None);
+    let mut tests: [IdealTest<1>; 4] = core::array::from_fn(|_| IdealTest::new(&design));
+    let mut sum = 0.0;
+    for _ in 0..STEPS / 4 {
+        for test in &mut tests {
+            let force_n = STIFFNESS_N_PER_M * f64::from(test.command_m()[0]);
+            test.step([force_n as f32], ground);
+        }
+        sum += f64::from(tests[0].command_m()[0]);
+    }
+    sum
+}
+
 fn main() {
     let points: Vec<f32> = (0..STEPS / 20 + 2)
         .map(|i| 2.0 * (i as f32 * 0.07).sin() + (i as f32 * 0.31).sin())
@@ -79,7 +106,7 @@ fn main() {
     let ground = GroundMotion::new(&points, 0.01, 5e-4).expect("a possible record");
     let method = Method::from_name("tangent").expect("a method of core");
     let none = Method::None;
-    let ways: [(&str, &dyn Fn() -> f64); 3] = [
+    let ways: [(&str, &dyn Fn() -> f64); 5] = [
         ("the test, `tangent` on a delay of 4 ms", &|| {
             whole(method, ActuatorKind::Delay, &ground)
         }),
@@ -87,9 +114,11 @@ fn main() {
             whole(none, ActuatorKind::Ideal, &ground)
         }),
         ("its ideal by the integration alone", &|| alone(&ground)),
+        ("the same on a spring", &|| on_a_spring(&ground)),
+        ("four of them in turn", &|| in_turn(&ground)),
     ];
-    let mut best_ns = [f64::INFINITY; 3];
-    let mut sums = [0.0; 3];
+    let mut best_ns = [f64::INFINITY; 5];
+    let mut sums = [0.0; 5];
     for _ in 0..RUNS {
         for (way, (_, run)) in ways.iter().enumerate() {
             let began = Instant::now();
@@ -98,6 +127,7 @@ fn main() {
         }
     }
     assert_eq!(sums[1].to_bits(), sums[2].to_bits(), "the same ideal");
+    assert_eq!(sums[2].to_bits(), sums[3].to_bits(), "the same spring");
     for ((name, _), ns) in ways.iter().zip(best_ns) {
         println!("{name:42} {ns:6.1} ns a control step");
     }
@@ -105,6 +135,6 @@ fn main() {
     println!(
         "control steps of a test, ideal included: {:.2} million a second and core through the whole loop, {:.2} now",
         rate(1),
-        rate(2)
+        rate(4)
     );
 }

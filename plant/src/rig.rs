@@ -40,6 +40,29 @@ impl RigSpec {
         Ok(self)
     }
 
+    /// Stiffness of every storey, N/m, of a rig whose force is nothing but that times the drift: linear springs under ideal
+    /// actuators and sensors. `None` of any other.
+    ///
+    /// # Errors
+    /// A stiffness that is out of its range, by its path.
+    pub fn elastic_n_per_m(
+        &self,
+        storey_stiffness_n_per_m: &[f64],
+    ) -> Result<Option<Vec<f64>>, RigError> {
+        let springs = Self {
+            specimen: SpecimenSpec {
+                stiffness_n_per_m: self.specimen.stiffness_n_per_m.clone(),
+                ..SpecimenSpec::default()
+            },
+            ..Self::default()
+        };
+        if *self != springs {
+            return Ok(None);
+        }
+        let stiffness = self.specimen.stiffness(storey_stiffness_n_per_m)?;
+        Ok(Some(stiffness))
+    }
+
     /// The rig that a test is compared with: the same specimen, of which nothing hangs on the load cell, under ideal
     /// actuators and sensors, without any effect.
     pub fn ideal(&self) -> Self {

@@ -8,7 +8,6 @@ use crate::judged::Run;
 use crate::provenance::Told;
 use crate::report::{self, Many, Section};
 use crate::stability::perturbed::Spread;
-use crate::stability::rig::Variation;
 use crate::summary::Summary;
 use crate::terminal::{Progress, percent, table};
 use crate::trace::Response;
@@ -47,6 +46,9 @@ const SPREAD: Spread = Spread {
     stiffness: 0.05,
     damping: 0.0,
 };
+
+/// Tests whose ideals are worked out together.
+const TOGETHER: usize = 4;
 
 /// What many tests came to.
 #[derive(Debug, Serialize)]
@@ -89,14 +91,23 @@ impl MonteCarlo {
         let steps = experiment.control_steps();
         let progress = Progress::over("tests", (steps * self.tests) as u64);
         let began = Instant::now();
-        let summaries: Vec<Summary> = rigs
-            .par_iter()
+        let parts: Vec<Vec<Summary>> = rigs
+            .par_chunks(TOGETHER)
             .enumerate()
-            .map(|(i, rig)| {
-                let one = self.one(&experiment, kind, (i, rig), Some(&progress))?;
-                Ok(one.run.summary)
+            .map(|(part, rigs)| {
+                let own: Vec<Experiment> = rigs.iter().map(|rig| experiment.on_rig(rig)).collect();
+                let plants: Vec<_> = own.iter().map(|o| o.test.plant.clone()).collect();
+                let ideals = experiment.ideals(&plants)?;
+                let pairs = own.into_iter().zip(ideals).enumerate();
+                pairs
+                    .map(|(i, pair)| {
+                        let one = self.one(pair, kind, part * TOGETHER + i, Some(&progress))?;
+                        Ok(one.run.summary)
+                    })
+                    .collect()
             })
             .collect::<Result<_, Failure>>()?;
+        let summaries: Vec<Summary> = parts.into_iter().flatten().collect();
         let wall_s = began.elapsed().as_secs_f64();
         drop(progress);
         let outcome = outcome(&summaries, wall_s);
@@ -105,7 +116,9 @@ impl MonteCarlo {
             let worst = (0..rigs.len())
                 .max_by(|a, b| summaries[*a].error().total_cmp(&summaries[*b].error()))
                 .unwrap_or(0);
-            let one = self.one(&experiment, kind, (worst, &rigs[worst]), None)?;
+            let own = experiment.on_rig(&rigs[worst]);
+            let ideal = own.ideal()?;
+            let one = self.one((own, ideal), kind, worst, None)?;
             let many = Many {
                 spread: &spread,
                 rigs: &rigs,
@@ -127,17 +140,14 @@ impl MonteCarlo {
         Ok(())
     }
 
-    /// The test on the `i`-th rig; every step is kept where no progress is told.
+    /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step is kept where no progress is told.
     fn one(
         &self,
-        experiment: &Experiment,
+        (own, ideal): (Experiment, Response),
         kind: Method,
-        (i, rig): (usize, &Variation),
+        i: usize,
         progress: Option<&Progress>,
     ) -> Result<One, Failure> {
-        let own = experiment.on_rig(rig);
-        // What is wrong with a specimen is no error of the test: it is in the ideal as well.
-        let ideal = own.ideal()?;
         let seed = self.common.seed.wrapping_add(i as u64);
         let run = match progress {
             Some(progress) => own.run(kind, &ideal, seed, false, progress.witness())?,
