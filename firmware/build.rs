@@ -7,7 +7,7 @@ fn main() {
     let board = std::env::var_os("CARGO_FEATURE_NUCLEO_F429ZI").is_some();
     let target = std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "none");
     if board && target {
-        for image in ["nucleo_f429zi", "nucleo_f429zi_16"] {
+        for image in ["nucleo_f429zi", "nucleo_f429zi_16", "nucleo_f429zi_3"] {
             println!("cargo:rustc-link-arg-bin={image}=-Tdefmt.x");
         }
     }

@@ -2,10 +2,11 @@
 //! chip has something to do.
 
 mod faults;
+mod motion;
 mod pins;
 mod timer;
 
-use crate::chain::{self, Chain, Converters, Instant, Shown};
+use crate::chain::{Chain, Converters, Instant, Shown};
 use crate::log::{Fault, Log, Planned, Seen};
 use crate::nucleo::Nucleo;
 use crate::permission::Permission;
@@ -14,7 +15,7 @@ use crate::registers::{
 };
 use crate::servo::Servo;
 use crate::wire::Wire;
-use link::Calibration;
+use link::{Calibration, MAX_ACTUATORS};
 use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
 use plant::Rig;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
@@ -33,14 +34,11 @@ const PC_STEPS: u32 = 400;
 /// For so long, and no longer.
 const PC_PATIENCE: Duration = Duration::from_secs(5);
 
-/// A rig that sinks comes to rest at this share of its stroke.
-const SUNK_SHARE: f64 = 0.6;
-
 /// The rig, the converters, and what goes wrong.
 pub struct Laboratory {
     wire: Wire,
     rig: Rig,
-    wired: Calibration,
+    wired: [Calibration; MAX_ACTUATORS],
     plan: Option<Planned>,
     drill_address: u64,
     /// The board's time waits for the PC.
@@ -54,11 +52,13 @@ pub struct Laboratory {
     mutant: Option<Mutant>,
     chain: Chain,
     permission: Permission,
-    servo: Servo,
-    /// Where the rig stands while it is blocked, m, and how fast it sinks then, m/s.
-    stands_at_m: f64,
+    servos: [Servo; MAX_ACTUATORS],
+    /// Where each actuator stands while the rig is blocked, m, and how fast it sinks then, m/s.
+    stands_at_m: [f64; MAX_ACTUATORS],
     sinks_m_per_s: f64,
-    /// Where it was in the last two steps, m.
+    /// The actuator whose sensors and servo go wrong.
+    victim: usize,
+    /// Where the first one was in the last two steps, m.
     was_at_m: [f64; 2],
     last_trigger_ns: u64,
     permit_steps: u64,
@@ -79,7 +79,7 @@ impl Laboratory {
         Self {
             wire,
             rig,
-            wired: Calibration::over(0.05, 1e4, &converters.widths()),
+            wired: [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS],
             plan: None,
             drill_address,
             patient: true,
@@ -91,9 +91,10 @@ impl Laboratory {
             mutant: None,
             chain: Chain::new(converters),
             permission: Permission::default(),
-            servo: Servo::default(),
-            stands_at_m: 0.0,
+            servos: Default::default(),
+            stands_at_m: [0.0; MAX_ACTUATORS],
             sinks_m_per_s: 0.0,
+            victim: 0,
             was_at_m: [0.0; 2],
             last_trigger_ns: 0,
             permit_steps: 0,
@@ -111,7 +112,7 @@ impl Laboratory {
     /// With these converters, of the ranges of a board that nobody has calibrated.
     pub fn with_converters(mut self, converters: Converters) -> Self {
         self.chain = Chain::new(converters);
-        self.wired = Calibration::over(0.05, 1e4, &converters.widths());
+        self.wired = [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS];
         self
     }
 
@@ -122,8 +123,19 @@ impl Laboratory {
     }
 
     /// With converters of other ranges than those of a board that nobody has calibrated.
-    pub fn wired(mut self, wired: Calibration) -> Self {
+    pub fn wired(self, wired: Calibration) -> Self {
+        self.wired_each([wired; MAX_ACTUATORS])
+    }
+
+    /// With such of ranges of their own for each actuator.
+    pub fn wired_each(mut self, wired: [Calibration; MAX_ACTUATORS]) -> Self {
         self.wired = wired;
+        self
+    }
+
+    /// What goes wrong with sensors goes wrong with those of this actuator, from 0.
+    pub fn at_actuator(mut self, actuator: usize) -> Self {
+        self.victim = actuator;
         self
     }
 
@@ -166,39 +178,6 @@ impl Laboratory {
 
     fn log_mut(&self) -> MutexGuard<'_, Log> {
         self.log.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// One step of the rig, which moves only on a closed contact; gives the codes of its sensors. A pin that floats tells
-    /// the worst, the end of the stroke.
-    fn step_rig(&mut self, session: &mut Session<Nucleo>, at_ns: u64, period_ns: u64) -> Shown {
-        let pin = self.chain.pin(session, &self.registers);
-        let told_m = chain::command_m(&self.wired, pin.unwrap_or(0));
-        let told_m = self.servo.follow(told_m, self.active);
-        let moves =
-            self.permission.closed(at_ns, period_ns) && self.active != Some(Fault::DeadValve);
-        let period_s = period_ns as f64 * 1e-9;
-        if !moves {
-            let lowest_m = SUNK_SHARE * chain::command_m(&self.wired, 0);
-            let sunk_m = self.stands_at_m - self.sinks_m_per_s * period_s;
-            self.stands_at_m = sunk_m.max(lowest_m.min(self.stands_at_m));
-        }
-        let command_m = if moves { told_m } else { self.stands_at_m };
-        let reading = self.rig.step(&[command_m]);
-        let (at_m, n) = (reading.displacement_m[0], reading.force_n[0]);
-        if moves {
-            self.stands_at_m = at_m;
-        }
-        let [last_m, before_m] = self.was_at_m;
-        self.was_at_m = [at_m, last_m];
-        let mut log = self.log_mut();
-        log.pin.push(pin);
-        log.position_m.push(at_m);
-        drop(log);
-        Shown {
-            displacement: chain::sensor_code(self.wired.displacement, at_m),
-            force: chain::sensor_code(self.wired.force, n),
-            acceleration_m_per_s2: (at_m - 2.0 * last_m + before_m) / (period_s * period_s),
-        }
     }
 
     /// An update of TIM2: the end of a period of the rig, onto the pins; then the conversions, if the registers are such

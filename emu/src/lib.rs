@@ -3,7 +3,7 @@
 //! ```text
 //!  wire         the serial port's bytes, to and from whoever plays the PC
 //!  nucleo       the board: the chip, its crystal, its supply, the serial line
-//!  chain        the converters between rig and chip: its own ADC and DAC, or an AD7606 and an AD5761R on its SPI
+//!  chain        the converters between rig and chip: its own ADC and DAC, or an AD7606 and an AD5761R or AD5754R on its SPI
 //!  registers    what the image writes where the emulator has no model, and what it must have written
 //!  servo        what goes wrong between command and rig
 //!  permission   what hangs on PERMIT: monostable, relay, contact

@@ -2,6 +2,7 @@
 
 use crate::permission::Contact;
 use crate::registers::Violation;
+use link::MAX_ACTUATORS;
 
 /// What can go wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +57,7 @@ pub struct Planned {
 pub enum Seen {
     /// The PERMIT line changed.
     Permit(bool),
-    /// The command's code was written.
+    /// The code of the first actuator's command was written.
     Command(u16),
     /// The planned fault came.
     Fault,
@@ -79,8 +80,10 @@ pub struct Log {
     pub violations: Vec<Violation>,
     /// Updates of the sampling timer.
     pub periods: usize,
-    /// Codes that the output pin has shown, period by period; `None` while it floats.
+    /// Codes that the first actuator's output has shown, period by period; `None` while it floats.
     pub pin: Vec<Option<u16>>,
-    /// Where the rig stood, period by period, m.
+    /// Those of the others; `None` too where there is no such actuator.
+    pub other_pins: Vec<[Option<u16>; MAX_ACTUATORS - 1]>,
+    /// Where the first actuator stood, period by period, m.
     pub position_m: Vec<f64>,
 }

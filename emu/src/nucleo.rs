@@ -59,8 +59,8 @@ impl Nucleo {
         }
         chip.usart[USART3].attach(BoardEnd(wire));
         let mut board = Self { chip };
-        if converters == Converters::External {
-            external::attach(&mut board);
+        if converters != Converters::Internal {
+            external::attach(&mut board, converters.actuators());
         }
         Ok(board)
     }

@@ -64,10 +64,15 @@ fn a_frame_whose_first_storey_stands_in_the_laboratory() {
 }
 
 #[test]
-fn three_actuators_are_refused_in_one_sentence_before_anything_is_built() {
-    let said = can_run(&example("three-storey.toml"))
-        .unwrap_err()
-        .to_string();
-    assert!(said.contains("3 storeys in the laboratory"), "{said}");
-    assert_eq!(said.lines().count(), 1);
+fn two_actuators_or_three_of_12_bits_are_refused_in_one_sentence_before_anything_is_built() {
+    let refused = |change: fn(&mut TestFile)| {
+        let mut test = example("three-storey.toml");
+        change(&mut test);
+        can_run(&test).unwrap_err().to_string()
+    };
+    let two = refused(|t| t.config.structure.physical_storeys = Some(2));
+    assert!(two.contains("2 storeys in the laboratory"), "{two}");
+    let coarse = refused(|t| t.board.converter_bits = Some(12));
+    assert!(coarse.contains("board.converter_bits = 12"), "{coarse}");
+    assert_eq!((two.lines().count(), coarse.lines().count()), (1, 1));
 }

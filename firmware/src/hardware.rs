@@ -5,19 +5,20 @@ use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
 
-/// A board's hands. Codes are the board's own; how wide they are, it says.
-pub trait Hardware {
+/// The hands of a board with `A` actuators. Codes are the board's own; how wide they are, it says.
+pub trait Hardware<const A: usize = 1> {
     /// Widths of the converters' codes.
     const CODES: CodeRange;
 
-    /// What is recorded beside displacement and force, at most [`MAX_INPUTS`].
+    /// What is recorded beside displacements and forces, at most [`MAX_INPUTS`].
     const INPUTS: &'static [Input];
 
     /// The stopwatch: ticks of the processor, turning over at 2^32.
     fn now(&self) -> u32;
 
-    /// The codes of displacement and force of this step; `None` if there are no new ones.
-    fn codes(&mut self) -> Option<[u16; 2]>;
+    /// The codes of displacement and force of each actuator of this step, all sampled at one instant; `None` if there are
+    /// no new ones.
+    fn codes(&mut self) -> Option<[[u16; 2]; A]>;
 
     /// The codes of [`INPUTS`](Self::INPUTS), sampled at the same instant as displacement and force; asked after those.
     fn inputs(&self) -> [u16; MAX_INPUTS];
@@ -25,8 +26,9 @@ pub trait Hardware {
     /// This step began later after its sample than anything that runs on the board explains.
     fn began_late(&self) -> bool;
 
-    /// What the output converter is to show from its next instant on.
-    fn output(&mut self, code: u16);
+    /// What an actuator's output converter is to show from its next instant on, that of all of them. Actuators come in
+    /// their order, from 0.
+    fn output(&mut self, actuator: usize, code: u16);
 
     /// The PERMIT line; called in every step, so that a pulse can be made of it.
     fn permit(&mut self, on: bool);

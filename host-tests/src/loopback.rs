@@ -13,30 +13,30 @@ use plant::Rig;
 use std::collections::VecDeque;
 use std::io;
 
-/// A simulated rig that is blocked where it stands while PERMIT is low.
-pub struct Blocked {
+/// A simulated rig with `A` actuators that is blocked where it stands while PERMIT is low.
+pub struct Blocked<const A: usize = 1> {
     rig: Rig,
-    stands_at_m: f64,
+    stands_at_m: [f64; A],
 }
 
-impl Plant for Blocked {
-    fn step(&mut self, command_m: f64, permit: bool) -> [f64; 2] {
+impl<const A: usize> Plant<A> for Blocked<A> {
+    fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A] {
         let command_m = if permit { command_m } else { self.stands_at_m };
-        let reading = self.rig.step(&[command_m]);
+        let reading = self.rig.step(&command_m);
         if permit {
-            self.stands_at_m = reading.displacement_m[0];
+            self.stands_at_m = std::array::from_fn(|a| reading.displacement_m[a]);
         }
-        [reading.displacement_m[0], reading.force_n[0]]
+        std::array::from_fn(|a| [reading.displacement_m[a], reading.force_n[a]])
     }
 }
 
 /// What happens to a loopback after some steps of it.
-pub type Mishap = Box<dyn FnMut(&mut Loopback)>;
+pub type Mishap<const A: usize = 1> = Box<dyn FnMut(&mut Loopback<A>)>;
 
 /// A board at the other end of a port.
-pub struct Loopback {
+pub struct Loopback<const A: usize = 1> {
     /// The board, its tasks and its rig.
-    pub board: Bench<Blocked>,
+    pub board: Bench<Blocked<A>, A>,
     decoder: Decoder,
     commands: VecDeque<(u16, Command)>,
     sequence: u16,
@@ -49,15 +49,15 @@ pub struct Loopback {
     /// The wire is cut: nothing comes and nothing goes.
     pub cut: bool,
     /// What happens, and at which step, in this order.
-    pub mishaps: VecDeque<(u64, Mishap)>,
+    pub mishaps: VecDeque<(u64, Mishap<A>)>,
 }
 
-impl Loopback {
+impl<const A: usize> Loopback<A> {
     /// A board that has just got power, with `rig` behind its converters.
     pub fn new(rig: Rig) -> Self {
         let blocked = Blocked {
             rig,
-            stands_at_m: 0.0,
+            stands_at_m: [0.0; A],
         };
         let mut board = Bench::new(blocked);
         // What the PC shows of itself, only its frames show.
@@ -86,7 +86,7 @@ impl Loopback {
         let _ = self.batch.steps.push(report.step);
         if self.batch.steps.len() == STEPS {
             let batch = std::mem::take(&mut self.batch);
-            self.send(Kind::Telemetry, &batch.encode(INPUTS.len()));
+            self.send(Kind::Telemetry, &batch.encode(A, INPUTS.len()));
         }
         self.serve();
         if self
@@ -134,7 +134,7 @@ impl Loopback {
     }
 }
 
-impl Port for Loopback {
+impl<const A: usize> Port for Loopback<A> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         for _ in 0..20 {
             self.step();

@@ -6,7 +6,11 @@ use host_tests::qemu::image::{image, on_target};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 
 /// The images and the interrupt that each one's control period runs in: the chip's own converters, and external ones.
-const IMAGES: [(&str, &str); 2] = [("nucleo_f429zi", "ADC"), ("nucleo_f429zi_16", "TIM2")];
+const IMAGES: [(&str, &str); 3] = [
+    ("nucleo_f429zi", "ADC"),
+    ("nucleo_f429zi_16", "TIM2"),
+    ("nucleo_f429zi_3", "TIM2"),
+];
 
 /// The images as they are flashed, each with its control interrupt; none where there is no compiler for them.
 fn images() -> impl Iterator<Item = (Vec<u8>, &'static str)> {

@@ -40,7 +40,7 @@ fn loopback(t: &TestFile) -> Loopback {
 
 /// A connection to a board that has been calibrated as it is wired.
 fn connect(board: Loopback) -> Connection<Loopback> {
-    let wired = board.board.hardware.board.wired;
+    let [wired] = board.board.hardware.board.wired;
     let mut connection = Connection::new(board, QUICK);
     board::calibrate(&mut connection, wired).unwrap();
     connection
@@ -227,8 +227,8 @@ impl Port for Stranger {
 
 #[test]
 fn another_version_and_silence_are_told_apart() {
-    // COBS of version 9, kind 3, number 1, no body, and its check sum.
-    let plain = [9_u8, 3, 1, 2];
+    // COBS of version 99, kind 3, number 1, no body, and its check sum.
+    let plain = [99_u8, 3, 1, 2];
     let mut wire: Vec<u8> = plain.to_vec();
     wire.extend(link::frame::checksum(plain).to_le_bytes());
     assert!(
@@ -243,7 +243,7 @@ fn another_version_and_silence_are_told_apart() {
     };
     assert!(
         said.contains(&format!(
-            "another version of the link (9, this program {})",
+            "another version of the link (99, this program {})",
             link::VERSION
         )),
         "{said}"
@@ -376,7 +376,10 @@ fn a_board_that_nobody_has_calibrated_runs_nothing_and_one_calibrated_otherwise_
         "{said}"
     );
 
-    let number = format!("{:08x}", loopback(&t).board.hardware.board.wired.number());
+    let number = format!(
+        "{:08x}",
+        loopback(&t).board.hardware.board.wired[0].number()
+    );
     let named = test(&[&format!("board.calibration='{number}'")]);
     assert_eq!(
         run_on(&named, loopback(&named)).unwrap().summary.verdict,

@@ -37,7 +37,7 @@ fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover
     let rig = Rig::new(&test.plant, storeys, test.config.timing.rate_hz, 1).unwrap();
     let mut loopback = Loopback::new(rig);
     prepare(&mut loopback);
-    let wired = loopback.board.hardware.board.wired;
+    let [wired] = loopback.board.hardware.board.wired;
     let port: Box<dyn Port> = Box::new(loopback);
     let mut connection: BoardConnection = Connection::new(port, QUICK);
     board::calibrate(&mut connection, wired).unwrap();

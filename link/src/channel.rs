@@ -64,7 +64,13 @@ impl Line {
     }
 }
 
-/// A board's three channels.
+/// The number of the calibrations of a board's actuators: the check sum of their bytes, one behind the other. Of one
+/// actuator it is the calibration's own number.
+pub fn number_of<'a>(calibrations: impl IntoIterator<Item = &'a Calibration>) -> u32 {
+    checksum(calibrations.into_iter().flat_map(Calibration::to_bytes))
+}
+
+/// The three channels of an actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {

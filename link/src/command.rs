@@ -25,10 +25,12 @@ pub enum Command {
     Status,
     /// Exchange the whole test, while idle.
     Configure(Config),
-    /// Exchange the calibration, while idle.
-    Calibrate(Calibration),
+    /// Exchange the calibration of an actuator's channels, while idle; actuators count from 0.
+    Calibrate(u8, Calibration),
     /// Make the present reading of a channel the given value, by moving the channel's zero, while idle.
     Zero {
+        /// Of which actuator, from 0.
+        actuator: u8,
         /// Which channel.
         channel: Channel,
         /// What the reading is to be: m or N.

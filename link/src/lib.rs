@@ -5,7 +5,7 @@
 //! ```text
 //!  PC ─► board    command    request number, one of [`Command`]
 //!  PC ◄─ board    reply      the request's number, one of [`Reply`]
-//!  PC ◄─ board    telemetry  every control step, 24 to 30 bytes each, [`telemetry`]
+//!  PC ◄─ board    telemetry  every control step, 24 to 38 bytes each, [`telemetry`]
 //!
 //!  on the wire    COBS( version | kind | sequence number | body | CRC-32 ) 0
 //! ```
@@ -53,7 +53,7 @@ pub use telemetry::{Input, Telemetry};
 
 /// Version of everything in this crate; a frame of another version is counted and not looked at. A test holds the bytes of
 /// every frame (`link/tests/golden.txt`): they change only together with this number.
-pub const VERSION: u8 = 8;
+pub const VERSION: u8 = 9;
 
 /// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
 /// ST-LINK that makes a USB port of it.
@@ -62,9 +62,13 @@ pub const BAUD: u32 = 1_000_000;
 /// Bits on the wire for a byte: start, eight, stop.
 pub const BITS_PER_BYTE: u32 = 10;
 
-/// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies, on a board with so many further
-/// inputs.
-pub const fn fastest_rate_hz(baud: u32, inputs: usize) -> u32 {
+/// Actuators of a board, at most.
+pub const MAX_ACTUATORS: usize = 3;
+
+/// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies, on a board with so many actuators
+/// and further inputs.
+pub const fn fastest_rate_hz(baud: u32, actuators: usize, inputs: usize) -> u32 {
     let bytes_per_s = baud / BITS_PER_BYTE;
-    bytes_per_s / 10 * 9 / telemetry::frame_bytes(inputs) as u32 * telemetry::STEPS as u32
+    let frame_bytes = telemetry::frame_bytes(actuators, inputs) as u32;
+    bytes_per_s / 10 * 9 / frame_bytes * telemetry::STEPS as u32
 }

@@ -17,7 +17,8 @@ pub const STALE_S: f64 = 0.25;
 /// The largest change of the command in a control step, as a share of the stroke that is shown. More is no limit.
 pub const STEP_SHARE: f64 = 0.25;
 
-/// What a calibrated board shows, both ways from zero, with the spare codes left free.
+/// What a calibrated board shows, both ways from zero, with the spare codes left free; of several actuators, what all of
+/// them show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// Largest displacement that both the sensor and the command show, m.
@@ -41,6 +42,24 @@ impl Shown {
             force_n: f64::from(sensor(calibration.force)),
             frozen_m: f64::from(displacement.per_code.abs() * f32::from(FROZEN_CODES)),
         }
+    }
+
+    /// What all actuators of a board show: the narrowest range and the coarsest code count.
+    pub fn by_all<'a>(
+        calibrations: impl IntoIterator<Item = &'a Calibration>,
+        codes: &CodeRange,
+    ) -> Self {
+        let nothing = Self {
+            displacement_m: f64::INFINITY,
+            force_n: f64::INFINITY,
+            frozen_m: 0.0,
+        };
+        let each = calibrations.into_iter().map(|c| Self::by(c, codes));
+        each.fold(nothing, |a, b| Self {
+            displacement_m: a.displacement_m.min(b.displacement_m),
+            force_n: a.force_n.min(b.force_n),
+            frozen_m: a.frozen_m.max(b.frozen_m),
+        })
     }
 
     /// Checks that the test has all limits that arming asks for, and that each can act.
@@ -215,6 +234,22 @@ mod tests {
         assert_eq!(shown.check(&config), Ok(()));
         // 8 of 8190 codes of half a metre.
         assert!((shown.frozen_m / 0.488e-3 - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn several_actuators_show_what_the_narrowest_and_the_coarsest_of_them_do() {
+        let over = |m, n| Calibration::over(m, n, &TWELVE_BITS);
+        let [wide, narrow, weak] = [over(0.25, 1e4), over(0.05, 1e4), over(0.05, 5e3)];
+        let all = Shown::by_all([&wide, &narrow, &weak], &TWELVE_BITS);
+        let [wide, narrow, weak] = [wide, narrow, weak].map(|c| Shown::by(&c, &TWELVE_BITS));
+        assert_eq!(all.displacement_m, narrow.displacement_m);
+        assert_eq!(all.force_n, weak.force_n);
+        assert_eq!(all.frozen_m, wide.frozen_m);
+        let one = Calibration::placeholder(&TWELVE_BITS);
+        assert_eq!(
+            Shown::by_all([&one], &TWELVE_BITS),
+            Shown::by(&one, &TWELVE_BITS)
+        );
     }
 
     #[test]

@@ -135,8 +135,9 @@ mod tests {
             Command::Identify,
             Command::Status,
             Command::Configure(largest_config()),
-            Command::Calibrate(Calibration::placeholder(&TWELVE_BITS)),
+            Command::Calibrate(2, Calibration::placeholder(&TWELVE_BITS)),
             Command::Zero {
+                actuator: 2,
                 channel: Channel::Force,
                 value: -1.5
             },
@@ -185,6 +186,9 @@ mod tests {
                 deadline_cycles: 4200,
                 codes: TWELVE_BITS,
                 calibration: Calibration::placeholder(&TWELVE_BITS),
+                others: [Calibration::placeholder(&TWELVE_BITS); 2]
+                    .into_iter()
+                    .collect(),
                 inputs: [Input::HeadAcceleration; MAX_INPUTS].into_iter().collect(),
             }),
             Reply::Status(Status {
@@ -204,6 +208,7 @@ mod tests {
                 crystal_ok: true,
                 converters_ok: true,
                 codes: [8190; 2],
+                other_codes: [[8190; 2]; 2].into_iter().collect(),
                 timing: Timing::default(),
                 link: Seen::default(),
                 dropped_steps: 3,

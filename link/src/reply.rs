@@ -1,6 +1,7 @@
 //! What the board answers.
 
-use crate::channel::{Calibration, CodeRange};
+use crate::MAX_ACTUATORS;
+use crate::channel::{Calibration, CodeRange, number_of};
 use crate::status::Status;
 use crate::telemetry::{Input, MAX_INPUTS};
 use heapless::{String, Vec};
@@ -177,8 +178,27 @@ pub struct Identity {
     pub deadline_cycles: u32,
     /// Widths of the converters' codes.
     pub codes: CodeRange,
-    /// The calibration in force.
+    /// The calibration in force, of the first actuator.
     pub calibration: Calibration,
+    /// Those of the other actuators: as many as the board has beside the first.
+    pub others: Vec<Calibration, { MAX_ACTUATORS - 1 }>,
     /// What is recorded beside displacement and force, in the order of the telemetry.
     pub inputs: Vec<Input, MAX_INPUTS>,
+}
+
+impl Identity {
+    /// Number of actuators.
+    pub fn actuators(&self) -> usize {
+        1 + self.others.len()
+    }
+
+    /// The calibration of each actuator.
+    pub fn calibrations(&self) -> impl Iterator<Item = &Calibration> + Clone {
+        core::iter::once(&self.calibration).chain(&self.others)
+    }
+
+    /// The number of the whole board's calibration, see [`number_of`].
+    pub fn calibration_number(&self) -> u32 {
+        number_of(self.calibrations())
+    }
 }

@@ -1,7 +1,8 @@
 //! How the board is.
 
+use crate::MAX_ACTUATORS;
 use crate::frame::Seen;
-use heapless::String;
+use heapless::{String, Vec};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
@@ -26,8 +27,10 @@ pub struct Status {
     pub crystal_ok: bool,
     /// The converters answered when the board started; those on the chip always do.
     pub converters_ok: bool,
-    /// The codes of the last sample, displacement and force.
+    /// The codes of the last sample, displacement and force of the first actuator.
     pub codes: [u16; 2],
+    /// Those of the others.
+    pub other_codes: Vec<[u16; 2], { MAX_ACTUATORS - 1 }>,
     /// Times of the control step.
     pub timing: Timing,
     /// What the board has received.

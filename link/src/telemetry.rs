@@ -1,18 +1,23 @@
-//! The record of a control step as it travels: 24 bytes and two for each further input, fixed layout, little-endian.
+//! The record of a control step as it travels: 24 bytes, four for each further actuator and two for each further input,
+//! fixed layout, little-endian.
 //!
 //! | bytes | what |
 //! |---|---|
 //! | 0..4 | state, latched fault and flags: [`Record::flags`] |
-//! | 4..6, 6..8 | codes of displacement and force, as sampled |
-//! | 8..12 | command that was in force, m |
-//! | 12..16 | C_cor, N s/m |
+//! | 4..6, 6..8 | codes of displacement and force of the first actuator, as sampled |
+//! | 8..12 | its command that was in force, m |
+//! | 12..16 | its C_cor, N s/m |
 //! | 16..20 | energy error since the start, Eq 12, J |
 //! | 20..24 | digest of the whole record |
-//! | 24..26, .. | codes of the board's further inputs, in the order of its identity |
+//! | 24..28, .. | codes of displacement and force of each further actuator |
+//! | behind them, two each | codes of the board's further inputs, in the order of its identity |
 //!
-//! A frame holds [`STEPS`] successive steps behind the tick of the first and the number of further inputs. The outer loop has the same bits on the PC as on
-//! the board, so the PC, fed with the codes, works out every other word of the record; the digest proves that it has.
+//! A frame holds [`STEPS`] successive steps behind the tick of the first and a byte: the number of further inputs in its
+//! lower half, of further actuators in its upper one. The outer loop has the same bits on the PC as on the board, so the PC,
+//! fed with the codes, works out every other word of the record, the other actuators' commands among them; the digest
+//! proves that it has.
 
+use crate::MAX_ACTUATORS;
 use crate::frame::wire_bytes;
 use heapless::Vec;
 use outerloop_core::{Fault, Mode, Record};
@@ -20,21 +25,26 @@ use outerloop_core::{Fault, Mode, Record};
 /// Steps in a full frame: 4 ms at 2 kHz. The last frame before a pause may hold fewer.
 pub const STEPS: usize = 8;
 
-/// Bytes of a step without further inputs.
+/// Bytes of a step of one actuator without further inputs.
 pub const STEP_BYTES: usize = 24;
 
 /// Further inputs of a board, at most.
 pub const MAX_INPUTS: usize = 3;
 
-/// Tick of the first step, number of further inputs.
+/// Tick of the first step, numbers of further inputs and actuators.
 const HEAD: usize = 5;
 
 /// Bytes of the body of the longest frame.
-pub const BODY_BYTES: usize = HEAD + STEPS * (STEP_BYTES + 2 * MAX_INPUTS);
+pub const BODY_BYTES: usize = HEAD + STEPS * step_bytes(MAX_ACTUATORS, MAX_INPUTS);
 
-/// Bytes of a full frame on the wire, of a board with so many further inputs.
-pub const fn frame_bytes(inputs: usize) -> usize {
-    wire_bytes(HEAD + STEPS * (STEP_BYTES + 2 * inputs))
+/// Bytes of a step of so many actuators and further inputs.
+const fn step_bytes(actuators: usize, inputs: usize) -> usize {
+    STEP_BYTES + 4 * (actuators - 1) + 2 * inputs
+}
+
+/// Bytes of a full frame on the wire, of a board with so many actuators, at least one, and further inputs.
+pub const fn frame_bytes(actuators: usize, inputs: usize) -> usize {
+    wire_bytes(HEAD + STEPS * step_bytes(actuators, inputs))
 }
 
 /// What a board records beside displacement and force, in every control step. No part of the test hangs on it.
@@ -60,11 +70,13 @@ impl Input {
 pub struct StepReport {
     /// Mode, fault and flags of the record.
     pub flags: u32,
-    /// Displacement as sampled, a code of the board's [`CodeRange`](crate::CodeRange).
+    /// Displacement of the first actuator as sampled, a code of the board's [`CodeRange`](crate::CodeRange).
     pub displacement: u16,
-    /// Force as sampled.
+    /// Its force as sampled.
     pub force: u16,
-    /// The command that was in force while the sample was taken, m.
+    /// Displacement and force of the others; of those that the board does not have they are zero.
+    pub others: [[u16; 2]; MAX_ACTUATORS - 1],
+    /// The first actuator's command that was in force while the sample was taken, m.
     pub command_m: f32,
     /// C_cor of axis 1, N s/m.
     pub added_damping_n_s_per_m: f32,
@@ -83,17 +95,23 @@ pub fn digest<const N: usize>(record: &Record<N>) -> u32 {
 }
 
 impl StepReport {
-    /// The report of `record`, whose sample had these codes.
+    /// The report of `record`, whose sample had these codes, displacement and force of each actuator.
     #[inline]
-    pub fn of<const N: usize>(
+    pub fn of<const A: usize, const N: usize>(
         record: &Record<N>,
-        [displacement, force]: [u16; 2],
+        codes: &[[u16; 2]; A],
         inputs: [u16; MAX_INPUTS],
     ) -> Self {
+        let (first, rest) = codes.split_first().unwrap_or((&[0; 2], &[]));
+        let mut others = [[0; 2]; MAX_ACTUATORS - 1];
+        for (place, codes) in others.iter_mut().zip(rest) {
+            *place = *codes;
+        }
         Self {
             flags: record.flags,
-            displacement,
-            force,
+            displacement: first[0],
+            force: first[1],
+            others,
             command_m: record.command_m.first().copied().unwrap_or(0.0),
             added_damping_n_s_per_m: record
                 .added_damping_n_s_per_m
@@ -116,7 +134,15 @@ impl StepReport {
         Fault::from_code((self.flags >> 8) as u8)
     }
 
-    /// As bytes, without the further inputs.
+    /// The codes of displacement and force of an actuator, from 0; `None` if no board has so many.
+    pub fn codes(&self, actuator: usize) -> Option<[u16; 2]> {
+        match actuator.checked_sub(1) {
+            None => Some([self.displacement, self.force]),
+            Some(other) => self.others.get(other).copied(),
+        }
+    }
+
+    /// As bytes, without further actuators and inputs.
     pub fn to_bytes(&self) -> [u8; STEP_BYTES] {
         let mut bytes = [0; STEP_BYTES];
         let codes = u32::from(self.displacement) | u32::from(self.force) << 16;
@@ -134,7 +160,7 @@ impl StepReport {
         bytes
     }
 
-    /// From bytes, without further inputs.
+    /// From bytes, without further actuators and inputs.
     pub fn from_bytes(bytes: &[u8; STEP_BYTES]) -> Option<Self> {
         let (words, _) = bytes.as_chunks::<4>();
         let &[flags, codes, command, damping, energy, digest] = words else {
@@ -145,6 +171,7 @@ impl StepReport {
             flags: u32::from_le_bytes(flags),
             displacement: codes as u16,
             force: (codes >> 16) as u16,
+            others: Default::default(),
             command_m: f32::from_le_bytes(command),
             added_damping_n_s_per_m: f32::from_le_bytes(damping),
             energy_j: f32::from_le_bytes(energy),
@@ -164,16 +191,19 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// As the body of a frame of a board with so many further inputs, at most [`MAX_INPUTS`].
-    pub fn encode(&self, inputs: usize) -> Vec<u8, BODY_BYTES> {
+    /// As the body of a frame of a board with so many actuators, 1 to [`MAX_ACTUATORS`], and further inputs, at most
+    /// [`MAX_INPUTS`].
+    pub fn encode(&self, actuators: usize, inputs: usize) -> Vec<u8, BODY_BYTES> {
         let inputs = inputs.min(MAX_INPUTS);
+        let others = actuators.saturating_sub(1).min(MAX_ACTUATORS - 1);
         let mut body = Vec::new();
         // Room for all of it is in the type.
         let _ = body.extend_from_slice(&self.first_tick.to_le_bytes());
-        let _ = body.push(inputs as u8);
+        let _ = body.push((others << 4 | inputs) as u8);
         for step in &self.steps {
             let _ = body.extend_from_slice(&step.to_bytes());
-            for code in step.inputs.iter().take(inputs) {
+            let codes = step.others.iter().take(others).flatten();
+            for code in codes.chain(step.inputs.iter().take(inputs)) {
                 let _ = body.extend_from_slice(&code.to_le_bytes());
             }
         }
@@ -183,25 +213,31 @@ impl Telemetry {
     /// From the body of a frame; `None` if it is no telemetry.
     pub fn decode(body: &[u8]) -> Option<Self> {
         let (tick, rest) = body.split_first_chunk::<4>()?;
-        let (&inputs, steps) = rest.split_first()?;
-        let inputs = usize::from(inputs);
-        let steps = steps.chunks_exact(STEP_BYTES + 2 * inputs);
-        if inputs > MAX_INPUTS || !steps.remainder().is_empty() || steps.len() > STEPS {
+        let (&further, steps) = rest.split_first()?;
+        let (others, inputs) = (usize::from(further >> 4), usize::from(further & 0xf));
+        if others >= MAX_ACTUATORS || inputs > MAX_INPUTS {
+            return None;
+        }
+        let steps = steps.chunks_exact(step_bytes(others + 1, inputs));
+        if !steps.remainder().is_empty() || steps.len() > STEPS {
             return None;
         }
         Some(Self {
             first_tick: u32::from_le_bytes(*tick),
-            steps: steps.map(step_of).collect::<Option<_>>()?,
+            steps: steps
+                .map(|step| step_of(step, others))
+                .collect::<Option<_>>()?,
         })
     }
 }
 
-/// A step with its further inputs.
-fn step_of(bytes: &[u8]) -> Option<StepReport> {
-    let (step, inputs) = bytes.split_first_chunk::<STEP_BYTES>()?;
+/// A step with its further actuators, so many, and inputs.
+fn step_of(bytes: &[u8], others: usize) -> Option<StepReport> {
+    let (step, further) = bytes.split_first_chunk::<STEP_BYTES>()?;
     let mut report = StepReport::from_bytes(step)?;
-    let (codes, _) = inputs.as_chunks::<2>();
-    for (place, code) in report.inputs.iter_mut().zip(codes) {
+    let (codes, _) = further.as_chunks::<2>();
+    let places = report.others.iter_mut().take(others).flatten();
+    for (place, code) in places.chain(&mut report.inputs).zip(codes) {
         *place = u16::from_le_bytes(*code);
     }
     Some(report)
@@ -219,6 +255,7 @@ mod tests {
             flags: mix(1),
             displacement: mix(2) as u16,
             force: mix(3) as u16,
+            others: Default::default(),
             command_m: mix(4) as f32,
             added_damping_n_s_per_m: mix(5) as f32,
             energy_j: mix(6) as f32,
@@ -236,15 +273,17 @@ mod tests {
         let frame = Frame {
             kind: Kind::Telemetry,
             sequence: u16::MAX,
-            body: &t.encode(0),
+            body: &t.encode(1, 0),
         };
         let wire = frame.encode().unwrap();
-        assert_eq!(wire.len(), frame_bytes(0));
+        assert_eq!(wire.len(), frame_bytes(1, 0));
         let share = wire.len() as f64 / STEPS as f64 * 2000.0 * 10.0 / f64::from(crate::BAUD);
         assert!(share < 0.53, "{share} of the port");
         for inputs in 0..=MAX_INPUTS {
-            assert!(crate::fastest_rate_hz(crate::BAUD, inputs) >= 2500);
+            assert!(crate::fastest_rate_hz(crate::BAUD, 1, inputs) >= 2500);
         }
+        // Three actuators and all inputs still travel at 2 kHz.
+        assert!(crate::fastest_rate_hz(crate::BAUD, MAX_ACTUATORS, MAX_INPUTS) >= 2200);
     }
 
     #[test]
@@ -263,27 +302,41 @@ mod tests {
             first_tick: 1,
             steps: [step(3)].into_iter().collect(),
         }
-        .encode(0);
+        .encode(1, 0);
         assert!(Telemetry::decode(&body[..28]).is_none());
         assert!(Telemetry::decode(&[]).is_none());
         // More inputs than there can be, in a body of their length.
         let mut many = [0; 4 + 1 + STEP_BYTES + 2 * (MAX_INPUTS + 1)];
         many[4] = MAX_INPUTS as u8 + 1;
         assert!(Telemetry::decode(&many).is_none());
+        // More actuators.
+        let mut many = [0; 4 + 1 + STEP_BYTES + 4 * MAX_ACTUATORS];
+        many[4] = (MAX_ACTUATORS as u8) << 4;
+        assert!(Telemetry::decode(&many).is_none());
     }
 
     proptest! {
         #[test]
-        fn comes_back_as_it_was(first_tick: u32, count in 0..=STEPS, inputs in 0..=MAX_INPUTS, seed: u32) {
+        fn comes_back_as_it_was(
+            first_tick: u32,
+            count in 0..=STEPS,
+            actuators in 1..=MAX_ACTUATORS,
+            inputs in 0..=MAX_INPUTS,
+            seed: u32,
+        ) {
             let with_inputs = |i: u32| {
                 let mut step = step(seed.wrapping_add(i));
                 for (k, code) in (0_u16..).zip(step.inputs.iter_mut().take(inputs)) {
                     *code = (seed as u16).wrapping_add(k);
                 }
+                let others = step.others.iter_mut().take(actuators - 1).flatten();
+                for (k, code) in (7_u16..).zip(others) {
+                    *code = (seed as u16).wrapping_add(k);
+                }
                 step
             };
             let t = Telemetry { first_tick, steps: (0..count as u32).map(with_inputs).collect() };
-            prop_assert_eq!(Telemetry::decode(&t.encode(inputs)), Some(t));
+            prop_assert_eq!(Telemetry::decode(&t.encode(actuators, inputs)), Some(t));
         }
     }
 }

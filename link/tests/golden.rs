@@ -43,11 +43,12 @@ fn commands() -> std::vec::Vec<(String, Command)> {
         ("configure", Command::Configure(config())),
         (
             "calibrate",
-            Command::Calibrate(Calibration::over(0.05, 1e4, &CODES)),
+            Command::Calibrate(0, Calibration::over(0.05, 1e4, &CODES)),
         ),
         (
             "zero displacement",
             Command::Zero {
+                actuator: 0,
                 channel: Channel::Displacement,
                 value: 0.5,
             },
@@ -55,6 +56,7 @@ fn commands() -> std::vec::Vec<(String, Command)> {
         (
             "zero force",
             Command::Zero {
+                actuator: 2,
                 channel: Channel::Force,
                 value: -1.5,
             },
@@ -94,7 +96,7 @@ fn commands() -> std::vec::Vec<(String, Command)> {
     all
 }
 
-fn identity() -> Identity {
+fn identity(others: &[Calibration]) -> Identity {
     Identity {
         board: cut("board"),
         version: cut("1.2.3"),
@@ -109,6 +111,7 @@ fn identity() -> Identity {
         deadline_cycles: 4200,
         codes: CODES,
         calibration: Calibration::over(0.05, 1e4, &CODES),
+        others: others.iter().copied().collect(),
         inputs: [
             Input::CommandReadBack,
             Input::SecondDisplacement,
@@ -131,6 +134,7 @@ fn status(trip: Option<Trip>, started: Start, last_words: Option<LastWords>) -> 
         crystal_ok: true,
         converters_ok: true,
         codes: [8190, 7],
+        other_codes: Vec::new(),
         timing: Timing {
             period_cycles: 84_000,
             shortest_period_cycles: 83_999,
@@ -167,7 +171,14 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         obstacle: Some(obstacle),
     };
     let mut all = vec![
-        ("identity".to_owned(), Reply::Identity(identity())),
+        ("identity".to_owned(), Reply::Identity(identity(&[]))),
+        (
+            "identity with three actuators".to_owned(),
+            Reply::Identity(identity(&[
+                Calibration::over(0.1, 2e4, &CODES),
+                Calibration::over(0.2, 5e4, &CODES),
+            ])),
+        ),
         (
             "refused".to_owned(),
             Reply::Refused(RefusedParameter::new("name", 1.5, "accepted")),
@@ -200,6 +211,9 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         let status = status(Some(trip(fault)), Start::Power, None);
         all.push((format!("status {fault:?}"), Reply::Status(status)));
     }
+    let mut three = status(None, Start::Power, None);
+    three.other_codes = [[1, 2], [300, 400]].into_iter().collect();
+    all.push(("status of three actuators".to_owned(), Reply::Status(three)));
     for (started, cause) in [
         (Start::Power, Cause::Panic),
         (Start::BrownOut, Cause::HardFault),
@@ -237,6 +251,7 @@ fn telemetry() -> Telemetry {
         flags: 0x0102_0304,
         displacement: 0x0506,
         force: 0x0708,
+        others: [[0x1314, 0x1516], [0x1718, 0x191a]],
         command_m: 1.0,
         added_damping_n_s_per_m: -2.0,
         energy_j: 0.5,
@@ -290,13 +305,16 @@ fn all_bytes() -> String {
             &answer.encode(7).unwrap(),
         );
     }
-    for inputs in 0..=3 {
+    for (actuators, inputs) in [(1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (3, 2)] {
         let frame = Frame {
             kind: Kind::Telemetry,
             sequence: 7,
-            body: &telemetry().encode(inputs),
+            body: &telemetry().encode(actuators, inputs),
         };
-        let name = format!("telemetry with {inputs} further inputs");
+        let name = match actuators {
+            1 => format!("telemetry with {inputs} further inputs"),
+            _ => format!("telemetry of {actuators} actuators with {inputs} further inputs"),
+        };
         line(&mut text, &name, &frame.encode().unwrap());
     }
     // Around each body: version, kind, number and check sum, coded without a zero, and the zero.

@@ -101,7 +101,7 @@ impl<P: Port> Bench for BoardBench<P> {
             design,
             u32::from(config.timing.substeps),
             ground,
-            (identity.calibration, identity.codes),
+            &identity,
             since,
         );
         catch_ctrl_c();

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The image as it is flashed: the one that OUTERLOOP_IMAGE (OUTERLOOP_IMAGE_16) names, else a release's, else that of the
+/// The image as it is flashed: the one that OUTERLOOP_IMAGE (OUTERLOOP_IMAGE_16, OUTERLOOP_IMAGE_3) names, else a release's, else that of the
 /// present checkout.
 ///
 /// # Errors

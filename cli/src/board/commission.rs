@@ -36,7 +36,7 @@ pub fn commission<P: Port>(
     let identity = identify(board)?;
     clear(board)?;
     let plan = Plan::of_course(test, course);
-    let shown = Shown::by(&identity.calibration, &identity.codes);
+    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
     let mut config = test.config.clone();
     config.limits = plan.limits(&test.config.limits, &shown);
     eprintln!(

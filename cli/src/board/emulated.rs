@@ -16,9 +16,8 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Floors, actuators and sampling clock of the images.
+/// Floors and sampling clock of the images.
 const IMAGE_FLOORS: usize = 3;
-const IMAGE_ACTUATORS: usize = 1;
 const IMAGE_TIMER_HZ: f64 = 84e6;
 const IMAGE_SLOWEST_HZ: f64 = 100.0;
 
@@ -32,11 +31,15 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     let actuators = config.physical_storeys().min(floors);
     let rate_hz = config.timing.rate_hz;
     let refuse = |what: String| Err(Failure::input(format!("--emulated: {what}")));
-    if actuators != IMAGE_ACTUATORS {
+    let Some(image) = Image::of(test) else {
+        let bits = match (actuators, test.board.converter_bits) {
+            (3, Some(bits)) => format!(" and board.converter_bits = {bits}"),
+            _ => String::new(),
+        };
         return refuse(format!(
-            "the test has {actuators} storeys in the laboratory, each with an actuator: accepted on the image for the NUCLEO-F429ZI is {IMAGE_ACTUATORS} (structure.physical_storeys = 1); the simulated rig runs all of them without --emulated"
+            "the test has {actuators} storeys in the laboratory, each with an actuator{bits}: accepted on the images for the NUCLEO-F429ZI are 1, and 3 with converters of 16 bits (structure.physical_storeys, board.converter_bits); the simulated rig runs any number without --emulated"
         ));
-    }
+    };
     if floors > IMAGE_FLOORS {
         return refuse(format!(
             "the test has {floors} floors: accepted on the image for the NUCLEO-F429ZI are up to {IMAGE_FLOORS}"
@@ -44,7 +47,8 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     }
     let fastest_hz = f64::from(link::fastest_rate_hz(
         link::BAUD,
-        Image::of(&test.board).inputs(),
+        image.actuators(),
+        image.inputs(),
     ));
     let divides = (IMAGE_TIMER_HZ / rate_hz).fract() == 0.0;
     if !(divides && (IMAGE_SLOWEST_HZ..=fastest_hz).contains(&rate_hz)) {
@@ -69,17 +73,17 @@ pub struct Laboratory {
     pub rate_hz: f64,
     /// Seed of everything random in it.
     pub seed: u64,
-    /// The ranges of its sensors and of its actuator.
+    /// The ranges of its sensors and of its actuators, of all the same.
     pub calibration: Calibration,
     /// The image, and so the converters.
     pub image: Image,
 }
 
 impl Laboratory {
-    /// The laboratory of a test file.
+    /// The laboratory of a test file that an image can run, see [`can_run`].
     pub fn of(test: &TestFile, seed: u64) -> Self {
         let config = &test.config;
-        let image = Image::of(&test.board);
+        let image = Image::of(test).unwrap_or_default();
         let physical = config.physical_storeys().min(config.degrees_of_freedom());
         Self {
             rig: test.plant.clone(),

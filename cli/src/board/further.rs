@@ -125,6 +125,7 @@ mod tests {
             flags: 0,
             displacement: 0,
             force: 0,
+            others: Default::default(),
             command_m,
             added_damping_n_s_per_m: 0.0,
             energy_j: 0.0,

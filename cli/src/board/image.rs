@@ -1,6 +1,6 @@
 //! The images that can be flashed onto the NUCLEO-F429ZI, by what this program has to know of them before one runs.
 
-use crate::files::test::BoardWanted;
+use crate::files::test::TestFile;
 use link::CodeRange;
 use serde::{Deserialize, Serialize};
 
@@ -13,14 +13,30 @@ pub enum Image {
     Internal,
     /// External converters of 16 bits and -10 to +10 V.
     External,
+    /// Such converters for three actuators.
+    Three,
 }
 
 impl Image {
-    /// The one that a test asks for.
-    pub fn of(wanted: &BoardWanted) -> Self {
-        match wanted.converter_bits {
-            Some(16) => Self::External,
-            _ => Self::Internal,
+    /// All images.
+    pub const ALL: [Self; 3] = [Self::Internal, Self::External, Self::Three];
+
+    /// The one that a test asks for; `None` if there is none with its actuators.
+    pub fn of(test: &TestFile) -> Option<Self> {
+        let config = &test.config;
+        match config.physical_storeys().min(config.degrees_of_freedom()) {
+            1 if test.board.converter_bits == Some(16) => Some(Self::External),
+            1 => Some(Self::Internal),
+            3 if test.board.converter_bits != Some(12) => Some(Self::Three),
+            _ => None,
+        }
+    }
+
+    /// Its actuators; a test has to have as many.
+    pub fn actuators(self) -> usize {
+        match self {
+            Self::Internal | Self::External => 1,
+            Self::Three => 3,
         }
     }
 
@@ -29,6 +45,7 @@ impl Image {
         match self {
             Self::Internal => "nucleo_f429zi",
             Self::External => "nucleo_f429zi_16",
+            Self::Three => "nucleo_f429zi_3",
         }
     }
 
@@ -37,6 +54,7 @@ impl Image {
         match self {
             Self::Internal => "OUTERLOOP_IMAGE",
             Self::External => "OUTERLOOP_IMAGE_16",
+            Self::Three => "OUTERLOOP_IMAGE_3",
         }
     }
 
@@ -45,6 +63,7 @@ impl Image {
         match self {
             Self::Internal => 0,
             Self::External => 3,
+            Self::Three => 2,
         }
     }
 
@@ -58,7 +77,7 @@ impl Image {
                 command_top: 4095,
                 command_spare: 300,
             },
-            Self::External => CodeRange {
+            Self::External | Self::Three => CodeRange {
                 sensor_top: u16::MAX,
                 sensor_rail: 65,
                 sensor_spare: 1638,

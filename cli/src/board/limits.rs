@@ -2,9 +2,9 @@
 //!
 //! | limit | is |
 //! |---|---|
-//! | `displacement_m` | 1.5 times the largest displacement of the ideal test, and 7 standard deviations of the reading's noise |
+//! | `displacement_m` | 1.5 times the largest displacement of the ideal test, of any actuator, and 7 standard deviations of the reading's noise |
 //! | `velocity_m_per_s` | 3 times its largest velocity in the laboratory, at least twice that of the approach |
-//! | `force_n` | 1.5 times the elastic storey's force at its largest displacement, and 7 standard deviations of the noise |
+//! | `force_n` | 1.5 times the largest force of the elastic storeys on an actuator, and 7 standard deviations of the noise |
 //! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
 //! | `stale_steps` | the declared delay and 20 ms |
 //! | `frozen_m` | 8 codes of the board's displacement |
@@ -27,14 +27,14 @@ const DEVIATIONS: f64 = 7.0;
 /// Over the declared delay, s.
 const STALE_S: f64 = 0.02;
 
-/// What the planned test will do where the actuator is, if all goes well.
+/// What the planned test will do where the actuators are, if all goes well; of several, the most that one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     /// Largest displacement, m.
     pub displacement_m: f64,
     /// Largest velocity of the command, m/s of laboratory time.
     pub velocity_m_per_s: f64,
-    /// Largest force of the elastic storey, N.
+    /// Largest force of the elastic storeys, N.
     pub force_n: f64,
     /// Noise of the displacement, m, one standard deviation.
     pub noise_m: f64,
@@ -54,18 +54,31 @@ impl Plan {
         let config = &experiment.test.config;
         let timing = &config.timing;
         let step_s = config.model_step_s() * timing.time_scale;
-        let (mut last, mut fastest) = (None, 0.0_f64);
-        for now in ideal.floor(0).map(f64::from) {
-            fastest = fastest.max(last.map_or(0.0, |last: f64| (now - last).abs() / step_s));
-            last = Some(now);
+        let actuators = config.physical_storeys().min(config.degrees_of_freedom());
+        let mut fastest = 0.0_f64;
+        for floor in 0..actuators {
+            let mut last = None;
+            for now in ideal.floor(floor).map(f64::from) {
+                fastest = fastest.max(last.map_or(0.0, |last: f64| (now - last).abs() / step_s));
+                last = Some(now);
+            }
         }
-        let peak_m = ideal.peaks_m().first().copied().unwrap_or(0.0);
-        Self::with(&experiment.test, peak_m, fastest)
+        let peaks_m = ideal.peaks_m().into_iter().take(actuators);
+        let storeys = laboratory_storeys(&experiment.test);
+        let force_n = (0..ideal.steps())
+            .filter_map(|step| ideal.at(step))
+            .flat_map(|floors_m| forces_n(storeys, floors_m))
+            .fold(0.0, f64::max);
+        Self::with(
+            &experiment.test,
+            peaks_m.fold(0.0, f64::max),
+            fastest,
+            force_n,
+        )
     }
 
-    fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64) -> Self {
+    fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64, force_n: f64) -> Self {
         let TestFile { config, plant, .. } = test;
-        let storey_n_per_m = config.structure.stiffness_n_per_m.first();
         let sensors = &plant.sensors;
         // What the file declares to a filter, or else simulates.
         let (filter_m, filter_n) = match config.estimation.kind {
@@ -78,7 +91,7 @@ impl Plan {
         Self {
             displacement_m,
             velocity_m_per_s,
-            force_n: storey_n_per_m.copied().unwrap_or(0.0) * displacement_m,
+            force_n,
             noise_m: (sensors.displacement_noise_mm * 1e-3).max(filter_m),
             noise_n: sensors.force_noise_n.max(filter_n),
             delay_s: config.compensation.delay_ms * 1e-3,
@@ -92,10 +105,12 @@ impl Plan {
         let limits = &test.config.limits;
         let approach_m_per_s = test.config.timing.approach_m_per_s;
         let fastest = limits.velocity_m_per_s.map(|v| v / VELOCITY_MARGIN);
+        let displacement_m = limits.displacement_m.unwrap_or(0.0) / MARGIN;
         Self::with(
             test,
-            limits.displacement_m.unwrap_or(0.0) / MARGIN,
+            displacement_m,
             fastest.unwrap_or(approach_m_per_s),
+            alone_n(test, displacement_m),
         )
     }
 
@@ -109,7 +124,8 @@ impl Plan {
 
     /// Of a commissioning signal under a test's limits.
     pub fn of_course(test: &TestFile, course: &Course) -> Self {
-        Self::with(test, course.peak_m(), course.speed_m_per_s())
+        let force_n = alone_n(test, course.peak_m());
+        Self::with(test, course.peak_m(), course.speed_m_per_s(), force_n)
     }
 
     /// All limits; what `stated` says stands. `shown` is the board's calibrated range.
@@ -143,6 +159,32 @@ impl Plan {
             ..stated.clone()
         }
     }
+}
+
+/// Stiffnesses of the storeys that stand in the laboratory, from the ground up, N/m.
+fn laboratory_storeys(test: &TestFile) -> &[f64] {
+    let storeys = &test.config.structure.stiffness_n_per_m;
+    let physical = test.config.physical_storeys().min(storeys.len());
+    &storeys[..physical]
+}
+
+/// Forces on the actuators, N, of elastic storeys whose floors stand so, m: each floor is held by the storeys below and
+/// above it.
+fn forces_n<'a>(storeys: &'a [f64], floors_m: &'a [f32]) -> impl Iterator<Item = f64> + 'a {
+    let at = |floor: usize| f64::from(floors_m[floor]);
+    let storey_n = move |floor: usize| {
+        let below_m = if floor == 0 { 0.0 } else { at(floor - 1) };
+        storeys
+            .get(floor)
+            .map_or(0.0, |k| k * (at(floor) - below_m))
+    };
+    (0..storeys.len()).map(move |floor| (storey_n(floor) - storey_n(floor + 1)).abs())
+}
+
+/// Force on the first actuator, N, where it moves alone, so far.
+fn alone_n(test: &TestFile, displacement_m: f64) -> f64 {
+    let around = laboratory_storeys(test).iter().take(2).sum::<f64>();
+    around * displacement_m
 }
 
 /// The limits in force, a line each, with a mark at those that were worked out.
@@ -248,6 +290,19 @@ mod tests {
             "{shown}"
         );
         assert!(shown.contains("force_n              4.0000 kN"), "{shown}");
+    }
+
+    #[test]
+    fn a_floor_is_held_by_the_storeys_below_and_above_it() {
+        let of =
+            |storeys: &[f64], floors: &[f32]| -> Vec<f64> { forces_n(storeys, floors).collect() };
+        // One in the laboratory, two calculated: only the one has a force.
+        assert_eq!(of(&[100.0], &[0.5, 9.0, 9.0]), [50.0]);
+        // The second floor alone is moved: the storeys at both its sides answer, and push its neighbours.
+        assert_eq!(
+            of(&[100.0, 200.0, 400.0], &[0.0, 0.5, 0.0]),
+            [100.0, 300.0, 200.0]
+        );
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! proves it. After a step that is missing this cannot go on, and a record holds what the telemetry says, no more.
 
 use link::channel::ErrorFeedback;
+use link::reply::Identity;
 use link::telemetry::{StepReport, digest};
 use link::{Calibration, CodeRange};
 use outerloop_core::{
@@ -34,9 +35,9 @@ enum Told {
 pub struct Mirror<'a, const N: usize> {
     outer: OuterLoop<N>,
     ground: GroundMotion<'a>,
-    calibration: Calibration,
+    /// Of each actuator its calibration, and what its command's codes owe.
+    actuators: Vec<(Calibration, ErrorFeedback)>,
     codes: CodeRange,
-    feedback: ErrorFeedback,
     out_of_range: bool,
     /// The next step; before the first one, the step at which the test was put in force.
     next: u32,
@@ -54,21 +55,23 @@ pub struct Mirror<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Mirror<'a, N> {
-    /// The loop that is in force on the board from step `since` on, `substeps` control steps to an integration step. The
-    /// board's converters are `codes` wide.
+    /// The loop that is in force on the board `identity` from step `since` on, `substeps` control steps to an integration
+    /// step.
     pub fn new(
         design: Design<N>,
         substeps: u32,
         ground: GroundMotion<'a>,
-        (calibration, codes): (Calibration, CodeRange),
+        identity: &Identity,
         since: u32,
     ) -> Self {
         Self {
             outer: OuterLoop::new(design),
             ground,
-            calibration,
-            codes,
-            feedback: ErrorFeedback::new(),
+            actuators: identity
+                .calibrations()
+                .map(|calibration| (*calibration, ErrorFeedback::new()))
+                .collect(),
+            codes: identity.codes,
             out_of_range: false,
             next: since,
             in_step: true,
@@ -188,9 +191,8 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// One control step as the board's converters and its station present it to the loop.
     fn step(&mut self, report: &StepReport, after: Option<&StepReport>) -> Record<N> {
-        let mut sample = Sample::new([0.0; N], [0.0; N]);
-        sample.displacement_m[0] = self.calibration.displacement.quantity(report.displacement);
-        sample.force_n[0] = self.calibration.force.quantity(report.force);
+        let (displacement_m, force_n) = self.read(report);
+        let mut sample = Sample::new(displacement_m, force_n);
         sample.fault = self.fault(report, after);
         // A stale sample is one that did not come or one that stands still; the record's digest tells which.
         let before = (report.flags & flag::STALE != 0).then(|| self.outer.clone());
@@ -202,26 +204,44 @@ impl<'a, const N: usize> Mirror<'a, N> {
             sample.fresh = false;
             step = self.outer.step(&sample, &self.ground);
         }
-        let (calibration, top) = (&self.calibration, self.codes.command_top);
-        let code = if step.permit {
-            self.feedback.code(calibration, top, step.command_m[0])
-        } else {
-            self.feedback.standing(calibration, top, step.command_m[0])
-        };
-        self.out_of_range = code.is_none();
+        let top = self.codes.command_top;
+        self.out_of_range = false;
+        for ((calibration, feedback), &command_m) in self.actuators.iter_mut().zip(&step.command_m)
+        {
+            let code = if step.permit {
+                feedback.code(calibration, top, command_m)
+            } else {
+                feedback.standing(calibration, top, command_m)
+            };
+            self.out_of_range |= code.is_none();
+        }
         *step.record
+    }
+
+    /// Displacements, m, and forces, N, of a step; zero where there is no actuator.
+    fn read(&self, report: &StepReport) -> ([f32; N], [f32; N]) {
+        let (mut displacement_m, mut force_n) = ([0.0; N], [0.0; N]);
+        let places = displacement_m.iter_mut().zip(&mut force_n);
+        for (actuator, ((place_m, place_n), (lines, _))) in places.zip(&self.actuators).enumerate()
+        {
+            let [displacement, force] = report.codes(actuator).unwrap_or_default();
+            *place_m = lines.displacement.quantity(displacement);
+            *place_n = lines.force.quantity(force);
+        }
+        (displacement_m, force_n)
     }
 
     /// What the board reported to its loop with this sample.
     fn fault(&self, report: &StepReport, after: Option<&StepReport>) -> Option<Fault> {
-        let rail = |code| self.codes.at_rail(code);
+        let codes = (0..self.actuators.len()).filter_map(|actuator| report.codes(actuator));
+        let rail = codes.flatten().any(|code| self.codes.at_rail(code));
         let latched = after.and_then(StepReport::fault);
         match latched {
             // The board's own knowledge; nothing in its codes shows it.
             Some(
                 Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed | Fault::PermitChain,
             ) if report.state() != Some(Mode::Tripped) => latched,
-            _ if rail(report.displacement) || rail(report.force) => Some(Fault::AdcRail),
+            _ if rail => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),
             _ => None,
         }
@@ -234,8 +254,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
         record.step = self.steps;
         record.flags = report.flags;
         record.command_m[0] = report.command_m;
-        record.displacement_m[0] = self.calibration.displacement.quantity(report.displacement);
-        record.force_n[0] = self.calibration.force.quantity(report.force);
+        (record.displacement_m, record.force_n) = self.read(report);
         record.added_damping_n_s_per_m[0] = report.added_damping_n_s_per_m;
         record.energy_sum.modified_j = report.energy_j;
         record

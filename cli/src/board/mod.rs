@@ -46,7 +46,7 @@ pub use in_force::InForce;
 pub use mirror::{Mirror, Seen};
 pub use operator::Operator;
 pub(crate) use orders::done;
-pub use orders::{calibrate, clear, identify, save, status, zero};
+pub use orders::{calibrate, calibrate_one, clear, identify, save, status, zero};
 pub use played::Played;
 pub use port::{Port, Serial};
 pub(crate) use setup::ready;

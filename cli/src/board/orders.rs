@@ -54,27 +54,46 @@ pub fn clear<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     }
 }
 
-/// Exchanges the calibration.
+/// Exchanges the calibration of every actuator for the same one.
 ///
 /// # Errors
-/// As [`Connection::ask`]; a calibration that is refused; a board that is not idle.
+/// As [`calibrate_one`].
 pub fn calibrate<P: Port>(
     board: &mut Connection<P>,
     calibration: Calibration,
 ) -> Result<(), Failure> {
-    done(board, "calibrate", &Command::Calibrate(calibration)).map(drop)
+    (0..identify(board)?.actuators())
+        .try_for_each(|actuator| calibrate_one(board, actuator as u8, calibration))
 }
 
-/// Makes the present reading of `channel` the given value (m or N); returns the mean code and its spread.
+/// Exchanges the calibration of an actuator, from 0.
+///
+/// # Errors
+/// As [`Connection::ask`]; a calibration that is refused; a board that is not idle or has no such actuator.
+pub fn calibrate_one<P: Port>(
+    board: &mut Connection<P>,
+    actuator: u8,
+    calibration: Calibration,
+) -> Result<(), Failure> {
+    let order = Command::Calibrate(actuator, calibration);
+    done(board, "calibrate", &order).map(drop)
+}
+
+/// Makes the present reading of an actuator's `channel` the given value (m or N); returns the mean code and its spread.
 ///
 /// # Errors
 /// As [`Connection::ask`]; a board that is not idle.
 pub fn zero<P: Port>(
     board: &mut Connection<P>,
+    actuator: u8,
     channel: Channel,
     value: f32,
 ) -> Result<(f32, u16), Failure> {
-    match board.ask(&Command::Zero { channel, value })? {
+    match board.ask(&Command::Zero {
+        actuator,
+        channel,
+        value,
+    })? {
         Reply::Zeroed { code, spread } => Ok((code, spread)),
         other => Err(refused("zero", other)),
     }

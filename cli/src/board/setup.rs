@@ -25,6 +25,7 @@ pub(crate) fn ready<P: Port>(
     let identity = identify(board)?;
     make_idle(board)?;
     check_board(wanted, &identity)?;
+    check_actuators(config, &identity)?;
     let config = with_limits(config, plan, &identity)?;
     Ok((identity, config))
 }
@@ -57,11 +58,12 @@ fn check_board(
     let own = converter_bits(&identity.codes);
     if let Some(wanted) = bits.filter(|b| u32::from(*b) != own) {
         return Err(Failure::input(format!(
-            "board.converter_bits = {wanted}: the board's converters have {own} bits: accepted is the image for the converters that the test asks for ({} for 16 bits)",
-            Image::External.name()
+            "board.converter_bits = {wanted}: the board's converters have {own} bits: accepted is the image for the converters that the test asks for ({} or {} for 16 bits)",
+            Image::External.name(),
+            Image::Three.name()
         )));
     }
-    let number = format!("{:08x}", identity.calibration.number());
+    let number = format!("{:08x}", identity.calibration_number());
     match calibration {
         Some(wanted) if !wanted.eq_ignore_ascii_case(&number) => Err(Failure::input(format!(
             "board.calibration = \"{wanted}\": the board's calibration has the number {number}: accepted is the board as it was calibrated for this test; `outerloop board calibrate` shows its lines"
@@ -70,9 +72,22 @@ fn check_board(
     }
 }
 
+/// The board has an actuator for each storey that stands in the laboratory, and no other.
+fn check_actuators(config: &Config, identity: &Identity) -> Result<(), Failure> {
+    let storeys = config.physical_storeys().min(config.degrees_of_freedom());
+    let own = identity.actuators();
+    if storeys == own {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "the test has {storeys} storeys in the laboratory, each with an actuator, and the board has {own}: accepted is a test with as many (structure.physical_storeys), or the image with as many actuators ({} for 3)",
+        Image::Three.name()
+    )))
+}
+
 /// The configuration with all limits that a board asks for; those that were worked out are shown to the person.
 fn with_limits(config: &Config, plan: &Plan, identity: &Identity) -> Result<Config, Failure> {
-    let shown = Shown::by(&identity.calibration, &identity.codes);
+    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
     let mut limited = config.clone();
     limited.limits = plan.limits(&config.limits, &shown);
     if limited.limits != config.limits {

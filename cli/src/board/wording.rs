@@ -2,6 +2,7 @@
 
 use link::reply::Identity;
 use link::status::{Cause, LastWords, Start, Status};
+use outerloop_core::Fault;
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<String> {
@@ -28,11 +29,9 @@ pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<Strin
 
 /// Everything that is worth watching, a line each.
 pub fn describe(identity: &Identity, status: &Status) -> String {
-    let calibration = identity.calibration;
     let reading = |line: link::channel::Line, code: u16| {
         (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
     };
-    let [displacement, force] = status.codes;
     let us = |cycles: u32| f64::from(cycles) / f64::from(identity.clock_hz) * 1e6;
     let timing = status.timing;
     let mut lines = vec![
@@ -46,16 +45,11 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
                 "no test is accepted"
             },
             if status.calibrated {
-                format!("calibration {:08x}", calibration.number())
+                format!("calibration {:08x}", identity.calibration_number())
             } else {
                 "not calibrated".into()
             },
             status.points
-        ),
-        format!(
-            "displacement {:.3} mm (code {displacement}), force {:.1} N (code {force})",
-            reading(calibration.displacement, displacement) * 1e3,
-            reading(calibration.force, force)
         ),
         format!(
             "control step {:.1} us at worst, {:.1} us on average of {:.1} us; period {} to {} cycles of {}; {} overruns",
@@ -75,9 +69,38 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
             status.dropped_steps
         ),
     ];
+    let several = identity.actuators() > 1;
+    let codes = std::iter::once(&status.codes).chain(&status.other_codes);
+    let readings = (1..).zip(identity.calibrations().zip(codes)).map(
+        |(actuator, (lines, &[displacement, force]))| {
+            let whose = if several {
+                format!("actuator {actuator}: ")
+            } else {
+                String::new()
+            };
+            format!(
+                "{whose}displacement {:.3} mm (code {displacement}), force {:.1} N (code {force})",
+                reading(lines.displacement, displacement) * 1e3,
+                reading(lines.force, force)
+            )
+        },
+    );
+    lines.splice(1..1, readings);
     if let Some(trip) = status.trip {
+        let of = match trip.fault {
+            Fault::Displacement
+            | Fault::Increment
+            | Fault::Velocity
+            | Fault::Force
+            | Fault::Tracking
+                if several =>
+            {
+                format!(" of actuator {}", trip.axis + 1)
+            }
+            _ => String::new(),
+        };
         lines.push(format!(
-            "tripped on {} at control step {}: {} against a limit of {}; `outerloop board clear` clears it",
+            "tripped on {}{of} at control step {}: {} against a limit of {}; `outerloop board clear` clears it",
             trip.fault.name(),
             trip.tick,
             trip.value,

@@ -39,8 +39,8 @@ pub struct TestFile {
 pub struct BoardWanted {
     /// Number of its calibration, eight hexadecimal digits as `outerloop board calibrate` shows it.
     pub calibration: Option<String>,
-    /// Bits of its converters, 12 (the chip's own) or 16 (external, -10 to +10 V); left out: 12 where the board is emulated,
-    /// else whatever it has.
+    /// Bits of its converters, 12 (the chip's own) or 16 (external, -10 to +10 V); left out: where the board is emulated 12,
+    /// and 16 for a test with three actuators; else whatever it has.
     pub converter_bits: Option<u16>,
 }
 

@@ -184,7 +184,7 @@ impl Rig<1> for Boarded {
             design,
             u32::from(config.timing.substeps),
             GroundMotion::none(),
-            (identity.calibration, identity.codes),
+            &identity,
             since,
         );
         mirror.take_targets(self.pace);

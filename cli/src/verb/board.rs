@@ -74,7 +74,7 @@ impl Plain {
         }
         println!(
             "{}: firmware {} ({}), {} MHz; control at {} Hz, at most {} Hz; a command leaves {} us after its sample; \
-             at most {} floors and {} points of ground motion.",
+             {} actuators, at most {} floors and {} points of ground motion.",
             identity.board,
             identity.version,
             identity.commit,
@@ -82,6 +82,7 @@ impl Plain {
             identity.rate_hz,
             identity.fastest_rate_hz,
             identity.output_delay_us,
+            identity.actuators(),
             identity.max_dof,
             identity.max_points
         );
@@ -117,6 +118,9 @@ struct Calibrate {
     /// The board's serial port, e.g. /dev/ttyACM0
     #[arg(long, value_name = "DEV")]
     port: String,
+    /// Of which actuator, of a board with several, from 1
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
+    actuator: u8,
     /// The calibration to send, TOML as this command shows it
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
@@ -160,12 +164,19 @@ impl FromStr for Zero {
 impl Calibrate {
     fn go(&self) -> Result<(), Failure> {
         let board = &mut connect(&self.port)?;
-        board::identify(board)?;
+        let actuators = board::identify(board)?.actuators();
+        let actuator = self.actuator - 1;
+        if usize::from(actuator) >= actuators {
+            return Err(Failure::input(format!(
+                "--actuator {}: the board has {actuators}: accepted are 1 to {actuators}",
+                self.actuator
+            )));
+        }
         if let Some(path) = &self.file {
-            board::calibrate(board, read_calibration(path)?)?;
+            board::calibrate_one(board, actuator, read_calibration(path)?)?;
         }
         for zero in &self.zero {
-            let (code, spread) = board::zero(board, zero.channel, zero.value)?;
+            let (code, spread) = board::zero(board, actuator, zero.channel, zero.value)?;
             println!(
                 "# {:?}: code {code:.1} with a spread of {spread} is {} now",
                 zero.channel, zero.value
@@ -175,12 +186,18 @@ impl Calibrate {
             board::save(board)?;
         }
         let identity = board::identify(board)?;
-        let calibration = identity.calibration;
+        let calibration = identity.calibrations().nth(usize::from(actuator));
         let text = toml::to_string(&calibration)
             .map_err(|e| Failure::test(format!("the calibration cannot be shown: {e}")))?;
+        if actuators > 1 {
+            println!(
+                "# actuator {} of {actuators}; the number is of all of them",
+                self.actuator
+            );
+        }
         println!(
             "# number {:08x}; quantity = per_code * (code - zero_code), in m and N; the sensors' codes are 0 to {}, the command's 0 to {}",
-            calibration.number(),
+            identity.calibration_number(),
             identity.codes.sensor_top,
             identity.codes.command_top
         );

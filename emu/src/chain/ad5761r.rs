@@ -1,6 +1,8 @@
 //! An AD5761R as its data sheet has it: 24 bits a command, in force when SYNC rises; a code waits in the input register for
 //! LDAC; the output is clamped to ground until the control register has been written.
 
+use super::external::Output;
+use super::shift::Shift;
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;
 use rigless::snapshot::Store;
@@ -31,9 +33,7 @@ pub struct Ad5761r {
     control: Option<u32>,
     /// What the command before this one asked for.
     answer: u32,
-    shift: u32,
-    bits: u32,
-    out: u32,
+    shift: Shift,
     dac: u16,
     /// Codes in the input register and not yet loaded, with their times, ns.
     waiting: VecDeque<(u64, u16)>,
@@ -41,9 +41,8 @@ pub struct Ad5761r {
     broken: bool,
 }
 
-impl Ad5761r {
-    /// LDAC falls: what stood in the input register by then is shown.
-    pub fn load(&mut self, at_ns: u64) {
+impl Output for Ad5761r {
+    fn take_over(&mut self, at_ns: u64) {
         while let Some((_, code)) = self.waiting.pop_front_if(|(at, _)| *at <= at_ns) {
             if !self.broken {
                 self.dac = code;
@@ -51,8 +50,7 @@ impl Ad5761r {
         }
     }
 
-    /// The output, V.
-    pub fn volts(&self) -> f64 {
+    fn volts(&self, _: usize) -> f64 {
         let Some(control) = self.control else {
             return 0.0;
         };
@@ -60,29 +58,29 @@ impl Ad5761r {
         low + (high - low) * f64::from(self.dac) / 65536.0
     }
 
-    /// Codes since this was last asked.
-    pub fn commands(&mut self) -> Vec<(u64, u16)> {
+    fn commands(&mut self) -> Vec<(u64, u16)> {
         std::mem::take(&mut self.commands)
     }
 
-    /// From now on the output stays where it is.
-    pub fn break_output(&mut self) {
+    fn break_output(&mut self) {
         self.broken = true;
     }
+}
 
-    fn execute(&mut self, at_ns: u64) {
-        let data = self.shift as u16;
+impl Ad5761r {
+    fn execute(&mut self, at_ns: u64, command: u32) {
+        let data = command as u16;
         self.answer = 0;
-        match self.shift >> 16 & 0xf {
+        match command >> 16 & 0xf {
             0x1 => {
                 self.waiting.push_back((at_ns, data));
                 self.commands.push((at_ns, data));
             }
-            0x2 => self.load(at_ns),
+            0x2 => self.take_over(at_ns),
             0x3 => {
                 self.waiting.push_back((at_ns, data));
                 self.commands.push((at_ns, data));
-                self.load(at_ns);
+                self.take_over(at_ns);
             }
             0x4 => {
                 if self.control.is_none() {
@@ -114,23 +112,16 @@ impl Store for Ad5761r {}
 
 impl Peer for Ad5761r {
     fn transfer(&mut self, mosi: u32, bits: u8, _: &mut Timeline<'_, '_>) -> u32 {
-        let mask = (1 << bits) - 1;
-        self.shift = self.shift << bits | mosi & mask;
-        self.bits += u32::from(bits);
-        // 24 bits of the answer, the first one first.
-        let word = self.out >> 24_u32.saturating_sub(u32::from(bits)) & mask;
-        self.out = self.out << bits & 0xff_ffff;
-        word
+        self.shift.transfer(mosi, bits)
     }
 
     fn select(&mut self, _: &mut Timeline<'_, '_>) {
-        (self.shift, self.bits, self.out) = (0, 0, self.answer);
+        self.shift.begin(self.answer);
     }
 
     fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
-        // Fewer bits are no command; of more the last 24 count.
-        if self.bits >= 24 {
-            self.execute(context.now().0);
+        if let Some(command) = self.shift.end() {
+            self.execute(context.now().0, command);
         }
     }
 }
@@ -139,29 +130,24 @@ impl Peer for Ad5761r {
 mod tests {
     use super::*;
 
-    fn command(dac: &mut Ad5761r, at_ns: u64, shift: u32) {
-        dac.shift = shift;
-        dac.execute(at_ns);
-    }
-
     #[test]
     fn it_is_clamped_then_in_the_middle_and_a_code_waits_for_its_load() {
         let mut dac = Ad5761r::default();
-        assert_eq!(dac.volts(), 0.0);
-        command(&mut dac, 0, 0xc_0000);
+        assert_eq!(dac.volts(0), 0.0);
+        dac.execute(0, 0xc_0000);
         assert_ne!(dac.answer & BROWN_OUT, 0);
         // Own reference, middle at power-up, -10 to +10 V.
-        command(&mut dac, 1, 0x4_0028);
-        assert_eq!(dac.volts(), 0.0);
-        command(&mut dac, 2, 0x1_c000);
-        assert_eq!(dac.volts(), 0.0);
-        dac.load(1);
-        assert_eq!(dac.volts(), 0.0, "it came after this load");
-        dac.load(3);
-        assert_eq!(dac.volts(), 5.0);
-        command(&mut dac, 4, 0xc_0000);
+        dac.execute(1, 0x4_0028);
+        assert_eq!(dac.volts(0), 0.0);
+        dac.execute(2, 0x1_c000);
+        assert_eq!(dac.volts(0), 0.0);
+        dac.take_over(1);
+        assert_eq!(dac.volts(0), 0.0, "it came after this load");
+        dac.take_over(3);
+        assert_eq!(dac.volts(0), 5.0);
+        dac.execute(4, 0xc_0000);
         assert_eq!(dac.answer, 0xc_0028);
-        command(&mut dac, 5, 0xf_0000);
-        assert_eq!(dac.volts(), 0.0);
+        dac.execute(5, 0xf_0000);
+        assert_eq!(dac.volts(0), 0.0);
     }
 }

@@ -1,6 +1,8 @@
-//! AD7606 and AD5761R on the board: where their pins go, and what the timers do with them.
+//! An AD7606 and an AD5761R, or for three actuators an AD5754R, on the board: where their pins go, and what the timers do
+//! with them.
 
 use super::Shown;
+use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
 use super::ad7606::Ad7606;
 use crate::nucleo::Nucleo;
@@ -35,12 +37,31 @@ const BUSY_CHANNEL: u8 = 4;
 /// Acceleration at full scale of its input, m/s^2.
 const FULL_SCALE_M_PER_S2: f64 = 50.0;
 
-/// Hangs both chips on the board's serial interfaces.
-pub fn attach(board: &mut Nucleo) {
+/// An output converter.
+pub trait Output {
+    /// LDAC falls: what stood in the input registers by then is shown.
+    fn take_over(&mut self, at_ns: u64);
+
+    /// What an output shows, V.
+    fn volts(&self, output: usize) -> f64;
+
+    /// Codes of the first output since this was last asked, with their times, ns.
+    fn commands(&mut self) -> Vec<(u64, u16)>;
+
+    /// From now on the outputs stay where they are.
+    fn break_output(&mut self);
+}
+
+/// Hangs both chips on the board's serial interfaces, those for so many actuators.
+pub fn attach(board: &mut Nucleo, actuators: usize) {
     let on = |pin| Pin::new(pin).map(selected_by);
     if let (Some(cs), Some(sync)) = (on(CS_PIN), on(SYNC_PIN)) {
         board.chip.spi[SPI1].attach_selected(Ad7606::default(), cs);
-        board.chip.spi[SPI3].attach_selected(Ad5761r::default(), sync);
+        let bus = &mut board.chip.spi[SPI3];
+        match actuators {
+            1 => drop(bus.attach_selected(Ad5761r::default(), sync)),
+            _ => drop(bus.attach_selected(Ad5754r::default(), sync)),
+        }
     }
 }
 
@@ -56,9 +77,19 @@ fn chip<P: Peer>(session: &mut Session<Nucleo>, spi: usize) -> Option<&mut P> {
     session.board_mut().chip.spi[spi].chip_mut(0)
 }
 
+/// The output converter.
+fn output(session: &mut Session<Nucleo>) -> Option<&mut dyn Output> {
+    if chip::<Ad5754r>(session, SPI3).is_some() {
+        return chip::<Ad5754r>(session, SPI3).map(|dac| dac as &mut dyn Output);
+    }
+    chip::<Ad5761r>(session, SPI3).map(|dac| dac as &mut dyn Output)
+}
+
 /// What happens between the chips and the board's pins.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct External {
+    /// Number of actuators.
+    pub actuators: usize,
     /// When BUSY falls.
     busy_until: Option<VirtualNanos>,
     /// Levels of CONVST, LDAC and RESET as pins of ports.
@@ -68,6 +99,17 @@ pub struct External {
 }
 
 impl External {
+    /// For so many actuators.
+    pub fn new(actuators: usize) -> Self {
+        Self {
+            actuators,
+            busy_until: None,
+            convst: false,
+            ldac: false,
+            reset: false,
+        }
+    }
+
     /// CONVST rises.
     pub fn convert(
         &mut self,
@@ -170,34 +212,31 @@ fn busy(session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos, 
     }
 }
 
-/// What stands at the AD7606's inputs: the rig's sensors, and the AD5761R's output at V3.
-pub fn show(session: &mut Session<Nucleo>, shown: Shown) {
-    let read_back = chip::<Ad5761r>(session, SPI3).map_or(0.0, |dac| dac.volts());
+/// What stands at the AD7606's inputs: the rig's sensors, and the first output at V3, or at V7 with three actuators.
+pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
+    let read_back = output(session).map_or(0.0, |dac| dac.volts(0));
     let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2 * 10.0;
     let of_volts = |volts: f64| (volts * 3276.8).round().clamp(-32768.0, 32767.0) as i16;
     let of_code = |code: f64| (code.round() - 32768.0).clamp(-32768.0, 32767.0) as i16;
+    let (read_back, acceleration) = (of_volts(read_back), of_volts(acceleration));
+    let [d1, d2, d3] = shown.displacement.map(of_code);
+    let [f1, f2, f3] = shown.force.map(of_code);
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
-        adc.inputs = [
-            of_code(shown.displacement),
-            of_code(shown.force),
-            of_volts(read_back),
-            of_code(shown.displacement),
-            of_volts(acceleration),
-            0,
-            0,
-            0,
-        ];
+        adc.inputs = match actuators {
+            1 => [d1, f1, read_back, d1, acceleration, 0, 0, 0],
+            _ => [d1, d2, d3, f1, f2, f3, read_back, acceleration],
+        };
     }
 }
 
 /// Codes of the command since this was last asked.
 pub fn commands(session: &mut Session<Nucleo>) -> Vec<(u64, u16)> {
-    chip::<Ad5761r>(session, SPI3).map_or_else(Vec::new, Ad5761r::commands)
+    output(session).map_or_else(Vec::new, |dac| dac.commands())
 }
 
 fn load(session: &mut Session<Nucleo>, at_ns: u64) {
-    if let Some(dac) = chip::<Ad5761r>(session, SPI3) {
-        dac.load(at_ns);
+    if let Some(dac) = output(session) {
+        dac.take_over(at_ns);
     }
 }
 
@@ -228,15 +267,15 @@ pub fn end_of_period(
     );
 }
 
-/// The code that stands for the output's voltage.
-pub fn pin(session: &mut Session<Nucleo>) -> Option<u16> {
-    let volts = chip::<Ad5761r>(session, SPI3)?.volts();
+/// The code that stands for the voltage of an actuator's output.
+pub fn pin(session: &mut Session<Nucleo>, actuator: usize) -> Option<u16> {
+    let volts = output(session)?.volts(actuator);
     Some(((volts + 10.0) * 3276.8).round().clamp(0.0, 65535.0) as u16)
 }
 
 /// The output stays where it is from now on.
 pub fn break_output(session: &mut Session<Nucleo>) {
-    if let Some(dac) = chip::<Ad5761r>(session, SPI3) {
+    if let Some(dac) = output(session) {
         dac.break_output();
     }
 }

@@ -94,8 +94,8 @@ impl Internal {
 pub fn show(session: &mut Session<Nucleo>, shown: Shown) {
     let adc = &mut session.board_mut().chip.adc[0];
     let channels = [
-        (DISPLACEMENT_CHANNEL, shown.displacement),
-        (FORCE_CHANNEL, shown.force),
+        (DISPLACEMENT_CHANNEL, shown.displacement[0]),
+        (FORCE_CHANNEL, shown.force[0]),
     ];
     for (channel, sum) in channels {
         if let Some(channel) = Channel::new(channel) {

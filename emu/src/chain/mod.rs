@@ -1,16 +1,18 @@
 //! The converters between the rig and the chip: the chip's own, or external ones on its serial interfaces.
 
+pub mod ad5754r;
 pub mod ad5761r;
 pub mod ad7606;
 pub mod external;
 pub mod internal;
+mod shift;
 
 use crate::nucleo::Nucleo;
 use crate::registers::{Demand, Registers};
 use external::External;
 use internal::Internal;
-use link::CodeRange;
 use link::channel::{Calibration, Line};
+use link::{CodeRange, MAX_ACTUATORS};
 use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -25,14 +27,24 @@ pub enum Converters {
     Internal,
     /// AD7606 and AD5761R.
     External,
+    /// AD7606 and AD5754R, for three actuators.
+    Three,
 }
 
 impl Converters {
+    /// Number of actuators.
+    pub fn actuators(self) -> usize {
+        match self {
+            Self::Internal | Self::External => 1,
+            Self::Three => 3,
+        }
+    }
+
     /// Highest codes of sensors and command.
     pub fn widths(self) -> CodeRange {
         let (sensor_top, command_top) = match self {
             Self::Internal => (2 * internal::TOP, internal::TOP),
-            Self::External => (u16::MAX, u16::MAX),
+            Self::External | Self::Three => (u16::MAX, u16::MAX),
         };
         CodeRange {
             sensor_top,
@@ -56,11 +68,11 @@ pub struct Instant {
 /// What the rig shows the inputs, in codes of the sensors with their fractions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shown {
-    /// Displacement.
-    pub displacement: f64,
-    /// Force.
-    pub force: f64,
-    /// Acceleration of the head, m/s^2.
+    /// Displacement of each actuator.
+    pub displacement: [f64; MAX_ACTUATORS],
+    /// Force of each.
+    pub force: [f64; MAX_ACTUATORS],
+    /// Acceleration of the first one's head, m/s^2.
     pub acceleration_m_per_s2: f64,
 }
 
@@ -78,7 +90,9 @@ impl Chain {
     pub fn new(converters: Converters) -> Self {
         match converters {
             Converters::Internal => Self::Internal(Internal::default()),
-            Converters::External => Self::External(External::default()),
+            Converters::External | Converters::Three => {
+                Self::External(External::new(converters.actuators()))
+            }
         }
     }
 
@@ -86,7 +100,8 @@ impl Chain {
     pub fn converters(&self) -> Converters {
         match self {
             Self::Internal(_) => Converters::Internal,
-            Self::External(_) => Converters::External,
+            Self::External(external) if external.actuators == 1 => Converters::External,
+            Self::External(_) => Converters::Three,
         }
     }
 
@@ -95,7 +110,13 @@ impl Chain {
         use crate::registers::{external, internal};
         match self {
             Self::Internal(_) => [&internal::SAMPLING, &internal::PINS, &internal::OUTPUT],
-            Self::External(_) => [&external::SAMPLING, &external::READING, &external::OUTPUT],
+            Self::External(chips) => {
+                let output = match chips.actuators {
+                    1 => &external::OUTPUT,
+                    _ => &external::OUTPUT_OF_THREE,
+                };
+                [&external::SAMPLING, &external::READING, output]
+            }
         }
     }
 
@@ -103,7 +124,7 @@ impl Chain {
     pub fn show(&mut self, session: &mut Session<Nucleo>, shown: Shown) {
         match self {
             Self::Internal(_) => internal::show(session, shown),
-            Self::External(_) => external::show(session, shown),
+            Self::External(chips) => external::show(session, shown, chips.actuators),
         }
     }
 
@@ -176,11 +197,16 @@ impl Chain {
         }
     }
 
-    /// What the output shows; `None` while it floats.
-    pub fn pin(&self, session: &mut Session<Nucleo>, registers: &Registers) -> Option<u16> {
+    /// What an actuator's output shows; `None` while it floats.
+    pub fn pin(
+        &self,
+        session: &mut Session<Nucleo>,
+        registers: &Registers,
+        actuator: usize,
+    ) -> Option<u16> {
         match self {
             Self::Internal(internal) => internal.pin(registers),
-            Self::External(_) => external::pin(session),
+            Self::External(_) => external::pin(session, actuator),
         }
     }
 

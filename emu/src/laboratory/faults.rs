@@ -22,17 +22,21 @@ impl Laboratory {
     pub(super) fn disturbed(&mut self, mut shown: Shown) -> Shown {
         let top = f64::from(self.chain.converters().widths().sensor_top);
         match self.active {
-            Some(Fault::SensorAtRail) => shown.displacement = top,
-            Some(Fault::FrozenSensor) => shown.displacement = self.frozen.displacement,
+            Some(Fault::SensorAtRail) => shown.displacement[self.victim] = top,
+            Some(Fault::FrozenSensor) => {
+                shown.displacement[self.victim] = self.frozen.displacement[self.victim];
+            }
             Some(Fault::NoiseBurst) => {
                 let up = self.permit_steps.is_multiple_of(2);
                 let sign = if up { 1.0 } else { -1.0 };
                 let free = 0.005 * top;
-                shown.force = (shown.force + sign * BURST_SHARE * top).clamp(free, top - free);
+                let force = &mut shown.force[self.victim];
+                *force = (*force + sign * BURST_SHARE * top).clamp(free, top - free);
             }
             Some(Fault::Stiffness { percent }) => {
-                let none = chain::sensor_code(self.wired.force, 0.0);
-                shown.force = none + (shown.force - none) * f64::from(percent) / 100.0;
+                let none = chain::sensor_code(self.wired[self.victim].force, 0.0);
+                let force = &mut shown.force[self.victim];
+                *force = none + (*force - none) * f64::from(percent) / 100.0;
             }
             _ => self.frozen = shown,
         }

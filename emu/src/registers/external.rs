@@ -1,4 +1,4 @@
-//! External converters: an AD7606 behind TIM2 and SPI1, an AD5761R behind TIM4 and SPI3.
+//! External converters: an AD7606 behind TIM2 and SPI1, an AD5761R or an AD5754R behind TIM4 and SPI3.
 
 use super::*;
 
@@ -204,14 +204,14 @@ pub const OUTPUT: [Demand; 15] = [
         SPI3_CR1,
         3,
         1,
-        "the AD5761R reads each bit half a clock off",
+        "the output converter reads each bit half a clock off",
     ),
     demand(
         "SPI3_CR1.DFF",
         SPI3_CR1,
         1 << 11,
         0,
-        "a command of the AD5761R has no 24 bits",
+        "a command of the output converter has no 24 bits",
     ),
     demand(
         "SPI3_CR1.BR",
@@ -235,3 +235,17 @@ pub const OUTPUT: [Demand; 15] = [
         "another peripheral has SPI3's pins",
     ),
 ];
+
+/// The same with three actuators, whose commands take longer to be worked out and written.
+pub const OUTPUT_OF_THREE: [Demand; OUTPUT.len()] = {
+    let mut all = OUTPUT;
+    let mut i = 0;
+    while i < all.len() {
+        if all[i].address == TIM4_CCR1 {
+            all[i].value = 6720;
+            all[i].fails = "the commands are not taken over 80 us after the sample";
+        }
+        i += 1;
+    }
+    all
+};

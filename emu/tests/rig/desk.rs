@@ -8,7 +8,7 @@ use link::reply::Reply;
 use link::status::Status;
 use link::telemetry::StepReport;
 use link::{Calibration, CodeRange};
-use outerloop_cli::board::{Connection, Image, Patience, Port, status};
+use outerloop_cli::board::{Connection, Image, Patience, Port, calibrate, status};
 use outerloop_core::{Config, Event, Mode, config::Limits};
 use plant::{Rig, RigSpec};
 use rigless::emulator::Start;
@@ -31,6 +31,13 @@ const LONGEST_S: u64 = 20;
 pub const CONVERTERS: Converters = match crate::IMAGE {
     Image::Internal => Converters::Internal,
     Image::External => Converters::External,
+    Image::Three => Converters::Three,
+};
+
+/// Number of actuators of the image of these tests, and of floors.
+pub const ACTUATORS: usize = match crate::IMAGE {
+    Image::Internal | Image::External => 1,
+    Image::Three => 3,
 };
 
 /// Their codes.
@@ -106,6 +113,8 @@ pub struct Bench {
     pub rig: Option<RigSpec>,
     /// How fast the rig sinks while nothing permits it to move, m/s.
     pub sinks_m_per_s: f64,
+    /// The actuator whose sensors go wrong, from 0.
+    pub actuator: usize,
 }
 
 impl Default for Bench {
@@ -118,6 +127,7 @@ impl Default for Bench {
             mutant: None,
             rig: None,
             sinks_m_per_s: 0.0,
+            actuator: 0,
         }
     }
 }
@@ -168,13 +178,14 @@ impl Desk {
             let text = "[actuator]\nkind = 'delay'\ndelay_ms = 3.0\n[specimen]\nkind = 'linear'\n[sensors]\n";
             toml::from_str(text).expect("a rig")
         });
-        let rig = Rig::new(&spec, &[STIFFNESS_N_PER_M], 2000.0, 1).expect("a rig");
+        let rig = Rig::new(&spec, &[STIFFNESS_N_PER_M; ACTUATORS], 2000.0, 1).expect("a rig");
         let wire = Wire::default();
         let drill = firmware.symbol("DRILL").expect("the symbol DRILL");
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
             .with_converters(CONVERTERS)
             .sinking(bench.sinks_m_per_s)
             .with_plan(bench.plan)
+            .at_actuator(bench.actuator)
             .mutated(bench.mutant)
             .until_ns(LONGEST_S * 1_000_000_000);
         let log = laboratory.log();
@@ -267,7 +278,7 @@ impl Desk {
 
     /// As it is wired.
     pub fn calibrate(&mut self) {
-        self.order(Command::Calibrate(Calibration::placeholder(&codes())));
+        calibrate(&mut self.pc, Calibration::placeholder(&codes())).expect("a calibration");
     }
 
     /// Loads and starts a test.
@@ -357,11 +368,20 @@ impl Drop for Desk {
     }
 }
 
-pub const STIFFNESS_N_PER_M: f64 = 158e3;
+/// Of a storey: a fundamental period of half a second.
+pub const STIFFNESS_N_PER_M: f64 = match crate::IMAGE {
+    Image::Internal | Image::External => 158e3,
+    Image::Three => 797.3e3,
+};
 
 /// Table 1 of the paper with limits.
 pub fn config() -> Config {
-    let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
+    let each = |x| [x; ACTUATORS];
+    let mut config = Config::shear_frame(each(1000.0), each(STIFFNESS_N_PER_M), each(0.02));
+    if ACTUATORS > 1 {
+        // As in `examples/three-storey.toml`.
+        (config.compensation.gamma, config.compensation.clamp) = (0.02, 4.0);
+    }
     config.limits = Limits {
         displacement_m: Some(0.042),
         velocity_m_per_s: Some(1.0),

@@ -9,5 +9,8 @@ pub mod nucleo_f429zi;
 #[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
 pub mod nucleo_f429zi_16;
 
+#[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
+pub mod nucleo_f429zi_3;
+
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod qemu;

@@ -1,6 +1,6 @@
 //! A board with its tasks, all in one thread.
 
-use super::{CLOCK, Faulty, Plant, SimBoard};
+use super::{CLOCK, CODES, Faulty, Plant, SimBoard};
 use crate::hardware::Hardware;
 use crate::station::{
     Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,
@@ -15,12 +15,12 @@ use link::status::Start;
 use outerloop_core::Mode;
 
 /// The simulated board with its tasks, and what is broken in it.
-pub type Bench<P> = Tasks<Faulty<SimBoard<P>>>;
+pub type Bench<P, const A: usize = 1> = Tasks<Faulty<SimBoard<P, A>>, A>;
 
 /// A board that has just got power, with its tasks. What it leaks is some hundred KiB a board.
-pub struct Tasks<H> {
+pub struct Tasks<H, const A: usize = 1> {
     /// The control interrupt's part.
-    pub station: Station,
+    pub station: Station<A>,
     /// The tasks' part.
     pub service: Service,
     /// The board itself.
@@ -29,7 +29,7 @@ pub struct Tasks<H> {
     pub evidence: &'static Evidence,
     /// Which signs are shown after each step.
     pub alive: [Sign; 3],
-    /// How long the saved records were, test and calibration.
+    /// How long the saved records were, test and calibrations together.
     pub saved: [Option<usize>; 2],
     outcomes: Consumer<'static, Outcome>,
     reports: Consumer<'static, Report>,
@@ -40,16 +40,15 @@ fn leak<T>(x: T) -> &'static mut T {
     Box::leak(Box::new(x))
 }
 
-impl<P: Plant> Bench<P> {
+impl<P: Plant<A>, const A: usize> Bench<P, A> {
     /// With `plant` behind the converters; nobody has calibrated it.
     pub fn new(plant: P) -> Self {
         let board = SimBoard::new(plant);
-        let wired = board.wired;
-        Self::of(Faulty::new(board), "sim", wired)
+        Self::of(Faulty::new(board), "sim", Calibration::placeholder(&CODES))
     }
 }
 
-impl<H: Hardware> Tasks<H> {
+impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     /// Of the board `hardware`; until it is calibrated it goes by `placeholder`.
     pub fn of(mut hardware: H, name: &'static str, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
@@ -57,7 +56,7 @@ impl<H: Hardware> Tasks<H> {
         let (reports_in, reports) = leak(Queue::<Report, 128>::new()).split();
         let evidence = leak(Evidence::new());
         // The clock allows 2 kHz.
-        let setup = || leak(Setup::unconfigured(&CLOCK).unwrap_or_else(|r| panic!("{r}")));
+        let setup = || leak(Setup::unconfigured(&CLOCK, A).unwrap_or_else(|r| panic!("{r}")));
         let first = setup();
         let in_force = (first.rate_hz, first.model_step_s);
         let ends = Ends {
@@ -65,9 +64,9 @@ impl<H: Hardware> Tasks<H> {
             outcomes: outcomes_in,
             reports: reports_in,
         };
-        let codes = hardware.codes().unwrap_or_default();
+        let codes = hardware.codes().unwrap_or([[0; 2]; A]);
         Self {
-            station: Station::new(first, placeholder, codes, evidence, ends, 2),
+            station: Station::new(first, [placeholder; A], codes, evidence, ends, 2),
             service: Service::new(
                 Board {
                     name,
@@ -75,6 +74,7 @@ impl<H: Hardware> Tasks<H> {
                     clock: CLOCK,
                     now: || 0,
                     codes: H::CODES,
+                    actuators: A,
                     inputs: H::INPUTS,
                     output_delay_us: 40.0,
                     crystal_ok: true,
@@ -87,7 +87,7 @@ impl<H: Hardware> Tasks<H> {
                     spare: setup(),
                     writable: leak(Points::new()).claim(),
                     config: None,
-                    calibration: None,
+                    calibrations: core::iter::repeat_n(None, A).collect(),
                 },
                 in_force,
             ),
@@ -155,11 +155,12 @@ impl<H: Hardware> Tasks<H> {
         match asked {
             Asked::Reply(answer) => Some(answer),
             Asked::Wait => None,
-            Asked::Save(config, wiring) => {
+            Asked::Save(config, wirings) => {
                 let length = |slot: &[u8]| slot.len();
+                let slots = wirings.into_iter().flatten().map(|w| w.encode(0));
                 self.saved = [
                     config.and_then(|c| c.encode(0)).map(|slot| length(&slot)),
-                    wiring.and_then(|w| w.encode(0)).map(|slot| length(&slot)),
+                    slots.map(|slot| Some(length(&slot?))).sum(),
                 ];
                 Some(self.service.saved(self.saved != [None; 2]))
             }

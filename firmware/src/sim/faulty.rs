@@ -9,8 +9,10 @@ use outerloop_core::Mode;
 /// What is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Broken {
-    /// The sensors show these codes, whatever moves.
+    /// An actuator's sensors show these codes, whatever moves.
     pub codes: Option<[u16; 2]>,
+    /// Which actuator's, from 0.
+    pub actuator: usize,
     /// The converter gives nothing new.
     pub no_sample: bool,
     /// The emergency stop is pressed.
@@ -41,7 +43,7 @@ impl<H> Faulty<H> {
     }
 }
 
-impl<H: Hardware> Hardware for Faulty<H> {
+impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
     const CODES: CodeRange = H::CODES;
     const INPUTS: &'static [Input] = H::INPUTS;
 
@@ -49,9 +51,14 @@ impl<H: Hardware> Hardware for Faulty<H> {
         self.board.now()
     }
 
-    fn codes(&mut self) -> Option<[u16; 2]> {
-        let codes = self.board.codes()?;
-        (!self.broken.no_sample).then_some(self.broken.codes.unwrap_or(codes))
+    fn codes(&mut self) -> Option<[[u16; 2]; A]> {
+        let mut codes = self.board.codes()?;
+        if let (Some(broken), Some(place)) =
+            (self.broken.codes, codes.get_mut(self.broken.actuator))
+        {
+            *place = broken;
+        }
+        (!self.broken.no_sample).then_some(codes)
     }
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
@@ -62,8 +69,8 @@ impl<H: Hardware> Hardware for Faulty<H> {
         self.broken.begins_late || self.board.began_late()
     }
 
-    fn output(&mut self, code: u16) {
-        self.board.output(code);
+    fn output(&mut self, actuator: usize, code: u16) {
+        self.board.output(actuator, code);
     }
 
     fn permit(&mut self, on: bool) {

@@ -36,21 +36,22 @@ pub const CLOCK: Clock = Clock {
     stopwatch_hz: 168_000_000,
 };
 
-/// What stands behind the converters.
-pub trait Plant {
-    /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N.
-    fn step(&mut self, command_m: f64, permit: bool) -> [f64; 2];
+/// What stands behind the converters of a board with `A` actuators.
+pub trait Plant<const A: usize = 1> {
+    /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N, of each
+    /// actuator.
+    fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A];
 }
 
 /// A board in memory.
-pub struct SimBoard<P> {
+pub struct SimBoard<P, const A: usize = 1> {
     /// What stands behind the converters.
     pub plant: P,
-    /// What its sensors and its actuator are really wired for.
-    pub wired: Calibration,
-    /// Code of the output converter.
-    pub code: u16,
-    /// The code that its output showed when the sample was taken.
+    /// What the sensors and the actuators are really wired for.
+    pub wired: [Calibration; A],
+    /// Codes of the output converters.
+    pub code: [u16; A],
+    /// The code that the first output showed when the sample was taken.
     pub shown: u16,
     /// The PERMIT line.
     pub permit: bool,
@@ -62,13 +63,13 @@ pub struct SimBoard<P> {
     pub ticks: u32,
 }
 
-impl<P: Plant> SimBoard<P> {
+impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
     /// With `plant` behind converters of the placeholder's ranges.
     pub fn new(plant: P) -> Self {
         Self {
             plant,
-            wired: Calibration::placeholder(&CODES),
-            code: CODES.command_top / 2,
+            wired: [Calibration::placeholder(&CODES); A],
+            code: [CODES.command_top / 2; A],
             shown: CODES.command_top / 2,
             permit: false,
             fed: 0,
@@ -84,7 +85,7 @@ fn code(line: Line, quantity: f64) -> u16 {
     2 * one.round().clamp(0.0, f64::from(CODES.sensor_top / 2)) as u16
 }
 
-impl<P: Plant> Hardware for SimBoard<P> {
+impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = INPUTS;
 
@@ -92,13 +93,17 @@ impl<P: Plant> Hardware for SimBoard<P> {
         self.ticks
     }
 
-    fn codes(&mut self) -> Option<[u16; 2]> {
-        let line = self.wired.command;
-        self.shown = self.code;
-        let command_m =
-            (f64::from(self.code) - f64::from(line.zero_code)) * f64::from(line.per_code);
-        let [m, n] = self.plant.step(command_m, self.permit);
-        Some([code(self.wired.displacement, m), code(self.wired.force, n)])
+    fn codes(&mut self) -> Option<[[u16; 2]; A]> {
+        self.shown = self.code[0];
+        let command_m = core::array::from_fn(|actuator| {
+            let line = self.wired[actuator].command;
+            (f64::from(self.code[actuator]) - f64::from(line.zero_code)) * f64::from(line.per_code)
+        });
+        let read = self.plant.step(command_m, self.permit);
+        Some(core::array::from_fn(|actuator| {
+            let ([m, n], wired) = (read[actuator], &self.wired[actuator]);
+            [code(wired.displacement, m), code(wired.force, n)]
+        }))
     }
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
@@ -109,8 +114,8 @@ impl<P: Plant> Hardware for SimBoard<P> {
         false
     }
 
-    fn output(&mut self, code: u16) {
-        self.code = code;
+    fn output(&mut self, actuator: usize, code: u16) {
+        self.code[actuator] = code;
     }
 
     fn permit(&mut self, on: bool) {

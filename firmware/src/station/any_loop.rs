@@ -3,7 +3,7 @@
 use super::rehearsal::rehearse;
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
-/// The most degrees of freedom of a test on a board: one with the actuator, the others calculated.
+/// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
 pub const MAX_DOF: usize = 3;
 
 /// An outer loop.
@@ -123,7 +123,7 @@ impl AnyLoop {
     }
 }
 
-/// The actuator stands at the first floor; the others are calculated.
+/// A target or a signal moves the first floor.
 #[inline]
 pub(super) fn on_first_axis<const N: usize>(first: f32) -> [f32; N] {
     core::array::from_fn(|axis| if axis == 0 { first } else { 0.0 })

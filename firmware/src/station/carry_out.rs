@@ -7,11 +7,11 @@ use crate::hardware::Hardware;
 use link::status::Timing;
 use outerloop_core::{Event, Mode};
 
-impl Station {
+impl<const A: usize> Station<A> {
     pub(super) fn carry_out(
         &mut self,
         order: Order,
-        hardware: &mut impl Hardware,
+        hardware: &mut impl Hardware<A>,
     ) -> Result<Returned, Refused> {
         let idle = self.state() == Mode::Idle;
         match order {
@@ -55,8 +55,10 @@ impl Station {
                 self.setup.outer.set_pace(pace);
                 Ok(Returned::Nothing)
             }
-            Order::Calibrate(calibration) => {
-                self.calibration = calibration;
+            Order::Calibrate(actuator, calibration) => {
+                if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
+                    *place = calibration;
+                }
                 self.output = Output::new();
                 Ok(Returned::Nothing)
             }

@@ -33,6 +33,6 @@ pub use motion::{Loaded, Points, Writable};
 pub use order::{Order, Outcome, Refused, Returned, Vitals};
 pub use period::{Ends, Report, Station};
 pub use ring::{Flash, Ring};
-pub use service::{Asked, Board, Parts, Service};
+pub use service::{Asked, Board, Parts, PerActuator, Service};
 pub use settings::{CALIBRATION_BYTES, Keep, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};

@@ -20,8 +20,8 @@ pub enum Order {
     Load(Loaded),
     /// What the next start runs: a commissioning signal, or the test; while idle.
     Signal(Option<Generator>),
-    /// Other lines for the channels; while idle.
-    Calibrate(Calibration),
+    /// Other lines for the channels of an actuator, from 0; while idle.
+    Calibrate(u8, Calibration),
     /// Where the targets come from; while idle.
     Pace(Option<Pace>),
     /// The next target from the PC, m.

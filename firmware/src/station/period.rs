@@ -23,8 +23,8 @@ pub struct Report {
     pub step: StepReport,
 }
 
-/// What the interrupt owns.
-pub struct Station {
+/// What the interrupt owns on a board with `A` actuators.
+pub struct Station<const A: usize = 1> {
     pub(super) setup: &'static mut Setup,
     pub(super) motion: Option<Loaded>,
     pub(super) signal: Option<Generator>,
@@ -32,13 +32,13 @@ pub struct Station {
     pub(super) points_are_commands: bool,
     /// The targets come from the PC.
     pub(super) told: bool,
-    pub(super) calibration: Calibration,
-    pub(super) output: Output,
+    pub(super) calibrations: [Calibration; A],
+    pub(super) output: Output<A>,
     pub(super) tick: u32,
     pub(super) spacing: Spacing,
     pub(super) dropped_steps: u32,
     pub(super) stopwatch_per_timer_tick: u32,
-    codes: [u16; 2],
+    codes: [[u16; 2]; A],
     late: bool,
     held: bool,
     chain: ChainWatch,
@@ -48,18 +48,18 @@ pub struct Station {
     reports: Producer<'static, Report>,
 }
 
-/// What the converter and the PERMIT line were last told.
-pub(super) struct Output {
-    feedback: ErrorFeedback,
-    /// The last command could not be shown.
+/// What the converters and the PERMIT line were last told.
+pub(super) struct Output<const A: usize> {
+    feedback: [ErrorFeedback; A],
+    /// The last command of one of them could not be shown.
     pub(super) out_of_range: bool,
     pub(super) permit: bool,
 }
 
-impl Output {
+impl<const A: usize> Output<A> {
     pub(super) const fn new() -> Self {
         Self {
-            feedback: ErrorFeedback::new(),
+            feedback: [const { ErrorFeedback::new() }; A],
             out_of_range: false,
             permit: false,
         }
@@ -76,12 +76,12 @@ pub struct Ends {
     pub reports: Producer<'static, Report>,
 }
 
-impl Station {
+impl<const A: usize> Station<A> {
     /// Idle. `first` are the codes of a first sample.
     pub fn new(
         setup: &'static mut Setup,
-        calibration: Calibration,
-        first: [u16; 2],
+        calibrations: [Calibration; A],
+        first: [[u16; 2]; A],
         evidence: &'static Evidence,
         ends: Ends,
         stopwatch_per_timer_tick: u32,
@@ -92,7 +92,7 @@ impl Station {
             signal: None,
             points_are_commands: false,
             told: false,
-            calibration,
+            calibrations,
             output: Output::new(),
             tick: 0,
             spacing: Spacing::new(),
@@ -123,7 +123,7 @@ impl Station {
     /// step that begins later than it can (the period before it took too long). What follows the command delays nothing
     /// but the tasks.
     #[inline]
-    pub fn period<H: Hardware>(&mut self, hardware: &mut H) {
+    pub fn period<H: Hardware<A>>(&mut self, hardware: &mut H) {
         let begin = hardware.now();
         self.spacing.begin(begin);
         let late = self.late || hardware.began_late();
@@ -133,27 +133,33 @@ impl Station {
         // Sample. A converter that does not answer shows its last codes, and they are not fresh.
         let codes = hardware.codes();
         self.codes = codes.unwrap_or(self.codes);
-        let mut sample = Sample::new(
-            [self.calibration.displacement.quantity(self.codes[0])],
-            [self.calibration.force.quantity(self.codes[1])],
-        );
-        sample.fresh = codes.is_some();
-        sample.fault = self.fault(hardware, starved, late);
+        let read: [[f32; 2]; A] = core::array::from_fn(|actuator| {
+            let ([displacement, force], lines) =
+                (self.codes[actuator], &self.calibrations[actuator]);
+            [
+                lines.displacement.quantity(displacement),
+                lines.force.quantity(force),
+            ]
+        });
+        let fresh = codes.is_some();
+        let fault = self.fault(hardware, starved, late);
 
         // Step and command.
         let goal_m = self.goal_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
-        let (calibration, output) = (&self.calibration, &mut self.output);
+        let (calibrations, output) = (&self.calibrations, &mut self.output);
         let time = &mut self.setup.time;
         let codes = self.codes;
         let inputs = hardware.inputs();
         let step = each_loop!(&mut self.setup.outer, outer => {
             outer.set_goal(goal_m.map(on_first_axis));
-            let step = outer.step(&on_first_floor(sample), ground);
-            output.show(hardware, calibration, step.command_m[0], step.permit);
+            let mut sample = on_floors(&read);
+            (sample.fresh, sample.fault) = (fresh, fault);
+            let step = outer.step(&sample, ground);
+            output.show(hardware, calibrations, of_actuators(&step.command_m), step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
-            StepReport::of(step.record, codes, inputs)
+            StepReport::of(step.record, &codes, inputs)
         });
 
         // The command is out: report, one order, watchdog.
@@ -174,7 +180,7 @@ impl Station {
     }
 
     /// What the station has to report with the sample. A starved task means that the PC is not heard any more.
-    fn fault<H: Hardware>(
+    fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,
         starved: Option<Sign>,
@@ -186,7 +192,8 @@ impl Station {
             hardware.permit_chain_closed(),
             patience.chain_steps,
         );
-        let rail = self.codes.iter().any(|&code| H::CODES.at_rail(code));
+        let mut codes = self.codes.iter().flatten();
+        let rail = codes.any(|&code| H::CODES.at_rail(code));
         if hardware.emergency_stop() {
             Some(Fault::EmergencyStop)
         } else if chain {
@@ -234,7 +241,7 @@ impl Station {
     }
 
     /// Takes one order.
-    fn obey(&mut self, hardware: &mut impl Hardware) {
+    fn obey(&mut self, hardware: &mut impl Hardware<A>) {
         if !self.outcomes.ready() {
             return;
         }
@@ -252,28 +259,34 @@ impl Station {
     }
 }
 
-impl Output {
-    /// Shows a command. Permission goes before the command and is given after it.
+impl<const A: usize> Output<A> {
+    /// Shows the actuators' commands. Permission goes before the commands and is given after them.
     #[inline]
-    fn show<H: Hardware>(
+    fn show<H: Hardware<A>>(
         &mut self,
         hardware: &mut H,
-        calibration: &Calibration,
-        command_m: f32,
+        calibrations: &[Calibration; A],
+        command_m: [f32; A],
         permit: bool,
     ) {
         let top = H::CODES.command_top;
-        let code = if permit {
-            self.feedback.code(calibration, top, command_m)
-        } else {
+        if !permit {
             hardware.permit(false);
-            self.feedback.standing(calibration, top, command_m)
-        };
-        if let Some(code) = code {
-            hardware.output(code);
         }
-        // Outside its range the converter stays where it is, and the test trips with the next sample.
-        self.out_of_range = code.is_none();
+        self.out_of_range = false;
+        let each = self.feedback.iter_mut().zip(calibrations).zip(command_m);
+        for (actuator, ((feedback, calibration), command_m)) in each.enumerate() {
+            let code = if permit {
+                feedback.code(calibration, top, command_m)
+            } else {
+                feedback.standing(calibration, top, command_m)
+            };
+            if let Some(code) = code {
+                hardware.output(actuator, code);
+            }
+            // Outside its range the converter stays where it is, and the test trips with the next sample.
+            self.out_of_range |= code.is_none();
+        }
         if permit {
             hardware.permit(true);
         }
@@ -281,13 +294,20 @@ impl Output {
     }
 }
 
-/// The actuator stands at the first floor; the others are calculated.
+/// The actuators stand at the first floors; the others are calculated.
 #[inline]
-fn on_first_floor<const N: usize>(sample: Sample<1>) -> Sample<N> {
-    let mut all = Sample::new(
-        on_first_axis(sample.displacement_m[0]),
-        on_first_axis(sample.force_n[0]),
-    );
-    (all.fresh, all.fault) = (sample.fresh, sample.fault);
-    all
+fn on_floors<const A: usize, const N: usize>(read: &[[f32; 2]; A]) -> Sample<N> {
+    let mut sample = Sample::new([0.0; N], [0.0; N]);
+    let places = sample.displacement_m.iter_mut().zip(&mut sample.force_n);
+    for ((place_m, place_n), &[m, n]) in places.zip(read) {
+        (*place_m, *place_n) = (m, n);
+    }
+    sample
+}
+
+/// The actuators' commands.
+#[inline]
+fn of_actuators<const A: usize, const N: usize>(command_m: &[f32; N]) -> [f32; A] {
+    // No test has fewer floors than its board has actuators.
+    core::array::from_fn(|actuator| command_m.get(actuator).copied().unwrap_or(0.0))
 }

@@ -52,8 +52,7 @@ fn timed<const N: usize>(outer: &mut OuterLoop<N>, now: fn() -> u32) -> ([u32; T
         // A motion that turns and a force that is none of its stiffness: all that a step can have to do.
         let swing = [1.0_f32, 0.5, -0.5, -1.0][step / 8 % 4];
         at_m += 1e-6 * swing;
-        let mut sample = Sample::new([0.0; N], [0.0; N]);
-        (sample.displacement_m[0], sample.force_n[0]) = (at_m, 10.0 * swing);
+        let sample = Sample::new([at_m; N], [10.0 * swing; N]);
         let begin = now();
         let record = outer.step(&sample, &ground).record;
         let took = now().wrapping_sub(begin);

@@ -4,6 +4,7 @@
 //! to it as an order and is answered when it is done ([`Asked::Wait`], [`Service::finish`]). A request that comes twice is
 //! answered twice and carried out once.
 
+mod calibrations;
 mod uploads;
 
 use super::commission::Generator;
@@ -14,15 +15,15 @@ use super::settings::Wiring;
 use super::setup::{Clock, Setup};
 use super::upload::Upload;
 use super::window::Window;
+use heapless::Vec;
 use heapless::spsc::Producer;
-use link::channel::{Calibration, Line};
-use link::command::{Channel, Command, MAX_POINTS};
+use link::channel::Calibration;
+use link::command::{Command, MAX_POINTS};
 use link::frame::Seen;
-use link::limits::Shown;
 use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{LastWords, Start, Status};
 use link::telemetry::MAX_INPUTS;
-use link::{CodeRange, Input};
+use link::{CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::{Config, Event, Mode, Refusal};
 
 /// What does not change while the board runs.
@@ -38,6 +39,8 @@ pub struct Board {
     pub now: fn() -> u32,
     /// Widths of its converters' codes.
     pub codes: CodeRange,
+    /// Number of its actuators, 1 to [`MAX_ACTUATORS`].
+    pub actuators: usize,
     /// What it records beside displacement and force.
     pub inputs: &'static [Input],
     /// From the sampling trigger to the output of the command, us.
@@ -61,8 +64,11 @@ pub enum Asked {
     /// The interrupt has an order; its outcome goes to [`Service::finish`].
     Wait,
     /// These are to be written; then [`Service::saved`].
-    Save(Option<Config>, Option<Wiring>),
+    Save(Option<Config>, PerActuator<Option<Wiring>>),
 }
+
+/// One for each actuator of a board.
+pub type PerActuator<T> = Vec<T, MAX_ACTUATORS>;
 
 /// What the outcome of the order is for.
 #[allow(clippy::large_enum_variant)] // There is no heap.
@@ -72,7 +78,7 @@ enum Pending {
     Status(Seen, u32),
     Configure(Config),
     Reload(u32),
-    Calibrate(Calibration, Option<(f32, u16)>),
+    Calibrate(u8, Calibration, Option<(f32, u16)>),
     Upload(Upload),
 }
 
@@ -88,9 +94,9 @@ pub struct Service {
     config: Option<Config>,
     rate_hz: f32,
     model_step_s: f64,
-    calibration: Calibration,
-    calibrated: bool,
-    windows: [Window; 2],
+    /// The calibration of each actuator and whether somebody has made it.
+    calibrations: PerActuator<(Calibration, bool)>,
+    windows: [[Window; 2]; MAX_ACTUATORS],
     state: Mode,
     tick: u32,
     request: u16,
@@ -108,8 +114,8 @@ pub struct Parts {
     pub writable: Writable,
     /// The test in force, if somebody has asked for it.
     pub config: Option<Config>,
-    /// The calibration, if somebody has made one.
-    pub calibration: Option<Calibration>,
+    /// The calibration of each actuator, if somebody has made one.
+    pub calibrations: PerActuator<Option<Calibration>>,
 }
 
 impl Service {
@@ -124,12 +130,16 @@ impl Service {
             config: parts.config,
             rate_hz: in_force.0,
             model_step_s: in_force.1,
-            calibration: parts
-                .calibration
-                .unwrap_or(Calibration::placeholder(&board.codes)),
-            calibrated: parts.calibration.is_some(),
+            calibrations: parts
+                .calibrations
+                .into_iter()
+                .map(|made| {
+                    let placeholder = Calibration::placeholder(&board.codes);
+                    (made.unwrap_or(placeholder), made.is_some())
+                })
+                .collect(),
             board,
-            windows: [Window::new(), Window::new()],
+            windows: [const { [const { Window::new() }; 2] }; MAX_ACTUATORS],
             state: Mode::Idle,
             tick: 0,
             request: 0,
@@ -140,9 +150,12 @@ impl Service {
 
     /// Takes in a step's report.
     pub fn see(&mut self, report: &Report) {
-        let [displacement, force] = &mut self.windows;
-        displacement.add(report.step.displacement);
-        force.add(report.step.force);
+        for (actuator, windows) in self.windows.iter_mut().enumerate() {
+            let codes = report.step.codes(actuator).unwrap_or_default();
+            for (window, code) in windows.iter_mut().zip(codes) {
+                window.add(code);
+            }
+        }
         self.state = report.step.state().unwrap_or(self.state);
         self.tick = report.tick;
     }
@@ -157,8 +170,14 @@ impl Service {
             Command::Identify => self.reply(self.identity()),
             Command::Status => self.order(Order::Vitals, Pending::Status(link, stack_bytes)),
             Command::Configure(config) => self.configure(config),
-            Command::Calibrate(calibration) => self.calibrate(calibration, None),
-            Command::Zero { channel, value } => self.zero(channel, value),
+            Command::Calibrate(actuator, calibration) => {
+                self.calibrate(actuator, calibration, None)
+            }
+            Command::Zero {
+                actuator,
+                channel,
+                value,
+            } => self.zero(actuator, channel, value),
             Command::Save => self.save(),
             Command::Motion {
                 points,
@@ -222,8 +241,10 @@ impl Service {
                 }
             }
             (Pending::Reload(since), Returned::Motion(_)) => self.done(since, state),
-            (Pending::Calibrate(calibration, zeroed), _) => {
-                (self.calibration, self.calibrated) = (calibration, true);
+            (Pending::Calibrate(actuator, calibration, zeroed), _) => {
+                if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
+                    *place = (calibration, true);
+                }
                 match zeroed {
                     Some((code, spread)) => self.reply(Reply::Zeroed { code, spread }),
                     None => self.done(tick, state),
@@ -311,6 +332,7 @@ impl Service {
 
     fn identity(&self) -> Reply {
         let board = &self.board;
+        let mut calibrations = self.calibrations.iter().map(|c| c.0);
         Reply::Identity(Identity {
             board: cut(board.name),
             version: cut(env!("CARGO_PKG_VERSION")),
@@ -324,7 +346,10 @@ impl Service {
             max_dof: super::any_loop::MAX_DOF as u8,
             deadline_cycles: board.clock.deadline_ticks,
             codes: board.codes,
-            calibration: self.calibration,
+            calibration: calibrations
+                .next()
+                .unwrap_or(Calibration::placeholder(&board.codes)),
+            others: calibrations.collect(),
             // No board has more than there is room for.
             inputs: board.inputs.iter().copied().take(MAX_INPUTS).collect(),
         })
@@ -337,11 +362,15 @@ impl Service {
             trip: vitals.trip,
             permit: vitals.permit,
             configured: vitals.configured,
-            calibrated: self.calibrated,
+            calibrated: self.is_calibrated(),
             points: vitals.points,
             crystal_ok: self.board.crystal_ok,
             converters_ok: self.board.converters_ok,
-            codes: [self.windows[0].last(), self.windows[1].last()],
+            codes: self.last_codes(0),
+            other_codes: (1..self.board.actuators)
+                .map(|actuator| self.last_codes(actuator))
+                .take(MAX_ACTUATORS - 1)
+                .collect(),
             timing: vitals.timing,
             link,
             dropped_steps: vitals.dropped_steps,
@@ -357,7 +386,7 @@ impl Service {
             Some(Obstacle::Crystal)
         } else if !self.board.converters_ok {
             Some(Obstacle::Converters)
-        } else if !self.calibrated {
+        } else if !self.is_calibrated() {
             Some(Obstacle::NotCalibrated)
         } else {
             None
@@ -374,10 +403,6 @@ impl Service {
             Some(Err(refusal)) => self.reply(refusal.into()),
             _ => self.order(Order::Event(Event::Arm), Pending::Done),
         }
-    }
-
-    fn shown(&self) -> Shown {
-        Shown::by(&self.calibration, &self.board.codes)
     }
 
     fn configure(&mut self, config: Config) -> Asked {
@@ -399,7 +424,7 @@ impl Service {
     /// Works a test out and times its steps here: whether they keep the deadline is known before anything moves.
     fn work_out(&self, config: &Config, place: &mut Setup) -> Result<(), Refusal> {
         let clock = &self.board.clock;
-        place.replace(config, clock)?;
+        place.replace(config, clock, self.board.actuators)?;
         let step = place.outer.rehearse(self.board.now);
         let ticks = step.saturating_add(clock.around_step_ticks);
         if ticks > clock.deadline_ticks {
@@ -412,57 +437,11 @@ impl Service {
         Ok(())
     }
 
-    fn calibrate(&mut self, calibration: Calibration, zeroed: Option<(f32, u16)>) -> Asked {
-        match calibration.check(&self.board.codes) {
-            Ok(()) => self.order(
-                Order::Calibrate(calibration),
-                Pending::Calibrate(calibration, zeroed),
-            ),
-            Err(refusal) => self.reply(refusal.into()),
-        }
-    }
-
-    fn zero(&mut self, channel: Channel, value: f32) -> Asked {
-        if !self.calibrated {
-            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
-        }
-        let [displacement, force] = &self.windows;
-        let window = match channel {
-            Channel::Displacement => displacement,
-            Channel::Force => force,
-        };
-        let Some((code, spread)) = window.mean_and_spread() else {
-            return self.reply(Reply::Refused(RefusedParameter::new(
-                "zero",
-                f64::NAN,
-                "a channel that has been sampled for a while",
-            )));
-        };
-        let mut calibration = self.calibration;
-        let line: &mut Line = match channel {
-            Channel::Displacement => &mut calibration.displacement,
-            Channel::Force => &mut calibration.force,
-        };
-        line.zero_code = code - value / line.per_code;
-        self.calibrate(calibration, Some((code, spread)))
-    }
-
     fn target(&mut self, target_m: f32) -> Asked {
         if !target_m.is_finite() {
             let refused = RefusedParameter::new("target_m", f64::from(target_m), "finite metres");
             return self.reply(Reply::Refused(refused));
         }
         self.order(Order::Target(target_m), Pending::Done)
-    }
-
-    fn save(&mut self) -> Asked {
-        if self.state != Mode::Idle {
-            return self.reply(self.rejected(None, None));
-        }
-        if self.config.is_none() && !self.calibrated {
-            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
-        }
-        let wiring = Wiring::new(self.calibration, &self.board.codes);
-        Asked::Save(self.config.clone(), self.calibrated.then_some(wiring))
     }
 }

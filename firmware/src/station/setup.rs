@@ -41,16 +41,22 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Works `config` out.
+    /// Works `config` out, for a board with so many actuators.
     ///
     /// # Errors
     /// The first parameter that is not accepted.
-    pub fn new(config: &Config, clock: &Clock) -> Result<Self, Refusal> {
-        Self::with(config, clock, true)
+    pub fn new(config: &Config, clock: &Clock, actuators: usize) -> Result<Self, Refusal> {
+        Self::with(config, clock, actuators, true)
     }
 
-    fn with(config: &Config, clock: &Clock, configured: bool) -> Result<Self, Refusal> {
+    fn with(
+        config: &Config,
+        clock: &Clock,
+        actuators: usize,
+        configured: bool,
+    ) -> Result<Self, Refusal> {
         let period_ticks = period_ticks(config, clock)?;
+        check_actuators(config, actuators)?;
         Ok(Self {
             outer: AnyLoop::new(config)?,
             time: StepTime::new(clock.deadline_ticks),
@@ -67,8 +73,14 @@ impl Setup {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn replace(&mut self, config: &Config, clock: &Clock) -> Result<(), Refusal> {
+    pub fn replace(
+        &mut self,
+        config: &Config,
+        clock: &Clock,
+        actuators: usize,
+    ) -> Result<(), Refusal> {
         let period_ticks = period_ticks(config, clock)?;
+        check_actuators(config, actuators)?;
         self.outer.replace(config)?;
         self.time = StepTime::new(clock.deadline_ticks);
         self.period_ticks = period_ticks;
@@ -83,13 +95,17 @@ impl Setup {
     ///
     /// # Errors
     /// The clock does not allow 2 kHz.
-    pub fn unconfigured(clock: &Clock) -> Result<Self, Refusal> {
-        let config = Config::shear_frame([1.0], [1.0], [0.02]);
-        Self::with(&config, clock, false)
+    pub fn unconfigured(clock: &Clock, actuators: usize) -> Result<Self, Refusal> {
+        let mut config = Config::shear_frame([1.0], [1.0], [0.02]);
+        let each = |x: f64| core::iter::repeat_n(x, actuators).collect();
+        let frame = &mut config.structure;
+        (frame.mass_kg, frame.stiffness_n_per_m) = (each(1.0), each(1.0));
+        frame.damping_ratio = each(0.02);
+        Self::with(&config, clock, actuators, false)
     }
 }
 
-/// The sampling timer's ticks in a period of a test that a board with one actuator can run.
+/// The sampling timer's ticks in a period.
 fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
     let rate_hz = config.timing.rate_hz;
     // Whole ticks: the product comes back to the timer's clock exactly, or the rate does not divide it.
@@ -103,19 +119,28 @@ fn period_ticks(config: &Config, clock: &Clock) -> Result<u32, Refusal> {
             accepted: "whole divisors of the sampling timer's 84 MHz, from 100 Hz to what the link's telemetry carries (see identify)",
         });
     }
+    Ok(period_ticks)
+}
+
+/// Every actuator of the board has its storey: one that a test leaves out would move with the others' permission.
+fn check_actuators(config: &Config, actuators: usize) -> Result<(), Refusal> {
     let floors = config.structure.mass_kg.len();
     let physical = config
         .structure
         .physical_storeys
         .map_or(floors, usize::from);
-    if physical != 1 {
-        return Err(Refusal {
-            name: "structure.physical_storeys",
-            value: physical as f64,
-            accepted: "1 on this board, which has one actuator",
-        });
+    if physical == actuators {
+        return Ok(());
     }
-    Ok(period_ticks)
+    Err(Refusal {
+        name: "structure.physical_storeys",
+        value: physical as f64,
+        accepted: match actuators {
+            1 => "1 on this board, which has one actuator",
+            2 => "2 on this board, which has two actuators",
+            _ => "3 on this board, which has three actuators",
+        },
+    })
 }
 
 #[cfg(test)]
@@ -134,7 +159,7 @@ mod tests {
     fn with(change: impl FnOnce(&mut Config)) -> Result<Setup, Refusal> {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
         change(&mut config);
-        Setup::new(&config, &CLOCK)
+        Setup::new(&config, &CLOCK, 1)
     }
 
     #[test]
@@ -148,6 +173,19 @@ mod tests {
             let refusal = with(|c| c.timing.rate_hz = rate).err().unwrap();
             assert_eq!(refusal.name, "loop.rate_hz", "{rate}");
         }
+    }
+
+    #[test]
+    fn a_board_with_three_actuators_takes_tests_with_three() {
+        let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
+        assert!(Setup::new(&config, &CLOCK, 3).is_ok());
+        for one_or_two in [1, 2] {
+            config.structure.physical_storeys = Some(one_or_two);
+            let refusal = Setup::new(&config, &CLOCK, 3).err().unwrap();
+            assert_eq!(refusal.value, f64::from(one_or_two));
+            assert!(refusal.accepted.starts_with("3 "), "{refusal}");
+        }
+        assert!(Setup::unconfigured(&CLOCK, 3).is_ok());
     }
 
     #[test]

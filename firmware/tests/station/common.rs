@@ -17,11 +17,11 @@ pub struct Spring {
 }
 
 impl Plant for Spring {
-    fn step(&mut self, command_m: f64, permit: bool) -> [f64; 2] {
+    fn step(&mut self, [command_m]: [f64; 1], permit: bool) -> [[f64; 2]; 1] {
         if permit {
             self.position_m += (command_m - self.position_m) * (1.0 - (-0.5_f64 / 4.0).exp());
         }
-        [self.position_m, self.position_m * STIFFNESS_N_PER_M]
+        [[self.position_m, self.position_m * STIFFNESS_N_PER_M]]
     }
 }
 
@@ -58,7 +58,7 @@ pub fn fresh() -> Bench {
 /// Calibrated as it is wired.
 pub fn bench() -> Bench {
     let mut bench = fresh();
-    let calibrated = bench.ask(Command::Calibrate(Calibration::placeholder(&CODES)));
+    let calibrated = bench.ask(Command::Calibrate(0, Calibration::placeholder(&CODES)));
     assert!(matches!(calibrated, Reply::Done { .. }), "{calibrated:?}");
     bench
 }
@@ -95,7 +95,7 @@ impl Bench {
     }
 
     pub fn code(&self) -> u16 {
-        self.board.hardware.board.code
+        self.board.hardware.board.code[0]
     }
 
     pub fn state(&self) -> Mode {

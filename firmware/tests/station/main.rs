@@ -110,7 +110,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     done(&b.event(Event::Start));
     for command in [
         Command::Configure(config()),
-        Command::Calibrate(Calibration::placeholder(&CODES)),
+        Command::Calibrate(0, Calibration::placeholder(&CODES)),
         Command::Save,
         Command::Signal(None),
         Command::Motion {
@@ -119,6 +119,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
             checksum: 0,
         },
         Command::Zero {
+            actuator: 0,
             channel: Channel::Force,
             value: 0.0,
         },
@@ -264,6 +265,7 @@ fn zeroing_moves_the_zero_and_not_the_scale() {
         b.step();
     }
     let zero = Command::Zero {
+        actuator: 0,
         channel: Channel::Displacement,
         value: 0.001,
     };
@@ -383,7 +385,7 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
     done(&b.ask(Command::Configure(config())));
     b.upload(&pulse(), 0.01);
     let narrow = Calibration::over(0.02, 1e4, &CODES);
-    done(&b.ask(Command::Calibrate(narrow)));
+    done(&b.ask(Command::Calibrate(0, narrow)));
     let reply = b.event(Event::Arm);
     assert!(
         matches!(&reply, Reply::Refused(r) if r.name == "limits.displacement_m"),
@@ -405,13 +407,14 @@ fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
     for command in [
         Command::Event(Event::Arm),
         Command::Zero {
+            actuator: 0,
             channel: Channel::Force,
             value: 0.0,
         },
     ] {
         assert_eq!(obstacle(b.ask(command)), Some(Obstacle::NotCalibrated));
     }
-    done(&b.ask(Command::Calibrate(Calibration::placeholder(&CODES))));
+    done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
     assert!(status(&mut b).calibrated);
     done(&b.event(Event::Arm));
 }
@@ -423,7 +426,7 @@ fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
         obstacle(b.ask(Command::Save)),
         Some(Obstacle::NotCalibrated)
     );
-    done(&b.ask(Command::Calibrate(Calibration::placeholder(&CODES))));
+    done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
     done(&b.ask(Command::Save));
     assert_eq!(b.saved, [None, Some(firmware::station::CALIBRATION_BYTES)]);
     done(&b.ask(Command::Configure(config())));

@@ -28,13 +28,13 @@ use outerloop_core::{Config, Refusal};
 use static_cell::{ConstStaticCell, StaticCell};
 
 /// What the board's clocks allow. A step has to be ready when the output takes its command over.
-const fn clock<C: Converters>() -> Clock {
+const fn clock<C: Converters<A>, const A: usize>() -> Clock {
     let per_us = clocks::CORE_HZ / 1_000_000;
     Clock {
         timer_hz: clocks::TIMER_HZ,
         // A period of 10 ms; the watchdog's shortest time is 17 ms.
         slowest_rate_hz: 100,
-        fastest_rate_hz: link::fastest_rate_hz(link::BAUD, C::INPUTS.len()),
+        fastest_rate_hz: link::fastest_rate_hz(link::BAUD, A, C::INPUTS.len()),
         deadline_ticks: (C::OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
         around_step_ticks: C::AROUND_STEP_CYCLES,
         stopwatch_hz: clocks::CORE_HZ,
@@ -45,7 +45,7 @@ defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
 /// Starts the board and runs its tasks for good. `control` is where the image's control interrupt finds what it owns.
 #[inline(always)] // Into the image's entry: the frame of the start is at the bottom of the stack anyway.
-pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
+pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> ! {
     static EVIDENCE: Evidence = Evidence::new();
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
@@ -85,9 +85,14 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
         crystal_ok
     );
 
-    let clock = const { clock::<C>() };
-    let (setup, config, saved) = settings(&clock, &C::CODES);
-    let calibration = saved.unwrap_or(Calibration::placeholder(&C::CODES));
+    let clock = const { clock::<C, A>() };
+    let (setup, config) = settings(&clock, A);
+    let saved: [Option<Calibration>; A] = core::array::from_fn(|actuator| {
+        let wiring = Memory.calibration(actuator);
+        wiring.and_then(|wiring| wiring.of(&C::CODES))
+    });
+    let placeholder = Calibration::placeholder(&C::CODES);
+    let calibrations = saved.map(|saved| saved.unwrap_or(placeholder));
     let resources = Resources {
         adc1: p.ADC1,
         dac1: p.DAC1,
@@ -114,8 +119,9 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
         mut converters,
         first,
         answered,
-    } = C::new(resources, setup.period_ticks, |displacement| {
-        standing(&calibration, &C::CODES, displacement)
+    } = C::new(resources, setup.period_ticks, |actuator, displacement| {
+        let calibration = calibrations.get(actuator).unwrap_or(&placeholder);
+        standing(calibration, &C::CODES, displacement)
     });
 
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
@@ -128,6 +134,7 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
         clock,
         now: cycles,
         codes: C::CODES,
+        actuators: A,
         inputs: C::INPUTS,
         output_delay_us: C::OUTPUT_DELAY_US as f32,
         crystal_ok,
@@ -138,10 +145,10 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
     let crashed = board.last_words.is_some();
     let parts = Parts {
         orders: orders_in,
-        spare: spare(&clock),
+        spare: spare(&clock, A),
         writable: POINTS.take().claim(),
         config,
-        calibration: saved,
+        calibrations: saved.into_iter().collect(),
     };
     let service: &'static RefCell<Service> =
         SERVICE.init(RefCell::new(Service::new(board, parts, in_force)));
@@ -151,7 +158,7 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
         reports: reports_in,
     };
     let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
-    let station = Station::new(setup, calibration, first, &EVIDENCE, ends, per_tick);
+    let station = Station::new(setup, calibrations, first, &EVIDENCE, ends, per_tick);
 
     let serial = uart(p.USART3, p.PD9, p.PD8, p.DMA1_CH3, p.DMA1_CH1);
     let (tx, rx) = serial.split();
@@ -190,7 +197,7 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
         service,
         answers,
         evidence: &EVIDENCE,
-        inputs: C::INPUTS.len(),
+        channels: (A, C::INPUTS.len()),
     };
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawner.spawn(defmt::unwrap!(listen::task(listener, rx)));
@@ -201,33 +208,33 @@ pub fn run<C: Converters>(control: &'static Owned<C>) -> ! {
 
 /// The test to begin with: the saved one, else one that cannot be armed.
 #[inline(never)]
-fn settings(
-    clock: &Clock,
-    codes: &CodeRange,
-) -> (&'static mut Setup, Option<Config>, Option<Calibration>) {
+fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Config>) {
     static FIRST: StaticCell<Setup> = StaticCell::new();
-    let calibration = Memory.calibration().and_then(|wiring| wiring.of(codes));
     let Some(config) = Memory.test() else {
-        return (unconfigured(&FIRST, clock), None, calibration);
+        return (unconfigured(&FIRST, clock, actuators), None);
     };
-    match place(&FIRST, Some(&config), clock) {
-        Ok(setup) => (setup, Some(config), calibration),
+    match place(&FIRST, Some(&config), clock, actuators) {
+        Ok(setup) => (setup, Some(config)),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
-            (unconfigured(&FIRST, clock), None, calibration)
+            (unconfigured(&FIRST, clock, actuators), None)
         }
     }
 }
 
 /// The place for the next test.
-fn spare(clock: &Clock) -> &'static mut Setup {
+fn spare(clock: &Clock, actuators: usize) -> &'static mut Setup {
     static SPARE: StaticCell<Setup> = StaticCell::new();
-    unconfigured(&SPARE, clock)
+    unconfigured(&SPARE, clock, actuators)
 }
 
-fn unconfigured(cell: &'static StaticCell<Setup>, clock: &Clock) -> &'static mut Setup {
+fn unconfigured(
+    cell: &'static StaticCell<Setup>,
+    clock: &Clock,
+    actuators: usize,
+) -> &'static mut Setup {
     // The clock's constants allow 2 kHz; a test on the host says so too.
-    defmt::unwrap!(place(cell, None, clock).ok())
+    defmt::unwrap!(place(cell, None, clock, actuators).ok())
 }
 
 /// Works a test out where it stays. A test is a quarter of the stack: what it passes through must not add up.
@@ -236,10 +243,11 @@ fn place(
     cell: &'static StaticCell<Setup>,
     config: Option<&Config>,
     clock: &Clock,
+    actuators: usize,
 ) -> Result<&'static mut Setup, Refusal> {
     let setup = config.map_or_else(
-        || Setup::unconfigured(clock),
-        |config| Setup::new(config, clock),
+        || Setup::unconfigured(clock, actuators),
+        |config| Setup::new(config, clock, actuators),
     );
     setup.map(|setup| cell.init(setup))
 }

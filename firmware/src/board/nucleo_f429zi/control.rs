@@ -6,21 +6,21 @@ use super::metal::Metal;
 use crate::station::Station;
 use core::cell::UnsafeCell;
 
-/// What the control interrupt owns.
-pub struct Control<C> {
+/// What the control interrupt owns on a board with `A` actuators.
+pub struct Control<C, const A: usize = 1> {
     /// The loop and what is around it.
-    pub station: Station,
+    pub station: Station<A>,
     /// The board's hands.
     pub metal: Metal<C>,
 }
 
 /// Its place, in an image of its own.
-pub struct Owned<C>(UnsafeCell<Option<Control<C>>>);
+pub struct Owned<C, const A: usize = 1>(UnsafeCell<Option<Control<C, A>>>);
 
 // SAFETY: written once before the interrupt is on, and reached only by the interrupt from then on.
-unsafe impl<C> Sync for Owned<C> {}
+unsafe impl<C, const A: usize> Sync for Owned<C, A> {}
 
-impl<C: Converters> Owned<C> {
+impl<C: Converters<A>, const A: usize> Owned<C, A> {
     /// Empty.
     #[expect(clippy::new_without_default, reason = "only as a static")]
     pub const fn new() -> Self {
@@ -28,7 +28,7 @@ impl<C: Converters> Owned<C> {
     }
 
     /// Gives the control interrupt what it owns, and switches it on. To be called once.
-    pub fn begin(&'static self, control: Control<C>) {
+    pub fn begin(&'static self, control: Control<C, A>) {
         // SAFETY: the interrupt is off, so nobody else is there.
         unsafe { *self.0.get() = Some(control) };
         // SAFETY: what it uses is in place. Its first run starts the period.

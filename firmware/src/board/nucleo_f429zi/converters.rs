@@ -1,5 +1,6 @@
 //! What the control interrupt wants from the converters of an image: the chip's own ([`internal`](super::internal)), or
-//! external ones of 16 bits ([`nucleo_f429zi_16`](crate::board::nucleo_f429zi_16)).
+//! external ones of 16 bits for one actuator ([`nucleo_f429zi_16`](crate::board::nucleo_f429zi_16)) or for three
+//! ([`nucleo_f429zi_3`](crate::board::nucleo_f429zi_3)).
 
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{
@@ -9,8 +10,8 @@ use embassy_stm32::peripherals::{
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
-/// Two inputs and an output around one sampling timer.
-pub trait Converters: Sized {
+/// Two inputs and an output for each of `A` actuators around one sampling timer.
+pub trait Converters<const A: usize = 1>: Sized {
     /// The board's name with these converters.
     const NAME: &'static str;
     /// Widths of their codes.
@@ -24,9 +25,13 @@ pub trait Converters: Sized {
     /// Cycles that reading the sample and writing the command take beside the step, with the board's own work around it.
     const AROUND_STEP_CYCLES: u32;
 
-    /// Ready, with a period of `ticks` and the timer standing. The output stands at the code that `standing` gives for the
-    /// first displacement.
-    fn new(resources: Resources, ticks: u32, standing: impl FnOnce(u16) -> u16) -> Begun<Self>;
+    /// Ready, with a period of `ticks` and the timer standing. Each output stands at the code that `standing` gives for its
+    /// actuator and that one's first displacement.
+    fn new(
+        resources: Resources,
+        ticks: u32,
+        standing: impl Fn(usize, u16) -> u16,
+    ) -> Begun<Self, A>;
 
     /// The timer runs: the first sample is taken one period from now.
     fn start(&mut self);
@@ -37,8 +42,8 @@ pub trait Converters: Sized {
     /// What its handler uses has been put in place.
     unsafe fn enable_interrupt();
 
-    /// The sample of this step; `None` if there is none.
-    fn codes(&mut self) -> Option<[u16; 2]>;
+    /// The sample of this step, displacement and force of each actuator; `None` if there is none.
+    fn codes(&mut self) -> Option<[[u16; 2]; A]>;
 
     /// The further inputs of that sample.
     fn inputs(&self) -> [u16; MAX_INPUTS];
@@ -46,19 +51,19 @@ pub trait Converters: Sized {
     /// Asked at the beginning of a step: the timer has run on further since its trigger than it can have.
     fn began_late(&self) -> bool;
 
-    /// The code that the output shows from its next instant on.
-    fn write(&mut self, code: u16);
+    /// The code that an actuator's output shows from its next instant on.
+    fn write(&mut self, actuator: usize, code: u16);
 
     /// Another period, from the end of the present one on.
     fn set_period(&mut self, ticks: u32);
 }
 
 /// Converters that have just been set up.
-pub struct Begun<C> {
+pub struct Begun<C, const A: usize = 1> {
     /// The converters.
     pub converters: C,
     /// Codes of a first sample.
-    pub first: [u16; 2],
+    pub first: [[u16; 2]; A],
     /// All that can answer has answered.
     pub answered: bool,
 }

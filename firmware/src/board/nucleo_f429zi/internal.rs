@@ -127,11 +127,11 @@ impl Converters for Internal {
     // Some 110 instructions and two divisions, from a flash that is not in the cache.
     const AROUND_STEP_CYCLES: u32 = 400;
 
-    fn new(r: Resources, ticks: u32, standing: impl FnOnce(u16) -> u16) -> Begun<Self> {
+    fn new(r: Resources, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> Begun<Self> {
         let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
         // Of a converter that does not answer: the first step will find its samples stale.
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
-        let command = Command::new(r.dac1, r.pa4, standing(first[0]));
+        let command = Command::new(r.dac1, r.pa4, standing(0, first[0]));
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
         Begun {
             converters: Self {
@@ -139,7 +139,7 @@ impl Converters for Internal {
                 command,
                 period,
             },
-            first,
+            first: [first],
             answered: true,
         }
     }
@@ -158,8 +158,8 @@ impl Converters for Internal {
     }
 
     #[inline]
-    fn codes(&mut self) -> Option<[u16; 2]> {
-        self.sensors.codes()
+    fn codes(&mut self) -> Option<[[u16; 2]; 1]> {
+        self.sensors.codes().map(|codes| [codes])
     }
 
     #[inline]
@@ -173,7 +173,7 @@ impl Converters for Internal {
     }
 
     #[inline]
-    fn write(&mut self, code: u16) {
+    fn write(&mut self, _: usize, code: u16) {
         self.command.write(code);
     }
 

@@ -25,7 +25,7 @@ pub fn cycles() -> u32 {
 
 /// What the control interrupt owns of the board.
 pub struct Metal<C> {
-    /// Displacement, force, command, and the period.
+    /// Displacements, forces, commands, and the period.
     pub converters: C,
     /// The PERMIT line.
     pub permit: Output<'static>,
@@ -45,7 +45,7 @@ pub struct Metal<C> {
     pub starving: bool,
 }
 
-impl<C: Converters> Hardware for Metal<C> {
+impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     const CODES: CodeRange = C::CODES;
     const INPUTS: &'static [Input] = C::INPUTS;
 
@@ -55,7 +55,7 @@ impl<C: Converters> Hardware for Metal<C> {
     }
 
     #[inline]
-    fn codes(&mut self) -> Option<[u16; 2]> {
+    fn codes(&mut self) -> Option<[[u16; 2]; A]> {
         self.step.set_high();
         if drill::asked() == Drill::Overrun {
             drill::overrun();
@@ -74,9 +74,11 @@ impl<C: Converters> Hardware for Metal<C> {
     }
 
     #[inline]
-    fn output(&mut self, code: u16) {
-        self.converters.write(code);
-        self.step.set_low();
+    fn output(&mut self, actuator: usize, code: u16) {
+        self.converters.write(actuator, code);
+        if actuator + 1 == A {
+            self.step.set_low();
+        }
     }
 
     #[inline]

@@ -5,14 +5,28 @@
 
 use crate::station::{CALIBRATION_BYTES, Flash, Ring, TEST_BYTES, Wiring};
 use embassy_stm32::flash::{self, Async, FLASH_BASE};
+use link::MAX_ACTUATORS;
 use outerloop_core::Config;
 
-/// Sectors 12 and 13.
-const CALIBRATIONS: Ring<CALIBRATION_BYTES> = Ring {
-    sectors: [0x10_0000, 0x10_4000],
-    sector_bytes: 16 * 1024,
-    slot_bytes: 64,
-};
+/// Of each actuator: sectors 12 and 13, 14 and 15, 17 and 18.
+const CALIBRATIONS: [Ring<CALIBRATION_BYTES>; MAX_ACTUATORS] = [
+    Ring {
+        sectors: [0x10_0000, 0x10_4000],
+        sector_bytes: 16 * 1024,
+        slot_bytes: 64,
+    },
+    Ring {
+        sectors: [0x10_8000, 0x10_c000],
+        sector_bytes: 16 * 1024,
+        slot_bytes: 64,
+    },
+    // As few slots as there are of a test: they are looked through at every start.
+    Ring {
+        sectors: [0x12_0000, 0x14_0000],
+        sector_bytes: 128 * 1024,
+        slot_bytes: 1024,
+    },
+];
 
 /// Sectors 22 and 23.
 const TESTS: Ring<TEST_BYTES> = Ring {
@@ -26,9 +40,9 @@ const _: () = assert!(TEST_BYTES <= 1024 && CALIBRATION_BYTES <= 64);
 pub struct Memory;
 
 impl Memory {
-    /// The calibration that was saved last.
-    pub fn calibration(&self) -> Option<Wiring> {
-        CALIBRATIONS.load(self)
+    /// The calibration of an actuator, from 0, that was saved last.
+    pub fn calibration(&self, actuator: usize) -> Option<Wiring> {
+        CALIBRATIONS.get(actuator)?.load(self)
     }
 
     /// The test that was saved last.
@@ -64,11 +78,13 @@ impl Store {
         Self(flash)
     }
 
-    /// Writes what there is; returns whether all of it reads back as it was.
-    pub async fn save(&mut self, test: Option<&Config>, wiring: Option<&Wiring>) -> bool {
+    /// Writes what there is, one calibration an actuator; returns whether all of it reads back as it was.
+    pub async fn save(&mut self, test: Option<&Config>, wirings: &[Option<Wiring>]) -> bool {
         let mut saved = true;
-        if let Some(wiring) = wiring {
-            saved &= CALIBRATIONS.save(self, wiring).await;
+        for (ring, wiring) in CALIBRATIONS.iter().zip(wirings) {
+            if let Some(wiring) = wiring {
+                saved &= ring.save(self, wiring).await;
+            }
         }
         if let Some(test) = test {
             saved &= TESTS.save(self, test).await;

@@ -11,7 +11,6 @@ use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff};
 use embassy_stm32::peripherals::{PA5, PA6, PB10, PB11, PD14, PF12, SPI1};
 use embassy_stm32::{Peri, pac, rcc};
-use link::telemetry::MAX_INPUTS;
 
 /// SPI1's alternate function on its pins.
 const AF_SPI1: u8 = 5;
@@ -32,7 +31,6 @@ const FIRST_SAMPLE_CYCLES: u32 = 100 * US;
 pub struct Adc {
     bus: Bus,
     select: Output<'static>,
-    further: [u16; MAX_INPUTS],
 }
 
 /// CONVST and BUSY while they are not the timer's yet.
@@ -73,19 +71,15 @@ impl Adc {
         cortex_m::asm::delay(US);
         // They stay as they are.
         core::mem::forget((clock, data, reset));
-        Self {
-            bus,
-            select,
-            further: [0; MAX_INPUTS],
-        }
+        Self { bus, select }
     }
 
-    /// A conversion by hand, before the timer runs. No codes: the converter does not answer.
-    pub fn first(
+    /// A conversion by hand, before the timer runs: the first `W` inputs. No codes: the converter does not answer.
+    pub fn first<const W: usize>(
         &mut self,
         convst: Peri<'static, PB10>,
         busy: Peri<'static, PB11>,
-    ) -> (Option<[u16; 2]>, Line) {
+    ) -> (Option<[u16; W]>, Line) {
         let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
         convst.set_low();
         convst.set_as_output(Speed::VeryHigh);
@@ -103,9 +97,9 @@ impl Adc {
         (codes, Line { convst, busy })
     }
 
-    /// Displacement and force of the last conversion; the further inputs are kept for [`further`](Self::further).
+    /// The first `W` inputs of the last conversion, V1 first.
     #[inline]
-    pub fn read(&mut self) -> Option<[u16; 2]> {
+    pub fn read<const W: usize>(&mut self) -> Option<[u16; W]> {
         self.select.set_low();
         let codes = self.words();
         self.select.set_high();
@@ -113,19 +107,12 @@ impl Adc {
     }
 
     #[inline]
-    fn words(&mut self) -> Option<[u16; 2]> {
-        let displacement = self.bus.exchange(0)? ^ SIGN;
-        let force = self.bus.exchange(0)? ^ SIGN;
-        for place in &mut self.further {
+    fn words<const W: usize>(&mut self) -> Option<[u16; W]> {
+        let mut words = [0; W];
+        for place in &mut words {
             *place = self.bus.exchange(0)? ^ SIGN;
         }
-        Some([displacement, force])
-    }
-
-    /// V3 to V5 of the last conversion.
-    #[inline]
-    pub fn further(&self) -> [u16; MAX_INPUTS] {
-        self.further
+        Some(words)
     }
 }
 

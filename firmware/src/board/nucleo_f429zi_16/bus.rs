@@ -1,11 +1,17 @@
 //! A serial interface of the chip as a master: words are exchanged one by one and waited for, never for long.
 
 use cortex_m::peripheral::DWT;
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::pac::spi::Spi;
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff, Mstr};
+use embassy_stm32::peripherals::{PC10, PC11, PC12, SPI3};
+use embassy_stm32::{Peri, pac, rcc};
 
 /// Cycles that a word may take: 16 bits at 10.5 MHz are 256.
 const PATIENCE_CYCLES: u32 = 1000;
+
+/// SPI3's alternate function.
+const AF_SPI3: u8 = 6;
 
 /// A bus with one chip on it.
 pub struct Bus(Spi);
@@ -37,6 +43,42 @@ impl Bus {
             w.set_spe(true);
         });
         Self(spi)
+    }
+
+    /// SPI3 with its pins, as the output converters want it: 10.5 MHz, idle low, read at the falling edge.
+    pub fn of_output(
+        _spi: Peri<'static, SPI3>,
+        clock: Peri<'static, PC10>,
+        from: Peri<'static, PC11>,
+        to: Peri<'static, PC12>,
+    ) -> Self {
+        rcc::enable_and_reset::<SPI3>();
+        // 42 MHz / 4 = 10.5 MHz.
+        let manner = Manner {
+            idle: Cpol::IDLE_LOW,
+            edge: Cpha::SECOND_EDGE,
+            bits: Dff::BITS8,
+            divider: Br::DIV4,
+        };
+        let bus = Self::new(pac::SPI3, &manner);
+        let push = || AfType::output(OutputType::PushPull, Speed::VeryHigh);
+        let (mut clock, mut from, mut to) = (Flex::new(clock), Flex::new(from), Flex::new(to));
+        clock.set_as_af_unchecked(AF_SPI3, push());
+        // No answer is all ones, which no register of theirs can be.
+        from.set_as_af_unchecked(AF_SPI3, AfType::input(Pull::Up));
+        to.set_as_af_unchecked(AF_SPI3, push());
+        core::mem::forget((clock, from, to));
+        bus
+    }
+
+    /// 24 bits each way, the first one first.
+    #[inline]
+    pub fn exchange_24(&self, bytes: [u8; 3]) -> Option<u32> {
+        let mut answer = 0;
+        for byte in bytes {
+            answer = answer << 8 | u32::from(self.exchange(u16::from(byte))? & 0xff);
+        }
+        Some(answer)
     }
 
     /// One word each way; `None` if the interface does not end it.

@@ -26,18 +26,18 @@
 //! from there to the measured position. PERMIT is low in both cases.
 
 mod ad5761r;
-mod ad7606;
-mod bus;
+pub(super) mod ad7606;
+pub(super) mod bus;
+pub(super) mod timers;
 
 use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
-use super::nucleo_f429zi::period::{Period, TICKS_PER_US};
+use super::nucleo_f429zi::period::Period;
 use ad5761r::Dac;
 use ad7606::Adc;
-use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Ocm};
-use embassy_stm32::{interrupt, pac};
+use bus::Bus;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
+use timers::{INTERRUPT_US, LATEST_BEGIN_US};
 
 /// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
 pub const CODES: CodeRange = CodeRange {
@@ -48,25 +48,13 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 1638,
 };
 
-/// The step begins so many microseconds after its trigger.
-const INTERRUPT_US: u32 = 6;
-
-/// At the latest.
-const LATEST_BEGIN_US: u32 = 12;
-
-/// How long CONVST stays high, us: more than the 25 ns that it needs.
-const CONVST_US: u32 = 2;
-
-// Channels of TIM2, counted from 0.
-const INTERRUPT: usize = 0;
-const CONVST: usize = 2;
-const BUSY: usize = 3;
-
 /// The external converters.
 pub struct External {
     adc: Adc,
     dac: Dac,
     period: Period,
+    /// V3 to V5 of the last sample.
+    further: [u16; MAX_INPUTS],
 }
 
 impl Converters for External {
@@ -82,22 +70,27 @@ impl Converters for External {
     // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 2300;
 
-    fn new(r: Resources, ticks: u32, standing: impl FnOnce(u16) -> u16) -> Begun<Self> {
+    fn new(r: Resources, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> Begun<Self> {
         let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let first = sampled.unwrap_or([CODES.sensor_top / 2; 2]);
-        let (dac, ldac) = Dac::new(r.spi3, r.pc10, r.pc11, r.pc12, r.pd2, r.pd12);
+        let bus = || Bus::of_output(r.spi3, r.pc10, r.pc11, r.pc12);
+        let (mut dac, ldac) = Dac::new(bus, r.pd2, r.pd12);
         let answered = dac.answered() && sampled.is_some();
-        let mut dac = dac;
-        dac.write(standing(first[0]));
+        dac.write(standing(0, first[0]));
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        channels();
+        timers::channels();
         // The first load is by hand, then the pins are the timers'.
         ldac.hand_over();
         line.hand_over();
         Begun {
-            converters: Self { adc, dac, period },
-            first,
+            converters: Self {
+                adc,
+                dac,
+                period,
+                further: [0; MAX_INPUTS],
+            },
+            first: [first],
             answered,
         }
     }
@@ -107,24 +100,24 @@ impl Converters for External {
     }
 
     unsafe fn enable_interrupt() {
-        pac::TIM2.sr().write(|_| ());
-        interrupt::TIM2.unpend();
-        interrupt::TIM2.set_priority(Priority::P0);
         // SAFETY: by the caller.
-        unsafe { interrupt::TIM2.enable() };
+        unsafe { timers::enable_interrupt() };
     }
 
     #[inline]
-    fn codes(&mut self) -> Option<[u16; 2]> {
-        let ended = pac::TIM2.sr().read().ccif(BUSY);
-        pac::TIM2.sr().write(|_| ());
+    fn codes(&mut self) -> Option<[[u16; 2]; 1]> {
         // A converter that has not converted would only repeat itself.
-        if ended { self.adc.read() } else { None }
+        if !timers::conversion_has_ended() {
+            return None;
+        }
+        let [displacement, force, v3, v4, v5] = self.adc.read()?;
+        self.further = [v3, v4, v5];
+        Some([[displacement, force]])
     }
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        self.adc.further()
+        self.further
     }
 
     #[inline]
@@ -133,35 +126,11 @@ impl Converters for External {
     }
 
     #[inline]
-    fn write(&mut self, code: u16) {
+    fn write(&mut self, _: usize, code: u16) {
         self.dac.write(code);
     }
 
     fn set_period(&mut self, ticks: u32) {
         self.period.set(ticks);
     }
-}
-
-/// What the timers' channels do beside their updates.
-fn channels() {
-    let tim2 = pac::TIM2;
-    tim2.ccr(INTERRUPT).write_value(INTERRUPT_US * TICKS_PER_US);
-    tim2.ccr(CONVST).write_value(CONVST_US * TICKS_PER_US);
-    // High from the update to its compare.
-    tim2.ccmr_output(1)
-        .modify(|w| w.set_ocm(CONVST - 2, Ocm::PWM_MODE1));
-    tim2.ccmr_input(1)
-        .modify(|w| w.set_ccs(BUSY - 2, CcmrInputCcs::TI4));
-    tim2.ccer().modify(|w| {
-        w.set_cce(CONVST, true);
-        w.set_cce(BUSY, true);
-        // The falling edge.
-        w.set_ccp(BUSY, true);
-    });
-    tim2.dier().modify(|w| w.set_ccie(INTERRUPT, true));
-    // TIM4's channel 1 is high from its instant on; LDAC falls there.
-    pac::TIM4.ccer().modify(|w| {
-        w.set_cce(0, true);
-        w.set_ccp(0, true);
-    });
 }

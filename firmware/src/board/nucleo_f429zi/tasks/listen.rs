@@ -81,8 +81,8 @@ impl Listener {
         loop {
             asked = match asked {
                 Asked::Reply(answer) => return answer,
-                Asked::Save(test, wiring) => {
-                    let written = self.save(test.as_ref(), wiring.as_ref()).await;
+                Asked::Save(test, wirings) => {
+                    let written = self.save(test.as_ref(), &wirings).await;
                     return self.service.borrow_mut().saved(written);
                 }
                 Asked::Wait => {
@@ -104,7 +104,7 @@ impl Listener {
     }
 
     /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
-    async fn save(&mut self, test: Option<&Config>, wiring: Option<&Wiring>) -> bool {
+    async fn save(&mut self, test: Option<&Config>, wirings: &[Option<Wiring>]) -> bool {
         let evidence = self.evidence;
         let alive = async {
             let mut beat = Ticker::every(BEAT);
@@ -113,7 +113,7 @@ impl Listener {
                 beat.next().await;
             }
         };
-        match select(self.store.save(test, wiring), alive).await {
+        match select(self.store.save(test, wirings), alive).await {
             Either::First(written) => written,
             Either::Second(never) => never,
         }

@@ -35,8 +35,8 @@ pub struct Reporter {
     pub answers: &'static Answers,
     /// Signs of life.
     pub evidence: &'static Evidence,
-    /// How many further inputs the board has.
-    pub inputs: usize,
+    /// How many actuators and further inputs the board has.
+    pub channels: (usize, usize),
 }
 
 /// The task.
@@ -54,7 +54,7 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
             if telemetry.steps.is_empty() {
                 continue;
             }
-            telemetry_frame(&telemetry, reporter.inputs, sequence)
+            telemetry_frame(&telemetry, reporter.channels, sequence)
         } else {
             waited += 1;
             Timer::after(BEAT).await;
@@ -72,13 +72,13 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
 
 fn telemetry_frame(
     telemetry: &Telemetry,
-    inputs: usize,
+    (actuators, inputs): (usize, usize),
     sequence: u16,
 ) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
     let frame = Frame {
         kind: Kind::Telemetry,
         sequence,
-        body: &telemetry.encode(inputs),
+        body: &telemetry.encode(actuators, inputs),
     };
     frame.encode()
 }

@@ -1,0 +1,164 @@
+//! An AD5754R as its data sheet has it, BIN/2sCOMP at ground: 24 bits a command, in force when SYNC rises; codes wait in the
+//! input registers for LDAC, which shows all of them; an output is clamped to ground until it and the reference have power.
+
+use super::external::Output;
+use super::shift::Shift;
+use rigless::chip::Timeline;
+use rigless::chip::spi::Peer;
+use rigless::snapshot::Store;
+use std::collections::VecDeque;
+
+/// Upper end of each range, V; the first three begin at 0, the others at its opposite.
+const RANGES: [f64; 6] = [5.0, 10.0, 10.8, 5.0, 10.0, 10.8];
+
+/// Outputs; this number of an output means all of them.
+const OUTPUTS: usize = 4;
+
+/// What is written of the power register; the rest are flags of heat and current.
+const POWER: u16 = 0x1f;
+
+/// The reference's power.
+const REFERENCE: u16 = 1 << 4;
+
+/// The converter.
+#[derive(Debug, Default)]
+pub struct Ad5754r {
+    range: [u16; OUTPUTS],
+    power: u16,
+    dac: [u16; OUTPUTS],
+    shift: Shift,
+    /// What the command before this one asked for.
+    answer: u32,
+    /// Codes in the input registers and not yet loaded, with their times, ns, and outputs.
+    waiting: VecDeque<(u64, usize, u16)>,
+    commands: Vec<(u64, u16)>,
+    broken: bool,
+}
+
+impl Output for Ad5754r {
+    fn take_over(&mut self, at_ns: u64) {
+        while let Some((_, output, code)) = self.waiting.pop_front_if(|(at, ..)| *at <= at_ns) {
+            if !self.broken {
+                self.dac[output] = code;
+            }
+        }
+    }
+
+    fn volts(&self, output: usize) -> f64 {
+        let powered = 1 << output | REFERENCE;
+        if self.power & powered != powered {
+            return 0.0;
+        }
+        let (range, code) = (usize::from(self.range[output]), self.dac[output]);
+        match RANGES.get(range) {
+            Some(high) if range < 3 => high * f64::from(code) / 65536.0,
+            Some(high) => high * f64::from(code as i16) / 32768.0,
+            None => 0.0,
+        }
+    }
+
+    fn commands(&mut self) -> Vec<(u64, u16)> {
+        std::mem::take(&mut self.commands)
+    }
+
+    fn break_output(&mut self) {
+        self.broken = true;
+    }
+}
+
+impl Ad5754r {
+    fn execute(&mut self, at_ns: u64, command: u32) {
+        let (register, output, data) = (command >> 19 & 7, command >> 16 & 7, command as u16);
+        self.answer = 0;
+        if command >> 23 == 1 {
+            let output = (output as usize).min(OUTPUTS - 1);
+            let value = match register {
+                0 => self.dac[output],
+                1 => self.range[output],
+                2 => self.power,
+                _ => 0,
+            };
+            self.answer = command & 0xff_0000 | u32::from(value);
+            return;
+        }
+        let outputs = match output as usize {
+            OUTPUTS => 0..OUTPUTS,
+            one => one..(one + 1).min(OUTPUTS),
+        };
+        match (register, output) {
+            (0, _) => {
+                for output in outputs {
+                    self.waiting.push_back((at_ns, output, data));
+                    if output == 0 {
+                        // Codes count from the lower end here.
+                        self.commands.push((at_ns, data ^ 0x8000));
+                    }
+                }
+            }
+            (1, _) => self.range[outputs].fill(data & 7),
+            (2, _) => self.power = data & POWER,
+            (3, 4) => {
+                self.dac = [0; OUTPUTS];
+                self.waiting.clear();
+            }
+            (3, 5) => self.take_over(at_ns),
+            _ => {}
+        }
+    }
+}
+
+// Snapshots are not taken.
+impl Store for Ad5754r {}
+
+impl Peer for Ad5754r {
+    fn transfer(&mut self, mosi: u32, bits: u8, _: &mut Timeline<'_, '_>) -> u32 {
+        self.shift.transfer(mosi, bits)
+    }
+
+    fn select(&mut self, _: &mut Timeline<'_, '_>) {
+        self.shift.begin(self.answer);
+    }
+
+    fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
+        if let Some(command) = self.shift.end() {
+            self.execute(context.now().0, command);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_are_clamped_until_they_have_power_and_all_codes_are_shown_by_one_load() {
+        let mut dac = Ad5754r::default();
+        dac.execute(0, 0x00_4000);
+        dac.take_over(1);
+        assert_eq!(dac.volts(0), 0.0);
+        // -10 to +10 V on all, then power for A to C without the reference, then with it.
+        dac.execute(2, 0x0c_0004);
+        dac.execute(3, 0x10_0007);
+        assert_eq!(dac.volts(0), 0.0);
+        dac.execute(4, 0x10_0017);
+        assert_eq!(dac.volts(0), 5.0);
+        assert_eq!(dac.volts(1), 0.0, "a code of zero is the middle");
+        dac.execute(5, 0x00_c000);
+        dac.execute(6, 0x01_2000);
+        dac.execute(9, 0x02_7fff);
+        dac.take_over(8);
+        assert_eq!((dac.volts(0), dac.volts(1)), (-5.0, 2.5));
+        assert_eq!(dac.volts(2), 0.0, "it came after this load");
+        dac.take_over(9);
+        assert!((dac.volts(2) - 10.0).abs() < 1e-3);
+        assert_eq!(dac.volts(3), 0.0, "D has no power");
+        for (question, answer) in [(0x90_0000, 0x90_0017), (0x8a_0000, 0x8a_0004)] {
+            dac.execute(10, question);
+            assert_eq!(dac.answer, answer);
+        }
+        dac.execute(11, 0x1c_0000);
+        assert_eq!((dac.volts(0), dac.volts(2)), (0.0, 0.0));
+        // Of the codes, those of the first output are told, from the lower end up.
+        assert_eq!(dac.commands(), [(0, 0xc000), (5, 0x4000)]);
+    }
+}

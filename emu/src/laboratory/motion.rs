@@ -1,0 +1,62 @@
+//! The rig's part of a period: what its actuators are told, where they go, and what its sensors show of it.
+
+use super::Laboratory;
+use crate::chain::{self, Shown};
+use crate::log::Fault;
+use crate::nucleo::Nucleo;
+use link::MAX_ACTUATORS;
+use rigless::session::Session;
+
+/// A rig that sinks comes to rest at this share of its stroke.
+const SUNK_SHARE: f64 = 0.6;
+
+impl Laboratory {
+    /// One step of the rig, which moves only on a closed contact; gives the codes of its sensors. A pin that floats tells
+    /// the worst, the end of the stroke.
+    pub(super) fn step_rig(
+        &mut self,
+        session: &mut Session<Nucleo>,
+        at_ns: u64,
+        period_ns: u64,
+    ) -> Shown {
+        let actuators = self.chain.converters().actuators();
+        let moves =
+            self.permission.closed(at_ns, period_ns) && self.active != Some(Fault::DeadValve);
+        let period_s = period_ns as f64 * 1e-9;
+        let mut pins = [None; MAX_ACTUATORS];
+        for (actuator, pin) in pins.iter_mut().enumerate().take(actuators) {
+            *pin = self.chain.pin(session, &self.registers, actuator);
+            let (wired, stands_at_m) = (&self.wired[actuator], &mut self.stands_at_m[actuator]);
+            let fault = self.active.filter(|_| actuator == self.victim);
+            let told_m = chain::command_m(wired, pin.unwrap_or(0));
+            let told_m = self.servos[actuator].follow(told_m, fault);
+            if moves {
+                *stands_at_m = told_m;
+            } else {
+                let lowest_m = SUNK_SHARE * chain::command_m(wired, 0);
+                let sunk_m = *stands_at_m - self.sinks_m_per_s * period_s;
+                *stands_at_m = sunk_m.max(lowest_m.min(*stands_at_m));
+            }
+        }
+        let reading = self.rig.step(&self.stands_at_m[..actuators]);
+        let mut shown = Shown::default();
+        for (actuator, wired) in self.wired.iter().enumerate().take(actuators) {
+            let (at_m, n) = (reading.displacement_m[actuator], reading.force_n[actuator]);
+            if moves {
+                self.stands_at_m[actuator] = at_m;
+            }
+            shown.displacement[actuator] = chain::sensor_code(wired.displacement, at_m);
+            shown.force[actuator] = chain::sensor_code(wired.force, n);
+        }
+        let (at_m, [last_m, before_m]) = (reading.displacement_m[0], self.was_at_m);
+        shown.acceleration_m_per_s2 = (at_m - 2.0 * last_m + before_m) / (period_s * period_s);
+        self.was_at_m = [at_m, last_m];
+        let [pin, ref other_pins @ ..] = pins;
+        let mut log = self.log_mut();
+        log.pin.push(pin);
+        log.other_pins.push(*other_pins);
+        log.position_m.push(at_m);
+        drop(log);
+        shown
+    }
+}

@@ -1,0 +1,104 @@
+//! Every actuator has its own outputs, limits and faults, and all stop together.
+
+use crate::desk::{ACTUATORS, Bench, Desk, codes};
+use emu::{Fault as Wrong, Log, Planned, Seen};
+use link::Command;
+use link::reply::Reply;
+use link::telemetry::Input;
+use outerloop_core::{Fault, Mode};
+
+/// A test in which the sensors of an actuator go wrong; how long PERMIT stayed high, ns, and what tripped.
+fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
+    let mut desk = Desk::with(Bench {
+        plan: Some(Planned {
+            after_steps: 900,
+            fault,
+        }),
+        actuator,
+        ..Bench::default()
+    });
+    desk.start();
+    desk.until(Mode::Tripped);
+    let trip = desk.status().trip.expect("a trip");
+    let course = desk.course();
+    for _ in 0..200 {
+        desk.step();
+    }
+    (
+        course.permit_low_ns - course.fault_ns,
+        trip.fault,
+        desk.log(),
+    )
+}
+
+/// What the three outputs have shown in each period since PERMIT went low.
+fn since_the_trip(log: &Log) -> Vec<[Option<u16>; ACTUATORS]> {
+    let low = log.seen.iter().rev().find(|s| s.1 == Seen::Permit(false));
+    let low_ns = low.expect("PERMIT goes low").0;
+    let periods = log.triggers_ns.iter().filter(|at| **at > low_ns).count();
+    let shown = log.pin.iter().zip(&log.other_pins);
+    let all: Vec<_> = shown.map(|(a, [b, c])| [*a, *b, *c]).collect();
+    // Not the period of the trip itself.
+    all[all.len() + 3 - periods..].to_vec()
+}
+
+#[test]
+fn a_broken_wire_of_any_actuator_trips_within_a_period_and_all_outputs_stand() {
+    for actuator in [0, 2] {
+        let (permit_ns, fault, log) = trip(actuator, Wrong::SensorAtRail);
+        println!("actuator {actuator}: {fault:?}, PERMIT low after {permit_ns} ns");
+        assert_eq!(fault, Fault::AdcRail);
+        assert!(permit_ns <= 500_000, "{permit_ns}");
+        let shown = since_the_trip(&log);
+        assert!(shown.len() > 150);
+        assert!(shown.iter().all(|now| *now == shown[0]), "an output moved");
+        // They were on their way: none of them stands where the others do.
+        let [a, b, c] = shown[0].map(Option::unwrap);
+        assert!(a != b && b != c, "{a} {b} {c}");
+    }
+}
+
+#[test]
+fn a_sensor_that_freezes_is_noticed_whichever_it_is() {
+    let (permit_ns, fault, _) = trip(1, Wrong::FrozenSensor);
+    println!(
+        "PERMIT low {} ms after the second sensor froze",
+        permit_ns / 1_000_000
+    );
+    assert_eq!(fault, Fault::StaleSample);
+}
+
+#[test]
+fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
+    let mut desk = Desk::new(None);
+    desk.start();
+    desk.until(Mode::Finished);
+    let Reply::Identity(identity) = desk.ask(Command::Identify) else {
+        panic!("no identity");
+    };
+    assert_eq!(identity.actuators(), ACTUATORS);
+    assert_eq!(identity.codes, codes());
+    let inputs: Vec<Input> = identity.inputs.iter().copied().collect();
+    assert_eq!(inputs, [Input::CommandReadBack, Input::HeadAcceleration]);
+    let status = desk.status();
+    assert_eq!(status.other_codes.len(), ACTUATORS - 1);
+    // Each floor of a frame goes further than the one below it.
+    let line = identity.calibration.displacement;
+    let peak = |actuator| {
+        let steps = desk.steps.iter();
+        let at = steps.filter_map(|(_, s)| s.codes(actuator));
+        at.map(|[d, _]| line.quantity(d).abs()).fold(0.0, f32::max)
+    };
+    let peaks = [0, 1, 2].map(peak);
+    println!("peaks of the floors {peaks:?} m");
+    assert!(peaks[0] > 0.002 && peaks[0] < peaks[1] && peaks[1] < peaks[2]);
+    // The first command, read back at its output.
+    let command = identity.calibration.command;
+    let running = desk
+        .steps
+        .iter()
+        .filter(|(_, s)| s.state() == Some(Mode::Running));
+    let off = running.map(|(_, s)| (command.quantity(s.inputs[0]) - s.command_m).abs());
+    let off = off.fold(0.0, f32::max) / command.per_code;
+    assert!(off <= 2.0, "{off} codes");
+}

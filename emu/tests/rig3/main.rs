@@ -1,0 +1,17 @@
+//! The image for three actuators, unmodified, on an emulated board with models of an AD7606 and an AD5754R on its serial
+//! interfaces, a rig of three storeys behind them: its own mutants, what only it has, and the example with three actuators.
+#![allow(missing_docs)]
+
+use outerloop_cli::board::Image;
+
+/// The image of these tests.
+const IMAGE: Image = Image::Three;
+
+mod actuators;
+#[path = "../rig/desk.rs"]
+#[expect(dead_code, reason = "what only the scenarios with one actuator use")]
+mod desk;
+#[path = "../rig/mutant.rs"]
+mod mutant;
+mod mutants;
+mod three_storey;

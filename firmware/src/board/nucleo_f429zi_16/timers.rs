@@ -1,0 +1,97 @@
+//! The timers around external converters: CONVST, BUSY and the control interrupt at TIM2, LDAC at TIM4.
+
+use crate::board::nucleo_f429zi::clocks::CORE_HZ;
+use crate::board::nucleo_f429zi::period::TICKS_PER_US;
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Ocm};
+use embassy_stm32::peripherals::PD12;
+use embassy_stm32::{Peri, interrupt, pac};
+
+/// Two microseconds, in cycles: longer than an output converter needs between any two edges, and after a reset.
+pub const WAIT: u32 = CORE_HZ / 500_000;
+
+/// TIM4's alternate function on PD12.
+const AF_TIM4: u8 = 2;
+
+/// The step begins so many microseconds after its trigger.
+pub const INTERRUPT_US: u32 = 6;
+
+/// At the latest.
+pub const LATEST_BEGIN_US: u32 = 12;
+
+/// How long CONVST stays high, us: more than the 25 ns that it needs.
+const CONVST_US: u32 = 2;
+
+// Channels of TIM2, counted from 0.
+const INTERRUPT: usize = 0;
+const CONVST: usize = 2;
+const BUSY: usize = 3;
+
+/// What the timers' channels do beside their updates.
+pub fn channels() {
+    let tim2 = pac::TIM2;
+    tim2.ccr(INTERRUPT).write_value(INTERRUPT_US * TICKS_PER_US);
+    tim2.ccr(CONVST).write_value(CONVST_US * TICKS_PER_US);
+    // High from the update to its compare.
+    tim2.ccmr_output(1)
+        .modify(|w| w.set_ocm(CONVST - 2, Ocm::PWM_MODE1));
+    tim2.ccmr_input(1)
+        .modify(|w| w.set_ccs(BUSY - 2, CcmrInputCcs::TI4));
+    tim2.ccer().modify(|w| {
+        w.set_cce(CONVST, true);
+        w.set_cce(BUSY, true);
+        // The falling edge.
+        w.set_ccp(BUSY, true);
+    });
+    tim2.dier().modify(|w| w.set_ccie(INTERRUPT, true));
+    // TIM4's channel 1 is high from its instant on; LDAC falls there.
+    pac::TIM4.ccer().modify(|w| {
+        w.set_cce(0, true);
+        w.set_ccp(0, true);
+    });
+}
+
+/// Switches the control interrupt on, with the highest priority.
+///
+/// # Safety
+/// What its handler uses has been put in place.
+pub unsafe fn enable_interrupt() {
+    pac::TIM2.sr().write(|_| ());
+    interrupt::TIM2.unpend();
+    interrupt::TIM2.set_priority(Priority::P0);
+    // SAFETY: by the caller.
+    unsafe { interrupt::TIM2.enable() };
+}
+
+/// BUSY has fallen since this was last asked.
+#[inline]
+pub fn conversion_has_ended() -> bool {
+    let ended = pac::TIM2.sr().read().ccif(BUSY);
+    pac::TIM2.sr().write(|_| ());
+    ended
+}
+
+/// LDAC while it is not the timer's yet.
+pub struct Load(Flex<'static>);
+
+impl Load {
+    /// High: nothing is loaded.
+    pub fn new(load: Peri<'static, PD12>) -> Self {
+        let mut load = Flex::new(load);
+        load.set_high();
+        load.set_as_output(Speed::VeryHigh);
+        Self(load)
+    }
+
+    /// Loads what waits, then gives the line to the timer.
+    pub fn hand_over(mut self) {
+        cortex_m::asm::delay(WAIT);
+        self.0.set_low();
+        cortex_m::asm::delay(WAIT);
+        self.0.set_high();
+        let timed = AfType::output(OutputType::PushPull, Speed::VeryHigh);
+        self.0.set_as_af_unchecked(AF_TIM4, timed);
+        core::mem::forget(self.0);
+    }
+}

@@ -1,0 +1,123 @@
+//! The AD5754R: four outputs of -10 to +10 V, 16 bits, with a reference of its own; three of them are used.
+//!
+//! By its data sheet (Analog Devices): 24 bits a command, read at the falling edges of SCLK while SYNC is low, in force when
+//! SYNC rises: read or write, a zero, three bits of the register, three of the output, 16 of data. Codes wait in the input
+//! registers for the falling edge of LDAC, which brings all of them to the outputs at once. After power-up the outputs are
+//! clamped to ground until they are powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's
+//! complement) is 0 V, the middle of the stroke. What a read command asks for comes with the next one.
+
+use crate::board::nucleo_f429zi_16::bus::Bus;
+use crate::board::nucleo_f429zi_16::timers::{Load, WAIT};
+use embassy_stm32::Peri;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::peripherals::{PD2, PD12};
+
+// Registers, in bits 3 to 5 of the first byte; outputs in 0 to 2.
+const READ: u8 = 1 << 7;
+const CODE: u8 = 0 << 3;
+const RANGE: u8 = 1 << 3;
+const POWER: u8 = 2 << 3;
+const CONTROL: u8 = 3 << 3;
+
+/// All outputs, of the range register.
+const ALL: u8 = 4;
+
+// Of the control register.
+const NOTHING: u8 = CONTROL;
+const MANNER: u8 = CONTROL | 1;
+const CLEAR: u8 = CONTROL | 4;
+
+/// -10 to +10 V.
+const TEN_VOLTS: u16 = 4;
+
+/// Shut down when too hot, limit the current into a short, clear to 0 V.
+const GUARDED: u16 = 1 << 3 | 1 << 2;
+
+/// Outputs A to C and the reference have power.
+const POWERED: u16 = 1 << 4 | 7;
+
+/// What is compared of the power register: all that is written, and the flags above it (too hot, too much current), which
+/// must be clear.
+const POWER_MASK: u16 = 0x07bf;
+
+/// Two's complement to codes that count from the lower end, and back.
+const SIGN: u16 = 0x8000;
+
+/// Outputs in use.
+pub const OUTPUTS: usize = 3;
+
+/// The converter.
+pub struct Dac {
+    bus: Bus,
+    sync: Output<'static>,
+    answered: bool,
+}
+
+impl Dac {
+    /// Set up, unless it already is and holds its voltages.
+    pub fn new(
+        bus: impl FnOnce() -> Bus,
+        sync: Peri<'static, PD2>,
+        load: Peri<'static, PD12>,
+    ) -> (Self, Load) {
+        // What is pulled up outside is high before the bus moves.
+        let sync = Output::new(sync, Level::High, Speed::VeryHigh);
+        let load = Load::new(load);
+        let mut dac = Self {
+            bus: bus(),
+            sync,
+            answered: false,
+        };
+        if !dac.is_set_up() {
+            for (register, data) in [
+                (RANGE | ALL, TEN_VOLTS),
+                (MANNER, GUARDED),
+                (CLEAR, 0),
+                (POWER, POWERED),
+            ] {
+                dac.frame(register, data);
+                cortex_m::asm::delay(WAIT);
+            }
+            // An output takes codes 10 us after it got power.
+            cortex_m::asm::delay(10 * WAIT);
+        }
+        dac.answered = dac.is_set_up();
+        (dac, load)
+    }
+
+    /// It has said that it is set up as it should be.
+    pub fn answered(&self) -> bool {
+        self.answered
+    }
+
+    fn is_set_up(&mut self) -> bool {
+        let powered = self.ask(POWER).map(|p| p & POWER_MASK) == Some(POWERED);
+        powered
+            && (0..OUTPUTS as u8)
+                .all(|output| self.ask(RANGE | output).map(|range| range & 7) == Some(TEN_VOLTS))
+    }
+
+    fn ask(&mut self, register: u8) -> Option<u16> {
+        self.frame(READ | register, 0);
+        cortex_m::asm::delay(WAIT);
+        let answer = self.frame(NOTHING, 0);
+        cortex_m::asm::delay(WAIT);
+        answer.map(|bits| bits as u16)
+    }
+
+    /// The code that an output shows from LDAC's next fall on.
+    #[inline]
+    pub fn write(&mut self, output: usize, code: u16) {
+        self.frame(CODE | output as u8, code ^ SIGN);
+    }
+
+    /// A command; gives what the one before it asked for.
+    #[inline]
+    fn frame(&mut self, register: u8, data: u16) -> Option<u32> {
+        self.sync.set_low();
+        let [high, low] = data.to_be_bytes();
+        let answer = self.bus.exchange_24([register, high, low]);
+        self.sync.set_high();
+        answer
+    }
+}

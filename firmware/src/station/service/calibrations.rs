@@ -1,0 +1,98 @@
+//! The calibration of each actuator: shown, exchanged, zeroed, kept.
+
+use super::{Asked, Pending, Service};
+use crate::station::order::Order;
+use crate::station::settings::Wiring;
+use link::channel::{Calibration, Line};
+use link::command::Channel;
+use link::limits::Shown;
+use link::reply::{Obstacle, RefusedParameter, Reply};
+use outerloop_core::Mode;
+
+impl Service {
+    pub(super) fn shown(&self) -> Shown {
+        Shown::by_all(self.calibrations.iter().map(|c| &c.0), &self.board.codes)
+    }
+
+    /// Somebody has calibrated the channels of every actuator.
+    pub(super) fn is_calibrated(&self) -> bool {
+        self.calibrations.iter().all(|c| c.1)
+    }
+
+    pub(super) fn last_codes(&self, actuator: usize) -> [u16; 2] {
+        let windows = self.windows.get(actuator);
+        windows.map_or([0; 2], |[displacement, force]| {
+            [displacement.last(), force.last()]
+        })
+    }
+
+    pub(super) fn calibrate(
+        &mut self,
+        actuator: u8,
+        calibration: Calibration,
+        zeroed: Option<(f32, u16)>,
+    ) -> Asked {
+        if usize::from(actuator) >= self.calibrations.len() {
+            return self.no_actuator(actuator);
+        }
+        match calibration.check(&self.board.codes) {
+            Ok(()) => self.order(
+                Order::Calibrate(actuator, calibration),
+                Pending::Calibrate(actuator, calibration, zeroed),
+            ),
+            Err(refusal) => self.reply(refusal.into()),
+        }
+    }
+
+    fn no_actuator(&mut self, actuator: u8) -> Asked {
+        self.reply(Reply::Refused(RefusedParameter::new(
+            "actuator",
+            f64::from(actuator) + 1.0,
+            "1 to the number of the board's actuators",
+        )))
+    }
+
+    pub(super) fn zero(&mut self, actuator: u8, channel: Channel, value: f32) -> Asked {
+        let which = usize::from(actuator);
+        let (Some(&(mut calibration, calibrated)), Some([displacement, force])) =
+            (self.calibrations.get(which), self.windows.get(which))
+        else {
+            return self.no_actuator(actuator);
+        };
+        if !calibrated {
+            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
+        }
+        let window = match channel {
+            Channel::Displacement => displacement,
+            Channel::Force => force,
+        };
+        let Some((code, spread)) = window.mean_and_spread() else {
+            return self.reply(Reply::Refused(RefusedParameter::new(
+                "zero",
+                f64::NAN,
+                "a channel that has been sampled for a while",
+            )));
+        };
+        let line: &mut Line = match channel {
+            Channel::Displacement => &mut calibration.displacement,
+            Channel::Force => &mut calibration.force,
+        };
+        line.zero_code = code - value / line.per_code;
+        self.calibrate(actuator, calibration, Some((code, spread)))
+    }
+
+    pub(super) fn save(&mut self) -> Asked {
+        if self.state != Mode::Idle {
+            return self.reply(self.rejected(None, None));
+        }
+        if self.config.is_none() && self.calibrations.iter().all(|c| !c.1) {
+            return self.reply(self.rejected(None, Some(Obstacle::NotCalibrated)));
+        }
+        let wiring = |&(calibration, made): &(Calibration, bool)| {
+            let wiring = Wiring::new(calibration, &self.board.codes);
+            made.then_some(wiring)
+        };
+        let wirings = self.calibrations.iter().map(wiring).collect();
+        Asked::Save(self.config.clone(), wirings)
+    }
+}
