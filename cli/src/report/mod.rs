@@ -95,7 +95,7 @@ pub fn of_demo(
             bare.ground_motion()?,
             "<h2>Without compensation</h2>".into(),
             verdict(none.summary),
-            bare.response("Grey is the structure as it would move, red is what the uncompensated test made of it.")?,
+            bare.response("Grey is the structure as it would move, orange is what the uncompensated test made of it.")?,
             bare.loops()?,
             "<h2>With the variable damping of the paper</h2>".into(),
             "<p>The energy that the actuator's error puts in is measured in every step, and a viscous damping of just \
