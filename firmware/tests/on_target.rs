@@ -156,7 +156,8 @@ mod tests {
         let test = Config::shear_frame([1000.0], [158e3], [0.02]);
         let wiring = Wiring::new(Calibration::placeholder(&CODES), &CODES);
         feed();
-        let saving = store.save(Some(&test), &[Some(wiring)]);
+        let wirings = [Some(wiring)];
+        let saving = store.save(Some(&test), &wirings);
         assert!(embassy_futures::block_on(saving));
         assert!(Memory.test() == Some(test) && Memory.calibration(0) == Some(wiring));
     }

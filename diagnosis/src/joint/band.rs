@@ -262,9 +262,9 @@ mod tests {
         let x: Vec<f64> = (0..5001).map(|i| 10.0 * (w * i as f64 * h).cos()).collect();
         let m = Band::new(&x, h).motion(8.0, 1);
         for i in (0..25).chain(4976..5001) {
-            // A mirror image alone would turn it round.
-            let off = m.a[i] + w * w * x[i];
-            assert!(off.abs() < 0.1 * w * w * 10.0, "{i}: {off}");
+            // A mirror image alone has none at the end: 100 % off. What is left rings at the cut-off and dies away.
+            let off = (m.a[i] + w * w * x[i]) / (w * w * 10.0);
+            assert!(off.abs() < 0.5, "{i}: {off}");
             assert!((m.x[i] - x[i]).abs() < 0.01, "{i}");
         }
     }

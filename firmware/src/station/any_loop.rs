@@ -35,6 +35,7 @@ impl AnyLoop {
     ///
     /// # Errors
     /// The first parameter that is not accepted.
+    #[inline(never)] // Inlined, the stack would hold the loop twice.
     pub fn new(config: &Config) -> Result<Self, Refusal> {
         match config.structure.mass_kg.len() {
             1 => Self::of(config, Self::One),

@@ -57,13 +57,16 @@ impl Setup {
     ) -> Result<Self, Refusal> {
         let period_ticks = period_ticks(config, clock)?;
         check_actuators(config, actuators)?;
-        Ok(Self {
-            outer: AnyLoop::new(config)?,
-            time: StepTime::new(clock.deadline_ticks),
+        let patience = Patience::at(config.timing.rate_hz);
+        let time = StepTime::new(clock.deadline_ticks);
+        let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
+        AnyLoop::new(config).map(|outer| Self {
+            outer,
+            time,
             period_ticks,
-            rate_hz: config.timing.rate_hz as f32,
-            model_step_s: config.model_step_s(),
-            patience: Patience::at(config.timing.rate_hz),
+            rate_hz,
+            model_step_s,
+            patience,
             configured,
         })
     }

@@ -209,47 +209,36 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
 /// The test to begin with: the saved one, else one that cannot be armed.
 #[inline(never)]
 fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Config>) {
-    static FIRST: StaticCell<Setup> = StaticCell::new();
+    static FIRST: Place = Place::new();
+    let setup = unconfigured(&FIRST, clock, actuators);
     let Some(config) = Memory.test() else {
-        return (unconfigured(&FIRST, clock, actuators), None);
+        return (setup, None);
     };
-    match place(&FIRST, Some(&config), clock, actuators) {
-        Ok(setup) => (setup, Some(config)),
+    match setup.replace(&config, clock, actuators) {
+        Ok(()) => (setup, Some(config)),
         Err(refusal) => {
             defmt::warn!("the saved test is refused now: {=str}", refusal.name);
-            (unconfigured(&FIRST, clock, actuators), None)
+            (setup, None)
         }
     }
 }
 
 /// The place for the next test.
 fn spare(clock: &Clock, actuators: usize) -> &'static mut Setup {
-    static SPARE: StaticCell<Setup> = StaticCell::new();
+    static SPARE: Place = Place::new();
     unconfigured(&SPARE, clock, actuators)
 }
 
-fn unconfigured(
-    cell: &'static StaticCell<Setup>,
-    clock: &Clock,
-    actuators: usize,
-) -> &'static mut Setup {
-    // The clock's constants allow 2 kHz; a test on the host says so too.
-    defmt::unwrap!(place(cell, None, clock, actuators).ok())
-}
+/// Where a test stays.
+type Place = StaticCell<Result<Setup, Refusal>>;
 
-/// Works a test out where it stays. A test is a quarter of the stack: what it passes through must not add up.
+/// A test that cannot be armed, worked out where it stays. A test is a sixth of the stack: what it passes through must not
+/// add up.
 #[inline(never)]
-fn place(
-    cell: &'static StaticCell<Setup>,
-    config: Option<&Config>,
-    clock: &Clock,
-    actuators: usize,
-) -> Result<&'static mut Setup, Refusal> {
-    let setup = config.map_or_else(
-        || Setup::unconfigured(clock, actuators),
-        |config| Setup::new(config, clock, actuators),
-    );
-    setup.map(|setup| cell.init(setup))
+fn unconfigured(place: &'static Place, clock: &Clock, actuators: usize) -> &'static mut Setup {
+    let first = place.init_with(|| Setup::unconfigured(clock, actuators));
+    // The clock's constants allow 2 kHz; a test on the host says so too.
+    defmt::unwrap!(first.as_mut().ok())
 }
 
 /// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
