@@ -264,8 +264,8 @@ mod tests {
         for i in (0..25).chain(4976..5001) {
             // A mirror image alone has none at the end: 100 % off. What is left rings at the cut-off and dies away.
             let off = (m.a[i] + w * w * x[i]) / (w * w * 10.0);
-            assert!(off.abs() < 0.5, "{i}: {off}");
-            assert!((m.x[i] - x[i]).abs() < 0.01, "{i}");
+            assert!(off.abs() < 0.35, "{i}: {off}");
+            assert!((m.x[i] - x[i]).abs() < 0.03, "{i}");
         }
     }
 
