@@ -4,23 +4,15 @@ use crate::answer::{ChannelAnswer, Refitted, Verdict};
 use crate::base::Base;
 use crate::joint::Outcome;
 use crate::noise::Noise;
-use plant::{Channel, Effect, Family};
+use plant::{Effect, Family};
 
 /// The declared parameters that were free, as refitted.
 pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
-    let names = match base.channel {
-        Channel::Actuator => ["gain", "delay_ms", "lag_ms", "offset_mm"],
-        Channel::Specimen => [
-            "stiffness_n_per_mm",
-            "damping_n_s_per_mm",
-            "mass_kg",
-            "offset_n",
-        ],
-    };
+    let parameters = base.channel.parameters();
     base.free
         .iter()
         .map(|f| Refitted {
-            name: names[f.index].to_owned(),
+            name: parameters[f.index].name.to_owned(),
             value: theta[f.index],
             declared: base.values[f.index],
             tolerance: f.tolerance,

@@ -1,9 +1,10 @@
 //! The declared parameters of a channel.
 
+use crate::channel::ChannelModel;
 use crate::criteria::REACH;
 use crate::joint::SavedElement;
 use crate::linear::Bound;
-use crate::model::{ActuatorModel, Declared, SpecimenModel};
+use crate::model::Model;
 use plant::{Channel, EffectSpec};
 
 /// A declared parameter that the fit may move.
@@ -15,7 +16,7 @@ pub struct Free {
     pub tolerance: f64,
 }
 
-/// The declared parameters of a channel: gain, delay ms, lag ms, offset mm, or stiffness, damping, mass, offset.
+/// The declared parameters of a channel, in the order of [`Channel::parameters`].
 #[derive(Clone, Debug)]
 pub struct Base {
     /// Which channel.
@@ -31,40 +32,19 @@ pub struct Base {
 }
 
 impl Base {
-    pub fn actuator(model: &ActuatorModel) -> Self {
-        let declared = [model.gain, model.delay_ms, model.lag_ms, model.offset_mm];
-        Self::new(
-            Channel::Actuator,
-            declared,
-            [1.0, 0.0, 0.0, 0.0],
-            &model.effects,
-        )
-    }
-
-    pub fn specimen(model: &SpecimenModel) -> Self {
-        let declared = [
-            model.stiffness_n_per_mm,
-            model.damping_n_s_per_mm,
-            model.mass_kg,
-            model.offset_n,
-        ];
-        Self {
-            elements: model.elements.clone(),
-            ..Self::new(Channel::Specimen, declared, [0.0; 4], &model.effects)
-        }
-    }
-
-    fn new(
-        channel: Channel,
-        declared: [Option<Declared>; 4],
-        absent: [f64; 4],
-        known: &[EffectSpec],
-    ) -> Self {
-        let value = |i: usize| declared[i].map_or(absent[i], |d| d.value);
-        let tolerance = |index: usize| declared[index].map_or(0.0, |d| d.tolerance);
-        Self {
+    /// Of a channel that `model` declares.
+    pub fn of(model: &Model, channel: Channel) -> Option<Self> {
+        let ChannelModel {
+            parameters,
+            effects,
+            elements,
+            ..
+        } = model.channel(channel)?;
+        let absent = channel.parameters().each_ref().map(|p| p.absent);
+        let tolerance = |index: usize| parameters[index].map_or(0.0, |d| d.tolerance);
+        Some(Self {
             channel,
-            values: std::array::from_fn(value),
+            values: std::array::from_fn(|i| parameters[i].map_or(absent[i], |d| d.value)),
             free: (0..4)
                 .filter(|&i| tolerance(i) > 0.0)
                 .map(|index| Free {
@@ -72,9 +52,9 @@ impl Base {
                     tolerance: tolerance(index),
                 })
                 .collect(),
-            known: known.to_vec(),
-            elements: Vec::new(),
-        }
+            known: effects.to_vec(),
+            elements: elements.to_vec(),
+        })
     }
 
     /// The tolerance of a parameter; 0 where it is not free.
@@ -105,11 +85,7 @@ impl Base {
     pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
         let bound = |f: &Free| {
             let reach = REACH * f.tolerance;
-            // Delays, lags and masses are not negative.
-            let floor = match (self.channel, f.index) {
-                (Channel::Actuator, 1 | 2) | (Channel::Specimen, 2) => 0.0,
-                _ => f64::NEG_INFINITY,
-            };
+            let floor = self.channel.parameters()[f.index].least;
             let least = (self.values[f.index] - reach).max(floor);
             Bound {
                 low: least - theta[f.index],

@@ -58,14 +58,10 @@ pub fn diagnose(
     let [train, test, rest] = [train, test, rest].map(|set| remainder::taken_off(model, set));
     let (train, test, rest) = (&train[..], &test[..], &rest[..]);
     let mut improved = model.clone();
-    let bases = [
-        model.actuator.as_ref().map(Base::actuator),
-        model.specimen.as_ref().map(Base::specimen),
-    ];
     let mut channels = Vec::new();
     // The specimen comes last: it moves as the actuator's model says, once that is known well.
     let mut drive = None;
-    for base in bases.into_iter().flatten() {
+    for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
         let channel = Channelled {
             base,
             train,

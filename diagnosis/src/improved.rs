@@ -18,55 +18,33 @@ pub fn improve(base: &Base, s: &Solution, effects: &[FoundEffect], improved: &mu
     for (e, found) in s.effects.iter().zip(effects) {
         let p = &found.parameters[0];
         let half = (0.5 * (p.ci90[1] - p.ci90[0]) / 1.645).abs();
-        let into = match (base.channel, e.candidate.effect) {
-            // In the specimen's channel a gain is the load cell's, not a stiffness: it stays what it was found as.
-            (Channel::Actuator, Effect::GainError) => {
-                Some((0, values[0] * (1.0 + p.value), half * values[0].abs()))
+        // In the specimen's channel a gain is the load cell's, not a stiffness: it stays what it was found as.
+        let of_a_load_cell =
+            base.channel == Channel::Specimen && e.candidate.effect == Effect::GainError;
+        let mistaken = base.channel.mistaken(e.candidate.effect);
+        match mistaken.filter(|_| !of_a_load_cell && half.is_finite()) {
+            Some(i) => {
+                let parameter = &base.channel.parameters()[i];
+                tolerances[i] = Some(half * parameter.per_error(values[i]).abs());
+                values[i] = parameter.with_error(values[i], p.value);
             }
-            (Channel::Actuator, Effect::DelayError) => Some((1, values[1] + p.value, half)),
-            (Channel::Actuator, Effect::LagError) => Some((2, values[2] + p.value, half)),
-            (_, Effect::Offset) => Some((3, values[3] + p.value, half)),
-            (Channel::Specimen, Effect::ViscousDamping) => Some((1, values[1] + p.value, half)),
-            (Channel::Specimen, Effect::InertiaForce) => Some((2, values[2] + p.value, half)),
-            _ => None,
-        };
-        match into {
-            Some((index, value, tolerance)) if tolerance.is_finite() => {
-                values[index] = value;
-                tolerances[index] = Some(tolerance);
-            }
-            _ => {
+            None => {
                 let values = found.parameters.iter().map(|p| (p.name.as_str(), p.value));
                 let values: Vec<_> = values.collect();
                 known.push(EffectSpec::new(e.candidate.effect, &values));
             }
         }
     }
-    let declared = |i: usize, present: Option<Declared>| match (tolerances[i], present) {
-        (Some(tolerance), _) => Some(Declared {
-            value: values[i],
-            tolerance,
-        }),
-        (None, present) => present,
+    let Some((places, effects)) = improved.channel_mut(base.channel) else {
+        return;
     };
-    match base.channel {
-        Channel::Actuator => {
-            if let Some(a) = &mut improved.actuator {
-                a.gain = declared(0, a.gain);
-                a.delay_ms = declared(1, a.delay_ms);
-                a.lag_ms = declared(2, a.lag_ms);
-                a.offset_mm = declared(3, a.offset_mm);
-                a.effects = known;
-            }
-        }
-        Channel::Specimen => {
-            if let Some(m) = &mut improved.specimen {
-                m.stiffness_n_per_mm = declared(0, m.stiffness_n_per_mm);
-                m.damping_n_s_per_mm = declared(1, m.damping_n_s_per_mm);
-                m.mass_kg = declared(2, m.mass_kg);
-                m.offset_n = declared(3, m.offset_n);
-                m.effects = known;
-            }
+    *effects = known;
+    for (i, place) in places.into_iter().enumerate() {
+        if let Some(tolerance) = tolerances[i] {
+            *place = Some(Declared {
+                value: values[i],
+                tolerance,
+            });
         }
     }
 }

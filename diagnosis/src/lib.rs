@@ -10,6 +10,7 @@
 mod advice;
 mod answer;
 mod base;
+mod channel;
 mod coupled;
 mod criteria;
 mod declared;
@@ -45,6 +46,7 @@ pub use answer::{
     Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,
     Member, Nearest, Range, Refitted, Remainder, Share, Traces, Tried, Verdict,
 };
+pub use channel::ChannelModel;
 pub use coupled::{
     CoordinateAnswer, CoupledDiagnosis, CoupledRecord, CoupledSpecimen, CoupledTraces,
     CoupledVerdict, MATRICES, WrongEntry, diagnose_coupled,

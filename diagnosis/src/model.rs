@@ -7,7 +7,7 @@ pub use crate::declared::Declared;
 use crate::declared::LARGEST_TOLERANCE;
 use crate::joint::SavedElement;
 use crate::library;
-use plant::{Channel, EffectSpec};
+use plant::{Channel, ChannelParameter, EffectSpec};
 use serde::{Deserialize, Serialize};
 
 /// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
@@ -38,6 +38,32 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
     }
     let here = effect.clone().in_channel(channel);
     here.check(&place).map_err(|e| Refusal::new(e.to_string()))
+}
+
+/// Checks the value and the tolerance of a parameter.
+fn check_declared(
+    channel: Channel,
+    parameter: &ChannelParameter,
+    declared: Declared,
+) -> Result<(), Refusal> {
+    let name = format!("{channel}.{}", parameter.name);
+    let Declared { value, tolerance } = declared;
+    if !(value.is_finite() && value >= parameter.least) {
+        let from = if parameter.least == 0.0 {
+            "0 and more"
+        } else {
+            "finite numbers"
+        };
+        return Err(Refusal::new(format!(
+            "{name}.value = {value} is refused: accepted are {from}"
+        )));
+    }
+    if !(0.0..=LARGEST_TOLERANCE).contains(&tolerance) {
+        return Err(Refusal::new(format!(
+            "{name}.tolerance = {tolerance:e} is refused: accepted are 0 to 1e9"
+        )));
+    }
+    Ok(())
 }
 
 /// Command to displacement.
@@ -185,71 +211,20 @@ impl Model {
             }
             return coupled.check();
         }
-        let actuator = self.actuator.iter().flat_map(|a| {
-            [
-                ("actuator.gain", a.gain, f64::MIN),
-                ("actuator.delay_ms", a.delay_ms, 0.0),
-                ("actuator.lag_ms", a.lag_ms, 0.0),
-                ("actuator.offset_mm", a.offset_mm, f64::MIN),
-            ]
-        });
-        let specimen = self.specimen.iter().flat_map(|s| {
-            [
-                (
-                    "specimen.stiffness_n_per_mm",
-                    s.stiffness_n_per_mm,
-                    f64::MIN,
-                ),
-                (
-                    "specimen.damping_n_s_per_mm",
-                    s.damping_n_s_per_mm,
-                    f64::MIN,
-                ),
-                ("specimen.mass_kg", s.mass_kg, 0.0),
-                ("specimen.offset_n", s.offset_n, f64::MIN),
-            ]
-        });
-        for (name, declared, least) in actuator.chain(specimen) {
-            let Some(Declared { value, tolerance }) = declared else {
+        for &channel in Channel::ALL {
+            let Some(own) = self.channel(channel) else {
                 continue;
             };
-            if !(value.is_finite() && value >= least) {
-                let from = if least == 0.0 {
-                    "0 and more"
-                } else {
-                    "finite numbers"
-                };
-                return Err(Refusal::new(format!(
-                    "{name}.value = {value} is refused: accepted are {from}"
-                )));
+            for (parameter, declared) in channel.parameters().iter().zip(own.parameters) {
+                if let Some(declared) = declared {
+                    check_declared(channel, parameter, declared)?;
+                }
             }
-            if !(0.0..=LARGEST_TOLERANCE).contains(&tolerance) {
-                return Err(Refusal::new(format!(
-                    "{name}.tolerance = {tolerance:e} is refused: accepted are 0 to 1e9"
-                )));
-            }
-        }
-        let elements = self.specimen.iter().flat_map(|s| &s.elements);
-        elements.into_iter().try_for_each(SavedElement::check)?;
-        let actuator = self.actuator.iter().flat_map(|a| &a.effects);
-        let specimen = self.specimen.iter().flat_map(|s| &s.effects);
-        actuator
-            .map(|e| (Channel::Actuator, e))
-            .chain(specimen.map(|e| (Channel::Specimen, e)))
-            .try_for_each(|(channel, effect)| check_effect(channel, effect))?;
-        let corrections = [
-            (
-                "actuator",
-                self.actuator.as_ref().and_then(|a| a.remainder.as_ref()),
-            ),
-            (
-                "specimen",
-                self.specimen.as_ref().and_then(|s| s.remainder.as_ref()),
-            ),
-        ];
-        for (name, correction) in corrections {
-            if let Some(c) = correction {
-                c.check(name)?;
+            own.elements.iter().try_for_each(SavedElement::check)?;
+            let mut effects = own.effects.iter();
+            effects.try_for_each(|effect| check_effect(channel, effect))?;
+            if let Some(correction) = own.remainder {
+                correction.check(channel.name())?;
             }
         }
         if self.actuator.is_none() && self.specimen.is_none() {

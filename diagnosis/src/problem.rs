@@ -434,7 +434,7 @@ pub fn rms(parts: &[Vec<f64>]) -> f64 {
 mod tests {
     use super::*;
     use crate::library::candidates;
-    use crate::model::{Declared, SpecimenModel};
+    use crate::model::{Declared, Model, SpecimenModel};
     use plant::Effect;
     use rand_distr::{Distribution, StandardNormal};
 
@@ -457,10 +457,14 @@ mod tests {
             value: 100.0,
             tolerance: 1.0,
         };
-        let base = Base::specimen(&SpecimenModel {
-            stiffness_n_per_mm: Some(stiffness),
-            ..SpecimenModel::default()
-        });
+        let model = Model {
+            specimen: Some(SpecimenModel {
+                stiffness_n_per_mm: Some(stiffness),
+                ..SpecimenModel::default()
+            }),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
         let problem = Problem::new(&base, &[record], 20.0, &[]).unwrap();
         let candidate = candidates(Channel::Specimen)
             .into_iter()

@@ -18,6 +18,7 @@
 //! | [`specimen`] | displacement to force: one restoring-force element a storey |
 //! | `frame` | storeys to floors, and floors that give way |
 //! | [`measurement`] | what the loop gets to see of both: sampling skew, [`sensor`], [`converter`] |
+//! | `parameters` | what a laboratory declares of a rig: one row a parameter |
 //! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
 //! | `stage` | what an effect puts into the way of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
@@ -32,6 +33,7 @@ mod error;
 mod frame;
 pub mod kinematics;
 pub mod measurement;
+mod parameters;
 mod per_axis;
 mod random;
 pub mod rig;
@@ -41,5 +43,6 @@ mod stage;
 
 pub use effect::{Channel, Effect, EffectSpec, Family, catalogue};
 pub use error::{Accept, RigError};
+pub use parameters::ChannelParameter;
 pub use per_axis::PerAxis;
 pub use rig::{Reading, Rig, RigSpec};

@@ -38,6 +38,30 @@ impl PerAxis {
         }
     }
 
+    /// The number of an axis, from 0; NaN where the list has none.
+    pub fn at(&self, axis: usize) -> f64 {
+        match self {
+            Self::All(value) => *value,
+            Self::Each(values) => values.get(axis).copied().unwrap_or(f64::NAN),
+        }
+    }
+
+    /// The largest number.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::All(value) => *value,
+            Self::Each(values) => values.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// All numbers so many times.
+    pub fn times(&self, factor: f64) -> Self {
+        match self {
+            Self::All(value) => Self::All(value * factor),
+            Self::Each(values) => Self::Each(values.iter().map(|x| x * factor).collect()),
+        }
+    }
+
     /// Whether every axis has exactly `value`.
     pub(crate) fn is(&self, value: f64) -> bool {
         match self {

@@ -108,7 +108,7 @@ impl Channelled<'_> {
                 answer.error_after = after.errors;
                 answer.refitted = advice::refitted(&self.base, &explained.fit.parameters);
                 answer.effects = effects(explained);
-                self.save(explained, improved);
+                explained.fit.save(&explained.owners, improved);
                 answer.verdict = match outcome {
                     Outcome::Set(_, members) => {
                         answer.alternatives = members[1..].iter().map(|m| m.0).collect();
@@ -144,13 +144,6 @@ impl Channelled<'_> {
         answer.traces = self.drawn(&before.test, &left.test);
         self.look_at_the_rest(&mut answer, &left.train, &left.test);
         Some(answer)
-    }
-
-    /// Puts a fit into the model: parameters that have moved, elements beside them.
-    fn save(&self, explained: &Explained, improved: &mut Model) {
-        if let Some(specimen) = &mut improved.specimen {
-            explained.fit.save(explained.names[0].0, specimen);
-        }
     }
 
     /// The first held-out record, for pictures.

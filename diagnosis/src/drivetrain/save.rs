@@ -5,7 +5,7 @@ use super::part::Kind;
 use crate::linear::{dot, gram};
 use crate::model::{Declared, Model};
 use nalgebra::{DMatrix, DVector};
-use plant::{Effect, EffectSpec};
+use plant::{Channel, Effect, EffectSpec};
 
 /// A parameter by the catalogue: name, unit, value, standard deviation.
 pub type Figure = (&'static str, &'static str, f64, f64);
@@ -13,9 +13,12 @@ pub type Figure = (&'static str, &'static str, f64, f64);
 /// Stretches whose pulls tell the scatter of what was fitted.
 const STRETCHES: usize = 24;
 
-/// The declared unit of a parameter in the unit here: delay and lag are declared in ms.
-const fn unit(which: usize) -> f64 {
-    if matches!(which, 1 | 2) { 1e-3 } else { 1.0 }
+/// The declared unit of a parameter in the unit here, where times are in s.
+fn unit(which: usize) -> f64 {
+    match Channel::Actuator.parameters()[which].unit {
+        "ms" => 1e-3,
+        _ => 1.0,
+    }
 }
 
 impl Data<'_> {
@@ -54,18 +57,12 @@ impl Data<'_> {
 
     /// The parameters of a name in a fit; `spread` is of this fit.
     pub fn figures(&self, fit: &Fit, name: Effect, spread: &[f64]) -> Vec<Figure> {
-        let declared = |i: usize| fit.declared[i] - self.base.values[i] * unit(i);
-        match name {
-            Effect::GainError => {
-                let value = self.base.values[0];
-                return vec![("error", "", declared(0) / value, spread[0] / value.abs())];
-            }
-            Effect::DelayError => {
-                return vec![("delay_ms", "ms", 1e3 * declared(1), 1e3 * spread[1])];
-            }
-            Effect::LagError => return vec![("lag_ms", "ms", 1e3 * declared(2), 1e3 * spread[2])],
-            Effect::Offset => return vec![("offset_mm", "mm", declared(3), spread[3])],
-            _ => {}
+        if let Some(i) = Channel::Actuator.mistaken(name) {
+            let p = &Channel::Actuator.parameters()[i];
+            let had = self.base.values[i];
+            let error = p.error(fit.declared[i] / unit(i), had);
+            let scatter = spread[i] / unit(i) / p.per_error(had).abs();
+            return vec![(p.error_parameter, p.error_unit(), error, scatter)];
         }
         let gain = fit.declared[0].abs();
         let mut amplitude_at = DECLARED;
@@ -140,16 +137,10 @@ impl Data<'_> {
     /// Puts a fit into the actuator's model: its declared parameters with the tolerance that they had, at least their
     /// scatter, and its parts as effects.
     pub fn save(&self, fit: &Fit, spread: &[f64], model: &mut Model) {
-        let Some(actuator) = &mut model.actuator else {
+        let Some((places, effects)) = model.channel_mut(Channel::Actuator) else {
             return;
         };
-        let fields = [
-            &mut actuator.gain,
-            &mut actuator.delay_ms,
-            &mut actuator.lag_ms,
-            &mut actuator.offset_mm,
-        ];
-        for (i, field) in fields.into_iter().enumerate() {
+        for (i, field) in places.into_iter().enumerate() {
             let unit = 1.0 / unit(i);
             let (value, scatter) = (unit * fit.declared[i], unit * spread[i]);
             let tolerance = field.map_or(0.0, |d| d.tolerance);
@@ -185,8 +176,7 @@ impl Data<'_> {
                 Kind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
                 Kind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
             };
-            let effect = EffectSpec::new(part.kind.effect(), &parameters);
-            actuator.effects.push(effect);
+            effects.push(EffectSpec::new(part.kind.effect(), &parameters));
         }
     }
 }

@@ -4,7 +4,7 @@ use super::fit::{DECLARED, Fit, Model};
 use super::search::{Scored, Search};
 use crate::answer::Certificate;
 use crate::criteria::{ALMOST_ALL, CERTAIN, LARGEST_SET, LEAST_PROBABLE, WEIGHT};
-use plant::Effect;
+use plant::{Channel, Effect};
 use rayon::prelude::*;
 
 /// Rivals of a name that are fitted.
@@ -62,19 +62,11 @@ impl Outcome {
     }
 }
 
-/// The declared parameters that left their tolerances.
-const MOVED: [Effect; DECLARED] = [
-    Effect::GainError,
-    Effect::DelayError,
-    Effect::LagError,
-    Effect::Offset,
-];
-
 /// What a model claims: its parts; without any, the parameters that left their tolerances.
 pub fn names(model: &Model) -> Vec<Effect> {
     let mut names: Vec<Effect> = if model.parts.is_empty() {
-        let moved = MOVED.iter().zip(model.moved).filter(|(_, moved)| *moved);
-        moved.map(|(effect, _)| *effect).collect()
+        let names = Channel::Actuator.mistakes().into_iter().zip(model.moved);
+        names.filter(|n| n.1).map(|n| n.0).collect()
     } else {
         model.parts.iter().map(|p| p.kind.effect()).collect()
     };
@@ -232,7 +224,7 @@ fn only(model: &Model, sure: &[Name]) -> Model {
     kept.parts
         .retain(|p| sure.iter().any(|n| n.effect == p.kind.effect()));
     if model.parts.is_empty() {
-        for (moved, effect) in kept.moved.iter_mut().zip(MOVED) {
+        for (moved, effect) in kept.moved.iter_mut().zip(Channel::Actuator.mistakes()) {
             *moved &= sure.iter().any(|n| n.effect == effect);
         }
     }
@@ -246,7 +238,7 @@ fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> 
     without.parts.retain(|p| p.kind.effect() != effect);
     without.moved = [true; DECLARED];
     if best.fit.model.parts.is_empty() {
-        for (moved, name) in without.moved.iter_mut().zip(MOVED) {
+        for (moved, name) in without.moved.iter_mut().zip(Channel::Actuator.mistakes()) {
             *moved &= name != effect;
         }
     }

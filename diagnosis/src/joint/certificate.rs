@@ -8,7 +8,7 @@ use super::set::{DECLARED, Library, Set, column};
 use crate::answer::Certificate;
 use crate::criteria::{BESIDE_THE_REST, BLOCKS, PRICE};
 use nalgebra::{DMatrix, DVector};
-use plant::{Effect, Family};
+use plant::{Channel, Effect, Family};
 use rayon::prelude::*;
 
 /// A name and what speaks for it.
@@ -68,14 +68,6 @@ pub struct Rival {
     /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
     pub priced: f64,
 }
-
-/// Names of declared parameters that have left their tolerance, where no element is beside them.
-pub const PARAMETERS: [Effect; DECLARED] = [
-    Effect::GainError,
-    Effect::ViscousDamping,
-    Effect::InertiaForce,
-    Effect::Offset,
-];
 
 /// The names of a polished set, each with its certificate, the strongest first.
 pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) {
@@ -153,7 +145,7 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
         let moved = (0..DECLARED).filter(|&i| set.moved[i]);
         groups.extend(moved.map(|i| Group {
             kind: Kind::Parameter,
-            name: PARAMETERS[i],
+            name: Channel::Specimen.mistakes()[i],
             elements: Vec::new(),
             rms: (strengths[i] - library.declared_value(i)).abs()
                 / library.blocks.scale[i].max(f64::MIN_POSITIVE),
@@ -194,7 +186,7 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     let mut rest = set.clone();
     rest.elements.retain(|e| !group.elements.contains(e));
     if group.kind == Kind::Parameter
-        && let Some(i) = PARAMETERS.iter().position(|p| *p == group.name)
+        && let Some(i) = Channel::Specimen.mistaken(group.name)
     {
         rest.moved[i] = false;
     }
@@ -310,7 +302,7 @@ fn in_place_of(
     let others: Vec<usize> = (0..library.elements.len())
         .filter(|&e| allowed(e) && !rest.elements.contains(&e))
         .collect();
-    let parameter = PARAMETERS.iter().position(|p| *p == of);
+    let parameter = Channel::Specimen.mistaken(of);
     let parameter = parameter.filter(|_| not == Kind::Parameter);
     let with = |set: &Set, e: usize| {
         let (set, fall) = freest(library, set.with(e), parameter);
@@ -338,14 +330,14 @@ fn in_place_of(
         found.extend(more);
     }
     // Nothing in its place, but a parameter that leaves its tolerance; in place of a parameter, another one.
-    for (i, name) in PARAMETERS.iter().enumerate() {
-        if *name == of || (not == Kind::Parameter && rest.moved[i]) {
+    for (i, name) in Channel::Specimen.mistakes().into_iter().enumerate() {
+        if name == of || (not == Kind::Parameter && rest.moved[i]) {
             continue;
         }
         let mut set = rest.clone();
         set.moved[i] = true;
         let fall = set_fall(library, &set);
-        found.push((*name, set, Kind::Parameter, fall));
+        found.push((name, set, Kind::Parameter, fall));
     }
     found
 }

@@ -6,7 +6,7 @@ use super::set::{DECLARED, Library, column};
 use crate::interval;
 use crate::linear::dot;
 use nalgebra::{DMatrix, DVector};
-use plant::Effect;
+use plant::{Channel, Effect};
 
 /// A parameter: name, unit, value.
 type Figure = (&'static str, &'static str, f64);
@@ -120,16 +120,12 @@ const UNTOLD: f64 = 1e-6;
 
 /// A declared parameter that has left its tolerance, as the change that it is.
 fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
-    let change = |i: usize| fit.parameters[i] - declared[i];
-    vec![match name {
-        Effect::ViscousDamping => ("damping_n_s_per_mm", "N s/mm", change(1)),
-        Effect::InertiaForce => ("mass_kg", "kg", change(2)),
-        Effect::Offset => ("offset_n", "N", change(3)),
-        _ => {
-            let relative = change(0) / declared[0].abs().max(f64::MIN_POSITIVE);
-            ("error", "", relative)
-        }
-    }]
+    let Some(i) = Channel::Specimen.mistaken(name) else {
+        return Vec::new();
+    };
+    let p = &Channel::Specimen.parameters()[i];
+    let error = p.error(fit.parameters[i], declared[i]);
+    vec![(p.error_parameter, p.error_unit(), error)]
 }
 
 /// An unknown of a fit.

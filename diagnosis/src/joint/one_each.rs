@@ -1,6 +1,6 @@
 //! The best model with one element of each name: what a next test has to tell apart.
 
-use super::certificate::{PARAMETERS, taken};
+use super::certificate::taken;
 use super::fit::Fit;
 use super::polish::polish;
 use super::search::restrict;
@@ -9,7 +9,7 @@ use super::track::{Source, Track};
 use super::{cutoff, thinning};
 use crate::base::Base;
 use crate::recording::Recording;
-use plant::Effect;
+use plant::{Channel, Effect};
 use rayon::prelude::*;
 
 /// Elements of a name that are polished.
@@ -51,7 +51,7 @@ pub fn one_each(
         let set = with.map_or(set, |s| s.0);
         all.push((name, Fit::new(&library, &set, cutoff_hz)?));
     }
-    for (i, name) in PARAMETERS.into_iter().enumerate() {
+    for (i, name) in Channel::Specimen.mistakes().into_iter().enumerate() {
         if wanted(name) {
             let set = Set::default().toggled(i);
             all.push((name, Fit::new(&library, &set, cutoff_hz)?));

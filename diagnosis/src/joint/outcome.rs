@@ -19,6 +19,8 @@ use plant::{Effect, Family};
 pub struct Explained {
     /// The model.
     pub fit: Fit,
+    /// Whose each of its elements is.
+    pub owners: Vec<Effect>,
     /// Each name, its certificate where it has one, and its parameters.
     pub names: Vec<(Effect, Option<Certificate>, Vec<Sure>)>,
 }
@@ -146,8 +148,14 @@ fn explained(library: &Library, set: &Set, groups: &[Named], cutoff_hz: f64) -> 
         .map(|g| (g.0, g.1.iter().filter_map(place).collect()))
         .collect();
     let figures = with_intervals(library, &fit, &named);
+    let owner = |element: usize| {
+        let own = named.iter().find(|n| n.1.contains(&element));
+        own.unwrap_or(&named[0]).0
+    };
+    let owners = (0..fit.elements.len()).map(owner).collect();
     let names = groups.iter().zip(figures);
     Some(Explained {
+        owners,
         names: names.map(|(g, f)| (g.0, g.2, f)).collect(),
         fit,
     })

@@ -4,7 +4,8 @@ use super::element::{Element, Law};
 use super::fit::Fit;
 use super::track::{Sizes, Track};
 use crate::Refusal;
-use crate::model::{Declared, SpecimenModel};
+use crate::model::{Declared, Model};
+use plant::Channel;
 use serde::{Deserialize, Serialize};
 
 /// An element beside the declared specimen that an earlier diagnosis added.
@@ -26,18 +27,13 @@ pub struct SavedElement {
 }
 
 impl Fit {
-    /// Puts the fit into a specimen's model: parameters that it has or that have moved, elements beside them under one name.
-    pub fn save(&self, name: plant::Effect, specimen: &mut SpecimenModel) {
-        let SpecimenModel {
-            stiffness_n_per_mm,
-            damping_n_s_per_mm,
-            mass_kg,
-            offset_n,
-            elements,
-            ..
-        } = specimen;
-        let all = [stiffness_n_per_mm, damping_n_s_per_mm, mass_kg, offset_n];
-        for (i, place) in all.into_iter().enumerate() {
+    /// Puts the fit into the specimen's model: parameters that it has or that have moved, and the elements beside them, of
+    /// which each has the name in its place of `owners`.
+    pub fn save(&self, owners: &[plant::Effect], model: &mut Model) {
+        let Some((places, _)) = model.channel_mut(Channel::Specimen) else {
+            return;
+        };
+        for (i, place) in places.into_iter().enumerate() {
             if place.is_some() || self.moved[i] {
                 let tolerance = place.map_or(0.0, |d: Declared| d.tolerance);
                 *place = Some(Declared {
@@ -46,24 +42,23 @@ impl Fit {
                 });
             }
         }
-        elements.extend(SavedElement::of(self, name));
+        let Some(specimen) = &mut model.specimen else {
+            return;
+        };
+        for (&name, &(element, strength)) in owners.iter().zip(&self.elements) {
+            specimen.elements.push(SavedElement {
+                name,
+                law: element.law,
+                strength,
+                shape: element.shape,
+                reference_mm: self.sizes.x,
+                reference_mm_per_s: self.sizes.v,
+            });
+        }
     }
 }
 
 impl SavedElement {
-    /// All elements of a fit that bears one name.
-    pub fn of(fit: &Fit, name: plant::Effect) -> Vec<Self> {
-        let saved = |(element, strength): &(Element, f64)| Self {
-            name,
-            law: element.law,
-            strength: *strength,
-            shape: element.shape,
-            reference_mm: fit.sizes.x,
-            reference_mm_per_s: fit.sizes.v,
-        };
-        fit.elements.iter().map(saved).collect()
-    }
-
     /// The places of its shapes that a fit moves.
     pub(crate) fn free_shapes(&self) -> Vec<usize> {
         let element = Element {
@@ -145,5 +140,39 @@ impl SavedElement {
         let mut force = element.force(track, &sizes);
         force.iter_mut().for_each(|f| *f *= self.strength);
         force
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::SpecimenModel;
+    use plant::Effect::{CoulombFriction, MaxwellDamper};
+
+    #[test]
+    fn each_element_is_saved_under_its_own_name() {
+        let element = |law, shape| Element { law, shape };
+        let fit = Fit {
+            parameters: [100.0, 0.0, 0.0, 0.0],
+            moved: [false; 4],
+            elements: vec![
+                (element(Law::Slider, [0.2, 1.0, 0.0, 0.0]), 300.0),
+                (element(Law::Relaxing, [0.1, 0.0, 0.0, 0.0]), 20.0),
+            ],
+            sizes: Sizes::default(),
+            cutoff_hz: 10.0,
+        };
+        let mut model = Model {
+            specimen: Some(SpecimenModel::default()),
+            ..Model::default()
+        };
+        fit.save(&[CoulombFriction, MaxwellDamper], &mut model);
+        let saved = model.specimen.unwrap().elements;
+        let names: Vec<_> = saved.iter().map(|e| (e.name, e.law)).collect();
+        let both = [
+            (CoulombFriction, Law::Slider),
+            (MaxwellDamper, Law::Relaxing),
+        ];
+        assert_eq!(names, both);
     }
 }

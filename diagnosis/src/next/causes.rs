@@ -106,14 +106,12 @@ fn fitted(
 ) -> Vec<Fitted> {
     let mut all = catalogued(model, channel, train, &wanted).unwrap_or_default();
     if channel == Channel::Specimen
-        && let Some(specimen) = &model.specimen
-        && let Some(found) = joint::one_each(&Base::specimen(specimen), train, &wanted)
+        && let Some(base) = Base::of(model, channel)
+        && let Some(found) = joint::one_each(&base, train, &wanted)
     {
         all.extend(found.into_iter().map(|(name, fit, left)| {
             let mut with = model.clone();
-            if let Some(specimen) = &mut with.specimen {
-                fit.save(name, specimen);
-            }
+            fit.save(&vec![name; fit.elements.len()], &mut with);
             (name, with, left)
         }));
     }
@@ -134,10 +132,7 @@ fn catalogued(
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
 ) -> Option<Vec<Fitted>> {
-    let base = match channel {
-        Channel::Actuator => Base::actuator(model.actuator.as_ref()?),
-        Channel::Specimen => Base::specimen(model.specimen.as_ref()?),
-    };
+    let base = Base::of(model, channel)?;
     let h = train.first()?.interval_s();
     let band = train
         .iter()

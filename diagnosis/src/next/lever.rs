@@ -2,7 +2,7 @@
 
 use super::predict::{Planned, answer};
 use crate::criteria::REACH;
-use crate::model::{Declared, Model};
+use crate::model::Model;
 use plant::Channel;
 
 /// A number of a model.
@@ -32,36 +32,14 @@ enum Which {
 /// Step of a derivative, as a share of a number's spread.
 const STEP: f64 = 0.02;
 
-const ACTUATOR: [&str; 4] = ["gain", "delay_ms", "lag_ms", "offset_mm"];
-const SPECIMEN: [&str; 4] = [
-    "stiffness_n_per_mm",
-    "damping_n_s_per_mm",
-    "mass_kg",
-    "offset_n",
-];
-
-fn declared(model: &Model, channel: Channel) -> [Option<Declared>; 4] {
-    match (channel, &model.actuator, &model.specimen) {
-        (Channel::Actuator, Some(a), _) => [a.gain, a.delay_ms, a.lag_ms, a.offset_mm],
-        (Channel::Specimen, _, Some(s)) => [
-            s.stiffness_n_per_mm,
-            s.damping_n_s_per_mm,
-            s.mass_kg,
-            s.offset_n,
-        ],
-        _ => [None; 4],
-    }
-}
-
 /// The numbers of a channel; what `before` had with the same value and without a tolerance is not one of them.
 pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
-    let names = match channel {
-        Channel::Actuator => ACTUATOR,
-        Channel::Specimen => SPECIMEN,
+    let Some(own) = model.channel(channel) else {
+        return Vec::new();
     };
     let mut all = Vec::new();
-    let was = declared(before, channel);
-    for (i, now) in declared(model, channel).into_iter().enumerate() {
+    let was = before.channel(channel).map_or([None; 4], |b| b.parameters);
+    for (i, now) in own.parameters.into_iter().enumerate() {
         let Some(now) = now else { continue };
         let tolerance = was[i].map_or(now.tolerance, |w| w.tolerance.max(now.tolerance));
         let moved = was[i].is_none_or(|w| w.value != now.value);
@@ -72,23 +50,16 @@ pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
         } else {
             0.0
         };
-        all.push((Which::Declared(i), names[i].to_owned(), now.value, spread));
+        let name = channel.parameters()[i].name.to_owned();
+        all.push((Which::Declared(i), name, now.value, spread));
     }
-    let effects = match channel {
-        Channel::Actuator => model.actuator.as_ref().map(|a| &a.effects),
-        Channel::Specimen => model.specimen.as_ref().map(|s| &s.effects),
-    };
-    for (i, effect) in effects.into_iter().flatten().enumerate() {
+    for (i, effect) in own.effects.iter().enumerate() {
         for (name, value) in &effect.parameters {
             let label = format!("{} {name}", effect.name);
             all.push((Which::Effect(i, name.clone()), label, *value, value.abs()));
         }
     }
-    let elements = model
-        .specimen
-        .as_ref()
-        .filter(|_| channel == Channel::Specimen);
-    for (i, element) in elements.into_iter().flat_map(|s| &s.elements).enumerate() {
+    for (i, element) in own.elements.iter().enumerate() {
         let strength = element.strength;
         let label = format!("{} strength", element.name);
         all.push((Which::Strength(i), label, strength, strength.abs()));
@@ -114,35 +85,15 @@ fn moved(model: &Model, channel: Channel, lever: &Lever, by: f64) -> Model {
     let mut model = model.clone();
     match &lever.which {
         Which::Declared(i) => {
-            let places = match (channel, &mut model.actuator, &mut model.specimen) {
-                (Channel::Actuator, Some(a), _) => [
-                    &mut a.gain,
-                    &mut a.delay_ms,
-                    &mut a.lag_ms,
-                    &mut a.offset_mm,
-                ],
-                (Channel::Specimen, _, Some(s)) => [
-                    &mut s.stiffness_n_per_mm,
-                    &mut s.damping_n_s_per_mm,
-                    &mut s.mass_kg,
-                    &mut s.offset_n,
-                ],
-                _ => return model,
-            };
-            for (k, place) in places.into_iter().enumerate() {
-                if let Some(d) = place.as_mut().filter(|_| k == *i) {
-                    d.value += by;
-                }
+            if let Some((places, _)) = model.channel_mut(channel)
+                && let Some(d) = places[*i].as_mut()
+            {
+                d.value += by;
             }
         }
         Which::Effect(i, name) => {
-            let effects = match channel {
-                Channel::Actuator => model.actuator.as_mut().map(|a| &mut a.effects),
-                Channel::Specimen => model.specimen.as_mut().map(|s| &mut s.effects),
-            };
-            if let Some(value) = effects
-                .and_then(|e| e.get_mut(*i))
-                .and_then(|e| e.parameters.get_mut(name))
+            if let Some((_, effects)) = model.channel_mut(channel)
+                && let Some(value) = effects[*i].parameters.get_mut(name)
             {
                 *value += by;
             }

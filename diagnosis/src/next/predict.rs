@@ -21,10 +21,7 @@ pub struct Planned<'a> {
 
 /// The answer of one channel, mm or N; `None` where the model has no such channel.
 pub fn answer(model: &Model, channel: Channel, planned: &Planned<'_>) -> Option<Vec<f64>> {
-    let base = match channel {
-        Channel::Actuator => Base::actuator(model.actuator.as_ref()?),
-        Channel::Specimen => Base::specimen(model.specimen.as_ref()?),
-    };
+    let base = Base::of(model, channel)?;
     let h = planned.interval_s;
     let input = planned.input;
     let force = match planned.force {

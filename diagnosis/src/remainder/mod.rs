@@ -14,6 +14,7 @@ use crate::recording::Recording;
 use crate::{Model, Refusal};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
+use plant::Channel;
 
 /// Ridge, as a share of a column's mean square times the samples.
 const RIDGE: f64 = 1e-4;
@@ -71,8 +72,8 @@ impl Correction {
 
 /// Records without what the model already corrects without a name.
 pub fn taken_off(model: &Model, records: &[Recording]) -> Vec<Recording> {
-    let actuator = model.actuator.as_ref().and_then(|a| a.remainder.as_ref());
-    let specimen = model.specimen.as_ref().and_then(|s| s.remainder.as_ref());
+    let [actuator, specimen] = [Channel::Actuator, Channel::Specimen]
+        .map(|channel| model.channel(channel).and_then(|own| own.remainder));
     records
         .iter()
         .map(|record| {

@@ -94,6 +94,42 @@ const DEVIATION: Accept = Accept::new(0.0, 0.5, "");
 const JUMP_S: Accept = Accept::new(0.0, 1e6, "s");
 
 impl ActuatorSpec {
+    /// Transport delay and first-order lag of an axis, ms; `None` of a kind that is something else.
+    pub fn times_ms(&self, axis: usize) -> Option<[f64; 2]> {
+        let own_ms = self.delay_ms.at(axis);
+        match self.kind {
+            ActuatorKind::Ideal => Some([0.0, 0.0]),
+            ActuatorKind::Delay => Some([own_ms, 0.0]),
+            ActuatorKind::FirstOrder => Some([0.0, own_ms]),
+            ActuatorKind::LagDelay => Some([own_ms, self.lag_ms.at(axis)]),
+            ActuatorKind::SecondOrder
+            | ActuatorKind::RandomMultiplier
+            | ActuatorKind::ServoHydraulic => None,
+        }
+    }
+
+    /// Changes delay and lag, ms, to the same on every axis; a kind that is something else stays what it is.
+    pub fn set_times_ms(&mut self, change: impl FnOnce([f64; 2]) -> [f64; 2]) {
+        let Some([delay_ms, lag_ms]) = self.times_ms(0).map(change) else {
+            return;
+        };
+        let (kind, own_ms, lag_ms) = match (delay_ms > 0.0, lag_ms > 0.0) {
+            (false, false) => (ActuatorKind::Ideal, 0.0, 0.0),
+            (true, false) => (ActuatorKind::Delay, delay_ms, 0.0),
+            (false, true) => (ActuatorKind::FirstOrder, lag_ms, 0.0),
+            (true, true) => (ActuatorKind::LagDelay, delay_ms, lag_ms),
+        };
+        (self.kind, self.delay_ms, self.lag_ms) = (kind, own_ms.into(), lag_ms.into());
+    }
+
+    /// The longest delay and lag together of any axis, ms.
+    pub fn lateness_ms(&self) -> f64 {
+        match self.kind {
+            ActuatorKind::Ideal => 0.0,
+            _ => self.delay_ms.largest() + self.lag_ms.largest(),
+        }
+    }
+
     /// One actuator an axis. `stiffness_n_per_m` and `mass_kg` are what the specimen puts on each.
     pub(crate) fn build(
         &self,

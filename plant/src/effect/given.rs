@@ -53,14 +53,8 @@ impl Given {
                     names.join(" or "),
                 ));
             }
-            return Ok(channel);
         }
-        let implied = entry
-            .parameters
-            .iter()
-            .filter(|p| spec.parameters.contains_key(p.name))
-            .find_map(|p| p.channel);
-        Ok(implied.unwrap_or(entry.channels[0]))
+        Ok(spec.shows_in())
     }
 
     /// The value of a parameter that the catalogue has for this effect in this channel. A name that it has not is a

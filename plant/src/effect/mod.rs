@@ -189,6 +189,17 @@ impl EffectSpec {
         given::Given::new(self, path).map(drop)
     }
 
+    /// The channel that is asked for, or that a parameter belongs to, or the first of the effect's.
+    pub fn shows_in(&self) -> Channel {
+        let entry = self.name.entry();
+        let mut given = entry
+            .parameters
+            .iter()
+            .filter(|p| self.parameters.contains_key(p.name));
+        let asked = self.channel.or_else(|| given.find_map(|p| p.channel));
+        asked.unwrap_or(entry.channels[0])
+    }
+
     /// The same in `channel`.
     pub fn in_channel(self, channel: Channel) -> Self {
         Self {

@@ -74,7 +74,10 @@ const MASS: Accept = Accept::new(0.0, 1e9, "kg");
 
 impl SpecimenSpec {
     /// Initial stiffness of every storey, N/m, where the structure's is `structure_n_per_m`.
-    pub(crate) fn stiffness(&self, structure_n_per_m: &[f64]) -> Result<Vec<f64>, RigError> {
+    ///
+    /// # Errors
+    /// A stiffness that is out of its range, by its path.
+    pub fn stiffness(&self, structure_n_per_m: &[f64]) -> Result<Vec<f64>, RigError> {
         match &self.stiffness_n_per_m {
             Some(own) => own.resolve(
                 "plant.specimen.stiffness_n_per_m",
