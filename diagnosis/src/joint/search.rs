@@ -66,7 +66,10 @@ fn best(library: &Library, sets: Vec<Set>) -> Vec<Scored> {
 /// One element more, or another in place of one, as long as the best get better.
 fn grow(library: &Library, mut leading: Vec<Scored>) -> Vec<Scored> {
     for _ in 1..MOST_ELEMENTS {
-        let before = leading.first().map_or(0.0, |l| l.1);
+        // None where the equations of no set have a solution.
+        let Some(before) = leading.first().map(|l| l.1) else {
+            break;
+        };
         let mut next = Vec::new();
         for (set, _) in &leading {
             for e in (0..library.elements.len()).filter(|e| !set.elements.contains(e)) {
@@ -227,5 +230,38 @@ impl Left {
             let squares = wi * wi * a[k] + wj * wj * b[k] + 2.0 * wi * wj * c[k];
             (self.square[k] + squares - 2.0 * (wi * p[k] + wj * q[k])).max(0.0)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::track::Source;
+    use super::*;
+    use crate::base::Base;
+    use crate::model::{Model, SpecimenModel};
+    use crate::recording::Recording;
+    use plant::Channel;
+
+    #[test]
+    fn where_no_set_has_a_solution_nothing_is_led() {
+        let time_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 5e-3).collect();
+        let motion_mm: Vec<f64> = time_s.iter().map(|t| 10.0 * (5.0 * t).sin()).collect();
+        let record = Recording {
+            name: "a spring".into(),
+            force_n: Some(motion_mm.iter().map(|x| 100.0 * x).collect()),
+            displacement_mm: Some(motion_mm),
+            time_s,
+            command_mm: None,
+            before: None,
+            remarks: Vec::new(),
+        };
+        let model = Model {
+            specimen: Some(SpecimenModel::default()),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
+        let tracks = [Source::new(&record).unwrap().track(5.0)];
+        let library = Library::new(&base, &tracks, 1).unwrap();
+        assert!(grow(&library, Vec::new()).is_empty());
     }
 }
