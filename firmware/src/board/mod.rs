@@ -1,5 +1,8 @@
 //! What a board is made of. Nothing here knows the algorithm.
 
+#[cfg(feature = "nucleo-f429zi")]
+mod image;
+
 #[cfg(target_os = "none")]
 pub mod stack;
 

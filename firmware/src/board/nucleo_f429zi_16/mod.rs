@@ -27,16 +27,17 @@
 
 mod ad5761r;
 pub(super) mod ad7606;
-pub(super) mod bus;
+mod bus;
+pub(super) mod output;
 pub(super) mod timers;
 
 use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
 use super::nucleo_f429zi::period::Period;
 use ad5761r::Dac;
 use ad7606::Adc;
-use bus::Bus;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
+use output::OutputBus;
 use timers::{INTERRUPT_US, LATEST_BEGIN_US};
 
 /// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
@@ -74,15 +75,13 @@ impl Converters for External {
         let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let first = sampled.unwrap_or([CODES.sensor_top / 2; 2]);
-        let bus = || Bus::of_output(r.spi3, r.pc10, r.pc11, r.pc12);
-        let (mut dac, ldac) = Dac::new(bus, r.pd2, r.pd12);
+        let wires = (r.pc10, r.pc11, r.pc12);
+        let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
+        let mut dac = Dac::new(bus);
         let answered = dac.answered() && sampled.is_some();
         dac.write(standing(0, first[0]));
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        timers::channels();
-        // The first load is by hand, then the pins are the timers'.
-        ldac.hand_over();
-        line.hand_over();
+        timers::take_pins(ldac, line);
         Begun {
             converters: Self {
                 adc,

@@ -1,5 +1,6 @@
 //! The timers around external converters: CONVST, BUSY and the control interrupt at TIM2, LDAC at TIM4.
 
+use super::ad7606::Line;
 use crate::board::nucleo_f429zi::clocks::CORE_HZ;
 use crate::board::nucleo_f429zi::period::TICKS_PER_US;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
@@ -28,8 +29,15 @@ const INTERRUPT: usize = 0;
 const CONVST: usize = 2;
 const BUSY: usize = 3;
 
+/// Gives the pins to the timers; what waits in the output converter is loaded by hand before.
+pub fn take_pins(ldac: Load, line: Line) {
+    channels();
+    ldac.hand_over();
+    line.hand_over();
+}
+
 /// What the timers' channels do beside their updates.
-pub fn channels() {
+fn channels() {
     let tim2 = pac::TIM2;
     tim2.ccr(INTERRUPT).write_value(INTERRUPT_US * TICKS_PER_US);
     tim2.ccr(CONVST).write_value(CONVST_US * TICKS_PER_US);
@@ -85,7 +93,7 @@ impl Load {
     }
 
     /// Loads what waits, then gives the line to the timer.
-    pub fn hand_over(mut self) {
+    fn hand_over(mut self) {
         cortex_m::asm::delay(WAIT);
         self.0.set_low();
         cortex_m::asm::delay(WAIT);

@@ -1,16 +1,13 @@
 //! The AD5754R: four outputs of -10 to +10 V, 16 bits, with a reference of its own; three of them are used.
 //!
-//! By its data sheet (Analog Devices): 24 bits a command, read at the falling edges of SCLK while SYNC is low, in force when
-//! SYNC rises: read or write, a zero, three bits of the register, three of the output, 16 of data. Codes wait in the input
-//! registers for the falling edge of LDAC, which brings all of them to the outputs at once. After power-up the outputs are
-//! clamped to ground until they are powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's
-//! complement) is 0 V, the middle of the stroke. What a read command asks for comes with the next one.
+//! By its data sheet (Analog Devices) a [command](crate::board::nucleo_f429zi_16::output) has a bit for read or write, a zero,
+//! three bits of the register, three of the output, 16 of data. Codes wait in the input registers for the falling edge of
+//! LDAC, which brings all of them to the outputs at once. After power-up the outputs are clamped to ground until they are
+//! powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's complement) is 0 V, the middle of
+//! the stroke.
 
-use crate::board::nucleo_f429zi_16::bus::Bus;
-use crate::board::nucleo_f429zi_16::timers::{Load, WAIT};
-use embassy_stm32::Peri;
-use embassy_stm32::gpio::{Level, Output, Speed};
-use embassy_stm32::peripherals::{PD2, PD12};
+use crate::board::nucleo_f429zi_16::output::OutputBus;
+use crate::board::nucleo_f429zi_16::timers::WAIT;
 
 // Registers, in bits 3 to 5 of the first byte; outputs in 0 to 2.
 const READ: u8 = 1 << 7;
@@ -48,24 +45,15 @@ pub const OUTPUTS: usize = 3;
 
 /// The converter.
 pub struct Dac {
-    bus: Bus,
-    sync: Output<'static>,
+    bus: OutputBus,
     answered: bool,
 }
 
 impl Dac {
     /// Set up, unless it already is and holds its voltages.
-    pub fn new(
-        bus: impl FnOnce() -> Bus,
-        sync: Peri<'static, PD2>,
-        load: Peri<'static, PD12>,
-    ) -> (Self, Load) {
-        // What is pulled up outside is high before the bus moves.
-        let sync = Output::new(sync, Level::High, Speed::VeryHigh);
-        let load = Load::new(load);
+    pub fn new(bus: OutputBus) -> Self {
         let mut dac = Self {
-            bus: bus(),
-            sync,
+            bus,
             answered: false,
         };
         if !dac.is_set_up() {
@@ -75,14 +63,14 @@ impl Dac {
                 (CLEAR, 0),
                 (POWER, POWERED),
             ] {
-                dac.frame(register, data);
+                dac.bus.command(register, data);
                 cortex_m::asm::delay(WAIT);
             }
             // An output takes codes 10 us after it got power.
             cortex_m::asm::delay(10 * WAIT);
         }
         dac.answered = dac.is_set_up();
-        (dac, load)
+        dac
     }
 
     /// It has said that it is set up as it should be.
@@ -91,33 +79,19 @@ impl Dac {
     }
 
     fn is_set_up(&mut self) -> bool {
-        let powered = self.ask(POWER).map(|p| p & POWER_MASK) == Some(POWERED);
+        let mut read = |register: u8| {
+            let answer = self.bus.ask(READ | register, NOTHING);
+            answer.map(|bits| bits as u16)
+        };
+        let powered = read(POWER).map(|p| p & POWER_MASK) == Some(POWERED);
         powered
             && (0..OUTPUTS as u8)
-                .all(|output| self.ask(RANGE | output).map(|range| range & 7) == Some(TEN_VOLTS))
-    }
-
-    fn ask(&mut self, register: u8) -> Option<u16> {
-        self.frame(READ | register, 0);
-        cortex_m::asm::delay(WAIT);
-        let answer = self.frame(NOTHING, 0);
-        cortex_m::asm::delay(WAIT);
-        answer.map(|bits| bits as u16)
+                .all(|output| read(RANGE | output).map(|range| range & 7) == Some(TEN_VOLTS))
     }
 
     /// The code that an output shows from LDAC's next fall on.
     #[inline]
     pub fn write(&mut self, output: usize, code: u16) {
-        self.frame(CODE | output as u8, code ^ SIGN);
-    }
-
-    /// A command; gives what the one before it asked for.
-    #[inline]
-    fn frame(&mut self, register: u8, data: u16) -> Option<u32> {
-        self.sync.set_low();
-        let [high, low] = data.to_be_bytes();
-        let answer = self.bus.exchange_24([register, high, low]);
-        self.sync.set_high();
-        answer
+        self.bus.command(CODE | output as u8, code ^ SIGN);
     }
 }

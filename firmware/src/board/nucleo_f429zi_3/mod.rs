@@ -36,7 +36,7 @@ use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
 use super::nucleo_f429zi::period::Period;
 use super::nucleo_f429zi_16::CODES;
 use super::nucleo_f429zi_16::ad7606::Adc;
-use super::nucleo_f429zi_16::bus::Bus;
+use super::nucleo_f429zi_16::output::OutputBus;
 use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US, LATEST_BEGIN_US};
 use ad5754r::{Dac, OUTPUTS};
 use link::telemetry::MAX_INPUTS;
@@ -67,17 +67,15 @@ impl Converters<OUTPUTS> for Three {
         let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let (first, further) = sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
-        let bus = || Bus::of_output(r.spi3, r.pc10, r.pc11, r.pc12);
-        let (mut dac, ldac) = Dac::new(bus, r.pd2, r.pd12);
+        let wires = (r.pc10, r.pc11, r.pc12);
+        let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
+        let mut dac = Dac::new(bus);
         let answered = dac.answered() && sampled.is_some();
         for (actuator, [displacement, _]) in first.into_iter().enumerate() {
             dac.write(actuator, standing(actuator, displacement));
         }
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        timers::channels();
-        // The first load is by hand, then the pins are the timers'.
-        ldac.hand_over();
-        line.hand_over();
+        timers::take_pins(ldac, line);
         Begun {
             converters: Self {
                 adc,
