@@ -1,6 +1,7 @@
 //! From a model and records to an answer.
 
 mod anatomy;
+mod channel;
 mod driven;
 mod found;
 mod joined;
@@ -14,9 +15,11 @@ use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
 use crate::model::Model;
 use crate::noise::{Noise, Source};
-use crate::problem::{Fitted, Problem, rms};
+use crate::problem::{Fitted, Problem};
 use crate::recording::{Recording, range};
+use crate::signals::rms;
 use crate::{Refusal, input, joint, lattice, noise, plausible, remainder, rest, spectrum};
+use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
 use serde::Serialize;
 use std::time::Instant;
@@ -62,7 +65,7 @@ pub fn diagnose(
     // The specimen comes last: it moves as the actuator's model says, once that is known well.
     let mut drive = None;
     for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
-        let channel = Channelled {
+        let channel = ChannelDiagnosis {
             base,
             train,
             test,
@@ -109,30 +112,7 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
 }
 
-/// One channel and its data.
-struct Channelled<'a> {
-    drive: Option<Drive>,
-    base: Base,
-    train: &'a [Recording],
-    test: &'a [Recording],
-    rest: &'a [Recording],
-}
-
-impl Channelled<'_> {
-    fn input_of<'r>(&self, r: &'r Recording) -> Option<&'r Vec<f64>> {
-        match self.base.channel {
-            Channel::Actuator => r.command_mm.as_ref(),
-            Channel::Specimen => r.displacement_mm.as_ref(),
-        }
-    }
-
-    fn target_of<'r>(&self, r: &'r Recording) -> Option<&'r Vec<f64>> {
-        match self.base.channel {
-            Channel::Actuator => r.displacement_mm.as_ref(),
-            Channel::Specimen => r.force_n.as_ref(),
-        }
-    }
-
+impl ChannelDiagnosis<'_> {
     fn blank(&self, verdict: Verdict) -> ChannelAnswer {
         ChannelAnswer {
             channel: self.base.channel,

@@ -2,8 +2,9 @@
 
 use crate::base::Base;
 use crate::fit::Solution;
-use crate::problem::{Problem, rms};
+use crate::problem::Problem;
 use crate::recording::Recording;
+use crate::signals::rms;
 use crate::spectrum;
 
 /// The actuator, where it is explained down to its noise.

@@ -4,8 +4,9 @@ use crate::base::Base;
 use crate::fit::{Frame, Solution, settle};
 use crate::library::{Candidate, candidates};
 use crate::noise::Noise;
-use crate::problem::{Fitted, Problem, rms};
+use crate::problem::{Fitted, Problem};
 use crate::sensitivity;
+use crate::signals::rms;
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 

@@ -7,6 +7,7 @@ pub mod neighbours;
 use self::above::Above;
 use crate::linear::dot;
 use crate::recording::Recording;
+use crate::signals::{add_scaled, averaged};
 use crate::spectrum::line_hz;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -161,7 +162,7 @@ impl Noise {
         // One coefficient after the other over the whole stretch, which the processor can do side by side.
         for (i, a) in self.coefficients.iter().enumerate() {
             let before = &r[p - 1 - i..r.len() - 1 - i];
-            crate::problem::add_scaled(&mut out[start..], before, -a * scale);
+            add_scaled(&mut out[start..], before, -a * scale);
         }
     }
 }
@@ -183,17 +184,6 @@ fn scatter(stretches: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64)
     let spread: f64 = squares.iter().map(|s| (s - variance).powi(2)).sum();
     let relative = (spread / (n - 1.0).max(1.0)).sqrt() / variance;
     (n, relative.max((2.0 / block as f64).sqrt()))
-}
-
-/// Means of `every` samples.
-pub fn averaged(x: &[f64], every: usize) -> Vec<f64> {
-    if every == 1 {
-        return x.to_vec();
-    }
-    let share = 1.0 / every as f64;
-    x.chunks_exact(every)
-        .map(|c| c.iter().sum::<f64>() * share)
-        .collect()
 }
 
 /// Mean and slope taken off: what drifts at rest is no noise either.

@@ -2,9 +2,8 @@
 
 use crate::base::{Base, Free};
 use crate::library::{Candidate, fit_of, form};
-use crate::noise::averaged;
 use crate::recording::Recording;
-use crate::signals::{Scales, Signals, Transfer, derivative, lagged};
+use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;
 use plant::Channel;
 use std::borrow::Cow;
@@ -418,23 +417,12 @@ impl Problem {
     }
 }
 
-/// `y += factor x`.
-pub fn add_scaled(y: &mut [f64], x: &[f64], factor: f64) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
-}
-
-/// Root of the mean square.
-pub fn rms(parts: &[Vec<f64>]) -> f64 {
-    let n: usize = parts.iter().map(Vec::len).sum();
-    let square: f64 = parts.iter().flatten().map(|x| x * x).sum();
-    (square / n.max(1) as f64).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::library::candidates;
     use crate::model::{Declared, Model, SpecimenModel};
+    use crate::signals::rms;
     use plant::Effect;
     use rand_distr::{Distribution, StandardNormal};
 

@@ -161,6 +161,29 @@ pub fn resonant(u: &[f64], hz: f64, damping: f64, interval_s: f64) -> Vec<f64> {
         .collect()
 }
 
+/// `y += factor x`.
+pub fn add_scaled(y: &mut [f64], x: &[f64], factor: f64) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// Root of the mean square.
+pub fn rms(parts: &[Vec<f64>]) -> f64 {
+    let n: usize = parts.iter().map(Vec::len).sum();
+    let square: f64 = parts.iter().flatten().map(|x| x * x).sum();
+    (square / n.max(1) as f64).sqrt()
+}
+
+/// Means of `every` samples.
+pub fn averaged(x: &[f64], every: usize) -> Vec<f64> {
+    if every == 1 {
+        return x.to_vec();
+    }
+    let share = 1.0 / every as f64;
+    x.chunks_exact(every)
+        .map(|c| c.iter().sum::<f64>() * share)
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

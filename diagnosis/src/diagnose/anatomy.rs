@@ -1,15 +1,15 @@
 //! What the rest of a channel depends on.
 
-use super::Channelled;
+use super::channel::ChannelDiagnosis;
 use crate::answer::{ChannelAnswer, Errors, Verdict};
 use crate::criteria::{LINES, TRANSDUCER};
 use crate::foretold::next_error;
-use crate::problem::rms;
 use crate::recording::Recording;
 use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
+use crate::signals::rms;
 use plant::Channel;
 
-impl Channelled<'_> {
+impl ChannelDiagnosis<'_> {
     /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
     /// than its record: it lacks the first samples then.
     pub(super) fn look_at_the_rest(

@@ -1,13 +1,13 @@
 //! The actuator's channel by the joint search, where single effects leave more than noise.
 
-use super::Channelled;
+use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::base::Base;
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
 use crate::drivetrain::{self, Data, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::{Noise, Source};
-use crate::problem::rms;
+use crate::signals::rms;
 use crate::{advice, interval, joint};
 use plant::Effect;
 
@@ -39,7 +39,7 @@ fn errors(fit: &Fit, train: &Data, test: &Data) -> (Errors, Vec<f64>) {
     (errors, tested)
 }
 
-impl Channelled<'_> {
+impl ChannelDiagnosis<'_> {
     /// Whether an answer of the single effects stands: it leaves nothing but a noise that is known.
     pub(super) fn stands(&self, answer: &ChannelAnswer, noise: &Noise, structured: f64) -> bool {
         noise.from == Source::Rest

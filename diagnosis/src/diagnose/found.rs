@@ -1,6 +1,6 @@
 //! What the first search found, as an answer: errors on held-out data, names with their figures, pictures.
 
-use super::Channelled;
+use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::criteria::{FALSE_SINGLES, TRANSDUCER};
 use crate::explain::Explanation;
@@ -9,7 +9,8 @@ use crate::improved::improve;
 use crate::interval;
 use crate::model::Model;
 use crate::noise::Noise;
-use crate::problem::{Problem, rms};
+use crate::problem::Problem;
+use crate::signals::rms;
 use crate::{advice, lattice};
 use plant::{Channel, Effect, Family};
 
@@ -39,7 +40,7 @@ fn vouch(answer: &mut ChannelAnswer, leaves_more: bool) {
     }
 }
 
-impl Channelled<'_> {
+impl ChannelDiagnosis<'_> {
     /// Errors on training and held-out data, the held-out problem and its residuals.
     pub(super) fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
         let nrmse = |problem: &Problem, residuals: &[Vec<f64>]| {

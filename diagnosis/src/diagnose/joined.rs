@@ -1,6 +1,6 @@
 //! The specimen's channel by the joint search: what is said of what it came to.
 
-use super::Channelled;
+use super::channel::ChannelDiagnosis;
 use crate::answer::{
     Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
     Verdict,
@@ -9,8 +9,8 @@ use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
 use crate::joint::{self, Explained, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::Noise;
-use crate::problem::rms;
 use crate::recording::Recording;
+use crate::signals::rms;
 use crate::{advice, interval};
 use plant::Effect;
 
@@ -51,7 +51,7 @@ impl Data<'_> {
     }
 }
 
-impl Channelled<'_> {
+impl ChannelDiagnosis<'_> {
     /// What elements of free strength beside the declared specimen tell; `None` where a signal is missing.
     pub(super) fn joined(
         &self,

@@ -1,6 +1,6 @@
 //! What stands against a verdict: signals that are missing, stand still, or stand at their rails.
 
-use super::Channelled;
+use super::channel::ChannelDiagnosis;
 use crate::answer::ChannelAnswer;
 use crate::recording::{Recording, range};
 use crate::{lattice, plausible};
@@ -11,7 +11,7 @@ fn coarse(x: &[f64]) -> bool {
     lattice::step(x).is_some_and(|step| step > 2e-3 * range(x))
 }
 
-impl Channelled<'_> {
+impl ChannelDiagnosis<'_> {
     /// What stands against a verdict before anything is fitted.
     pub(super) fn obstacle(&self) -> Option<String> {
         let name = self.base.channel.name();

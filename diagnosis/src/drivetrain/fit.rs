@@ -1,9 +1,9 @@
 //! A way fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
 
-use super::BLOCKS;
 use super::part::{Kind, Part, Sizes};
 use super::way::{Run, Way};
 use crate::base::Base;
+use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use nalgebra::DVector;
@@ -176,7 +176,7 @@ impl<'a> Data<'a> {
             .map(|c| declared[0] * c + declared[3])
             .collect();
         for (column, a) in columns[1..].iter().zip(amplitudes) {
-            crate::problem::add_scaled(&mut y, column, *a);
+            crate::signals::add_scaled(&mut y, column, *a);
         }
         y
     }
@@ -400,7 +400,7 @@ impl<'a> Data<'a> {
             let step = matrix.cholesky()?.solve(&right);
             let mut left = r.to_vec();
             for (i, column) in part.iter().enumerate() {
-                crate::problem::add_scaled(&mut left, column, -step[i] * scale[i]);
+                crate::signals::add_scaled(&mut left, column, -step[i] * scale[i]);
             }
             *out = dot(&left, &left);
         }

@@ -17,7 +17,6 @@ pub use verdict::Outcome;
 pub use way::Way;
 
 use crate::base::Base;
-pub use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS as MOST_PARTS, PRICE};
 use crate::recording::Recording;
 use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
@@ -110,7 +109,7 @@ fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     };
     // Whole averages.
     let skipped = (kept + short).next_multiple_of(every) - kept;
-    let mean = |x: &[f64]| crate::noise::averaged(x, every);
+    let mean = |x: &[f64]| crate::signals::averaged(x, every);
     let cutoff_hz = 4.0 * motion_band_hz(record.displacement_mm.as_ref()?, h).unwrap_or(10.0);
     let force = joined.force_n.as_ref().map(|f| {
         let smooth = spectrum::smooth(&f[from..], h, cutoff_hz.min(0.3 / h)).x;

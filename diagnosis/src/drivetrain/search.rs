@@ -3,7 +3,7 @@
 
 use super::fit::{DECLARED, Data, Fit, Model};
 use super::part::{Kind, Part};
-use super::{BLOCKS, FLOOR, MOST_PARTS, PRICE};
+use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PRICE};
 use crate::linear::{dot, gram};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
         let sets: Vec<Vec<Part>> = singles.chain(pairs).collect();
         leading.extend(self.all(&from, sets));
         keep(&mut leading, LEADING);
-        for _ in 2..=MOST_PARTS {
+        for _ in 2..=MOST_ELEMENTS {
             let best = leading[0].score;
             let mut sets = Vec::new();
             for s in &leading {
@@ -113,7 +113,7 @@ impl<'a> Search<'a> {
                 if parts.is_empty() {
                     continue;
                 }
-                if parts.len() < MOST_PARTS {
+                if parts.len() < MOST_ELEMENTS {
                     let more = self.glances(s, &[]);
                     let with = |g: &Glance| [parts.as_slice(), &[g.part]].concat();
                     sets.extend(more.iter().take(FITTED / 2).map(with));
@@ -304,7 +304,7 @@ impl Factor {
         let right = DVector::from_fn(slopes.len(), |i, _| dot(&slopes[i], column) * self.scale[i]);
         let share = self.cholesky.solve(&right);
         for (i, slope) in slopes.iter().enumerate() {
-            crate::problem::add_scaled(column, slope, -share[i] * self.scale[i]);
+            crate::signals::add_scaled(column, slope, -share[i] * self.scale[i]);
         }
     }
 }

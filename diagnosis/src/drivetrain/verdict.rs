@@ -250,7 +250,7 @@ fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> 
     let Some(dropped) = search.scored(&without, start) else {
         return Vec::new();
     };
-    let same: Vec<_> = super::Kind::ALL
+    let same: Vec<_> = super::part::Kind::ALL
         .into_iter()
         .filter(|k| k.effect() == effect)
         .collect();

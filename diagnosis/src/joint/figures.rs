@@ -205,13 +205,13 @@ fn covariance(library: &Library, fit: &Fit, unknowns: &[Unknown]) -> Option<DMat
     let answer = |fit: &Fit| {
         let mut y = vec![0.0; library.force.len()];
         for i in 0..DECLARED {
-            crate::problem::add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
+            crate::signals::add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
         }
         for (element, strength) in &fit.elements {
             let force = column(library.tracks, library.every, |t| {
                 element.force(t, &fit.sizes)
             });
-            crate::problem::add_scaled(&mut y, &force, *strength);
+            crate::signals::add_scaled(&mut y, &force, *strength);
         }
         y
     };

@@ -40,10 +40,10 @@ impl Fit {
         let mut y = vec![0.0; track.x.len()];
         let declared = declared_columns(&track);
         for (column, parameter) in declared.iter().zip(&self.parameters) {
-            crate::problem::add_scaled(&mut y, column, *parameter);
+            crate::signals::add_scaled(&mut y, column, *parameter);
         }
         for (element, strength) in &self.elements {
-            crate::problem::add_scaled(&mut y, &element.force(&track, &self.sizes), *strength);
+            crate::signals::add_scaled(&mut y, &element.force(&track, &self.sizes), *strength);
         }
         Some(track.span_of(&y, 1))
     }

@@ -17,6 +17,7 @@ mod laws;
 mod one_each;
 mod outcome;
 mod polish;
+mod save;
 mod saved;
 mod search;
 mod separable;

@@ -60,7 +60,7 @@ pub fn one_each(
     let mut left: Vec<(Effect, Fit, f64)> = all
         .into_iter()
         .filter_map(|(name, fit)| {
-            let left = crate::problem::rms(&fit.residuals(&bare)?);
+            let left = crate::signals::rms(&fit.residuals(&bare)?);
             Some((name, fit, left))
         })
         .collect();

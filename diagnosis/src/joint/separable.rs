@@ -78,7 +78,7 @@ fn rest(library: &Library, set: &Set, w: &[f64]) -> (f64, f64) {
     let mut residual = library.force.clone();
     for (term, w) in library.terms(set).iter().zip(w) {
         let by = -w * library.blocks.scale[term.0];
-        crate::problem::add_scaled(&mut residual, &library.columns[term.0], by);
+        crate::signals::add_scaled(&mut residual, &library.columns[term.0], by);
     }
     let n = residual.len();
     let square = dot(&residual, &residual).max(f64::MIN_POSITIVE);

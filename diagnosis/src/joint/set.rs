@@ -101,7 +101,7 @@ impl<'a> Library<'a> {
         columns.extend(more);
         let force: Vec<f64> = tracks
             .iter()
-            .flat_map(|t| crate::noise::averaged(&t.force, every))
+            .flat_map(|t| crate::signals::averaged(&t.force, every))
             .collect();
         let blocks = Blocks::new(&columns, &force);
         let mut library = Self {

@@ -1,8 +1,8 @@
 //! A span as its elements feel it: with what was before it.
 
 use super::band::Band;
-use crate::noise::averaged;
 use crate::recording::{Recording, range};
+use crate::signals::averaged;
 use crate::spectrum::motion_band_hz;
 
 /// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped

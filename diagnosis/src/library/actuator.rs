@@ -1,10 +1,10 @@
 //! Effects between command and displacement; columns in mm.
 
-use super::operators as op;
-use super::{
+use super::candidate::{
     Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, positive,
     rest_ratio, settling, stribeck,
 };
+use super::operators as op;
 use crate::drivetrain::{Kind, Part, Way};
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};

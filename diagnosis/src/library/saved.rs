@@ -1,7 +1,7 @@
 //! From the parameters of the catalogue, as a model file has them, to amplitudes and shapes: the way back of
 //! [`super::Candidate::parameters`].
 
-use super::{Candidate, MOST_AT_REST};
+use super::candidate::{Candidate, MOST_AT_REST};
 use crate::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 

@@ -1,10 +1,10 @@
 //! Effects between displacement and force; columns in N.
 
-use super::operators as op;
-use super::{
+use super::candidate::{
     Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, once,
     positive, rest_ratio, settling, stribeck,
 };
+use super::operators as op;
 use crate::linear::Bound;
 use crate::signals::{Scales, Signals, delayed};
 use plant::{Channel, Effect};

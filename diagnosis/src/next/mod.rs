@@ -388,7 +388,7 @@ impl Stage<'_> {
                         .iter()
                         .fold(0.0, |m, y| if y.abs() > f64::abs(m) { *y } else { m }),
                     loop_area: area(input, &answer),
-                    apart_rms: crate::problem::rms(&[apart]),
+                    apart_rms: crate::signals::rms(&[apart]),
                     separation: nearest(i),
                     answer,
                 }

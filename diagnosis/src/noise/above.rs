@@ -97,7 +97,7 @@ fn median(x: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::rms;
+    use crate::signals::rms;
     use rand_distr::{Distribution, StandardNormal};
 
     /// A force of 40 s at 1 kHz: a motion of up to 4 Hz through a spring, and noise.

@@ -70,7 +70,7 @@ fn without_linear(mut rest: Vec<f64>, motion: [&Vec<f64>; 3]) -> Option<Vec<f64>
     let right = DVector::from_fn(columns.len(), |i, _| dot(&columns[i], &rest));
     let share = matrix.cholesky()?.solve(&right);
     for (column, w) in columns.iter().zip(share.iter()) {
-        crate::problem::add_scaled(&mut rest, column, -w);
+        crate::signals::add_scaled(&mut rest, column, -w);
     }
     Some(rest)
 }

@@ -9,8 +9,8 @@ pub use lines::lines;
 
 use crate::answer::{Correction, DependsOn, Range, Remainder, Share};
 use crate::linear::{dot, gram};
-use crate::problem::{add_scaled, rms};
 use crate::recording::Recording;
+use crate::signals::{add_scaled, rms};
 use crate::{Model, Refusal};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
