@@ -25,6 +25,11 @@ impl Converter {
         }
     }
 
+    /// Whatever is finite passes unchanged.
+    pub(crate) fn is_wire(&self) -> bool {
+        self.step == 0.0 && self.high == f64::INFINITY
+    }
+
     /// The reading, and whether it is at a rail.
     #[inline]
     pub fn convert(&self, value: f64) -> (f64, bool) {

@@ -92,12 +92,24 @@ pub(crate) struct Channel {
     sensor: Sensor,
     after_sensor: Stages,
     converter: Converter,
+    /// It reads what is there: nothing of the above does anything.
+    exact: bool,
 }
 
 impl Channel {
     /// What the loop is given for `quantity`, and whether it is at a rail.
     #[inline]
     pub(crate) fn read(&mut self, quantity: f64) -> (f64, bool) {
+        if self.exact {
+            // As a sensor without an offset has it, a zero has no sign.
+            return (quantity + 0.0, quantity.is_infinite());
+        }
+        self.pass(quantity)
+    }
+
+    /// Not inlined: most channels are exact, and what the others need in registers is dear.
+    #[inline(never)]
+    fn pass(&mut self, quantity: f64) -> (f64, bool) {
         let sampled = self.before_sampling.step(quantity);
         let signal = self.after_sensor.step(self.sensor.step(sampled));
         self.converter.convert(signal)
@@ -197,16 +209,19 @@ impl SensorsSpec {
             given => given,
         };
         let skew = check("skew_ms", self.skew_ms, -1000.0, 1000.0, "ms")? * rate_hz / 1e3;
-        let channel = |late: f64, spec, normal, range, added: &Signal| {
+        let channel = |late: f64, spec: &SensorSpec, normal, range, added: &Signal| {
             let mut before_sampling = added.before_sampling.clone();
             if late > 0.0 {
                 before_sampling.push(Stage::Delay(DelayLine::new(late, 0.0)));
             }
+            let converter = Converter::new(range, self.bits);
+            let through = before_sampling.is_empty() && added.after_sensor.is_empty();
             Channel {
+                exact: through && spec.is_exact() && converter.is_wire(),
                 before_sampling,
                 sensor: Sensor::new(spec, rate_hz, normal),
                 after_sensor: added.after_sensor.clone(),
-                converter: Converter::new(range, self.bits),
+                converter,
             }
         };
         let axis = |(axis, added): (usize, &Additions)| {
@@ -221,5 +236,66 @@ impl SensorsSpec {
             }
         };
         Ok(additions.iter().enumerate().map(axis).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exact_channel_reads_with_the_bits_of_the_whole_way() {
+        let additions = [Additions::default()];
+        let built = |spec: SensorsSpec| spec.build(&[1e6], &additions, 2000.0, 1).unwrap();
+        let exact = built(SensorsSpec::default())[0].force.clone();
+        assert!(exact.exact);
+        for value in [
+            0.0,
+            -0.0,
+            1.5e-3,
+            -7e5,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NAN,
+        ] {
+            let (short, whole) = (exact.clone().read(value), exact.clone().pass(value));
+            assert_eq!(
+                (short.0.to_bits(), short.1),
+                (whole.0.to_bits(), whole.1),
+                "{value}"
+            );
+        }
+        for other in [
+            SensorsSpec {
+                force_gain: 1.01,
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                force_offset_n: 1.0,
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                force_noise_n: 1.0,
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                force_hum_n: 1.0,
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                force_range_n: Some(1e3),
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                bits: Some(16),
+                ..SensorsSpec::default()
+            },
+            SensorsSpec {
+                skew_ms: 1.0,
+                ..SensorsSpec::default()
+            },
+        ] {
+            assert!(!built(other)[0].force.exact);
+        }
     }
 }

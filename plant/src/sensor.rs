@@ -23,6 +23,14 @@ pub struct SensorSpec {
     pub hum_hz: f64,
 }
 
+impl SensorSpec {
+    /// The reading is the quantity.
+    pub(crate) fn is_exact(&self) -> bool {
+        let noise = [self.white_rms, self.coloured_rms, self.hum_amplitude];
+        self.gain == 1.0 && self.offset == 0.0 && noise == [0.0; 3]
+    }
+}
+
 /// One analogue channel.
 #[derive(Clone, Debug)]
 pub struct Sensor {

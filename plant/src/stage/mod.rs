@@ -96,6 +96,11 @@ impl Stages {
     }
 
     #[inline]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    #[inline]
     pub(crate) fn step(&mut self, x: f64) -> f64 {
         if self.0.is_empty() {
             return x;
