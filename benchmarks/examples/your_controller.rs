@@ -66,7 +66,7 @@ pub fn sines(rules: &Rules) -> Record {
 }
 
 /// A record of two columns, time in s and acceleration in g, below a line of heads.
-fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
+pub fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(path)?;
     let mut rows = Vec::new();
     for line in text.lines().skip(1).filter(|line| !line.trim().is_empty()) {

@@ -1,7 +1,7 @@
 //! Seeded randomness: every purpose has a stream of its own, so that adding one leaves the others as they were.
 
 use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// What a stream is for; part of its seed.
@@ -15,7 +15,7 @@ pub enum Purpose {
     Plant = 4,
 }
 
-/// Standard normal numbers.
+/// Random numbers, normal unless said otherwise.
 #[derive(Clone, Debug)]
 pub struct Normal(Xoshiro256PlusPlus);
 
@@ -31,5 +31,11 @@ impl Normal {
     #[inline]
     pub fn sample(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// The next, evenly drawn from `-most` to `most` instead.
+    pub fn even(&mut self, most: f64) -> f64 {
+        let share: f64 = StandardUniform.sample(&mut self.0);
+        most * (2.0 * share - 1.0)
     }
 }

@@ -1,10 +1,7 @@
 //! The benchmark problem of real-time hybrid simulation by its own rules: published controllers give published figures.
 #![allow(missing_docs)]
 
-use benchmarks::rths::case::CASES;
 use benchmarks::rths::channels::Noise;
-use benchmarks::rths::parameters::Parameters;
-use benchmarks::rths::trial::{Official, run};
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Bench, Contestant, Record, Row, Rules};
 use host_tests::data;
@@ -151,59 +148,41 @@ fn the_noise_alone_is_as_large_as_it_is_said_to_be() {
     }
 }
 
-/// J4 of the published controller on the worst of somebody's twenty drawn plants, cases 1 to 4, per cent.
+/// J4 of the published controller on the worst of twenty drawn plants in an independent port, cases 1 to 4, per cent.
 const WORST_DRAWN: [f64; 4] = [46.0, 42.0, 64.0, 104.0];
 
-/// What twenty draws give depends on the draws: ours give 40/38/57/84, the published worst is what a plant gives that is
-/// three and a third standard deviations off in the direction in which J4 grows fastest.
+/// The port's draws are not known. Drawn evenly from three standard deviations to either side, plants give its figures;
+/// `cargo run --release -p benchmarks --example worst_plants` prints other controllers and the normal draw beside them.
 #[test]
-fn a_plant_as_far_off_as_the_worst_published_one_has_its_figures() {
-    const LENGTH: f64 = 10.0 / 3.0;
-    let Some(record) = record("ElCentro") else {
-        return;
-    };
-    let rules = Rules::official();
-    let baseline = Contestant::named("pi-phase-lead").expect("it is there");
-    let noise = Noise::new(1, record.samples());
-    for (place, published) in WORST_DRAWN.into_iter().enumerate() {
-        let case = &CASES[place];
-        let j4 = |plants: &[Parameters; 4]| -> [f64; 4] {
-            let made: Vec<_> = (0..4)
-                .map(|_| baseline.make(case).expect("it is made"))
-                .collect();
-            let made = made.try_into().ok().expect("four of them");
-            let mut hybrid = Official::new(&rules, case, plants, made).expect("a mass");
-            let judge = run(
-                &mut hybrid,
-                plants,
-                record.ground(place),
-                &[&noise; 4],
-                None,
-            );
-            std::array::from_fn(|l| judge.verdict(l, record.scale(place), true).j[3])
+fn evenly_drawn_plants_have_the_worst_figures_of_an_independent_port() {
+    const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
+    let rules = Rules::official()
+        .with("uniform-plants")
+        .expect("a deviation");
+    let contestants = [Contestant::named("pi-phase-lead").expect("it is there")];
+    let mut worst = [[0.0; 5]; 4];
+    for (place, seed) in SEEDS.enumerate() {
+        let Some(record) = record("ElCentro") else {
+            return;
         };
-        let off = |by: [f64; 4]| {
-            let mut plant = Parameters::NOMINAL;
-            let [k, a3, b1, b2] = Parameters::SPREAD;
-            plant.specimen.stiffness_n_per_m += by[0] * k;
-            plant.a3 += by[1] * a3;
-            plant.b1 += by[2] * b1;
-            plant.b2 += by[3] * b2;
-            plant
+        let bench = Bench {
+            rules: &rules,
+            records: &[record],
+            contestants: &contestants,
+            plants: 20,
+            seed,
         };
-        let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-        let nominal = j4(&[Parameters::NOMINAL; 4])[0];
-        let slope = j4(&std::array::from_fn(|i| off(unit(i)))).map(|j| j - nominal);
-        let size = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
-        let worst = j4(&[off(slope.map(|s| LENGTH * s / size)); 4])[0];
-        println!(
-            "case {}: {nominal:.1}, far off {worst:.1}, published {published}",
-            place + 1
-        );
+        for row in bench.rows(|_| {}).expect("trials") {
+            worst[usize::from(row.case) - 1][place] = row.j4_worst;
+        }
+    }
+    for (case, (mut found, published)) in worst.into_iter().zip(WORST_DRAWN).enumerate() {
+        found.sort_by(f64::total_cmp);
+        println!("case {}: {found:.1?}, port {published}", case + 1);
         assert!(
-            (worst / published - 1.0).abs() < 0.1,
-            "case {}: {worst}",
-            place + 1
+            (found[2] / published - 1.0).abs() < 0.1,
+            "case {}: {found:?}",
+            case + 1
         );
     }
 }

@@ -92,14 +92,6 @@ pub struct Bench<'a> {
     pub seed: u64,
 }
 
-/// The plants of a case: the nominal one, then the perturbed ones, the same for every controller and record.
-fn plant(seed: u64, case: u8, index: usize) -> Parameters {
-    match index {
-        0 => Parameters::NOMINAL,
-        _ => Parameters::perturbed((seed << 32) + 1000 * u64::from(case) + index as u64),
-    }
-}
-
 /// One case under one record with some plants of it.
 struct Task<'a> {
     record: &'a Record,
@@ -155,6 +147,18 @@ impl Bench<'_> {
         !self.rules.deviates(Deviation::RootMeanSquare)
     }
 
+    /// The plants of a case: the nominal one, then the perturbed ones, the same for every controller and record.
+    fn plant(&self, case: u8, index: usize) -> Parameters {
+        let seed = (self.seed << 32) + 1000 * u64::from(case) + index as u64;
+        match index {
+            0 => Parameters::NOMINAL,
+            _ if self.rules.deviates(Deviation::UniformPlants) => {
+                Parameters::perturbed_evenly(seed)
+            }
+            _ => Parameters::perturbed(seed),
+        }
+    }
+
     /// The verdicts on every contestant, by lane.
     fn verdicts(
         &self,
@@ -178,7 +182,7 @@ impl Bench<'_> {
     ) -> Result<Vec<Vec<Verdict>>, Refused> {
         let case = &CASES[task.place];
         let index: [usize; L] = std::array::from_fn(|l| task.first + l);
-        let plants = index.map(|i| plant(self.seed, case.number, i));
+        let plants = index.map(|i| self.plant(case.number, i));
         let noise = index.map(|i| &noise[i]);
         let ground = task.record.ground(task.place);
         let scale = task.record.scale(task.place);

@@ -76,18 +76,29 @@ impl Parameters {
     /// A plant of the published spread.
     /// A pole that is not positive is drawn again: it is no actuator.
     pub fn perturbed(seed: u64) -> Self {
-        let mut normal = Normal::new(seed, Purpose::Plant, 0);
+        Self::drawn(seed, Normal::sample)
+    }
+
+    /// As [`Self::perturbed`], but evenly drawn from three standard deviations to either side.
+    pub fn perturbed_evenly(seed: u64) -> Self {
+        Self::drawn(seed, |stream| stream.even(3.0))
+    }
+
+    /// With `deviations` from the stream, in standard deviations.
+    fn drawn(seed: u64, mut deviations: impl FnMut(&mut Normal) -> f64) -> Self {
+        let mut stream = Normal::new(seed, Purpose::Plant, 0);
+        let mut off = |spread: f64| spread * deviations(&mut stream);
         let mut plant = Self::NOMINAL;
         let [stiffness, a3, b1, b2] = Self::SPREAD;
         loop {
-            plant.a3 = Self::NOMINAL.a3 + a3 * normal.sample();
+            plant.a3 = Self::NOMINAL.a3 + off(a3);
             if plant.a3 > 0.0 {
                 break;
             }
         }
-        plant.b1 += b1 * normal.sample();
-        plant.b2 += b2 * normal.sample();
-        plant.specimen.stiffness_n_per_m += stiffness * normal.sample();
+        plant.b1 += off(b1);
+        plant.b2 += off(b2);
+        plant.specimen.stiffness_n_per_m += off(stiffness);
         plant
     }
 
@@ -167,5 +178,16 @@ mod tests {
         let sd = (stiffness.iter().map(|k| (k - mean).powi(2)).sum::<f64>() / 400.0).sqrt();
         assert!((mean - 1.19e6).abs() < 1e4 && (sd - 5e4).abs() < 6e3);
         assert_eq!(Parameters::perturbed(7), Parameters::perturbed(7));
+        let evenly: Vec<f64> = (0..400)
+            .map(|seed| {
+                Parameters::perturbed_evenly(seed)
+                    .specimen
+                    .stiffness_n_per_m
+            })
+            .map(|k| (k - 1.19e6) / 5e4)
+            .collect();
+        let most = evenly.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let square = evenly.iter().map(|x| x * x).sum::<f64>() / 400.0;
+        assert!(most <= 3.0 && (square - 3.0).abs() < 0.4, "{most} {square}");
     }
 }

@@ -22,18 +22,21 @@ pub enum Deviation {
     HalfScale,
     /// A controller that estimates the displacement is judged by its estimate; officially by the reading.
     JudgedByEstimate,
+    /// Plants are drawn evenly from three standard deviations to either side; officially they are normal.
+    UniformPlants,
     /// Core's loop integrates the equation of motion itself, with the force of the same sample.
     CoreIntegrates,
 }
 
 impl Deviation {
     /// All.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::NoUnitDelay,
         Self::NominalNumericalPart,
         Self::RootMeanSquare,
         Self::HalfScale,
         Self::JudgedByEstimate,
+        Self::UniformPlants,
         Self::CoreIntegrates,
     ];
 
@@ -45,6 +48,7 @@ impl Deviation {
             Self::RootMeanSquare => "root-mean-square",
             Self::HalfScale => "half-scale",
             Self::JudgedByEstimate => "judged-by-estimate",
+            Self::UniformPlants => "uniform-plants",
             Self::CoreIntegrates => "core-integrates",
         }
     }

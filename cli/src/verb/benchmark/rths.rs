@@ -25,7 +25,7 @@ pub(super) struct Rths {
     #[arg(long, default_value = "official", value_name = "official|own")]
     rules: String,
     /// Deviations of published codes, separated by commas: no-unit-delay, nominal-numerical-part, root-mean-square,
-    /// half-scale, judged-by-estimate, core-integrates
+    /// half-scale, judged-by-estimate, uniform-plants, core-integrates
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     deviate: Vec<String>,
     /// What is tested: linear (the problem's own), degrading or pinched

@@ -1,0 +1,77 @@
+//! How the worst of twenty drawn plants is spread over draws, and what draws give the figures of an independent port.
+//!
+//! ```text
+//! cargo run --release -p benchmarks --example worst_plants -- RTHSBENCH_ElCentro.csv
+//! ```
+
+#[allow(dead_code)] // Only its reading of a record is used.
+#[path = "your_controller.rs"]
+mod your_controller;
+
+use benchmarks::rths::{Bench, Contestant, Row, Rules};
+
+/// Drawn plants' worst J4 in an independent port of the problem, cases 1 to 4, per cent.
+const PORT: [(&str, [f64; 4]); 4] = [
+    ("pi-phase-lead", [46.0, 42.0, 64.0, 104.0]),
+    ("fixed-inverse", [17.0, 16.0, 24.0, 30.0]),
+    ("amb", [3.3, 3.2, 3.3, 4.0]),
+    ("amb/lead=1", [2.8, 2.6, 2.0, 2.4]),
+];
+
+/// Draws of twenty plants a case.
+const SEEDS: u64 = 9;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = std::env::args()
+        .nth(1)
+        .ok_or("the record is wanted: a file of time_s,acc_g")?;
+    let draws = [
+        ("normal, as published", Rules::official()),
+        (
+            "evenly, 3 standard deviations to either side",
+            Rules::official().with("uniform-plants")?,
+        ),
+    ];
+    println!(
+        "J4 of the worst of 20 drawn plants, per cent, cases 1/2/3/4: median of {SEEDS} draws (least to largest)"
+    );
+    for (draw, rules) in draws {
+        println!("\n{draw}");
+        let record = [your_controller::read(&path, &rules)?];
+        let contestants: Vec<Contestant> = PORT
+            .iter()
+            .map(|(name, _)| Contestant::named(name))
+            .collect::<Result<_, _>>()?;
+        let mut rows: Vec<Row> = Vec::new();
+        for seed in 1..=SEEDS {
+            let bench = Bench {
+                rules: &rules,
+                records: &record,
+                contestants: &contestants,
+                plants: 20,
+                seed,
+            };
+            rows.extend(bench.rows(|_| ())?);
+        }
+        for (name, port) in PORT {
+            let worst: Vec<String> = (1..=4)
+                .map(|case| {
+                    let mut of_case: Vec<f64> = rows
+                        .iter()
+                        .filter(|row| row.controller == name && row.case == case)
+                        .map(|row| row.j4_worst)
+                        .collect();
+                    of_case.sort_by(f64::total_cmp);
+                    let middle = of_case[of_case.len() / 2];
+                    format!(
+                        "{middle:.1} ({:.1} to {:.1})",
+                        of_case[0],
+                        of_case[of_case.len() - 1]
+                    )
+                })
+                .collect();
+            println!("{name:14} {}    port {port:?}", worst.join(" / "));
+        }
+    }
+    Ok(())
+}
