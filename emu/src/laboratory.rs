@@ -201,7 +201,7 @@ impl Laboratory {
         let closed = self.permission.closed(at_ns, period_ns);
         chain_contact(session, stop.at, closed);
         let shown = self.disturbed(shown);
-        self.chain.show(session, shown);
+        self.chain.show(session, &self.registers, shown);
         self.permit_steps += u64::from(self.permission.level());
         self.steps += 1;
         if self.steps == self.mend_at_step {
@@ -225,11 +225,15 @@ impl Laboratory {
 
     /// What stands in the registers at the first trigger.
     fn look_at_registers(&mut self) {
-        let [first, second, third] = self.chain.demands();
-        let found = [first, second, third, &GUARDS[..]]
-            .into_iter()
+        let demands = self.chain.demands().into_iter();
+        let found = demands
+            .chain(self.chain.demands_beside())
+            .chain([&GUARDS[..]])
             .flat_map(|d| self.registers.violations(d));
-        let found: Vec<Violation> = found.collect();
+        // A register that two lists name is wrong once.
+        let mut found: Vec<Violation> = found.collect();
+        found.sort_by_key(|violation| violation.demand.name);
+        found.dedup_by_key(|violation| violation.demand.name);
         self.log_mut().violations.extend(found);
     }
 
@@ -274,7 +278,7 @@ impl Laboratory {
     /// The laboratory's turn while nothing samples: the rig goes on, contacts and buttons have their levels.
     fn idle(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
         let shown = self.step_rig(session, at.0, IDLE_TURN_NS);
-        self.chain.show(session, shown);
+        self.chain.show(session, &self.registers, shown);
         let closed = self.permission.closed(at.0, IDLE_TURN_NS);
         chain_contact(session, at, closed);
         let pressed = self.active == Some(Fault::EmergencyStop);

@@ -13,6 +13,9 @@ pub trait Hardware<const A: usize = 1> {
     /// What is recorded beside displacements and forces, at most [`MAX_INPUTS`].
     const INPUTS: &'static [Input];
 
+    /// Volts at the ends of their codes.
+    const INPUT_SPAN_V: [f32; 2];
+
     /// The stopwatch: ticks of the processor, turning over at 2^32.
     fn now(&self) -> u32;
 
@@ -20,7 +23,8 @@ pub trait Hardware<const A: usize = 1> {
     /// no new ones.
     fn codes(&mut self) -> Option<[[u16; 2]; A]>;
 
-    /// The codes of [`INPUTS`](Self::INPUTS), sampled at the same instant as displacement and force; asked after those.
+    /// The codes of [`INPUTS`](Self::INPUTS), sampled at the same instant as displacement and force; asked after those,
+    /// when the commands are out.
     fn inputs(&self) -> [u16; MAX_INPUTS];
 
     /// This step began later after its sample than anything that runs on the board explains.

@@ -1,7 +1,7 @@
 //! On the NUCLEO-F429ZI itself, with PA4 (the DAC) wired to PA3 and PC0 (the ADC) and nothing else connected:
 //!
 //! ```text
-//! scripts/cross test -p firmware --release --no-default-features --features on-target --test on_target
+//! scripts/cross test -p firmware --release --test on_target --features on-target
 //! ```
 //!
 //! What no emulator shows: the converters, the hardware triggers between the timers and them, the flash.

@@ -1,7 +1,7 @@
 //! The firmware's simulated board behind frames of bytes, with a simulated rig behind its converters: what a PC sees of a
 //! board, in this process and in one thread. A read runs the board on by some steps.
 
-use firmware::sim::{Bench, INPUTS, Plant};
+use firmware::sim::{Bench, Plant};
 use firmware::station::Sign;
 use link::frame::{Decoder, Frame, Kind};
 use link::message::Message;
@@ -86,7 +86,7 @@ impl<const A: usize> Loopback<A> {
         let _ = self.batch.steps.push(report.step);
         if self.batch.steps.len() == STEPS {
             let batch = std::mem::take(&mut self.batch);
-            self.send(Kind::Telemetry, &batch.encode(A, INPUTS.len()));
+            self.send(Kind::Telemetry, &batch.encode(A, A));
         }
         self.serve();
         if self

@@ -297,8 +297,14 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
         command_m: command_m.clone(),
     });
     let mut connection = connect(loopback(&t));
-    let played =
-        board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ()).unwrap();
+    let played = board::commission(
+        &mut connection,
+        &t,
+        (&course, 0),
+        &Operator::nobody(),
+        &mut (),
+    )
+    .unwrap();
     assert_eq!(played.early, None);
     let recording = Recording::parse("signal.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
@@ -320,7 +326,13 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
     ] {
         let t = test(&[limit]);
         let mut connection = connect(loopback(&t));
-        let refused = board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ());
+        let refused = board::commission(
+            &mut connection,
+            &t,
+            (&course, 0),
+            &Operator::nobody(),
+            &mut (),
+        );
         let refused = refused.unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}");
     }
@@ -331,6 +343,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
     let t = test(&[]);
     let mut connection = connect(loopback(&t));
     let signal = Signal {
+        actuator: 0,
         shape: Shape::Chirp {
             from_hz: 0.5,
             to_hz: 10.0,
@@ -339,8 +352,14 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         seconds: 10.0,
     };
     let course = Course::Formula(signal);
-    let played =
-        board::commission(&mut connection, &t, &course, &Operator::nobody(), &mut ()).unwrap();
+    let played = board::commission(
+        &mut connection,
+        &t,
+        (&course, 0),
+        &Operator::nobody(),
+        &mut (),
+    )
+    .unwrap();
     assert_eq!(played.early, None);
     let recording = Recording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();

@@ -1,5 +1,6 @@
 //! What the PC asks of the board.
 
+use crate::MAX_ACTUATORS;
 use crate::channel::Calibration;
 use heapless::Vec;
 use outerloop_core::{Config, Event, Pace};
@@ -63,8 +64,9 @@ pub enum Command {
     /// Where the next test's targets come from, while idle: from the PC, one by one, or from the loop's own integration.
     /// A new test integrates by itself.
     Pace(Option<Pace>),
-    /// The next target from the PC, m: where the actuator is to go. One that has not been gone to yet is replaced.
-    Target(f32),
+    /// The next target from the PC, m, of each of the board's actuators: where they are to go. One that has not been gone to
+    /// yet is replaced.
+    Target(Vec<f32, MAX_ACTUATORS>),
 }
 
 /// A channel of the board.
@@ -76,9 +78,12 @@ pub enum Channel {
     Force,
 }
 
-/// A signal to measure the actuator with, around zero displacement. All the test's limits are in force.
+/// A signal to measure an actuator with, around zero displacement; the others stand at zero. All the test's limits are in
+/// force, for each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Signal {
+    /// Which actuator it moves, from 0.
+    pub actuator: u8,
     /// Its shape.
     pub shape: Shape,
     /// Largest displacement, m.

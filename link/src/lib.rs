@@ -5,7 +5,7 @@
 //! ```text
 //!  PC ─► board    command    request number, one of [`Command`]
 //!  PC ◄─ board    reply      the request's number, one of [`Reply`]
-//!  PC ◄─ board    telemetry  every control step, 24 to 38 bytes each, [`telemetry`]
+//!  PC ◄─ board    telemetry  every control step, 24 to 42 bytes each, [`telemetry`]
 //!
 //!  on the wire    COBS( version | kind | sequence number | body | CRC-32 ) 0
 //! ```
@@ -53,7 +53,7 @@ pub use telemetry::{Input, Telemetry};
 
 /// Version of everything in this crate; a frame of another version is counted and not looked at. A test holds the bytes of
 /// every frame (`link/tests/golden.txt`): they change only together with this number.
-pub const VERSION: u8 = 9;
+pub const VERSION: u8 = 10;
 
 /// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
 /// ST-LINK that makes a USB port of it.

@@ -126,6 +126,7 @@ mod tests {
     fn every_command_comes_back_as_it_was() {
         let signal = |shape| {
             Some(Signal {
+                actuator: 2,
                 shape,
                 amplitude_m: 0.01,
                 seconds: 20.0,
@@ -161,7 +162,7 @@ mod tests {
             Command::History(15),
             Command::Pace(None),
             Command::Pace(Some(Pace::Continuous)),
-            Command::Target(f32::MIN),
+            Command::Target([f32::MIN; crate::MAX_ACTUATORS].into_iter().collect()),
         ];
         commands.extend(Event::ALL.map(Command::Event));
         let longest = commands.iter().map(there_and_back).max();
@@ -189,7 +190,10 @@ mod tests {
                 others: [Calibration::placeholder(&TWELVE_BITS); 2]
                     .into_iter()
                     .collect(),
-                inputs: [Input::HeadAcceleration; MAX_INPUTS].into_iter().collect(),
+                inputs: [Input::CommandReadBack(2); MAX_INPUTS]
+                    .into_iter()
+                    .collect(),
+                input_span_v: [-10.0, 10.0],
             }),
             Reply::Status(Status {
                 tick: u32::MAX,

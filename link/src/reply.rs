@@ -184,6 +184,8 @@ pub struct Identity {
     pub others: Vec<Calibration, { MAX_ACTUATORS - 1 }>,
     /// What is recorded beside displacement and force, in the order of the telemetry.
     pub inputs: Vec<Input, MAX_INPUTS>,
+    /// Volts at the ends of the further inputs' codes; of a command read back its codes are those of the command.
+    pub input_span_v: [f32; 2],
 }
 
 impl Identity {

@@ -13,7 +13,7 @@ use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{Cause, LastWords, Start, Status, Timing};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
-use outerloop_core::{Config, Event, Fault, Mode, Trip};
+use outerloop_core::{Config, Event, Fault, Mode, Pace, Trip};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -32,6 +32,7 @@ fn config() -> Config {
 fn commands() -> std::vec::Vec<(String, Command)> {
     let signal = |shape| {
         Command::Signal(Some(Signal {
+            actuator: 2,
             shape,
             amplitude_m: 0.01,
             seconds: 20.0,
@@ -88,6 +89,17 @@ fn commands() -> std::vec::Vec<(String, Command)> {
             }),
         ),
         ("history", Command::History(15)),
+        ("pace none", Command::Pace(None)),
+        ("pace stop and go", Command::Pace(Some(Pace::StopAndGo))),
+        ("pace continuous", Command::Pace(Some(Pace::Continuous))),
+        (
+            "target of one",
+            Command::Target([0.01].into_iter().collect()),
+        ),
+        (
+            "target of three",
+            Command::Target([0.01, -0.02, 0.03].into_iter().collect()),
+        ),
     ]
     .into_iter()
     .map(|(name, command)| (name.to_owned(), command))
@@ -113,12 +125,14 @@ fn identity(others: &[Calibration]) -> Identity {
         calibration: Calibration::over(0.05, 1e4, &CODES),
         others: others.iter().copied().collect(),
         inputs: [
-            Input::CommandReadBack,
+            Input::CommandReadBack(0),
+            Input::CommandReadBack(2),
             Input::SecondDisplacement,
             Input::HeadAcceleration,
         ]
         .into_iter()
         .collect(),
+        input_span_v: [-10.0, 10.0],
     }
 }
 
@@ -256,7 +270,7 @@ fn telemetry() -> Telemetry {
         added_damping_n_s_per_m: -2.0,
         energy_j: 0.5,
         digest: 0x090a_0b0c,
-        inputs: [0x0d0e, 0x0f10, 0x1112],
+        inputs: [0x0d0e, 0x0f10, 0x1112, 0x1b1c, 0x1d1e],
     };
     Telemetry {
         first_tick: 70_000,
@@ -305,7 +319,7 @@ fn all_bytes() -> String {
             &answer.encode(7).unwrap(),
         );
     }
-    for (actuators, inputs) in [(1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (3, 2)] {
+    for (actuators, inputs) in [(1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (3, 2), (3, 5)] {
         let frame = Frame {
             kind: Kind::Telemetry,
             sequence: 7,

@@ -58,7 +58,7 @@ impl<P: Port> BoardBench<P> {
         self
     }
 
-    /// Moves the actuator by `course` on the same board; see [`commission`].
+    /// Moves the first actuator by `course` on the same board; see [`commission`].
     ///
     /// # Errors
     /// Those of [`commission`].
@@ -69,7 +69,7 @@ impl<P: Port> BoardBench<P> {
         witness: &mut impl Witness,
     ) -> Result<Played, Failure> {
         let board = &mut *self.connection.borrow_mut();
-        commission(board, test, course, &self.operator, witness)
+        commission(board, test, (course, 0), &self.operator, witness)
     }
 
     /// The connection back.

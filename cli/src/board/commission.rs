@@ -1,18 +1,22 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
+use super::answers::Answers;
 use super::connection::Connection;
 use super::course::Course;
-use super::limits::{self, Plan};
+use super::limits::Plan;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
-use super::orders::{clear, done, event, identify, status};
+use super::orders::{clear, done, event, status};
 use super::played::Played;
 use super::port::Port;
+use super::setup::ready;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::trace::Witness;
 use link::Command;
 use link::limits::Shown;
-use outerloop_core::{Event, Mode, Record};
+use link::reply::Identity;
+use link::telemetry::StepReport;
+use outerloop_core::{Event, Fault, Mode, Record, Trip};
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
@@ -20,122 +24,223 @@ const REST_STEPS: u32 = 40;
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Moves the actuator by `course` under the limits of `test`, or those that follow from the course.
+/// Moves an actuator, from 0, by a course under the limits of `test`, or those that follow from the course. The board's
+/// other actuators stand at zero, under the same limits.
 ///
 /// # Errors
-/// A course beyond a limit that the test states; a board that is refused or not idle; a signal that is refused; a link that
-/// is lost before the start.
+/// A course beyond a limit that the test states; a board that is refused, not idle, not the one that the test names, or
+/// without such an actuator; a signal that is refused; a link that is lost before the start.
 pub fn commission<P: Port>(
     board: &mut Connection<P>,
     test: &TestFile,
-    course: &Course,
+    (course, actuator): (&Course, usize),
     operator: &Operator,
     witness: &mut impl Witness,
 ) -> Result<Played, Failure> {
     course.check(&test.config)?;
-    let identity = identify(board)?;
-    clear(board)?;
-    let plan = Plan::of_course(test, course);
-    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
-    let mut config = test.config.clone();
-    config.limits = plan.limits(&test.config.limits, &shown);
-    eprintln!(
-        "outerloop: limits in force:\n{}",
-        limits::describe(&test.config.limits, &config.limits)
-    );
+    let plan = Plan::of_course(test, course, actuator);
+    let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
+    let (identity, config) = ready(board, &test.config, &plan, wanted)?;
+    let actuators = identity.actuators();
+    if actuator >= actuators {
+        return Err(Failure::input(format!(
+            "--actuator {}: the board has {actuators}: accepted are 1 to {actuators}",
+            actuator + 1
+        )));
+    }
     done(board, "configure", &Command::Configure(config.clone()))?;
-    course.send(board, &config)?;
-    board.forget_steps();
-    let mut idle = 0;
-    while idle < IDLE_STEPS {
-        idle += usize::from(board.step()?.is_some());
+    course.send(board, &config, actuator as u8)?;
+    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
+    let rate_hz = config.timing.rate_hz;
+    let mut alone = Alone {
+        actuator,
+        rate_hz,
+        answers: Answers::new(&identity, actuator, rate_hz, shown.frozen_m),
+        identity,
+    };
+    alone.arm(board)?;
+    alone.wait_for_go(board, operator)?;
+    let mut played = alone.play(board, witness)?;
+    played.stiffness_n_per_m = alone.answers.stiffness_n_per_m();
+    played.suspicion = alone.suspicion(test);
+    Ok(played)
+}
+
+/// One actuator that moves while the others stand.
+struct Alone {
+    actuator: usize,
+    rate_hz: f64,
+    identity: Identity,
+    answers: Answers,
+}
+
+impl Alone {
+    /// The next step, if one has come.
+    fn step<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+    ) -> Result<Option<(u32, StepReport)>, Failure> {
+        let step = board.step()?;
+        if let Some((_, step)) = &step {
+            self.answers.look_for_rails(&self.identity, step);
+        }
+        Ok(step)
     }
-    event(board, Event::Arm)?;
-    board.forget_steps();
-    loop {
-        match board.step()?.map(|(_, s)| (s.state(), s.command_m)) {
-            Some((Some(Mode::Armed), 0.0)) => break,
-            Some((Some(Mode::Tripped), _)) => {
-                return Err(Failure::test(
-                    "the board tripped on its way to zero: see `outerloop board status`",
-                ));
+
+    fn arm<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+        board.forget_steps();
+        let mut idle = 0;
+        while idle < IDLE_STEPS {
+            idle += usize::from(self.step(board)?.is_some());
+        }
+        event(board, Event::Arm)?;
+        board.forget_steps();
+        loop {
+            match self.step(board)?.map(|(_, s)| (s.state(), s.command_m)) {
+                Some((Some(Mode::Armed), 0.0)) => return Ok(()),
+                Some((Some(Mode::Tripped), _)) => {
+                    return Err(Failure::test(format!(
+                        "the board tripped on its way to zero: {}",
+                        self.reason(status(board)?.trip)
+                    )));
+                }
+                _ => {}
             }
-            _ => {}
         }
     }
-    catch_ctrl_c();
-    operator.ask("the rig stands at zero, armed: Enter starts the signal, Ctrl-C gives it up");
-    while !operator.agrees() {
-        if stop_is_asked() {
-            event(board, Event::Stop)?;
-            return Err(Failure::test("the signal was given up before its start"));
-        }
-        if board
-            .step()?
-            .is_some_and(|(_, s)| s.state() == Some(Mode::Tripped))
-        {
-            return Err(Failure::test(
-                "the board tripped before the start: see `outerloop board status`",
-            ));
-        }
-    }
-    event(board, Event::Start)?;
-    let mut stopped = false;
-    let mut played = Played::new();
-    let mut begin = None;
-    let early = loop {
-        if stop_is_asked() && !std::mem::replace(&mut stopped, true) {
-            event(board, Event::Stop)?;
-        }
-        let (tick, step) = match board.step() {
-            Ok(Some(step)) => step,
-            Ok(None) => continue,
-            Err(lost) => break Some(lost.to_string()),
+
+    /// The rig stands at zero, armed. One actuator moves when the person says so.
+    fn wait_for_go<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        operator: &Operator,
+    ) -> Result<(), Failure> {
+        catch_ctrl_c();
+        let which = match self.identity.actuators() {
+            1 => String::new(),
+            all => format!(
+                " of actuator {} of {all}, and the others stand",
+                self.actuator + 1
+            ),
         };
-        let calibration = &identity.calibration;
-        let displacement_m = calibration.displacement.quantity(step.displacement);
-        let force_n = calibration.force.quantity(step.force);
+        operator.ask(&format!(
+            "the rig stands at zero, armed: Enter starts the signal{which}; Ctrl-C gives it up"
+        ));
+        while !operator.agrees() {
+            if stop_is_asked() {
+                event(board, Event::Stop)?;
+                return Err(Failure::test("the signal was given up before its start"));
+            }
+            let step = self.step(board)?;
+            if step.is_some_and(|(_, s)| s.state() == Some(Mode::Tripped)) {
+                return Err(Failure::test(format!(
+                    "the board tripped before the start: {}",
+                    self.reason(status(board)?.trip)
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The signal, from its start until the board is idle again, or stands tripped.
+    fn play<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        witness: &mut impl Witness,
+    ) -> Result<Played, Failure> {
+        event(board, Event::Start)?;
+        let mut stopped = false;
+        let mut played = Played::new();
+        let mut begin = None;
+        let early = loop {
+            if stop_is_asked() && !std::mem::replace(&mut stopped, true) {
+                event(board, Event::Stop)?;
+            }
+            let (tick, step) = match self.step(board) {
+                Ok(Some(step)) => step,
+                Ok(None) => continue,
+                Err(lost) => break Some(lost.to_string()),
+            };
+            let record = self.record(tick, &step);
+            witness.see(&record);
+            if let Some(wish) = witness.wish() {
+                // Refused only by a board that has ended the signal by itself.
+                stopped |= event(board, wish).is_ok();
+            }
+            match step.state() {
+                Some(Mode::Commissioning) => {
+                    let begin = *begin.get_or_insert(tick);
+                    let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
+                    let ([displacement_m], [force_n]) = (record.displacement_m, record.force_n);
+                    played.add_at(time_s, step.command_m, displacement_m, force_n);
+                    self.answers.see(&self.identity, &step);
+                }
+                Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
+                Some(Mode::Tripped) => {
+                    let reason = self.reason(status(board)?.trip);
+                    break Some(format!("the board tripped: {reason}"));
+                }
+                _ => {}
+            }
+        };
+        if early.is_none() || stopped {
+            come_to_rest(board)?;
+        }
+        Ok(Played { early, ..played })
+    }
+
+    /// A step as the record of the actuator that moves.
+    fn record(&self, tick: u32, step: &StepReport) -> Record<1> {
         let mut record = Record::<1>::EMPTY;
         (record.tick, record.flags) = (tick, step.flags);
         (record.command_m, record.sent_m) = ([step.command_m], [step.command_m]);
-        (record.displacement_m, record.force_n) = ([displacement_m], [force_n]);
-        witness.see(&record);
-        if let Some(wish) = witness.wish() {
-            // Refused only by a board that has ended the signal by itself.
-            stopped |= event(board, wish).is_ok();
+        let [displacement, force] = step.codes(self.actuator).unwrap_or_default();
+        if let Some(lines) = self.identity.calibrations().nth(self.actuator) {
+            record.displacement_m = [lines.displacement.quantity(displacement)];
+            record.force_n = [lines.force.quantity(force)];
         }
-        match step.state() {
-            Some(Mode::Commissioning) => {
-                let begin = *begin.get_or_insert(tick);
-                let time_s = f64::from(tick.wrapping_sub(begin)) / config.timing.rate_hz;
-                played.add_at(time_s, step.command_m, displacement_m, force_n);
-            }
-            Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
-            Some(Mode::Tripped) => {
-                let fault = status(board)?.trip.map_or("a fault", |t| t.fault.name());
-                break Some(format!("the board tripped on {fault}"));
-            }
-            _ => {}
-        }
-    };
-    if early.is_none() || stopped {
-        // Permission goes when the command stands.
-        let (mut standing, mut last_m) = (0, f32::NAN);
-        while standing < REST_STEPS {
-            let Some((_, step)) = board.step()? else {
-                continue;
-            };
-            if step.state() != Some(Mode::Finished) {
-                break;
-            }
-            standing = if step.command_m == last_m {
-                standing + 1
-            } else {
-                0
-            };
-            last_m = step.command_m;
-        }
-        clear(board)?;
+        record
     }
-    Ok(Played { early, ..played })
+
+    /// What looks wrongly wired; of a board with one actuator its polarity is all that can be seen.
+    fn suspicion(&self, test: &TestFile) -> Option<String> {
+        let structure = &test.config.structure;
+        let storeys = &structure.stiffness_n_per_m;
+        let physical = test.config.physical_storeys().min(storeys.len());
+        self.answers.suspicion(&storeys[..physical])
+    }
+
+    /// Why the board tripped, and at which actuator.
+    fn reason(&self, trip: Option<Trip>) -> String {
+        let Some(trip) = trip else {
+            return "see `outerloop board status`".into();
+        };
+        let several = self.identity.actuators() > 1;
+        let name = trip.fault.name();
+        match (self.answers.rail(), trip.limited_axis()) {
+            (Some(which), _) if trip.fault == Fault::AdcRail => format!("{name}: {which}"),
+            (_, Some(axis)) if several => format!("{name} of actuator {}", axis + 1),
+            _ => name.into(),
+        }
+    }
+}
+
+/// Permission goes when the command stands.
+fn come_to_rest<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
+    let (mut standing, mut last_m) = (0, f32::NAN);
+    while standing < REST_STEPS {
+        let Some((_, step)) = board.step()? else {
+            continue;
+        };
+        if step.state() != Some(Mode::Finished) {
+            break;
+        }
+        standing = if step.command_m == last_m {
+            standing + 1
+        } else {
+            0
+        };
+        last_m = step.command_m;
+    }
+    clear(board)
 }

@@ -77,14 +77,18 @@ impl Course {
         all.into_iter().find_map(passed).map_or(Ok(()), Err)
     }
 
-    /// Sends it to a board, which plays it with the next start.
+    /// Sends it to a board, which moves `actuator`, from 0, by it with the next start.
     pub(super) fn send<P: Port>(
         &self,
         board: &mut Connection<P>,
         config: &Config,
+        actuator: u8,
     ) -> Result<(), Failure> {
         let signal = match self {
-            Self::Formula(signal) => *signal,
+            Self::Formula(signal) => Signal {
+                actuator,
+                ..*signal
+            },
             Self::Points(points) => {
                 // As many points as there is room for, and no more than control steps.
                 let room = points.seconds() / (MAX_POINTS - 2) as f64;
@@ -94,6 +98,7 @@ impl Course {
                 // Laid over integration steps, which are of model time.
                 load(board, &sent, interval_s / config.timing.time_scale)?;
                 Signal {
+                    actuator,
                     shape: Shape::Points,
                     amplitude_m,
                     seconds: points.seconds() as f32,

@@ -1,7 +1,9 @@
 //! What a board records beside displacement and force: no part of the test hangs on it, and it tells what is broken.
 
+use link::channel::Line;
 use link::reply::Identity;
 use link::telemetry::{Input, MAX_INPUTS, StepReport};
+use link::{CodeRange, MAX_ACTUATORS};
 use outerloop_core::Fault;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -9,94 +11,162 @@ use std::fmt::Write as _;
 /// A command that reads back further off than this share of the converter's range did not leave the board as it was sent.
 /// Two converters of 16 bits with their offsets and gains stay below a third of it.
 const OFF_SHARE: f64 = 0.01;
+/// Of the chip's own DAC and ADC: the data sheet gives the DAC alone 12 codes of offset and half a per cent of gain.
+const OFF_SHARE_12: f64 = 0.02;
 
 /// The further inputs of a running test.
 #[derive(Clone, Debug, Serialize)]
 pub struct Further {
-    /// Largest distance of the command as read back at its converter from the command as sent, m.
+    /// Largest distance of a command as read back at its converter from the command as sent, m, of any actuator.
     pub command_off_m: Option<f64>,
-    #[serde(skip)]
-    range_m: f64,
+    /// The same of each actuator, from the first; none where nothing is read back.
+    pub commands_off_m: Vec<Option<f64>>,
     #[serde(skip)]
     inputs: Vec<Input>,
     #[serde(skip)]
-    sensor_top: u16,
+    codes: CodeRange,
     #[serde(skip)]
-    command: link::channel::Line,
+    span_v: [f32; 2],
+    /// Each actuator's command from its codes.
     #[serde(skip)]
-    rows: Vec<(u32, f32, [u16; MAX_INPUTS])>,
+    lines: Vec<Line>,
+    #[serde(skip)]
+    rows: Vec<Row>,
 }
+
+/// A control step: its number, the commands in force, m, NaN where they are not known, and the codes of the inputs.
+type Row = (u32, [f32; MAX_ACTUATORS], [u16; MAX_INPUTS]);
 
 impl Further {
     /// Of a board; `None` if it has none.
     pub fn of(identity: &Identity) -> Option<Self> {
-        let command = identity.calibration.command;
-        let range_m = f64::from(command.per_code.abs()) * f64::from(identity.codes.command_top);
+        let lines: Vec<Line> = identity.calibrations().map(|c| c.command).collect();
         (!identity.inputs.is_empty()).then(|| Self {
             command_off_m: None,
-            range_m,
+            commands_off_m: vec![None; lines.len()],
             inputs: identity.inputs.iter().copied().collect(),
-            sensor_top: identity.codes.sensor_top,
-            command,
+            codes: identity.codes,
+            span_v: identity.input_span_v,
+            lines,
             rows: Vec::new(),
         })
     }
 
-    /// A control step of the running test.
-    pub fn see(&mut self, tick: u32, step: &StepReport) {
-        self.rows.push((tick, step.command_m, step.inputs));
-        let back = self
-            .inputs
-            .iter()
-            .position(|i| *i == Input::CommandReadBack);
-        if let Some(&code) = back.and_then(|i| step.inputs.get(i)) {
-            let off_m = f64::from((self.command.quantity(code) - step.command_m).abs());
-            self.command_off_m = Some(self.command_off_m.unwrap_or(0.0).max(off_m));
+    /// A control step of the running test. `command_m`: the commands that were in force, of as many actuators as are known.
+    pub fn see(&mut self, tick: u32, command_m: &[f32], step: &StepReport) {
+        let known = |actuator: usize| command_m.get(actuator).copied().unwrap_or(f32::NAN);
+        self.rows
+            .push((tick, std::array::from_fn(known), step.inputs));
+        for (input, &code) in self.inputs.iter().zip(&step.inputs) {
+            let Input::CommandReadBack(actuator) = *input else {
+                continue;
+            };
+            let actuator = usize::from(actuator);
+            let (Some(line), Some(&sent_m)) = (self.lines.get(actuator), command_m.get(actuator))
+            else {
+                continue;
+            };
+            let off_m = f64::from((line.quantity(code) - sent_m).abs());
+            for worst in [&mut self.commands_off_m[actuator], &mut self.command_off_m] {
+                *worst = Some(worst.unwrap_or(0.0).max(off_m));
+            }
         }
     }
 
-    /// Whether the command left the board as it was sent, and what that says of a test that tripped.
+    /// Two converters and what stands between them may be apart by so much, m.
+    fn allowed_m(&self, actuator: usize) -> f64 {
+        let share = if self.codes.command_top < 1 << 12 {
+            OFF_SHARE_12
+        } else {
+            OFF_SHARE
+        };
+        let per_code = self.lines.get(actuator).map_or(0.0, |line| line.per_code);
+        share * f64::from(per_code.abs()) * f64::from(self.codes.command_top)
+    }
+
+    /// Whether the commands left the board as they were sent, and what that says of a test that tripped.
     pub fn sentence(&self, trip: Option<Fault>) -> Option<String> {
-        let off_m = self.command_off_m?;
+        let worst_m = self.command_off_m?;
+        let several = self.lines.len() > 1;
+        let dead = (0..self.lines.len()).find_map(|actuator| {
+            let off_m = self.commands_off_m[actuator]?;
+            (off_m > self.allowed_m(actuator)).then_some((actuator, off_m))
+        });
+        if let Some((actuator, off_m)) = dead {
+            let whose = if several {
+                format!(" of actuator {}", actuator + 1)
+            } else {
+                String::new()
+            };
+            return Some(format!(
+                "The command{whose}, read back at the output converter, was within {:.3} mm of what was sent, more than {:.1} mm: it did not leave the board as it was sent, so look at the output converter and its wires before the valve.",
+                off_m * 1e3,
+                self.allowed_m(actuator) * 1e3
+            ));
+        }
+        let which = if several {
+            "Each actuator's command"
+        } else {
+            "The command"
+        };
         let off = format!(
-            "The command, read back at the output converter, was within {:.3} mm of what was sent",
-            off_m * 1e3
+            "{which}, read back at the output converter, was within {:.3} mm of what was sent",
+            worst_m * 1e3
         );
         let follows = matches!(trip, Some(Fault::Tracking | Fault::StaleSample));
-        Some(if off_m > OFF_SHARE * self.range_m {
-            format!(
-                "{off}, more than {:.1} mm: it did not leave the board as it was sent, so look at the output converter and its wires before the valve.",
-                OFF_SHARE * self.range_m * 1e3
-            )
-        } else if follows {
+        Some(if follows {
             format!("{off}: look at the valve, the oil and the PERMIT chain.")
         } else {
             format!("{off}.")
         })
     }
 
-    /// As a table: time since the first step, the command as sent, and each input.
+    /// As a table: time since the first step, the commands as sent, and each input. A number behind a quantity is its
+    /// actuator's, from the second on.
     pub fn to_csv(&self, rate_hz: f64) -> String {
-        let mut text = String::from("time_s,command_m");
+        let number = |actuator: usize| match actuator {
+            0 => String::new(),
+            other => (other + 1).to_string(),
+        };
+        let mut text = String::from("time_s");
+        for actuator in 0..self.lines.len() {
+            let _ = write!(text, ",command{}_m", number(actuator));
+        }
         for input in &self.inputs {
-            text.push_str(match input {
-                Input::CommandReadBack => ",command_read_back_m",
-                Input::SecondDisplacement => ",displacement_2_v",
-                Input::HeadAcceleration => ",head_acceleration_v",
-            });
+            let _ = match input {
+                Input::CommandReadBack(actuator) => {
+                    write!(
+                        text,
+                        ",command_read_back{}_m",
+                        number(usize::from(*actuator))
+                    )
+                }
+                Input::SecondDisplacement => write!(text, ",displacement_2_v"),
+                Input::HeadAcceleration => write!(text, ",head_acceleration_v"),
+            };
         }
         text.push('\n');
         let first = self.rows.first().map_or(0, |row| row.0);
         for (tick, command_m, codes) in &self.rows {
             let time_s = f64::from(tick.wrapping_sub(first)) / rate_hz;
-            let _ = write!(text, "{time_s},{command_m}");
+            let _ = write!(text, "{time_s}");
+            for command_m in &command_m[..self.lines.len()] {
+                let _ = match command_m.is_nan() {
+                    true => write!(text, ","),
+                    false => write!(text, ",{command_m}"),
+                };
+            }
             for (input, &code) in self.inputs.iter().zip(codes) {
-                let _ = match input {
-                    Input::CommandReadBack => write!(text, ",{}", self.command.quantity(code)),
+                let shown = match input {
+                    Input::CommandReadBack(actuator) => self
+                        .lines
+                        .get(usize::from(*actuator))
+                        .map_or(f64::NAN, |line| f64::from(line.quantity(code))),
                     Input::SecondDisplacement | Input::HeadAcceleration => {
-                        write!(text, ",{}", Input::volts(code, self.sensor_top))
+                        Input::volts(code, self.codes.sensor_top, self.span_v)
                     }
                 };
+                let _ = write!(text, ",{shown}");
             }
             text.push('\n');
         }
@@ -107,17 +177,30 @@ impl Further {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use link::channel::Line;
 
-    fn board() -> Further {
+    fn with(actuators: usize, inputs: Vec<Input>) -> Further {
         Further {
             command_off_m: None,
-            range_m: 0.1,
-            inputs: vec![Input::CommandReadBack, Input::SecondDisplacement],
-            sensor_top: u16::MAX,
-            command: Line::over(0.05, u16::MAX),
+            commands_off_m: vec![None; actuators],
+            inputs,
+            codes: CodeRange {
+                sensor_top: u16::MAX,
+                sensor_rail: 65,
+                sensor_spare: 1638,
+                command_top: u16::MAX,
+                command_spare: 1638,
+            },
+            span_v: [-10.0, 10.0],
+            lines: vec![Line::over(0.05, u16::MAX); actuators],
             rows: Vec::new(),
         }
+    }
+
+    fn board() -> Further {
+        with(
+            1,
+            vec![Input::CommandReadBack(0), Input::SecondDisplacement],
+        )
     }
 
     fn step(command_m: f32, back: u16) -> StepReport {
@@ -130,7 +213,7 @@ mod tests {
             added_damping_n_s_per_m: 0.0,
             energy_j: 0.0,
             digest: 0,
-            inputs: [back, u16::MAX, 7],
+            inputs: [back, u16::MAX, 7, 0, 0],
         }
     }
 
@@ -139,9 +222,10 @@ mod tests {
         let mut works = board();
         let mut dead = board();
         for (tick, command_m) in [(10, 0.0_f32), (11, 0.002), (12, 0.004)] {
-            let exact = command_m / works.command.per_code + works.command.zero_code;
-            works.see(tick, &step(command_m, (exact + 0.5) as u16));
-            dead.see(tick, &step(command_m, 32_768));
+            let line = works.lines[0];
+            let exact = command_m / line.per_code + line.zero_code;
+            works.see(tick, &[command_m], &step(command_m, (exact + 0.5) as u16));
+            dead.see(tick, &[command_m], &step(command_m, 32_768));
         }
         assert!(works.command_off_m.unwrap() < 2e-6);
         assert!((dead.command_off_m.unwrap() - 0.004).abs() < 2e-6);
@@ -159,10 +243,36 @@ mod tests {
     }
 
     #[test]
+    fn of_several_the_dead_one_is_named_and_a_command_that_is_not_known_says_nothing() {
+        let all = [0, 1, 2].map(Input::CommandReadBack).to_vec();
+        let mut three = with(3, all);
+        let line = three.lines[0];
+        let code = |m: f32| (m / line.per_code + line.zero_code + 0.5) as u16;
+        let mut now = step(0.004, code(0.004));
+        now.inputs = [code(0.004), code(0.003), 32_768, 0, 0];
+        // Of a step that was not worked out again only the first actuator's command is known.
+        three.see(9, &[0.004], &now);
+        assert_eq!(three.commands_off_m[1..], [None, None]);
+        assert!(three.sentence(None).unwrap().starts_with("Each actuator"));
+        three.see(10, &[0.004, 0.003, -0.005], &now);
+        let said = three.sentence(Some(Fault::Tracking)).unwrap();
+        assert!(said.starts_with("The command of actuator 3"), "{said}");
+        assert!(said.contains("look at the output converter"), "{said}");
+        let text = three.to_csv(2000.0);
+        let lines: Vec<_> = text.lines().collect();
+        assert!(
+            lines[0].ends_with(
+                "command3_m,command_read_back_m,command_read_back2_m,command_read_back3_m"
+            )
+        );
+        assert!(lines[1].starts_with("0,0.004,,,"), "{text}");
+    }
+
+    #[test]
     fn the_table_has_a_column_an_input_and_a_row_a_step() {
         let mut all = board();
-        all.see(10, &step(0.0, 32_768));
-        all.see(12, &step(0.001, 33_000));
+        all.see(10, &[0.0], &step(0.0, 32_768));
+        all.see(12, &[0.001], &step(0.001, 33_000));
         let text = all.to_csv(2000.0);
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(

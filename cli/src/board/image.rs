@@ -61,9 +61,8 @@ impl Image {
     /// Further inputs that it records.
     pub fn inputs(self) -> usize {
         match self {
-            Self::Internal => 0,
-            Self::External => 3,
-            Self::Three => 2,
+            Self::Internal | Self::External => 3,
+            Self::Three => 5,
         }
     }
 

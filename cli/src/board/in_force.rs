@@ -10,6 +10,7 @@ use super::port::Port;
 use crate::bench::OnBoard;
 use crate::failure::Failure;
 use link::Command;
+use link::MAX_ACTUATORS;
 use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
@@ -33,6 +34,8 @@ pub struct InForce<'a, const N: usize> {
     lost_before: u64,
     /// What the board records beside, while the test runs.
     further: Option<Further>,
+    /// The latest step, whose record is worked out when the next one has come.
+    latest: Option<(u32, StepReport)>,
 }
 
 impl<'a, const N: usize> InForce<'a, N> {
@@ -45,6 +48,7 @@ impl<'a, const N: usize> InForce<'a, N> {
     ) -> Self {
         Self {
             further: Further::of(identity),
+            latest: None,
             lost_before: board.counted().1,
             mirror,
             since,
@@ -74,16 +78,18 @@ impl<'a, const N: usize> InForce<'a, N> {
         Ok(())
     }
 
-    /// Sends the next target of the first axis, m.
+    /// Sends the next target of each actuator, m.
     ///
     /// # Errors
     /// A link that is gone; a target that is refused.
     pub fn aim<P: Port>(
         &mut self,
         board: &mut Connection<P>,
-        target_m: f32,
+        target_m: [f32; N],
     ) -> Result<(), Failure> {
-        let tick = done(board, "target", &Command::Target(target_m))?;
+        // A board has no more actuators than a target has room for, and the test as many as the board.
+        let targets = target_m.into_iter().take(MAX_ACTUATORS).collect();
+        let tick = done(board, "target", &Command::Target(targets))?;
         self.mirror.target(tick, target_m);
         Ok(())
     }
@@ -120,11 +126,27 @@ impl<'a, const N: usize> InForce<'a, N> {
             self.state = step.state().unwrap_or(self.state);
             self.command_m = step.command_m;
             self.steps += 1;
-            if let Some(further) = self.further.as_mut().filter(|_| self.state.integrates()) {
-                further.see(tick, step);
-            }
         }
         ours
+    }
+
+    /// Works out the record of the step before this one, and looks at what else the board recorded in it.
+    fn take(&mut self, tick: u32, step: StepReport) -> Option<Record<N>> {
+        let before = self.latest.replace((tick, step));
+        let record = self.mirror.take(tick, step)?;
+        self.look_beside(before, &record);
+        Some(record)
+    }
+
+    fn look_beside(&mut self, step: Option<(u32, StepReport)>, record: &Record<N>) {
+        let (Some(further), Some((tick, step))) = (&mut self.further, step) else {
+            return;
+        };
+        if step.state().is_some_and(Mode::integrates) {
+            // Of a step that could not be worked out again the telemetry has the first command alone.
+            let known = if self.mirror.is_in_step() { N } else { 1 };
+            further.see(tick, &record.command_m[..known], &step);
+        }
     }
 
     /// The next step of the test that is in force, and the record of the one before it.
@@ -136,7 +158,7 @@ impl<'a, const N: usize> InForce<'a, N> {
         board: &mut Connection<P>,
     ) -> Result<Option<Record<N>>, Failure> {
         let (tick, step) = self.pass(board)?;
-        Ok(self.mirror.take(tick, step))
+        Ok(self.take(tick, step))
     }
 
     /// The records of the steps that have come by now; waits some milliseconds where none has.
@@ -147,7 +169,7 @@ impl<'a, const N: usize> InForce<'a, N> {
         let mut records = Vec::new();
         for (tick, step) in board.steps()? {
             if self.note(tick, &step) {
-                records.extend(self.mirror.take(tick, step));
+                records.extend(self.take(tick, step));
             }
         }
         Ok(records)
@@ -155,7 +177,10 @@ impl<'a, const N: usize> InForce<'a, N> {
 
     /// The record of the last step, after which none came.
     pub fn last(&mut self) -> Option<Record<N>> {
-        self.mirror.last()
+        let record = self.mirror.last()?;
+        let latest = self.latest.take();
+        self.look_beside(latest, &record);
+        Some(record)
     }
 
     /// Idle, arming, and the way to the start position.

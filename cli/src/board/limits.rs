@@ -110,7 +110,7 @@ impl Plan {
             test,
             displacement_m,
             fastest.unwrap_or(approach_m_per_s),
-            alone_n(test, displacement_m),
+            alone_n(test, 0, displacement_m),
         )
     }
 
@@ -122,9 +122,9 @@ impl Plan {
         )
     }
 
-    /// Of a commissioning signal under a test's limits.
-    pub fn of_course(test: &TestFile, course: &Course) -> Self {
-        let force_n = alone_n(test, course.peak_m());
+    /// Of a commissioning signal under a test's limits, on an actuator, from 0.
+    pub fn of_course(test: &TestFile, course: &Course, actuator: usize) -> Self {
+        let force_n = alone_n(test, actuator, course.peak_m());
         Self::with(test, course.peak_m(), course.speed_m_per_s(), force_n)
     }
 
@@ -181,9 +181,10 @@ fn forces_n<'a>(storeys: &'a [f64], floors_m: &'a [f32]) -> impl Iterator<Item =
     (0..storeys.len()).map(move |floor| (storey_n(floor) - storey_n(floor + 1)).abs())
 }
 
-/// Force on the first actuator, N, where it moves alone, so far.
-fn alone_n(test: &TestFile, displacement_m: f64) -> f64 {
-    let around = laboratory_storeys(test).iter().take(2).sum::<f64>();
+/// Force on an actuator, from 0, N, where it moves alone, so far.
+fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
+    let around = laboratory_storeys(test).iter().skip(actuator).take(2);
+    let around = around.sum::<f64>();
     around * displacement_m
 }
 

@@ -26,9 +26,9 @@ pub struct Seen {
 
 /// What the board was told.
 #[derive(Clone, Copy, Debug)]
-enum Told {
+enum Told<const N: usize> {
     Event(Event),
-    Target(f32),
+    Target([f32; N]),
 }
 
 /// The loop on the PC.
@@ -48,7 +48,7 @@ pub struct Mirror<'a, const N: usize> {
     steps: u32,
     since_solved: u32,
     substeps: u32,
-    told: VecDeque<(u32, Told)>,
+    told: VecDeque<(u32, Told<N>)>,
     /// The step that waits for its successor, which says whether it tripped.
     waiting: Option<(u32, StepReport)>,
     seen: Seen,
@@ -95,14 +95,19 @@ impl<'a, const N: usize> Mirror<'a, N> {
         self.outer.set_pace(Some(pace));
     }
 
-    /// The board took a target for its first axis, m; step `tick` is the first with it.
-    pub fn target(&mut self, tick: u32, target_m: f32) {
+    /// The board took a target for each actuator, m; step `tick` is the first with it.
+    pub fn target(&mut self, tick: u32, target_m: [f32; N]) {
         self.told.push_back((tick, Told::Target(target_m)));
     }
 
     /// The force that the last target is answered with, N, if every step until now is proven.
     pub fn answer_n(&self) -> Option<&[f32; N]> {
         self.in_step.then(|| self.outer.answer_n())
+    }
+
+    /// Every step until now is proven.
+    pub fn is_in_step(&self) -> bool {
+        self.in_step
     }
 
     /// The board has shown the step at which it was armed.
@@ -157,10 +162,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             match told {
                 // The board took it; if the loop here does not, the digests will say so.
                 Told::Event(event) => drop(self.outer.handle(event)),
-                Told::Target(target_m) => {
-                    let first = |axis| if axis == 0 { target_m } else { 0.0 };
-                    self.outer.set_next_target(std::array::from_fn(first));
-                }
+                Told::Target(target_m) => self.outer.set_next_target(target_m),
             }
         }
         // The board's own button: nothing else tells of it.

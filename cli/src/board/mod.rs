@@ -9,6 +9,7 @@
 //!  bench        a whole test: configure, load, arm, start, receive
 //!  further      what a board records beside displacement and force
 //!  image        the images that can be flashed
+//!  answers      how every actuator answers while one is moved: stiffness, and wires that are exchanged
 //!  course       what moves the actuator without a test: a formula or points
 //!  played       what that left behind
 //!  limits       those that a board asks for, worked out from the planned test
@@ -17,6 +18,7 @@
 //!  wording      what a board says, in words
 //! ```
 
+mod answers;
 mod bench;
 mod build;
 mod commission;

@@ -18,6 +18,10 @@ pub struct Played {
     pub peak_m: f64,
     /// Largest force, N.
     pub peak_n: f64,
+    /// Force on each of the board's actuators over the displacement of the one that moved, N/m, where one answered.
+    pub stiffness_n_per_m: Vec<Option<f64>>,
+    /// What looks wrongly wired.
+    pub suspicion: Option<String>,
 }
 
 impl Played {
@@ -29,6 +33,8 @@ impl Played {
             early: None,
             peak_m: 0.0,
             peak_n: 0.0,
+            stiffness_n_per_m: Vec::new(),
+            suspicion: None,
         }
     }
 

@@ -2,7 +2,6 @@
 
 use link::reply::Identity;
 use link::status::{Cause, LastWords, Start, Status};
-use outerloop_core::Fault;
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<String> {
@@ -87,16 +86,8 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     );
     lines.splice(1..1, readings);
     if let Some(trip) = status.trip {
-        let of = match trip.fault {
-            Fault::Displacement
-            | Fault::Increment
-            | Fault::Velocity
-            | Fault::Force
-            | Fault::Tracking
-                if several =>
-            {
-                format!(" of actuator {}", trip.axis + 1)
-            }
+        let of = match trip.limited_axis() {
+            Some(axis) if several => format!(" of actuator {}", axis + 1),
             _ => String::new(),
         };
         lines.push(format!(

@@ -12,14 +12,14 @@ use crate::files::test::{BoardWanted, TestFile};
 use crate::scope::Scope;
 use link::reply::Identity;
 use link::telemetry::StepReport;
-use link::{Calibration, Command};
+use link::{Calibration, Command, MAX_ACTUATORS};
 use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Mode, Pace, Record};
 use std::collections::VecDeque;
 
 /// The rig behind the board at the other end of `connection`. `real`: there is a person to look before a trip is cleared.
 ///
 /// # Errors
-/// A test with more storeys than the board has actuators, or one that moves continuously without a limit on its speed.
+/// A test with more storeys than any board has actuators, or one that moves continuously without a limit on its speed.
 pub fn boarded(
     test: &TestFile,
     connection: BoardConnection,
@@ -29,11 +29,6 @@ pub fn boarded(
     scope: Option<Scope>,
 ) -> Result<Box<dyn Mover>, Failure> {
     let storeys = test.config.degrees_of_freedom();
-    if storeys != 1 {
-        return Err(Failure::input(format!(
-            "serve: the test has {storeys} storeys: accepted on a board is 1, the one with the actuator; the simulated rig serves all of them"
-        )));
-    }
     let limits = &test.config.limits;
     let has_speed = limits.velocity_m_per_s.is_some() || limits.increment_m.is_some();
     if test.serve.pace == Pace::Continuous && !has_speed {
@@ -42,24 +37,36 @@ pub fn boarded(
              largest speed, m/s, that the model may ask of the actuator",
         ));
     }
-    let boarded = Boarded {
-        board: connection,
-        operator,
-        real,
-        plan: Plan::of_served(test),
-        wanted: test.board.clone(),
-        config: test.config.clone(),
-        pace: test.serve.pace,
-        test: None,
-        permit: false,
-        calibrated: None,
-        account: None,
-    };
-    Ok(Box::new(Travel::<1, _>::new(boarded, test, keep, scope)))
+    let with = (connection, operator, real);
+    Ok(match storeys {
+        1 => Box::new(Travel::new(
+            Boarded::<1>::new(test, with),
+            test,
+            keep,
+            scope,
+        )),
+        2 => Box::new(Travel::new(
+            Boarded::<2>::new(test, with),
+            test,
+            keep,
+            scope,
+        )),
+        3 => Box::new(Travel::new(
+            Boarded::<3>::new(test, with),
+            test,
+            keep,
+            scope,
+        )),
+        _ => {
+            return Err(Failure::input(format!(
+                "serve: the test has {storeys} storeys: accepted on a board are up to {MAX_ACTUATORS}, each with an actuator; the simulated rig serves any number"
+            )));
+        }
+    })
 }
 
-/// A board with one actuator, all of the structure that is served.
-struct Boarded {
+/// A board with an actuator for each storey, which are all of the structure that is served.
+struct Boarded<const N: usize> {
     board: BoardConnection,
     operator: Operator,
     real: bool,
@@ -68,30 +75,46 @@ struct Boarded {
     config: Config,
     pace: Pace,
     /// From the beginning to the end.
-    test: Option<Serving>,
+    test: Option<Serving<N>>,
     permit: bool,
-    /// How the board's codes are to be read, once it has been asked.
-    calibrated: Option<Calibration>,
+    /// How the codes of each actuator are to be read, once the board has been asked.
+    calibrated: Vec<Calibration>,
     account: Option<OnBoard>,
 }
 
 /// A client's test on the board.
-struct Serving {
-    in_force: InForce<'static, 1>,
+struct Serving<const N: usize> {
+    in_force: InForce<'static, N>,
     identity: Identity,
     /// Records that have come and that nobody has seen yet.
-    come: VecDeque<Record<1>>,
+    come: VecDeque<Record<N>>,
     /// The board's button holds it, and the person has been asked.
     held: bool,
     lost: Option<String>,
     trip: Option<Fault>,
 }
 
-impl Boarded {
+impl<const N: usize> Boarded<N> {
+    fn new(test: &TestFile, (board, operator, real): (BoardConnection, Operator, bool)) -> Self {
+        Self {
+            board,
+            operator,
+            real,
+            plan: Plan::of_served(test),
+            wanted: test.board.clone(),
+            config: test.config.clone(),
+            pace: test.serve.pace,
+            test: None,
+            permit: false,
+            calibrated: Vec::new(),
+            account: None,
+        }
+    }
+
     /// What to do with the test, where there is one; a link that is gone is remembered.
     fn with<T>(
         &mut self,
-        act: impl FnOnce(&mut BoardConnection, &mut Serving) -> Result<T, Failure>,
+        act: impl FnOnce(&mut BoardConnection, &mut Serving<N>) -> Result<T, Failure>,
     ) -> Result<T, Stop> {
         let Some(test) = &mut self.test else {
             return Err(Stop::Lost("no test is in force on the board".into()));
@@ -115,7 +138,7 @@ impl Boarded {
     }
 
     /// The next step that has come and that nobody has seen, and, behind the last one, why the board goes no further.
-    fn next_seen(&mut self) -> Result<Option<Seen<1>>, Stop> {
+    fn next_seen(&mut self) -> Result<Option<Seen<N>>, Stop> {
         self.with(|board, test| {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
@@ -135,13 +158,18 @@ impl Boarded {
     }
 
     /// A step between two clients, as the board reports it.
-    fn idle(&self, (tick, step): (u32, StepReport)) -> Option<Seen<1>> {
-        let calibration = self.calibrated?;
-        let mut record = Record::<1>::EMPTY;
+    fn idle(&self, (tick, step): (u32, StepReport)) -> Option<Seen<N>> {
+        if self.calibrated.is_empty() {
+            return None;
+        }
+        let mut record = Record::<N>::EMPTY;
         (record.tick, record.flags) = (tick, step.flags);
-        (record.command_m, record.sent_m) = ([step.command_m], [step.command_m]);
-        record.displacement_m = [calibration.displacement.quantity(step.displacement)];
-        record.force_n = [calibration.force.quantity(step.force)];
+        (record.command_m[0], record.sent_m[0]) = (step.command_m, step.command_m);
+        for (actuator, lines) in self.calibrated.iter().enumerate().take(N) {
+            let [displacement, force] = step.codes(actuator).unwrap_or_default();
+            record.displacement_m[actuator] = lines.displacement.quantity(displacement);
+            record.force_n[actuator] = lines.force.quantity(force);
+        }
         Some(Seen {
             record,
             reached: Reached::default(),
@@ -167,7 +195,7 @@ impl Boarded {
     }
 }
 
-impl Rig<1> for Boarded {
+impl<const N: usize> Rig<N> for Boarded<N> {
     fn begin(&mut self) -> Result<(), Failure> {
         let board = &mut self.board;
         (self.test, self.account) = (None, None);
@@ -176,7 +204,7 @@ impl Rig<1> for Boarded {
             self.wanted.converter_bits,
         );
         let (identity, config) = ready(board, &self.config, &self.plan, wanted)?;
-        let design = Design::<1>::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+        let design = Design::<N>::new(&config).map_err(|e| Failure::input(e.to_string()))?;
         let since = done(board, "configure", &Command::Configure(config.clone()))?;
         done(board, "signal", &Command::Signal(None))?;
         done(board, "pace", &Command::Pace(Some(self.pace)))?;
@@ -192,7 +220,7 @@ impl Rig<1> for Boarded {
         in_force.arm(board)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
-        self.calibrated = Some(identity.calibration);
+        self.calibrated = identity.calibrations().copied().collect();
         self.test = Some(Serving {
             in_force,
             identity,
@@ -204,7 +232,7 @@ impl Rig<1> for Boarded {
         Ok(())
     }
 
-    fn aim(&mut self, [target_m]: [f32; 1]) -> Result<(), Stop> {
+    fn aim(&mut self, target_m: [f32; N]) -> Result<(), Stop> {
         self.with(|board, test| {
             // The answer says what has become of it; a board that has tripped since takes it, and goes nowhere.
             test.in_force.aim(board, target_m)?;
@@ -215,7 +243,7 @@ impl Rig<1> for Boarded {
         })
     }
 
-    fn step(&mut self) -> Result<Seen<1>, Stop> {
+    fn step(&mut self) -> Result<Seen<N>, Stop> {
         loop {
             self.go_on()?;
             if let Some(seen) = self.next_seen()? {
@@ -225,7 +253,7 @@ impl Rig<1> for Boarded {
         }
     }
 
-    fn meanwhile(&mut self) -> Result<Vec<Seen<1>>, Stop> {
+    fn meanwhile(&mut self) -> Result<Vec<Seen<N>>, Stop> {
         if self.test.is_none() {
             // Between two clients the board hears that the PC is there.
             let steps = self.board.steps().map_err(|e| Stop::Lost(e.to_string()))?;
@@ -255,7 +283,7 @@ impl Rig<1> for Boarded {
         }
     }
 
-    fn answer_n(&self) -> Result<[f32; 1], Stop> {
+    fn answer_n(&self) -> Result<[f32; N], Stop> {
         let answer = self
             .test
             .as_ref()
@@ -303,9 +331,9 @@ impl Rig<1> for Boarded {
     }
 }
 
-impl Boarded {
+impl<const N: usize> Boarded<N> {
     /// To a standstill on the ramp, then idle.
-    fn finish(&mut self, test: &mut Serving) -> Result<(), Failure> {
+    fn finish(&mut self, test: &mut Serving<N>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);
         if !over(status(board)?.state) {
             in_force.end(board, Event::Stop)?;

@@ -32,3 +32,4 @@ pub use ledger::{Ledger, Summary, Verdict};
 pub use mover::{Mover, Reached, Stop};
 pub use session::{Element, Served, serve_client};
 pub use simulated::simulated;
+pub(crate) use travel::shear_frame;

@@ -1,17 +1,15 @@
 //! `outerloop board`: what a person asks of a board at a serial port.
 
+mod commission;
+
 use super::json;
-use super::place::Place;
-use crate::board::{self, Connection, Course, Patience, Serial};
+use crate::board::{self, Connection, Patience, Serial};
 use crate::failure::Failure;
-use crate::files::output;
-use crate::files::signal::Signal;
-use crate::files::test::TestFile;
 use crate::provenance::Told;
-use crate::scope::Scoped;
 use clap::{Args, Subcommand};
+use commission::Commission;
 use link::Calibration;
-use link::command::{Channel, Shape};
+use link::command::Channel;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -220,117 +218,4 @@ fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
             e.message()
         ))
     })
-}
-
-/// Moves the actuator by a signal and records it
-#[derive(Args, Debug)]
-struct Commission {
-    /// The test file, whose limits are in force
-    test: PathBuf,
-    /// The board's serial port, e.g. /dev/ttyACM0
-    #[arg(
-        long,
-        value_name = "DEV",
-        required_unless_present = "emulated",
-        conflicts_with = "emulated"
-    )]
-    port: Option<String>,
-    /// On an emulated board, with the test's simulated rig behind its converters
-    #[arg(long)]
-    emulated: bool,
-    /// Ask nobody between the approach and the start
-    #[arg(long, conflicts_with = "emulated")]
-    yes: bool,
-    /// Seed of everything random in that rig
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Shape of the signal, constant, sine or chirp; or a file with time_s and command_mm, such as `diagnose --next` writes,
-    /// which has its own amplitude, length and frequencies
-    #[arg(long, value_name = "SHAPE|FILE", default_value = "chirp")]
-    signal: Wanted,
-    /// Largest displacement, mm
-    #[arg(long, value_name = "MM", default_value_t = 5.0)]
-    amplitude_mm: f32,
-    /// Length, s, rise and fall of half a second included
-    #[arg(long, value_name = "S", default_value_t = 30.0)]
-    seconds: f32,
-    /// Frequency of the sine, or at the start of the chirp, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 0.1)]
-    from_hz: f32,
-    /// Frequency at the end of the chirp, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
-    to_hz: f32,
-    /// The recording, CSV; `outerloop identify` reads it
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
-    #[command(flatten)]
-    scope: Scoped,
-}
-
-/// A shape that the board makes by itself, or a file.
-#[derive(Clone, Debug)]
-enum Wanted {
-    Constant,
-    Sine,
-    Chirp,
-    File(PathBuf),
-}
-
-impl FromStr for Wanted {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        Ok(match text {
-            "constant" => Self::Constant,
-            "sine" => Self::Sine,
-            "chirp" => Self::Chirp,
-            file if Path::new(file).exists() => Self::File(file.into()),
-            other => {
-                return Err(format!(
-                    "`{other}` is no shape and no file: accepted are constant, sine, chirp, and a file with time_s and \
-                     command_mm"
-                ));
-            }
-        })
-    }
-}
-
-impl Commission {
-    fn course(&self) -> Result<Course, Failure> {
-        let shape = match &self.signal {
-            Wanted::File(path) => return Signal::load(path).map(Course::Points),
-            Wanted::Constant => Shape::Constant,
-            Wanted::Sine => Shape::Sine {
-                frequency_hz: self.from_hz,
-            },
-            Wanted::Chirp => Shape::Chirp {
-                from_hz: self.from_hz,
-                to_hz: self.to_hz,
-            },
-        };
-        Ok(Course::Formula(link::command::Signal {
-            shape,
-            amplitude_m: self.amplitude_mm / 1e3,
-            seconds: self.seconds,
-        }))
-    }
-
-    fn go(&self) -> Result<(), Failure> {
-        let test = TestFile::load(&self.test, &[])?;
-        let course = self.course()?;
-        let place = Place::on_board(self.port.clone(), self.yes);
-        let title = match &self.signal {
-            Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
-            shape => format!("{shape:?} under {}", self.test.display()),
-        };
-        let rate_hz = test.config.timing.rate_hz;
-        let mut scope = self.scope.open(&title, rate_hz, false)?;
-        let played = place.play_course(&test, &course, self.seed, &mut scope)?;
-        output::write(&self.out, &played.text)?;
-        println!("{} steps are in {}.", played.steps, self.out.display());
-        played.early.map_or(Ok(()), |why| {
-            Err(Failure::test(format!(
-                "the signal ended early: {why}; what was received is kept"
-            )))
-        })
-    }
 }

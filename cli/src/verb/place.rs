@@ -5,7 +5,7 @@ use crate::board::emulated::{self, Emulated, Laboratory};
 use crate::board::limits::Plan;
 use crate::board::{
     BoardBench, BoardConnection, Connection, Course, Operator, Patience, Played, Port, Serial,
-    calibrate, commission,
+    calibrate, commission, identify,
 };
 use crate::experiment::Experiment;
 use crate::failure::Failure;
@@ -30,6 +30,16 @@ pub struct Place {
     /// Ask nobody between the approach and the start of a test on a board
     #[arg(long, requires = "port")]
     yes: bool,
+}
+
+/// An actuator that was moved alone.
+pub struct Turn {
+    /// Which, from 0.
+    pub actuator: usize,
+    /// How many are moved, one after the other.
+    pub of: usize,
+    /// What it left.
+    pub played: Played,
 }
 
 /// The kind of rig that a test ran on.
@@ -107,7 +117,47 @@ impl Place {
         Ok(Some((connection, Operator::nobody())))
     }
 
-    /// Moves the actuator by `course` under the limits of `test`.
+    /// Moves actuators of a board by `course` under the limits of `test`: the one that is wanted, from 0, or each in its
+    /// turn. `keep` is given what each has left, and says whether the next one moves.
+    ///
+    /// # Errors
+    /// A course beyond a limit that the test states; a board that cannot be set up; what `keep` says.
+    pub fn commission(
+        &self,
+        test: &TestFile,
+        course: &Course,
+        wanted: Option<usize>,
+        seed: u64,
+        witness: &mut impl Witness,
+        mut keep: impl FnMut(Turn) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        course.check(&test.config)?;
+        let storeys = test.config.physical_storeys();
+        let plans = (0..storeys).map(|actuator| Plan::of_course(test, course, actuator));
+        let widest = plans.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
+        let plan = widest.unwrap_or_else(|| Plan::of_course(test, course, 0));
+        let Some((mut board, operator)) = self.connect(test, &plan, seed)? else {
+            return Err(Failure::input(
+                "the simulated rig makes no signals by itself: accepted is a board",
+            ));
+        };
+        let all = identify(&mut board)?.actuators();
+        let (turns, of) = match wanted {
+            Some(actuator) => (actuator..actuator + 1, 1),
+            None => (0..all, all),
+        };
+        for actuator in turns {
+            let played = commission(&mut board, test, (course, actuator), &operator, witness)?;
+            keep(Turn {
+                actuator,
+                of,
+                played,
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Moves the first actuator by `course` under the limits of `test`.
     ///
     /// # Errors
     /// A course beyond a limit that the test states; a rig or board that cannot be set up.
@@ -119,10 +169,10 @@ impl Place {
         witness: &mut impl Witness,
     ) -> Result<Played, Failure> {
         course.check(&test.config)?;
-        let plan = Plan::of_course(test, course);
+        let plan = Plan::of_course(test, course, 0);
         match (self.connect(test, &plan, seed)?, course) {
             (Some((mut board, operator)), _) => {
-                commission(&mut board, test, course, &operator, witness)
+                commission(&mut board, test, (course, 0), &operator, witness)
             }
             (None, Course::Points(signal)) => {
                 let limits = plan.without_board(&test.config.limits);

@@ -123,6 +123,24 @@ pub struct Trip {
     pub tick: u32,
 }
 
+impl Trip {
+    /// The axis whose limit was passed, from 0; `None` for a fault of the whole test, and for one that the board itself
+    /// has reported, which has no limit.
+    pub fn limited_axis(&self) -> Option<usize> {
+        let of_an_axis = matches!(
+            self.fault,
+            Fault::NonFinite
+                | Fault::Displacement
+                | Fault::Increment
+                | Fault::Velocity
+                | Fault::Force
+                | Fault::Tracking
+                | Fault::Reading
+        );
+        (of_an_axis && self.limit > 0.0).then_some(usize::from(self.axis))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -32,13 +32,13 @@ pub struct Ad5754r {
     /// Codes in the input registers and not yet loaded, with their times, ns, and outputs.
     waiting: VecDeque<(u64, usize, u16)>,
     commands: Vec<(u64, u16)>,
-    broken: bool,
+    broken: [bool; OUTPUTS],
 }
 
 impl Output for Ad5754r {
     fn take_over(&mut self, at_ns: u64) {
         while let Some((_, output, code)) = self.waiting.pop_front_if(|(at, ..)| *at <= at_ns) {
-            if !self.broken {
+            if !self.broken[output] {
                 self.dac[output] = code;
             }
         }
@@ -61,8 +61,8 @@ impl Output for Ad5754r {
         std::mem::take(&mut self.commands)
     }
 
-    fn break_output(&mut self) {
-        self.broken = true;
+    fn break_output(&mut self, output: usize) {
+        self.broken[output] = true;
     }
 }
 

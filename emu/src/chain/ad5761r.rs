@@ -62,7 +62,7 @@ impl Output for Ad5761r {
         std::mem::take(&mut self.commands)
     }
 
-    fn break_output(&mut self) {
+    fn break_output(&mut self, _: usize) {
         self.broken = true;
     }
 }

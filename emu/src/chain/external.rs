@@ -1,10 +1,10 @@
 //! An AD7606 and an AD5761R, or for three actuators an AD5754R, on the board: where their pins go, and what the timers do
 //! with them.
 
-use super::Shown;
 use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
 use super::ad7606::Ad7606;
+use super::{Shown, beside};
 use crate::nucleo::Nucleo;
 use crate::registers::external::OUTPUT;
 use crate::registers::{
@@ -48,8 +48,8 @@ pub trait Output {
     /// Codes of the first output since this was last asked, with their times, ns.
     fn commands(&mut self) -> Vec<(u64, u16)>;
 
-    /// From now on the outputs stay where they are.
-    fn break_output(&mut self);
+    /// From now on an output stays where it is.
+    fn break_output(&mut self, output: usize);
 }
 
 /// Hangs both chips on the board's serial interfaces, those for so many actuators.
@@ -212,9 +212,14 @@ fn busy(session: &mut Session<Nucleo>, registers: &Registers, at: VirtualNanos, 
     }
 }
 
-/// What stands at the AD7606's inputs: the rig's sensors, and the first output at V3, or at V7 with three actuators.
+/// Channels of the chip's own ADC2 that see the outputs of three actuators.
+const OUTPUT_CHANNELS: [u8; 3] = [3, 10, 13];
+
+/// What stands at the AD7606's inputs: the rig's sensors, and the output at V3; with three actuators their outputs are at the
+/// chip's own converter.
 pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
-    let read_back = output(session).map_or(0.0, |dac| dac.volts(0));
+    let output = output(session).map(|dac| [0, 1, 2].map(|place| dac.volts(place)));
+    let read_back = output.map_or(0.0, |volts| volts[0]);
     let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2 * 10.0;
     let of_volts = |volts: f64| (volts * 3276.8).round().clamp(-32768.0, 32767.0) as i16;
     let of_code = |code: f64| (code.round() - 32768.0).clamp(-32768.0, 32767.0) as i16;
@@ -224,8 +229,13 @@ pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.inputs = match actuators {
             1 => [d1, f1, read_back, d1, acceleration, 0, 0, 0],
-            _ => [d1, d2, d3, f1, f2, f3, read_back, acceleration],
+            _ => [d1, d2, d3, f1, f2, f3, d1, acceleration],
         };
+    }
+    if actuators > 1 {
+        let volts = |place: usize| beside::amplified_v(output.map_or(0.0, |o| o[place]));
+        let at = |place: usize| (OUTPUT_CHANNELS[place], volts(place));
+        beside::show(session, &[at(0), at(1), at(2)]);
     }
 }
 
@@ -273,9 +283,9 @@ pub fn pin(session: &mut Session<Nucleo>, actuator: usize) -> Option<u16> {
     Some(((volts + 10.0) * 3276.8).round().clamp(0.0, 65535.0) as u16)
 }
 
-/// The output stays where it is from now on.
-pub fn break_output(session: &mut Session<Nucleo>) {
+/// An actuator's output stays where it is from now on.
+pub fn break_output(session: &mut Session<Nucleo>, actuator: usize) {
     if let Some(dac) = output(session) {
-        dac.break_output();
+        dac.break_output(actuator);
     }
 }

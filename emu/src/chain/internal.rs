@@ -2,22 +2,28 @@
 //! as the chip has it. A code waits in the holding register for its trigger, and the pin shows the output register, or
 //! floats.
 
-use super::{Instant, Shown};
+use super::{Instant, Shown, beside};
 use crate::nucleo::Nucleo;
 use crate::registers::internal::OUTPUT;
 use crate::registers::{ADC1_CR2, DAC_CR, DAC_DHR12R1, GPIOA_MODER, Registers, TIM4_CCR1};
-use rigless::emulator::{Access, AccessKind, Host};
+use rigless::emulator::Host;
 use rigless::session::Session;
-use rigless::soc::Width;
 use rigless::soc::stm32f427::peripherals::adc::Channel;
 use std::collections::VecDeque;
 
 /// The highest code of one conversion, and of the command.
 pub const TOP: u16 = 4095;
 
-const JSWSTART: u64 = 1 << 22;
 const DISPLACEMENT_CHANNEL: u8 = 3;
 const FORCE_CHANNEL: u8 = 10;
+
+// Of ADC2.
+const COMMAND_CHANNEL: u8 = 4;
+const SECOND_DISPLACEMENT_CHANNEL: u8 = 13;
+const ACCELERATION_CHANNEL: u8 = 12;
+
+/// Acceleration at either end of its input, m/s^2.
+const FULL_SCALE_M_PER_S2: f64 = 50.0;
 
 const ENABLED: u64 = 1;
 const TRIGGERED: u64 = 1 << 2;
@@ -31,6 +37,8 @@ pub struct Internal {
     held: VecDeque<(u64, u16)>,
     /// All that were written since they were asked for.
     commands: Vec<(u64, u16)>,
+    /// The pin stays where it is.
+    broken: bool,
 }
 
 impl Internal {
@@ -48,8 +56,16 @@ impl Internal {
         std::mem::take(&mut self.commands)
     }
 
+    /// From now on the pin stays where it is.
+    pub fn break_output(&mut self) {
+        self.broken = true;
+    }
+
     /// The holding register is written.
     pub fn hold(&mut self, registers: &Registers, at_ns: u64, code: u16) {
+        if self.broken {
+            return;
+        }
         if registers.read(DAC_CR) & TRIGGERED == 0 {
             self.output = code;
             self.held.clear();
@@ -90,8 +106,22 @@ impl Internal {
     }
 }
 
-/// Puts the codes of one conversion each on the pins: those of the sensors are of two, added.
-pub fn show(session: &mut Session<Nucleo>, shown: Shown) {
+/// Puts the codes of one conversion each on the pins: those of the sensors are of two, added. `pin`: the code that the
+/// output shows.
+pub fn show(session: &mut Session<Nucleo>, shown: Shown, pin: Option<u16>) {
+    let volts = |code: f64| code / f64::from(TOP) * 3.3;
+    let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2;
+    beside::show(
+        session,
+        &[
+            (COMMAND_CHANNEL, volts(f64::from(pin.unwrap_or(0)))),
+            (
+                SECOND_DISPLACEMENT_CHANNEL,
+                volts(shown.displacement[0] / 2.0),
+            ),
+            (ACCELERATION_CHANNEL, 1.65 * (1.0 + acceleration)),
+        ],
+    );
     let adc = &mut session.board_mut().chip.adc[0];
     let channels = [
         (DISPLACEMENT_CHANNEL, shown.displacement[0]),
@@ -108,11 +138,7 @@ pub fn show(session: &mut Session<Nucleo>, shown: Shown) {
 
 /// Starts the conversions.
 pub fn convert(session: &mut Session<Nucleo>, now: Instant, host: &mut dyn Host) {
-    let Instant { at, instructions } = now;
-    let read = Access::new(AccessKind::Read, ADC1_CR2, Width::W32, 0);
-    let (cr2, _) = session.access(read.at(instructions, at), host);
-    let write = Access::new(AccessKind::Write, ADC1_CR2, Width::W32, cr2 | JSWSTART);
-    session.access(write.at(instructions, at), host);
+    beside::start(session, ADC1_CR2, now, host);
 }
 
 #[cfg(test)]

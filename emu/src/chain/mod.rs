@@ -3,6 +3,7 @@
 pub mod ad5754r;
 pub mod ad5761r;
 pub mod ad7606;
+pub mod beside;
 pub mod external;
 pub mod internal;
 mod shift;
@@ -120,10 +121,20 @@ impl Chain {
         }
     }
 
+    /// What must stand in the registers for what is recorded beside; nothing where external converters record it.
+    pub fn demands_beside(&self) -> [&'static [Demand]; 2] {
+        use crate::registers::beside;
+        match self.converters() {
+            Converters::Internal => [&beside::CONVERTING, &beside::OF_ONE],
+            Converters::External => [&[], &[]],
+            Converters::Three => [&beside::CONVERTING, &beside::OF_THREE],
+        }
+    }
+
     /// Puts what the rig shows onto the inputs.
-    pub fn show(&mut self, session: &mut Session<Nucleo>, shown: Shown) {
+    pub fn show(&mut self, session: &mut Session<Nucleo>, registers: &Registers, shown: Shown) {
         match self {
-            Self::Internal(_) => internal::show(session, shown),
+            Self::Internal(internal) => internal::show(session, shown, internal.pin(registers)),
             Self::External(chips) => external::show(session, shown, chips.actuators),
         }
     }
@@ -142,6 +153,10 @@ impl Chain {
                 Self::Internal(_) => internal::convert(session, now, host),
                 Self::External(external) => external.convert(session, registers, now.at),
             }
+        }
+        let [converting, _] = self.demands_beside();
+        if !converting.is_empty() && registers.meet(converting) {
+            beside::convert(session, now, host);
         }
         starts
     }
@@ -218,10 +233,11 @@ impl Chain {
         }
     }
 
-    /// The output no longer does what it is told.
-    pub fn break_output(&mut self, session: &mut Session<Nucleo>) {
-        if let Self::External(_) = self {
-            external::break_output(session);
+    /// An actuator's output no longer does what it is told.
+    pub fn break_output(&mut self, session: &mut Session<Nucleo>, actuator: usize) {
+        match self {
+            Self::Internal(internal) => internal.break_output(),
+            Self::External(_) => external::break_output(session, actuator),
         }
     }
 }

@@ -73,7 +73,7 @@ impl Laboratory {
                 Width::W32,
                 u64::from(DRILL_MAGIC + number),
             )),
-            Fault::DeadOutput => self.chain.break_output(session),
+            Fault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.
             Fault::SensorAtRail
             | Fault::FrozenSensor

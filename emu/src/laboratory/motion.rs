@@ -20,8 +20,10 @@ impl Laboratory {
         period_ns: u64,
     ) -> Shown {
         let actuators = self.chain.converters().actuators();
-        let moves =
-            self.permission.closed(at_ns, period_ns) && self.active != Some(Fault::DeadValve);
+        let closed = self.permission.closed(at_ns, period_ns);
+        let dead = self.active == Some(Fault::DeadValve);
+        let victim = self.victim;
+        let moves = |actuator: usize| closed && !(dead && actuator == victim);
         let period_s = period_ns as f64 * 1e-9;
         let mut pins = [None; MAX_ACTUATORS];
         for (actuator, pin) in pins.iter_mut().enumerate().take(actuators) {
@@ -30,7 +32,7 @@ impl Laboratory {
             let fault = self.active.filter(|_| actuator == self.victim);
             let told_m = chain::command_m(wired, pin.unwrap_or(0));
             let told_m = self.servos[actuator].follow(told_m, fault);
-            if moves {
+            if moves(actuator) {
                 *stands_at_m = told_m;
             } else {
                 let lowest_m = SUNK_SHARE * chain::command_m(wired, 0);
@@ -42,7 +44,7 @@ impl Laboratory {
         let mut shown = Shown::default();
         for (actuator, wired) in self.wired.iter().enumerate().take(actuators) {
             let (at_m, n) = (reading.displacement_m[actuator], reading.force_n[actuator]);
-            if moves {
+            if moves(actuator) {
                 self.stands_at_m[actuator] = at_m;
             }
             shown.displacement[actuator] = chain::sensor_code(wired.displacement, at_m);

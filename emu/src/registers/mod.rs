@@ -4,6 +4,7 @@
 //! The emulator has no DAC, no external interrupts and no trigger lines between timers and converters. What the image
 //! writes into their registers is kept here, and the laboratory acts by it.
 
+pub mod beside;
 pub mod external;
 pub mod internal;
 
@@ -27,6 +28,11 @@ pub const ADC1_CR2: u64 = 0x4001_2008;
 pub const ADC1_SMPR1: u64 = 0x4001_200c;
 pub const ADC1_SMPR2: u64 = 0x4001_2010;
 pub const ADC1_JSQR: u64 = 0x4001_2038;
+pub const ADC2_CR1: u64 = 0x4001_2104;
+pub const ADC2_CR2: u64 = 0x4001_2108;
+pub const ADC2_SMPR1: u64 = 0x4001_210c;
+pub const ADC2_SMPR2: u64 = 0x4001_2110;
+pub const ADC2_JSQR: u64 = 0x4001_2138;
 pub const ADC_CCR: u64 = 0x4001_2304;
 pub const EXTI_IMR: u64 = 0x4001_3c00;
 pub const EXTI_RTSR: u64 = 0x4001_3c08;
@@ -55,7 +61,12 @@ pub const GPIOF_MODER: u64 = 0x4002_1400;
 pub const GPIOF_BSRR: u64 = 0x4002_1418;
 
 /// Every register that is kept.
-const KEPT: [u64; 39] = [
+const KEPT: [u64; 44] = [
+    ADC2_CR1,
+    ADC2_CR2,
+    ADC2_SMPR1,
+    ADC2_SMPR2,
+    ADC2_JSQR,
     TIM2_CR1,
     TIM2_CR2,
     TIM2_PSC,

@@ -8,6 +8,7 @@ const IMAGE: Image = Image::Internal;
 
 mod crashes;
 mod desk;
+mod inputs;
 mod limits_and_link;
 mod monitor;
 mod mutant;

@@ -1,11 +1,15 @@
 //! Images with one register wrong: each is seen, each by its own register, and where the metal would do nothing, nothing is
 //! done. The write goes wrong on its way from the image to the chip, as if the image had it wrong.
 
+use crate::desk::{Bench, Desk};
 use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
 use crate::mutant::{Case, each_is_seen};
+use emu::Mutant;
 use emu::registers::*;
+use link::telemetry::StepReport;
+use outerloop_core::Mode;
 
-const CASES: [Case; 20] = [
+const CASES: [Case; 24] = [
     (
         "ADC1_CR2.JEXTSEL",
         ADC1_CR2,
@@ -29,10 +33,39 @@ const CASES: [Case; 20] = [
     ("TIM4_CCMR1.OC1M", TIM4_CCMR1, 7 << 4, 6 << 4, ShowsNothing),
     ("TIM4_CCR1", TIM4_CCR1, 0xffff, 1680, Runs),
     ("TIM4_CR2.MMS", TIM4_CR2, 7 << 4, 2 << 4, ShowsNothing),
+    // What is recorded beside: no part of the test hangs on it.
+    ("ADC2_CR2.JEXTSEL", ADC2_CR2, 15 << 16, 1 << 16, Runs),
+    ("ADC2_JSQR", ADC2_JSQR, 31 << 10, 12 << 10, Runs),
+    ("ADC2_SMPR1.SMP12", ADC2_SMPR1, 7 << 6, 0, Runs),
+    ("GPIOC_MODER.PC3", GPIOC_MODER, 3 << 6, 0, Runs),
     ("GPIOE_PUPDR.PE11", GPIOE_PUPDR, 3 << 22, 0, Runs),
     ("PWR_CR.PLS and PVDE", PWR_CR, 1 << 4, 0, Runs),
     ("EXTI_IMR.MR16", EXTI_IMR, 1 << 16, 0, Runs),
 ];
+
+#[test]
+fn further_inputs_of_a_converter_that_nothing_starts_stand_while_the_output_moves() {
+    for (clear, moves) in [(0, true), (3 << 20, false)] {
+        let mut desk = Desk::with(Bench {
+            mutant: Some(Mutant {
+                address: ADC2_CR2,
+                clear,
+                set: 0,
+            }),
+            ..Bench::default()
+        });
+        desk.start();
+        desk.until(Mode::Finished);
+        let running = |s: &StepReport| s.state() == Some(Mode::Running);
+        let steps: Vec<_> = desk.steps.iter().filter(|(_, s)| running(s)).collect();
+        for input in 0..3 {
+            let stands = steps
+                .windows(2)
+                .all(|w| w[0].1.inputs[input] == w[1].1.inputs[input]);
+            assert_eq!(stands, !moves, "input {input}");
+        }
+    }
+}
 
 #[test]
 fn each_wrong_register_is_seen_for_what_it_is() {

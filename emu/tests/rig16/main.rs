@@ -11,12 +11,14 @@ const IMAGE: Image = Image::External;
 mod crashes;
 #[path = "../rig/desk.rs"]
 mod desk;
+#[path = "../rig/inputs.rs"]
 mod inputs;
 #[path = "../rig/limits_and_link.rs"]
 mod limits_and_link;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;
+mod silent;
 mod stroke;
 #[path = "../rig/whole_test.rs"]
 mod whole_test;

@@ -79,7 +79,12 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     assert_eq!(identity.actuators(), ACTUATORS);
     assert_eq!(identity.codes, codes());
     let inputs: Vec<Input> = identity.inputs.iter().copied().collect();
-    assert_eq!(inputs, [Input::CommandReadBack, Input::HeadAcceleration]);
+    let read_back = [0, 1, 2].map(Input::CommandReadBack);
+    assert_eq!(inputs[..3], read_back);
+    assert_eq!(
+        inputs[3..],
+        [Input::SecondDisplacement, Input::HeadAcceleration]
+    );
     let status = desk.status();
     assert_eq!(status.other_codes.len(), ACTUATORS - 1);
     // Each floor of a frame goes further than the one below it.
@@ -92,13 +97,58 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     let peaks = [0, 1, 2].map(peak);
     println!("peaks of the floors {peaks:?} m");
     assert!(peaks[0] > 0.002 && peaks[0] < peaks[1] && peaks[1] < peaks[2]);
-    // The first command, read back at its output.
+    // The first command, read back at its output by a converter of 12 bits behind an amplifier: 17.6 codes to one of it.
     let command = identity.calibration.command;
-    let running = desk
+    let running: Vec<_> = desk
         .steps
         .iter()
-        .filter(|(_, s)| s.state() == Some(Mode::Running));
-    let off = running.map(|(_, s)| (command.quantity(s.inputs[0]) - s.command_m).abs());
+        .map(|(_, s)| s)
+        .filter(|s| s.state() == Some(Mode::Running))
+        .collect();
+    let off = running
+        .iter()
+        .map(|s| (command.quantity(s.inputs[0]) - s.command_m).abs());
     let off = off.fold(0.0, f32::max) / command.per_code;
-    assert!(off <= 2.0, "{off} codes");
+    println!("the first command reads back within {off} codes of 65536");
+    assert!(off <= 12.0, "{off} codes");
+    // The others as their outputs move: each floor further than the one below it.
+    let far = [0, 1, 2].map(|input| span(running.iter().map(|s| s.inputs[input])));
+    println!("commands read back over {far:?} codes");
+    assert!(far[0] > 2000 && far[0] < far[1] && far[1] < far[2]);
+    // The second sensor of the first floor is as its first.
+    assert!(running.iter().all(|s| s.inputs[3] == s.displacement));
+}
+
+fn span(codes: impl Iterator<Item = u16> + Clone) -> u16 {
+    codes.clone().max().unwrap_or(0) - codes.min().unwrap_or(0)
+}
+
+#[test]
+fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_moving() {
+    for actuator in 0..ACTUATORS {
+        let [valve, output] = [Wrong::DeadValve, Wrong::DeadOutput].map(|fault| {
+            let mut desk = Desk::with(Bench {
+                plan: Some(Planned {
+                    after_steps: 900,
+                    fault,
+                }),
+                actuator,
+                ..Bench::default()
+            });
+            desk.start();
+            desk.until(Mode::Tripped);
+            let trip = desk.status().trip.expect("a trip");
+            assert_eq!(trip.fault, Fault::Tracking, "{fault:?}");
+            let running = desk.steps.iter().map(|(_, s)| s);
+            let running = running.filter(|s| s.state() == Some(Mode::Running));
+            let last: Vec<u16> = running.map(|s| s.inputs[actuator]).collect();
+            // The last 5 ms before the trip.
+            span(last[last.len() - 10..].iter().copied())
+        });
+        println!(
+            "actuator {}: its command read back moves over {valve} codes with a dead valve, {output} with a dead output",
+            actuator + 1
+        );
+        assert!(output <= 18 && valve > 100, "{valve} {output}");
+    }
 }

@@ -9,7 +9,7 @@ use link::Command;
 use link::reply::{Obstacle, Reply};
 use outerloop_core::Event;
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 9] = [
     ("TIM2_CCMR2.OC3M", TIM2_CCMR2, 7 << 4, 0, SamplesNothing),
     // BUSY is not seen to fall: no sample counts, and the commands stand.
     (
@@ -24,6 +24,10 @@ const CASES: [Case; 6] = [
     // 60 us, right for one actuator: the last of three commands may not be written by then.
     ("TIM4_CCR1", TIM4_CCR1, 0xffff, 5040, Runs),
     ("SPI1_CR1.BR", SPI1_CR1, 7 << 3, 1 << 3, Runs),
+    // The commands read back: no part of the test hangs on them.
+    ("ADC2_CR2.JEXTEN", ADC2_CR2, 3 << 20, 0, Runs),
+    ("ADC2_JSQR", ADC2_JSQR, 31 << 5, 10 << 5, Runs),
+    ("GPIOC_MODER.PC0", GPIOC_MODER, 3, 0, Runs),
 ];
 
 /// Pins that drive nothing: SYNC, without which the AD5754R hears no command, and RESET, without which the AD7606 converts

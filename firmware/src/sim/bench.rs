@@ -76,6 +76,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     codes: H::CODES,
                     actuators: A,
                     inputs: H::INPUTS,
+                    input_span_v: H::INPUT_SPAN_V,
                     output_delay_us: 40.0,
                     crystal_ok: true,
                     converters_ok: true,

@@ -6,6 +6,17 @@ use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
 
+/// A wire that every actuator has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wire {
+    /// From the output converter to the servo amplifier.
+    Command,
+    /// From the displacement transducer.
+    Displacement,
+    /// From the load cell.
+    Force,
+}
+
 /// What is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Broken {
@@ -13,6 +24,8 @@ pub struct Broken {
     pub codes: Option<[u16; 2]>,
     /// Which actuator's, from 0.
     pub actuator: usize,
+    /// Two actuators, from 0, that have each other's wire.
+    pub exchanged: Option<(Wire, [usize; 2])>,
     /// The converter gives nothing new.
     pub no_sample: bool,
     /// The emergency stop is pressed.
@@ -46,6 +59,7 @@ impl<H> Faulty<H> {
 impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
     const CODES: CodeRange = H::CODES;
     const INPUTS: &'static [Input] = H::INPUTS;
+    const INPUT_SPAN_V: [f32; 2] = H::INPUT_SPAN_V;
 
     fn now(&self) -> u32 {
         self.board.now()
@@ -53,6 +67,14 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
 
     fn codes(&mut self) -> Option<[[u16; 2]; A]> {
         let mut codes = self.board.codes()?;
+        if let Some((wire, [one, other])) = self.broken.exchanged {
+            let [displacements, forces] = [0, 1].map(|k| (codes[one][k], codes[other][k]));
+            match wire {
+                Wire::Command => {}
+                Wire::Displacement => (codes[other][0], codes[one][0]) = displacements,
+                Wire::Force => (codes[other][1], codes[one][1]) = forces,
+            }
+        }
         if let (Some(broken), Some(place)) =
             (self.broken.codes, codes.get_mut(self.broken.actuator))
         {
@@ -70,7 +92,12 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
     }
 
     fn output(&mut self, actuator: usize, code: u16) {
-        self.board.output(actuator, code);
+        let reached = match self.broken.exchanged {
+            Some((Wire::Command, [one, other])) if actuator == one => other,
+            Some((Wire::Command, [one, other])) if actuator == other => one,
+            _ => actuator,
+        };
+        self.board.output(reached, code);
     }
 
     fn permit(&mut self, on: bool) {

@@ -5,13 +5,13 @@ mod bench;
 mod faulty;
 
 pub use bench::{Bench, Tasks};
-pub use faulty::{Broken, Faulty};
+pub use faulty::{Broken, Faulty, Wire};
 
 use crate::hardware::Hardware;
 use crate::station::{Clock, Sign};
 use link::channel::Line;
 use link::telemetry::MAX_INPUTS;
-use link::{Calibration, CodeRange, Input};
+use link::{Calibration, CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::Mode;
 
 /// The converters of the NUCLEO-F429ZI.
@@ -23,8 +23,12 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 300,
 };
 
-/// What is recorded beside displacement and force.
-pub const INPUTS: &[Input] = &[Input::CommandReadBack];
+/// What is recorded beside displacement and force, of boards with up to three actuators: their commands read back.
+const INPUTS: [Input; MAX_ACTUATORS] = [
+    Input::CommandReadBack(0),
+    Input::CommandReadBack(1),
+    Input::CommandReadBack(2),
+];
 
 /// Its clocks, without a deadline: here a step takes no time.
 pub const CLOCK: Clock = Clock {
@@ -51,8 +55,10 @@ pub struct SimBoard<P, const A: usize = 1> {
     pub wired: [Calibration; A],
     /// Codes of the output converters.
     pub code: [u16; A],
-    /// The code that the first output showed when the sample was taken.
-    pub shown: u16,
+    /// The codes that the outputs showed when the sample was taken.
+    pub shown: [u16; A],
+    /// An output converter, from 0, that stays where it is.
+    pub dead_output: Option<usize>,
     /// The PERMIT line.
     pub permit: bool,
     /// How often the watchdog was fed.
@@ -70,7 +76,8 @@ impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
             plant,
             wired: [Calibration::placeholder(&CODES); A],
             code: [CODES.command_top / 2; A],
-            shown: CODES.command_top / 2,
+            shown: [CODES.command_top / 2; A],
+            dead_output: None,
             permit: false,
             fed: 0,
             starving: None,
@@ -87,14 +94,15 @@ fn code(line: Line, quantity: f64) -> u16 {
 
 impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     const CODES: CodeRange = CODES;
-    const INPUTS: &'static [Input] = INPUTS;
+    const INPUTS: &'static [Input] = INPUTS.split_at(A).0;
+    const INPUT_SPAN_V: [f32; 2] = [-10.0, 10.0];
 
     fn now(&self) -> u32 {
         self.ticks
     }
 
     fn codes(&mut self) -> Option<[[u16; 2]; A]> {
-        self.shown = self.code[0];
+        self.shown = self.code;
         let command_m = core::array::from_fn(|actuator| {
             let line = self.wired[actuator].command;
             (f64::from(self.code[actuator]) - f64::from(line.zero_code)) * f64::from(line.per_code)
@@ -107,7 +115,7 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     }
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        [self.shown, 0, 0]
+        core::array::from_fn(|input| self.shown.get(input).copied().unwrap_or(0))
     }
 
     fn began_late(&self) -> bool {
@@ -115,7 +123,9 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     }
 
     fn output(&mut self, actuator: usize, code: u16) {
-        self.code[actuator] = code;
+        if self.dead_output != Some(actuator) {
+            self.code[actuator] = code;
+        }
     }
 
     fn permit(&mut self, on: bool) {

@@ -92,9 +92,9 @@ impl AnyLoop {
         each_loop!(self, outer => outer.set_pace(pace));
     }
 
-    /// The next target of the first axis from the PC, m.
-    pub fn set_next_target(&mut self, target_m: f32) {
-        each_loop!(self, outer => outer.set_next_target(on_first_axis(target_m)));
+    /// The next target of each actuator from the PC, m.
+    pub fn set_next_target(&mut self, target_m: &[f32]) {
+        each_loop!(self, outer => outer.set_next_target(on_axes(target_m)));
     }
 
     /// Where the test stands.
@@ -124,10 +124,16 @@ impl AnyLoop {
     }
 }
 
-/// A target or a signal moves the first floor.
+/// The actuators' targets on the first floors; the others stay at zero.
 #[inline]
-pub(super) fn on_first_axis<const N: usize>(first: f32) -> [f32; N] {
-    core::array::from_fn(|axis| if axis == 0 { first } else { 0.0 })
+fn on_axes<const N: usize>(target_m: &[f32]) -> [f32; N] {
+    core::array::from_fn(|axis| target_m.get(axis).copied().unwrap_or(0.0))
+}
+
+/// A signal moves one actuator's floor, and the others stay at zero.
+#[inline]
+pub(super) fn on_one_axis<const N: usize>(actuator: usize, goal_m: f32) -> [f32; N] {
+    core::array::from_fn(|axis| if axis == actuator { goal_m } else { 0.0 })
 }
 
 fn too_many(floors: usize) -> Refusal {

@@ -26,8 +26,8 @@ impl<const A: usize> Station<A> {
             }
             Order::Target(target_m) => {
                 // Without effect where the loop integrates by itself; what is no number never moves anything.
-                if target_m.is_finite() {
-                    self.setup.outer.set_next_target(target_m);
+                if target_m.iter().all(|m| m.is_finite()) {
+                    self.setup.outer.set_next_target(&target_m);
                 }
                 Ok(Returned::Nothing)
             }

@@ -88,6 +88,11 @@ impl Generator {
         })
     }
 
+    /// The actuator that it moves, from 0.
+    pub fn actuator(&self) -> usize {
+        usize::from(self.signal.actuator)
+    }
+
     /// Whether it goes through the points that were sent.
     pub fn plays_points(&self) -> bool {
         self.signal.shape == Shape::Points
@@ -148,6 +153,7 @@ mod tests {
 
     fn run(shape: Shape) -> Vec<f32> {
         let signal = Signal {
+            actuator: 0,
             shape,
             amplitude_m: 0.01,
             seconds: 10.0,
@@ -164,6 +170,7 @@ mod tests {
         // One point a second; 500 integration steps of four control steps each.
         let motion = GroundMotion::new(&points, 1.0, config.model_step_s()).unwrap();
         let signal = Signal {
+            actuator: 0,
             shape: Shape::Points,
             amplitude_m: 0.008,
             seconds: 3.0,
@@ -244,6 +251,7 @@ mod tests {
     #[test]
     fn a_signal_beyond_the_limits_is_refused_with_its_name() {
         let good = Signal {
+            actuator: 0,
             shape: Shape::Sine { frequency_hz: 2.0 },
             amplitude_m: 0.01,
             seconds: 10.0,

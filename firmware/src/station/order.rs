@@ -1,6 +1,7 @@
 //! What the tasks ask of the control interrupt, and what comes back.
 
 use super::motion::Loaded;
+use super::service::PerActuator;
 use super::setup::Setup;
 use crate::station::commission::Generator;
 use link::channel::Calibration;
@@ -24,8 +25,8 @@ pub enum Order {
     Calibrate(u8, Calibration),
     /// Where the targets come from; while idle.
     Pace(Option<Pace>),
-    /// The next target from the PC, m.
-    Target(f32),
+    /// The next target of each actuator from the PC, m.
+    Target(PerActuator<f32>),
     /// A record of the steps before a fault.
     History(u8),
     /// How are you.

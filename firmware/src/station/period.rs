@@ -1,6 +1,6 @@
 //! The control period: what the control interrupt does, without its registers.
 
-use super::any_loop::{each_loop, on_first_axis};
+use super::any_loop::{each_loop, on_one_axis};
 use super::chain::ChainWatch;
 use super::evidence::{Evidence, Sign};
 use super::motion::Loaded;
@@ -151,15 +151,15 @@ impl<const A: usize> Station<A> {
         let (calibrations, output) = (&self.calibrations, &mut self.output);
         let time = &mut self.setup.time;
         let codes = self.codes;
-        let inputs = hardware.inputs();
+        let moves = self.signal.as_ref().map_or(0, Generator::actuator);
         let step = each_loop!(&mut self.setup.outer, outer => {
-            outer.set_goal(goal_m.map(on_first_axis));
+            outer.set_goal(goal_m.map(|goal_m| on_one_axis(moves, goal_m)));
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault) = (fresh, fault);
             let step = outer.step(&sample, ground);
             output.show(hardware, calibrations, of_actuators(&step.command_m), step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
-            StepReport::of(step.record, &codes, inputs)
+            StepReport::of(step.record, &codes, hardware.inputs(), moves)
         });
 
         // The command is out: report, one order, watchdog.

@@ -18,7 +18,7 @@ use super::window::Window;
 use heapless::Vec;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
-use link::command::{Command, MAX_POINTS};
+use link::command::{Command, MAX_POINTS, Signal};
 use link::frame::Seen;
 use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
 use link::status::{LastWords, Start, Status};
@@ -43,6 +43,8 @@ pub struct Board {
     pub actuators: usize,
     /// What it records beside displacement and force.
     pub inputs: &'static [Input],
+    /// Volts at the ends of their codes.
+    pub input_span_v: [f32; 2],
     /// From the sampling trigger to the output of the command, us.
     pub output_delay_us: f32,
     /// The crystal has the right frequency.
@@ -186,13 +188,7 @@ impl Service {
             } => self.begin_motion(points, interval_s, checksum),
             Command::Points { first, points } => self.take_points(first, &points),
             Command::Signal(None) => self.order(Order::Signal(None), Pending::Done),
-            Command::Signal(Some(signal)) => match &self.config {
-                None => self.reply(self.rejected(None, Some(Obstacle::NotConfigured))),
-                Some(config) => match Generator::new(signal, config, self.uploaded_most) {
-                    Ok(generator) => self.order(Order::Signal(Some(generator)), Pending::Done),
-                    Err(refusal) => self.reply(refusal.into()),
-                },
-            },
+            Command::Signal(Some(signal)) => self.signal(signal),
             Command::Event(Event::Arm) => self.arm(),
             Command::Event(event) => self.order(Order::Event(event), Pending::Done),
             Command::History(index) => self.order(Order::History(index), Pending::Done),
@@ -352,6 +348,7 @@ impl Service {
             others: calibrations.collect(),
             // No board has more than there is room for.
             inputs: board.inputs.iter().copied().take(MAX_INPUTS).collect(),
+            input_span_v: board.input_span_v,
         })
     }
 
@@ -437,11 +434,35 @@ impl Service {
         Ok(())
     }
 
-    fn target(&mut self, target_m: f32) -> Asked {
-        if !target_m.is_finite() {
-            let refused = RefusedParameter::new("target_m", f64::from(target_m), "finite metres");
-            return self.reply(Reply::Refused(refused));
+    fn signal(&mut self, signal: Signal) -> Asked {
+        if usize::from(signal.actuator) >= self.board.actuators {
+            return self.no_actuator(signal.actuator);
         }
-        self.order(Order::Target(target_m), Pending::Done)
+        let Some(config) = &self.config else {
+            return self.reply(self.rejected(None, Some(Obstacle::NotConfigured)));
+        };
+        match Generator::new(signal, config, self.uploaded_most) {
+            Ok(generator) => self.order(Order::Signal(Some(generator)), Pending::Done),
+            Err(refusal) => self.reply(refusal.into()),
+        }
+    }
+
+    fn target(&mut self, target_m: PerActuator<f32>) -> Asked {
+        let refused = if target_m.len() != self.board.actuators {
+            let count = target_m.len() as f64;
+            Some(("targets", count, "one for each of the board's actuators"))
+        } else {
+            let mut wrong = target_m.iter().filter(|m| !m.is_finite());
+            wrong
+                .next()
+                .map(|m| ("target_m", f64::from(*m), "finite metres"))
+        };
+        match refused {
+            Some((name, value, accepted)) => {
+                let refused = RefusedParameter::new(name, value, accepted);
+                self.reply(Reply::Refused(refused))
+            }
+            None => self.order(Order::Target(target_m), Pending::Done),
+        }
     }
 }

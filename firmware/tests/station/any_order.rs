@@ -45,10 +45,10 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Zero { actuator: 0, channel: Channel::Force, value: 0.0 }),
         1 => Just(Command::Save),
         1 => Just(Command::Signal(None)),
-        1 => Just(Command::Signal(Some(Signal { shape: Shape::Constant, amplitude_m: 0.001, seconds: 1.0 }))),
+        1 => Just(Command::Signal(Some(Signal { actuator: 0, shape: Shape::Constant, amplitude_m: 0.001, seconds: 1.0 }))),
         1 => (0_u8..20).prop_map(Command::History),
         1 => prop_oneof![Just(None), Just(Some(Pace::StopAndGo)), Just(Some(Pace::Continuous))].prop_map(Command::Pace),
-        1 => prop_oneof![Just(0.002), Just(-1.0), Just(f32::NAN)].prop_map(Command::Target),
+        1 => prop_oneof![Just(0.002), Just(-1.0), Just(f32::NAN)].prop_map(|m| Command::Target([m].into_iter().collect())),
         3 => prop::sample::select(Event::ALL.to_vec()).prop_map(Command::Event),
     ]
 }

@@ -309,6 +309,7 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
     let mut b = bench();
     done(&b.ask(Command::Configure(config())));
     done(&b.ask(Command::Signal(Some(Signal {
+        actuator: 0,
         shape: Shape::Sine { frequency_hz: 2.0 },
         amplitude_m: 0.01,
         seconds: 3.0,
@@ -324,6 +325,7 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
     let mut b = bench();
     done(&b.ask(Command::Configure(config())));
     let signal = Signal {
+        actuator: 0,
         shape: Shape::Points,
         amplitude_m: 0.01,
         seconds: 3.0,

@@ -15,6 +15,10 @@ fn done(reply: &Reply) -> u32 {
     }
 }
 
+fn target(target_m: f32) -> Command {
+    Command::Target([target_m].into_iter().collect())
+}
+
 /// A target every 20 control steps, 12 of them for the model.
 fn continuous() -> Config {
     let mut config = config();
@@ -77,7 +81,7 @@ fn continuous_targets_are_passed_and_answered_and_every_step_is_worked_out_again
     let mut told = vec![(at, Ok(Event::Arm))];
     let targets: Vec<f32> = (1..=40).map(|i| 0.005 * (i as f32 * 0.15).sin()).collect();
     for (place, target_m) in targets.iter().enumerate() {
-        let tick = done(&b.ask(Command::Target(*target_m)));
+        let tick = done(&b.ask(target(*target_m)));
         told.push((tick, Err(*target_m)));
         if place == 0 {
             told.push((done(&b.event(Event::Start)), Ok(Event::Start)));
@@ -109,7 +113,7 @@ fn continuous_targets_are_passed_and_answered_and_every_step_is_worked_out_again
 fn a_target_of_stop_and_go_is_gone_to_at_the_speed_of_the_approach_and_stood_at() {
     let config = config();
     let (mut b, since, at) = armed(config.clone(), Pace::StopAndGo);
-    let target = done(&b.ask(Command::Target(0.004)));
+    let target = done(&b.ask(target(0.004)));
     let start = done(&b.event(Event::Start));
     let mut steps = 0;
     while b.log.last().unwrap().step.command_m != 0.004 {
@@ -135,14 +139,22 @@ fn a_target_of_stop_and_go_is_gone_to_at_the_speed_of_the_approach_and_stood_at(
 fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     let (mut b, ..) = armed(config(), Pace::StopAndGo);
     for target_m in [f32::NAN, f32::INFINITY] {
-        let reply = b.ask(Command::Target(target_m));
+        let reply = b.ask(target(target_m));
         assert!(matches!(reply, Reply::Refused(_)), "{reply:?}");
+    }
+    // One for each actuator, and the board has one.
+    for targets in [&[][..], &[0.001, 0.002]] {
+        let reply = b.ask(Command::Target(targets.iter().copied().collect()));
+        let Reply::Refused(refused) = &reply else {
+            panic!("{reply:?}");
+        };
+        assert_eq!(refused.name, "targets");
     }
     // The pace is changed only while idle.
     let reply = b.ask(Command::Pace(None));
     assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
     // A target beyond the limit trips on its way, and PERMIT is low.
-    done(&b.ask(Command::Target(0.5)));
+    done(&b.ask(target(0.5)));
     done(&b.event(Event::Start));
     b.until(Mode::Tripped);
     assert!(!b.permit());
@@ -158,7 +170,7 @@ fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     // And a test on a ground motion is not disturbed by a stray target.
     b.hardware.board.plant.position_m = 0.003;
     b.ready(config(), &pulse());
-    done(&b.ask(Command::Target(0.5)));
+    done(&b.ask(target(0.5)));
     done(&b.event(Event::Start));
     for _ in 0..200 {
         b.step();

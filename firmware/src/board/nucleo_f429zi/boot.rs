@@ -95,6 +95,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
     let calibrations = saved.map(|saved| saved.unwrap_or(placeholder));
     let resources = Resources {
         adc1: p.ADC1,
+        adc2: p.ADC2,
         dac1: p.DAC1,
         spi1: p.SPI1,
         spi3: p.SPI3,
@@ -107,6 +108,8 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
         pb10: p.PB10,
         pb11: p.PB11,
         pc0: p.PC0,
+        pc2: p.PC2,
+        pc3: p.PC3,
         pc10: p.PC10,
         pc11: p.PC11,
         pc12: p.PC12,
@@ -136,6 +139,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
         codes: C::CODES,
         actuators: A,
         inputs: C::INPUTS,
+        input_span_v: C::INPUT_SPAN_V,
         output_delay_us: C::OUTPUT_DELAY_US as f32,
         crystal_ok,
         converters_ok: answered,

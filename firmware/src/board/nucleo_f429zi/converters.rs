@@ -4,8 +4,8 @@
 
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{
-    ADC1, DAC1, PA3, PA4, PA5, PA6, PB10, PB11, PC0, PC10, PC11, PC12, PD2, PD12, PD14, PF12, SPI1,
-    SPI3, TIM2, TIM4,
+    ADC1, ADC2, DAC1, PA3, PA4, PA5, PA6, PB10, PB11, PC0, PC2, PC3, PC10, PC11, PC12, PD2, PD12,
+    PD14, PF12, SPI1, SPI3, TIM2, TIM4,
 };
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
@@ -18,6 +18,8 @@ pub trait Converters<const A: usize = 1>: Sized {
     const CODES: CodeRange;
     /// What is recorded beside displacement and force.
     const INPUTS: &'static [Input];
+    /// Volts at the ends of their codes.
+    const INPUT_SPAN_V: [f32; 2];
     /// From the sampling trigger to the instant at which the output takes the command over, us.
     const OUTPUT_DELAY_US: u32;
     /// From the sampling trigger to the beginning of the step, at most, us.
@@ -72,6 +74,7 @@ pub struct Begun<C, const A: usize = 1> {
 #[expect(missing_docs, reason = "named after the chip's own parts")]
 pub struct Resources {
     pub adc1: Peri<'static, ADC1>,
+    pub adc2: Peri<'static, ADC2>,
     pub dac1: Peri<'static, DAC1>,
     pub spi1: Peri<'static, SPI1>,
     pub spi3: Peri<'static, SPI3>,
@@ -84,6 +87,8 @@ pub struct Resources {
     pub pb10: Peri<'static, PB10>,
     pub pb11: Peri<'static, PB11>,
     pub pc0: Peri<'static, PC0>,
+    pub pc2: Peri<'static, PC2>,
+    pub pc3: Peri<'static, PC3>,
     pub pc10: Peri<'static, PC10>,
     pub pc11: Peri<'static, PC11>,
     pub pc12: Peri<'static, PC12>,

@@ -1,5 +1,6 @@
 //! The chip's own converters of 12 bits, and how they hang on the timers.
 
+use super::beside::Beside;
 use super::converters::{Begun, Converters, Resources};
 use super::period::Period;
 use cortex_m::peripheral::DWT;
@@ -114,13 +115,19 @@ impl Command {
 pub struct Internal {
     sensors: Sensors,
     command: Command,
+    beside: Beside,
     period: Period,
 }
 
 impl Converters for Internal {
     const NAME: &'static str = "NUCLEO-F429ZI";
     const CODES: CodeRange = CODES;
-    const INPUTS: &'static [Input] = &[];
+    const INPUTS: &'static [Input] = &[
+        Input::CommandReadBack(0),
+        Input::SecondDisplacement,
+        Input::HeadAcceleration,
+    ];
+    const INPUT_SPAN_V: [f32; 2] = [0.0, 3.3];
     const OUTPUT_DELAY_US: u32 = 40;
     // The four conversions take 13 us of it.
     const BEGINS_US: u32 = 15;
@@ -131,12 +138,21 @@ impl Converters for Internal {
         let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
         // Of a converter that does not answer: the first step will find its samples stale.
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
+        // SAFETY: the DAC drives the pin and ADC2 looks at it; both want it analogue and nothing else.
+        let command_pin = unsafe { r.pa4.clone_unchecked() };
         let command = Command::new(r.dac1, r.pa4, standing(0, first[0]));
+        let beside = [
+            command_pin.degrade_adc(),
+            r.pc3.degrade_adc(),
+            r.pc2.degrade_adc(),
+        ];
+        let beside = Beside::new(r.adc2, beside);
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
         Begun {
             converters: Self {
                 sensors,
                 command,
+                beside,
                 period,
             },
             first: [first],
@@ -164,7 +180,9 @@ impl Converters for Internal {
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        [0; MAX_INPUTS]
+        // Codes of the command, and of sensors, which are of two conversions.
+        let [command, displacement, acceleration] = self.beside.codes();
+        [command, 2 * displacement, 2 * acceleration, 0, 0]
     }
 
     #[inline]

@@ -48,6 +48,7 @@ pub struct Metal<C> {
 impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     const CODES: CodeRange = C::CODES;
     const INPUTS: &'static [Input] = C::INPUTS;
+    const INPUT_SPAN_V: [f32; 2] = C::INPUT_SPAN_V;
 
     #[inline]
     fn now(&self) -> u32 {

@@ -5,7 +5,9 @@
 //! |---|---|---|---|---|
 //! | displacement | PA3 | CN9-1, A0 | ADC1 channel 3, ranks 1 and 4 | 0 to 3.3 V |
 //! | restoring force | PC0 | CN9-3, A1 | ADC1 channel 10, ranks 2 and 3 | 0 to 3.3 V |
-//! | command | PA4 | CN7-17, D24 | DAC channel 1, buffered | 0.2 to 3.1 V into 5 kOhm and more |
+//! | command | PA4 | CN7-17, D24 | DAC channel 1, buffered; read back by ADC2 channel 4, rank 1 | 0.2 to 3.1 V into 5 kOhm and more |
+//! | second displacement | PC3 | CN9-5, A2 | ADC2 channel 13, rank 2; recorded only | 0 to 3.3 V |
+//! | head acceleration | PC2 | CN10-9, A7 | ADC2 channel 12, rank 3; recorded only | 0 to 3.3 V |
 //! | PERMIT | PE9 | CN10-4, D6 | output | high: the actuator may move; pull it down outside |
 //! | PERMIT pulse | PE14 | CN10-28, D38 | output | turns over in every step with PERMIT: for a relay that falls when the pulses stop |
 //! | permit chain | PE15 | CN10-30, D37 | input with pull-down | high: the contact of what hangs on PERMIT is closed; without one, a bridge to PE9 |
@@ -23,7 +25,7 @@
 //! # Timers
 //! | timer | does |
 //! |---|---|
-//! | TIM2 | the control period: its update starts the four injected conversions of ADC1 |
+//! | TIM2 | the control period: its update starts the four injected conversions of ADC1 and the three of ADC2 |
 //! | TIM4 | one pulse behind each update of TIM2: its compare hands the command to the DAC's output |
 //! | TIM3 | embassy's time, 1 us, 16 bits |
 //!
@@ -42,6 +44,7 @@
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::{bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
 
+pub mod beside;
 pub mod boot;
 pub mod clocks;
 pub mod control;

@@ -49,6 +49,9 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 1638,
 };
 
+/// Volts at the ends of the AD7606's codes.
+pub(super) const SPAN_V: [f32; 2] = [-10.0, 10.0];
+
 /// The external converters.
 pub struct External {
     adc: Adc,
@@ -62,10 +65,11 @@ impl Converters for External {
     const NAME: &'static str = "NUCLEO-F429ZI 16 bits";
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = &[
-        Input::CommandReadBack,
+        Input::CommandReadBack(0),
         Input::SecondDisplacement,
         Input::HeadAcceleration,
     ];
+    const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
@@ -110,7 +114,7 @@ impl Converters for External {
             return None;
         }
         let [displacement, force, v3, v4, v5] = self.adc.read()?;
-        self.further = [v3, v4, v5];
+        self.further = [v3, v4, v5, 0, 0];
         Some([[displacement, force]])
     }
 

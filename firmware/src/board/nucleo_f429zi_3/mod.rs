@@ -9,8 +9,12 @@
 //! |---|---|
 //! | V1, V2, V3 | displacements of actuators 1 to 3 |
 //! | V4, V5, V6 | forces |
-//! | V7 | command of actuator 1, from the AD5754R's output A |
-//! | V8 | acceleration of the head of actuator 1 |
+//! | V7 | second displacement of actuator 1 |
+//! | V8 | acceleration of its head |
+//!
+//! | the chip's ADC2 | each behind an amplifier of gain 0.15 around 1.65 V |
+//! |---|---|
+//! | PA3 (CN9-1, A0), PC0 (CN9-3, A1), PC3 (CN9-5, A2) | commands of actuators 1 to 3, read back from the AD5754R's outputs A to C |
 //!
 //! | AD5754R | |
 //! |---|---|
@@ -32,13 +36,15 @@
 
 mod ad5754r;
 
+use super::nucleo_f429zi::beside::Beside;
 use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
 use super::nucleo_f429zi::period::Period;
-use super::nucleo_f429zi_16::CODES;
 use super::nucleo_f429zi_16::ad7606::Adc;
 use super::nucleo_f429zi_16::output::OutputBus;
 use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US, LATEST_BEGIN_US};
+use super::nucleo_f429zi_16::{CODES, SPAN_V};
 use ad5754r::{Dac, OUTPUTS};
+use embassy_stm32::adc::AdcChannel;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
@@ -49,15 +55,23 @@ const INPUTS: usize = 8;
 pub struct Three {
     adc: Adc,
     dac: Dac,
+    beside: Beside,
     period: Period,
     /// V7 and V8 of the last sample.
-    further: [u16; MAX_INPUTS],
+    further: [u16; 2],
 }
 
 impl Converters<OUTPUTS> for Three {
     const NAME: &'static str = "NUCLEO-F429ZI 3 x 16";
     const CODES: CodeRange = CODES;
-    const INPUTS: &'static [Input] = &[Input::CommandReadBack, Input::HeadAcceleration];
+    const INPUTS: &'static [Input] = &[
+        Input::CommandReadBack(0),
+        Input::CommandReadBack(1),
+        Input::CommandReadBack(2),
+        Input::SecondDisplacement,
+        Input::HeadAcceleration,
+    ];
+    const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
     // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.
@@ -74,12 +88,19 @@ impl Converters<OUTPUTS> for Three {
         for (actuator, [displacement, _]) in first.into_iter().enumerate() {
             dac.write(actuator, standing(actuator, displacement));
         }
+        let outputs = [
+            r.pa3.degrade_adc(),
+            r.pc0.degrade_adc(),
+            r.pc3.degrade_adc(),
+        ];
+        let beside = Beside::new(r.adc2, outputs);
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
         timers::take_pins(ldac, line);
         Begun {
             converters: Self {
                 adc,
                 dac,
+                beside,
                 period,
                 further,
             },
@@ -110,7 +131,9 @@ impl Converters<OUTPUTS> for Three {
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        self.further
+        let [first, second, third] = self.beside.codes().map(read_back);
+        let [displacement, acceleration] = self.further;
+        [first, second, third, displacement, acceleration]
     }
 
     #[inline]
@@ -128,10 +151,17 @@ impl Converters<OUTPUTS> for Three {
     }
 }
 
+/// The command's code by that of the chip's own converter behind an amplifier of gain 0.15 around the middle of its range:
+/// 3.3 V in 4095 codes there, 20 V in 65536 here.
+#[inline]
+fn read_back(code: u16) -> u16 {
+    const CODES_IN_1000: i32 = (3.3 / 4095.0 / 0.15 / 20.0 * 65536.0 * 1000.0) as i32;
+    let from_middle = (2 * i32::from(code) - 4095) * CODES_IN_1000 / 2000;
+    (from_middle + 0x8000).clamp(0, 0xffff) as u16
+}
+
 /// Displacement and force of each actuator, and the further inputs.
 #[inline]
-fn sorted(
-    [d1, d2, d3, f1, f2, f3, v7, v8]: [u16; INPUTS],
-) -> ([[u16; 2]; OUTPUTS], [u16; MAX_INPUTS]) {
-    ([[d1, f1], [d2, f2], [d3, f3]], [v7, v8, 0])
+fn sorted([d1, d2, d3, f1, f2, f3, v7, v8]: [u16; INPUTS]) -> ([[u16; 2]; OUTPUTS], [u16; 2]) {
+    ([[d1, f1], [d2, f2], [d3, f3]], [v7, v8])
 }

@@ -44,7 +44,7 @@ impl Service {
         }
     }
 
-    fn no_actuator(&mut self, actuator: u8) -> Asked {
+    pub(super) fn no_actuator(&mut self, actuator: u8) -> Asked {
         self.reply(Reply::Refused(RefusedParameter::new(
             "actuator",
             f64::from(actuator) + 1.0,

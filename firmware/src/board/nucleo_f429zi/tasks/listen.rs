@@ -15,8 +15,9 @@ use link::message::Message;
 use link::reply::Answer;
 use outerloop_core::Config;
 
-/// How often the task shows a sign of life, at least.
-const BEAT: Duration = Duration::from_millis(1);
+/// How often the task shows a sign of life, at least. Each time reading begins anew, and that is the less often the better:
+/// it looks at the data register while DMA may be about to take a byte from it.
+const BEAT: Duration = Duration::from_millis(10);
 
 /// How long it sleeps while the control interrupt takes an order.
 const NAP: Duration = Duration::from_micros(200);

@@ -1,0 +1,249 @@
+//! `outerloop board commission`: one actuator after the other, each alone.
+
+use crate::board::Course;
+use crate::failure::Failure;
+use crate::files::output;
+use crate::files::signal::Signal;
+use crate::files::test::TestFile;
+use crate::scope::Scoped;
+use crate::serve::shear_frame;
+use crate::terminal;
+use crate::verb::place::{Place, Turn};
+use crate::wording::digits;
+use clap::Args;
+use diagnosis::Identified;
+use link::command::Shape;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Moves an actuator by a signal and records it; of a board with several each in its turn, while the others stand
+#[derive(Args, Debug)]
+pub(super) struct Commission {
+    /// The test file, whose limits are in force
+    test: PathBuf,
+    /// The board's serial port, e.g. /dev/ttyACM0
+    #[arg(
+        long,
+        value_name = "DEV",
+        required_unless_present = "emulated",
+        conflicts_with = "emulated"
+    )]
+    port: Option<String>,
+    /// On an emulated board, with the test's simulated rig behind its converters
+    #[arg(long)]
+    emulated: bool,
+    /// The actuator that is moved, from 1, of a board with several; left out, each of them in its turn
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
+    actuator: Option<u8>,
+    /// Ask nobody between the approach and the start
+    #[arg(long, conflicts_with = "emulated")]
+    yes: bool,
+    /// Seed of everything random in that rig
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Shape of the signal, constant, sine or chirp; or a file with time_s and command_mm, such as `diagnose --next` writes,
+    /// which has its own amplitude, length and frequencies
+    #[arg(long, value_name = "SHAPE|FILE", default_value = "chirp")]
+    signal: Wanted,
+    /// Largest displacement, mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0)]
+    amplitude_mm: f32,
+    /// Length, s, rise and fall of half a second included
+    #[arg(long, value_name = "S", default_value_t = 30.0)]
+    seconds: f32,
+    /// Frequency of the sine, or at the start of the chirp, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 0.1)]
+    from_hz: f32,
+    /// Frequency at the end of the chirp, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
+    to_hz: f32,
+    /// The recording, CSV, which `outerloop identify` reads; where each of several actuators is moved, NAME-1.csv and so on,
+    /// and what was found of them in NAME-actuators.toml
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    scope: Scoped,
+}
+
+/// A shape that the board makes by itself, or a file.
+#[derive(Clone, Debug)]
+enum Wanted {
+    Constant,
+    Sine,
+    Chirp,
+    File(PathBuf),
+}
+
+impl FromStr for Wanted {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "constant" => Self::Constant,
+            "sine" => Self::Sine,
+            "chirp" => Self::Chirp,
+            file if Path::new(file).exists() => Self::File(file.into()),
+            other => {
+                return Err(format!(
+                    "`{other}` is no shape and no file: accepted are constant, sine, chirp, and a file with time_s and \
+                     command_mm"
+                ));
+            }
+        })
+    }
+}
+
+impl Commission {
+    fn course(&self) -> Result<Course, Failure> {
+        let shape = match &self.signal {
+            Wanted::File(path) => return Signal::load(path).map(Course::Points),
+            Wanted::Constant => Shape::Constant,
+            Wanted::Sine => Shape::Sine {
+                frequency_hz: self.from_hz,
+            },
+            Wanted::Chirp => Shape::Chirp {
+                from_hz: self.from_hz,
+                to_hz: self.to_hz,
+            },
+        };
+        Ok(Course::Formula(link::command::Signal {
+            actuator: 0,
+            shape,
+            amplitude_m: self.amplitude_mm / 1e3,
+            seconds: self.seconds,
+        }))
+    }
+
+    /// Moves what is to be moved and keeps what came.
+    ///
+    /// # Errors
+    /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot be
+    /// written.
+    pub(super) fn go(&self) -> Result<(), Failure> {
+        let test = TestFile::load(&self.test, &[])?;
+        let course = self.course()?;
+        let place = Place::on_board(self.port.clone(), self.yes);
+        let title = match &self.signal {
+            Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
+            shape => format!("{shape:?} under {}", self.test.display()),
+        };
+        let rate_hz = test.config.timing.rate_hz;
+        let mut scope = self.scope.open(&title, rate_hz, false)?;
+        let wanted = self.actuator.map(|n| usize::from(n) - 1);
+        let mut found = Vec::new();
+        let played = place.commission(&test, &course, wanted, self.seed, &mut scope, |turn| {
+            found.push(self.keep(&turn)?);
+            // Of several each is kept as soon as it is there: the next one may trip.
+            if turn.of > 1 {
+                let text = toml::to_string(&Actuators { actuator: &found })
+                    .map_err(|e| Failure::test(format!("what was found cannot be written: {e}")))?;
+                output::write(&self.beside("-actuators.toml"), &text)?;
+            }
+            wrong(&turn)
+        });
+        if found.len() > 1 {
+            println!(
+                "{}",
+                described(&found, &test.config.structure.stiffness_n_per_m)
+            );
+            println!(
+                "What was found is in {}.",
+                self.beside("-actuators.toml").display()
+            );
+        }
+        played
+    }
+
+    /// A file beside the recording.
+    fn beside(&self, ending: &str) -> PathBuf {
+        let stem = self.out.file_stem().unwrap_or_default().to_string_lossy();
+        self.out.with_file_name(format!("{stem}{ending}"))
+    }
+
+    /// Keeps a recording; what the actuator is by it.
+    fn keep(&self, turn: &Turn) -> Result<Found, Failure> {
+        let number = turn.actuator + 1;
+        let file = match turn.of {
+            1 => self.out.clone(),
+            _ => {
+                let ending = self.out.extension().unwrap_or_default().to_string_lossy();
+                self.beside(&format!("-{number}.{ending}"))
+            }
+        };
+        output::write(&file, &turn.played.text)?;
+        println!("{} steps are in {}.", turn.played.steps, file.display());
+        // A constant and a sine tell too little of an actuator.
+        let tells = !matches!(self.signal, Wanted::Constant | Wanted::Sine);
+        let identified = if tells && turn.of > 1 && turn.played.early.is_none() {
+            diagnosis::identify(&turn.played.recording()?).ok()
+        } else {
+            None
+        };
+        let stiffness = turn.played.stiffness_n_per_m.iter();
+        Ok(Found {
+            number,
+            file,
+            identified,
+            stiffness_n_per_m: stiffness.map(|k| k.unwrap_or(0.0)).collect(),
+        })
+    }
+}
+
+/// What stands against going on to the next actuator.
+fn wrong(turn: &Turn) -> Result<(), Failure> {
+    let suspicion = turn.played.suspicion.as_deref();
+    match (&turn.played.early, suspicion) {
+        (None, None) => Ok(()),
+        (None, Some(wiring)) => Err(Failure::test(format!(
+            "{wiring}; the recording is kept: accepted is a rig wired as docs/wiring.md says, before anything else moves"
+        ))),
+        (Some(why), wiring) => Err(Failure::test(format!(
+            "the signal ended early: {why}; what was received is kept{}",
+            wiring.map_or(String::new(), |wiring| format!("; {wiring}"))
+        ))),
+    }
+}
+
+/// What was found of an actuator.
+#[derive(Serialize)]
+struct Found {
+    /// From 1.
+    number: usize,
+    /// Its recording.
+    file: PathBuf,
+    /// Force on each actuator over the displacement of this one, N/m; 0 where none answered.
+    stiffness_n_per_m: Vec<f64>,
+    #[serde(flatten)]
+    identified: Option<Identified>,
+}
+
+/// The file of all of them.
+#[derive(Serialize)]
+struct Actuators<'a> {
+    actuator: &'a [Found],
+}
+
+/// As a table, beside the declared stiffness of the storeys.
+fn described(found: &[Found], storeys_n_per_m: &[f64]) -> String {
+    let names = ["actuator", "gain", "delay, ms", "lag, ms", "offset, mm"].map(str::to_owned);
+    let forces = (1..=found.len()).map(|j| format!("force {j}, kN/mm"));
+    let head: Vec<String> = names.into_iter().chain(forces).collect();
+    let mut table = terminal::table(&head.iter().map(String::as_str).collect::<Vec<_>>());
+    let frame = shear_frame(&storeys_n_per_m[..found.len().min(storeys_n_per_m.len())]);
+    for each in found {
+        let known = each.identified.as_ref();
+        let parameters = known.map(|i| [i.gain, i.delay_ms, i.lag_ms, i.offset_mm].map(digits));
+        let forces = each.stiffness_n_per_m.iter().enumerate().map(|(j, k)| {
+            let declared = frame.get(j * found.len() + each.number - 1);
+            let declared = declared.copied().unwrap_or(0.0);
+            format!("{} ({})", digits(k * 1e-6), digits(declared * 1e-6))
+        });
+        let row = std::iter::once(each.number.to_string())
+            .chain(parameters.unwrap_or_default())
+            .chain(forces);
+        table.add_row(row.collect::<Vec<_>>());
+    }
+    format!(
+        "{table}\nForces are over the displacement of the actuator that moved; in brackets what the test file declares."
+    )
+}
