@@ -90,12 +90,8 @@ impl Answers {
             return vec![None; self.force_n.len()];
         }
         let h2 = (wing as f64 / self.rate_hz).powi(2);
-        let a = (wing..u.len() - wing)
-            .map(|i| (u[i + wing] - 2.0 * u[i] + u[i - wing]) / h2);
-        let (u, a) = (
-            centred(&smoothed(u, wing)),
-            centred(&a.collect::<Vec<_>>()),
-        );
+        let a = (wing..u.len() - wing).map(|i| (u[i + wing] - 2.0 * u[i] + u[i - wing]) / h2);
+        let (u, a) = (centred(&smoothed(u, wing)), centred(&a.collect::<Vec<_>>()));
         let forces = self.force_n.iter();
         forces
             .map(|f| stiffness(&u, &a, &centred(&smoothed(f, wing))))
