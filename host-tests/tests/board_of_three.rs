@@ -280,7 +280,10 @@ fn wires_that_two_actuators_have_exchanged_are_named_before_anything_else_moves(
         assert_eq!(played.early.is_some(), trips, "{wire:?}");
         if trips {
             let early = played.early.unwrap();
-            assert!(early.contains("tracking of actuator"), "{early}");
+            assert!(
+                early.contains("tracking of actuator") || early.contains("stale_sample"),
+                "{early}"
+            );
             assert!(played.peak_m < 0.002, "{}", played.peak_m);
             assert!(!board::status(&mut connection).unwrap().permit);
         }
@@ -385,7 +388,7 @@ fn a_dead_output_of_any_actuator_is_told_from_a_valve_that_does_not_follow() {
         );
         for (other, off_m) in further.commands_off_m.iter().enumerate() {
             let off_m = off_m.unwrap();
-            assert_eq!(off_m > 2e-3, other == actuator, "{other}: {off_m}");
+            assert_eq!(off_m > 1e-3, other == actuator, "{other}: {off_m}");
         }
     }
 }

@@ -8,11 +8,11 @@ use outerloop_core::Fault;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// A command that reads back further off than this share of the converter's range did not leave the board as it was sent.
-/// Two converters of 16 bits with their offsets and gains stay below a third of it.
-const OFF_SHARE: f64 = 0.01;
-/// Of the chip's own DAC and ADC: the data sheet gives the DAC alone 12 codes of offset and half a per cent of gain.
-const OFF_SHARE_12: f64 = 0.02;
+/// Offsets of an output and of what reads it back, as a share of the converter's range, that are no fault: the chip's own DAC
+/// and ADC have 12 and 5 codes of 4095 by the data sheet; what is behind resistors or has 16 bits has less.
+const OFFSET_SHARE: f64 = 0.005;
+/// Their gains, as a share of the command.
+const GAIN_SHARE: f64 = 0.01;
 
 /// The further inputs of a running test.
 #[derive(Clone, Debug, Serialize)]
@@ -21,6 +21,10 @@ pub struct Further {
     pub command_off_m: Option<f64>,
     /// The same of each actuator, from the first; none where nothing is read back.
     pub commands_off_m: Vec<Option<f64>>,
+    /// Of each actuator the step in which it was furthest beyond what two converters may be apart: by how much it was off,
+    /// and what is allowed, m.
+    #[serde(skip)]
+    beyond: Vec<Option<(f64, f64)>>,
     #[serde(skip)]
     inputs: Vec<Input>,
     #[serde(skip)]
@@ -44,6 +48,7 @@ impl Further {
         (!identity.inputs.is_empty()).then(|| Self {
             command_off_m: None,
             commands_off_m: vec![None; lines.len()],
+            beyond: vec![None; lines.len()],
             inputs: identity.inputs.iter().copied().collect(),
             codes: identity.codes,
             span_v: identity.input_span_v,
@@ -67,41 +72,34 @@ impl Further {
                 continue;
             };
             let off_m = f64::from((line.quantity(code) - sent_m).abs());
+            let range_m = f64::from(line.per_code.abs()) * f64::from(self.codes.command_top);
+            let allowed_m = OFFSET_SHARE * range_m + GAIN_SHARE * f64::from(sent_m.abs());
             for worst in [&mut self.commands_off_m[actuator], &mut self.command_off_m] {
                 *worst = Some(worst.unwrap_or(0.0).max(off_m));
             }
+            let beyond = &mut self.beyond[actuator];
+            let worst_m = beyond.map_or(0.0, |(off_m, allowed_m)| off_m - allowed_m);
+            if off_m - allowed_m > worst_m {
+                *beyond = Some((off_m, allowed_m));
+            }
         }
-    }
-
-    /// Two converters and what stands between them may be apart by so much, m.
-    fn allowed_m(&self, actuator: usize) -> f64 {
-        let share = if self.codes.command_top < 1 << 12 {
-            OFF_SHARE_12
-        } else {
-            OFF_SHARE
-        };
-        let per_code = self.lines.get(actuator).map_or(0.0, |line| line.per_code);
-        share * f64::from(per_code.abs()) * f64::from(self.codes.command_top)
     }
 
     /// Whether the commands left the board as they were sent, and what that says of a test that tripped.
     pub fn sentence(&self, trip: Option<Fault>) -> Option<String> {
         let worst_m = self.command_off_m?;
         let several = self.lines.len() > 1;
-        let dead = (0..self.lines.len()).find_map(|actuator| {
-            let off_m = self.commands_off_m[actuator]?;
-            (off_m > self.allowed_m(actuator)).then_some((actuator, off_m))
-        });
-        if let Some((actuator, off_m)) = dead {
+        let dead = (1..).zip(&self.beyond).find_map(|(n, b)| b.map(|b| (n, b)));
+        if let Some((number, (off_m, allowed_m))) = dead {
             let whose = if several {
-                format!(" of actuator {}", actuator + 1)
+                format!(" of actuator {number}")
             } else {
                 String::new()
             };
             return Some(format!(
-                "The command{whose}, read back at the output converter, was within {:.3} mm of what was sent, more than {:.1} mm: it did not leave the board as it was sent, so look at the output converter and its wires before the valve.",
+                "The command{whose}, read back at the output converter, was {:.3} mm off what was sent, where two converters may be {:.3} mm apart: it did not leave the board as it was sent, so look at the output converter and its wires before the valve.",
                 off_m * 1e3,
-                self.allowed_m(actuator) * 1e3
+                allowed_m * 1e3
             ));
         }
         let which = if several {
@@ -182,6 +180,7 @@ mod tests {
         Further {
             command_off_m: None,
             commands_off_m: vec![None; actuators],
+            beyond: vec![None; actuators],
             inputs,
             codes: CodeRange {
                 sensor_top: u16::MAX,
