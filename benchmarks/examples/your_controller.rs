@@ -65,8 +65,8 @@ pub fn sines(rules: &Rules) -> Record {
     Record::new("sines", &points, 0.01, rules, Behaviour::Linear)
 }
 
-/// A record of two columns, time in s and acceleration in g, below a line of heads.
-pub fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
+/// Interval (s) and accelerations (m/s^2) of a record of two columns, time in s and acceleration in g, below a line of heads.
+pub fn points(path: &str) -> Result<(f64, Vec<f32>), Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string(path)?;
     let mut rows = Vec::new();
     for line in text.lines().skip(1).filter(|line| !line.trim().is_empty()) {
@@ -76,9 +76,14 @@ pub fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Err
     let [(first, _), (second, _), ..] = rows[..] else {
         return Err("a record has two points at least".into());
     };
-    let points: Vec<f32> = rows.iter().map(|(_, g)| (9.80665 * g) as f32).collect();
+    let points = rows.iter().map(|(_, g)| (9.80665 * g) as f32).collect();
+    Ok((second - first, points))
+}
+
+/// The same as a record of the problem.
+pub fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
+    let (interval_s, points) = points(path)?;
     let name = path.rsplit('/').next().unwrap_or(path);
-    let interval_s = second - first;
     Ok(Record::new(
         name,
         &points,

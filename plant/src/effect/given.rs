@@ -44,15 +44,15 @@ impl Given {
     /// The channel that is asked for, or that a parameter belongs to, or the first.
     fn channel(spec: &EffectSpec, path: &str) -> Result<Channel, RigError> {
         let entry = spec.name.entry();
-        if let Some(channel) = spec.channel {
-            if !entry.channels.contains(&channel) {
-                let names: Vec<_> = entry.channels.iter().map(|c| c.name()).collect();
-                return Err(RigError::new(
-                    format!("{path}.channel of {}", spec.name),
-                    channel,
-                    names.join(" or "),
-                ));
-            }
+        if let Some(channel) = spec.channel
+            && !entry.channels.contains(&channel)
+        {
+            let names: Vec<_> = entry.channels.iter().map(|c| c.name()).collect();
+            return Err(RigError::new(
+                format!("{path}.channel of {}", spec.name),
+                channel,
+                names.join(" or "),
+            ));
         }
         Ok(spec.shows_in())
     }
