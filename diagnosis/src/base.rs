@@ -2,9 +2,9 @@
 
 use crate::channel::ChannelModel;
 use crate::criteria::REACH;
-use crate::joint::SavedElement;
 use crate::linear::Bound;
 use crate::model::Model;
+use crate::saved_element::SavedElement;
 use plant::{Channel, EffectSpec};
 
 /// A declared parameter that the fit may move.

@@ -1,8 +1,8 @@
 //! A channel of a declared model, by its rows: what each of them holds, and where.
 
 use crate::answer::Correction;
-use crate::joint::SavedElement;
 use crate::model::{ActuatorModel, Declared, Model, SpecimenModel};
+use crate::saved_element::SavedElement;
 use plant::{Channel, EffectSpec};
 
 /// Places of a channel's parameters, in the order of [`Channel::parameters`], and of its effects.

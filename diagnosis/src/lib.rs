@@ -37,6 +37,7 @@ mod recording;
 mod refusal;
 mod remainder;
 mod rest;
+mod saved_element;
 mod sensitivity;
 mod signals;
 mod spectrum;
@@ -54,8 +55,8 @@ pub use coupled::{
 pub use declared::Declared;
 pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
-pub use joint::SavedElement;
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
 pub use recording::Recording;
 pub use refusal::Refusal;
+pub use saved_element::SavedElement;

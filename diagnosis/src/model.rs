@@ -5,8 +5,8 @@ use crate::answer::Correction;
 use crate::coupled::CoupledSpecimen;
 pub use crate::declared::Declared;
 use crate::declared::LARGEST_TOLERANCE;
-use crate::joint::SavedElement;
 use crate::library;
+use crate::saved_element::SavedElement;
 use plant::{Channel, ChannelParameter, EffectSpec};
 use serde::{Deserialize, Serialize};
 

@@ -57,8 +57,9 @@ fn go(arguments: &Arguments) -> Result<(), String> {
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
         .with_converters(room.image)
         .wired(room.calibration);
-    let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, room.image, wire.clone())
-        .map_err(|e| e.to_string())?;
+    let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())
+        .map_err(|e| e.to_string())?
+        .with_converters(room.image);
     let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
     let start = Start::new(&firmware.images);
     let ended = rigless::emulator::run(session, &start, laboratory);

@@ -1,6 +1,5 @@
 //! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
 
-use crate::chain::{Converters, external};
 use crate::wire::{BoardEnd, Wire};
 use rigless::machine::armv7m::{Core, Fpu, MpuRegions, Variant};
 use rigless::machine::{Board, Target};
@@ -39,17 +38,12 @@ pub struct Nucleo {
 }
 
 impl Nucleo {
-    /// A board with its power on, a clock of `crystal_hz` on its input, a slow clock of its own of `lsi_hz`, these converters
-    /// and `wire` on its serial port.
+    /// A board with its power on, a clock of `crystal_hz` on its input, a slow clock of its own of `lsi_hz`, and `wire` on its
+    /// serial port.
     ///
     /// # Errors
     /// The chip's description does not hold together.
-    pub fn new(
-        crystal_hz: u64,
-        lsi_hz: u64,
-        converters: Converters,
-        wire: Wire,
-    ) -> Result<Self, Error> {
+    pub fn new(crystal_hz: u64, lsi_hz: u64, wire: Wire) -> Result<Self, Error> {
         let mut chip = Stm32f427::new()?;
         chip.rcc.attach_crystals(crystal_hz, 0);
         chip.rcc.calibrate_lsi(lsi_hz);
@@ -58,11 +52,7 @@ impl Nucleo {
             converter.set_reference(REFERENCE);
         }
         chip.usart[USART3].attach(BoardEnd(wire));
-        let mut board = Self { chip };
-        if converters != Converters::Internal {
-            external::attach(&mut board, converters.actuators());
-        }
-        Ok(board)
+        Ok(Self { chip })
     }
 }
 

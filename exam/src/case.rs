@@ -10,6 +10,7 @@ use crate::key::{ChannelKey, Hidden, Key};
 use crate::lab::Lab;
 use crate::measure::{Placed, Readings, measure};
 use crate::question::{Question, questions, slow_only, undeclared};
+use crate::record::Record;
 use crate::rig::Scene;
 use crate::size::strength_of;
 
@@ -35,21 +36,6 @@ pub struct Paper {
     pub test: Record,
     /// Spans of rest in the training record, s: before and after the motion.
     pub rest_s: [(f64, f64); 2],
-}
-
-/// A recorded test, uniform in time.
-#[derive(Clone, Debug)]
-pub struct Record {
-    /// Samples a second.
-    pub rate_hz: f64,
-    /// s
-    pub time_s: Vec<f64>,
-    /// mm
-    pub command_mm: Vec<f64>,
-    /// mm
-    pub displacement_mm: Vec<f64>,
-    /// N
-    pub force_n: Vec<f64>,
 }
 
 /// Training and test record, in samples.

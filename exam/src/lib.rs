@@ -31,12 +31,14 @@ mod measure;
 mod noise;
 mod outside;
 mod question;
+mod record;
 mod rig;
 mod size;
 
-pub use case::{Case, Paper, Record, set};
+pub use case::{Case, Paper, set};
 pub use class::{Class, Options};
 pub use declared::{Declared, DeclaredActuator, DeclaredSpecimen, Parameter};
 pub use effect::{Channel, Equations};
 pub use excitation::Excitation;
 pub use key::{ChannelKey, Hidden, Key};
+pub use record::Record;

@@ -1,10 +1,10 @@
 //! From the truth to what the converters deliver.
 
-use crate::case::Record;
 use crate::dice::Dice;
 use crate::effect::{Acts, Channel, Physics};
 use crate::fine::{FINE_HZ, rms};
 use crate::noise::{coloured, convert};
+use crate::record::Record;
 use crate::rig::Truth;
 
 /// Sensors and converters; of two numbers the first is the displacement's.

@@ -1,9 +1,9 @@
 //! What a step costs on a Cortex-M4F: instructions, state and stack.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{self, Test, drive, emulated, rig, shaking, solved};
+use host_tests::qemu::bench::{self, drive, emulated, rig, shaking, solved};
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::{Clock, Machine};
+use host_tests::qemu::machine::{Clock, Machine, Test};
 use host_tests::qemu::profile::{self, Counts, PARTS};
 use host_tests::{Scenario, table1, whole_pipeline};
 use outerloop_core::Config;

@@ -1,10 +1,10 @@
 //! Cycles of a step on the board, by a model of its core and its flash, against the deadline.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{Test, drive, rig, solved};
+use host_tests::qemu::bench::{drive, rig, solved};
 use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::{Clock, Machine};
+use host_tests::qemu::machine::{Clock, Machine, Test};
 use host_tests::{Scenario, Shaking, table1, whole_pipeline};
 use outerloop_core::{Config, Event, Method, Mode, Prediction};
 use std::path::Path;

@@ -1,9 +1,9 @@
 //! Every compensation on a Cortex-M4F: the same bits as here, and what it costs beyond the loop.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{self, Test, emulated, first_difference, here, rig, shaking};
+use host_tests::qemu::bench::{self, emulated, first_difference, here, rig, shaking};
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::Clock;
+use host_tests::qemu::machine::{Clock, Test};
 use host_tests::{Scenario, table1, whole_pipeline};
 use outerloop_core::Method;
 use outerloop_core::Prediction;

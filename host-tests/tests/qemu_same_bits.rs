@@ -1,9 +1,9 @@
 //! The image in QEMU does what core does on this machine, bit for bit, whatever happens in a test.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{self, Test, emulated, first_difference, here, rig, shaking};
+use host_tests::qemu::bench::{self, emulated, first_difference, here, rig, shaking};
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::Clock;
+use host_tests::qemu::machine::{Clock, Test};
 use host_tests::{Scenario, table1};
 use outerloop_core::{Config, Event, Fault, Mode, config::Filter};
 

@@ -1,9 +1,9 @@
 //! How fast the closed loop with QEMU is. A file of its own, so that no other test runs beside it.
 #![allow(missing_docs)]
 
-use host_tests::qemu::bench::{self, Test, emulated, rig, shaking};
+use host_tests::qemu::bench::{self, emulated, rig, shaking};
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::Clock;
+use host_tests::qemu::machine::{Clock, Test};
 use host_tests::{Scenario, table1};
 use outerloop_core::config::Filter;
 use std::time::Instant;

@@ -28,10 +28,12 @@
 
 pub mod actuator;
 pub mod converter;
+pub mod delay_line;
 pub mod effect;
 mod error;
 mod frame;
 pub mod kinematics;
+pub mod lag;
 pub mod measurement;
 mod parameters;
 mod per_axis;

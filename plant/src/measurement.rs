@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::actuator::DelayLine;
 use crate::converter::Converter;
+use crate::delay_line::DelayLine;
 use crate::effect::{Additions, Signal};
 use crate::error::{Accept, RigError};
 use crate::random::{Normal, Purpose};

@@ -10,7 +10,7 @@ mod blocks;
 mod certificate;
 mod cutoff;
 mod dictionary;
-mod element;
+pub(crate) mod element;
 mod figures;
 mod fit;
 mod laws;
@@ -18,17 +18,15 @@ mod one_each;
 mod outcome;
 mod polish;
 mod save;
-mod saved;
 mod search;
 mod separable;
 mod set;
-mod track;
+pub(crate) mod track;
 
 pub use figures::Sure;
 pub use fit::Fit;
 pub use one_each::one_each;
 pub use outcome::{Explained, Outcome, commonness, q};
-pub use saved::SavedElement;
 
 use crate::base::Base;
 use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, POLISHED, SEARCHED};

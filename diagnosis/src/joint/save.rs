@@ -1,8 +1,8 @@
 //! A fit into a model.
 
 use super::fit::Fit;
-use super::saved::SavedElement;
 use crate::model::{Declared, Model};
+use crate::saved_element::SavedElement;
 use plant::Channel;
 
 impl Fit {

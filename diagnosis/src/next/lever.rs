@@ -112,7 +112,7 @@ fn moved(model: &Model, channel: Channel, lever: &Lever, by: f64) -> Model {
     model
 }
 
-fn element(model: &mut Model, i: usize) -> Option<&mut crate::joint::SavedElement> {
+fn element(model: &mut Model, i: usize) -> Option<&mut crate::saved_element::SavedElement> {
     model.specimen.as_mut()?.elements.get_mut(i)
 }
 

@@ -1,7 +1,7 @@
 //! An AD5754R as its data sheet has it, BIN/2sCOMP at ground: 24 bits a command, in force when SYNC rises; codes wait in the
 //! input registers for LDAC, which shows all of them; an output is clamped to ground until it and the reference have power.
 
-use super::external::Output;
+use super::output::Output;
 use super::shift::Shift;
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;

@@ -1,7 +1,7 @@
 //! An AD5761R as its data sheet has it: 24 bits a command, in force when SYNC rises; a code waits in the input register for
 //! LDAC; the output is clamped to ground until the control register has been written.
 
-use super::external::Output;
+use super::output::Output;
 use super::shift::Shift;
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;

@@ -4,6 +4,7 @@
 use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
 use super::ad7606::Ad7606;
+use super::output::Output;
 use super::{Shown, beside};
 use crate::nucleo::Nucleo;
 use crate::registers::external::OUTPUT;
@@ -36,21 +37,6 @@ const BUSY_CHANNEL: u8 = 4;
 
 /// Acceleration at full scale of its input, m/s^2.
 const FULL_SCALE_M_PER_S2: f64 = 50.0;
-
-/// An output converter.
-pub trait Output {
-    /// LDAC falls: what stood in the input registers by then is shown.
-    fn take_over(&mut self, at_ns: u64);
-
-    /// What an output shows, V.
-    fn volts(&self, output: usize) -> f64;
-
-    /// Codes of the first output since this was last asked, with their times, ns.
-    fn commands(&mut self) -> Vec<(u64, u16)>;
-
-    /// From now on an output stays where it is.
-    fn break_output(&mut self, output: usize);
-}
 
 /// Hangs both chips on the board's serial interfaces, those for so many actuators.
 pub fn attach(board: &mut Nucleo, actuators: usize) {

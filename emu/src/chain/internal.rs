@@ -2,7 +2,7 @@
 //! as the chip has it. A code waits in the holding register for its trigger, and the pin shows the output register, or
 //! floats.
 
-use super::{Instant, Shown, beside};
+use super::{Instant, Shown, TOP, beside};
 use crate::nucleo::Nucleo;
 use crate::registers::internal::OUTPUT;
 use crate::registers::{ADC1_CR2, DAC_CR, DAC_DHR12R1, GPIOA_MODER, Registers, TIM4_CCR1};
@@ -10,9 +10,6 @@ use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::soc::stm32f427::peripherals::adc::Channel;
 use std::collections::VecDeque;
-
-/// The highest code of one conversion, and of the command.
-pub const TOP: u16 = 4095;
 
 const DISPLACEMENT_CHANNEL: u8 = 3;
 const FORCE_CHANNEL: u8 = 10;

@@ -6,6 +6,7 @@ pub mod ad7606;
 pub mod beside;
 pub mod external;
 pub mod internal;
+mod output;
 mod shift;
 
 use crate::nucleo::Nucleo;
@@ -18,6 +19,9 @@ use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 use serde::Deserialize;
+
+/// The highest code of the chip's own converters.
+const TOP: u16 = 4095;
 
 /// Which converters an image is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -44,7 +48,7 @@ impl Converters {
     /// Highest codes of sensors and command.
     pub fn widths(self) -> CodeRange {
         let (sensor_top, command_top) = match self {
-            Self::Internal => (2 * internal::TOP, internal::TOP),
+            Self::Internal => (2 * TOP, TOP),
             Self::External | Self::Three => (u16::MAX, u16::MAX),
         };
         CodeRange {
@@ -54,6 +58,17 @@ impl Converters {
             command_top,
             command_spare: 0,
         }
+    }
+}
+
+impl Nucleo {
+    /// With what is outside the chip: the chip's own converters need nothing.
+    #[must_use]
+    pub fn with_converters(mut self, converters: Converters) -> Self {
+        if converters != Converters::Internal {
+            external::attach(&mut self, converters.actuators());
+        }
+        self
     }
 }
 

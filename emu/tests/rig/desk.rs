@@ -192,8 +192,9 @@ impl Desk {
         let theirs = wire.clone();
         let board = std::thread::spawn(move || {
             let run = || {
-                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, CONVERTERS, theirs.clone())
-                    .map_err(|e| e.to_string())?;
+                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
+                    .map_err(|e| e.to_string())?
+                    .with_converters(CONVERTERS);
                 let session =
                     Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
                 let start = Start::new(&firmware.images);

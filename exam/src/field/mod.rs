@@ -20,9 +20,9 @@ mod reading;
 pub use mark::{Mark, Said, Truth};
 pub use motion::Move;
 
-use crate::case::Record;
 use crate::declared::Parameter;
 use crate::dice::Dice;
+use crate::record::Record;
 use drive::Drive;
 use force::Cause;
 use motion::Plan;

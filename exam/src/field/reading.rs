@@ -1,10 +1,10 @@
 //! What is written into the file.
 
 use super::motion::Moved;
-use crate::case::Record;
 use crate::dice::Dice;
 use crate::fine::{FINE_HZ, peak};
 use crate::noise::{coloured, convert};
+use crate::record::Record;
 
 /// Noise and converter.
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,17 @@
 //! What the tasks ask of the control interrupt, and what comes back.
 
 use super::motion::Loaded;
-use super::service::PerActuator;
 use super::setup::Setup;
 use crate::station::commission::Generator;
+use heapless::Vec;
+use link::MAX_ACTUATORS;
 use link::channel::Calibration;
 use link::reply::MAX_RECORD;
 use link::status::Timing;
 use outerloop_core::{Event, Mode, Pace, Rejected, Trip};
+
+/// One for each actuator of a board.
+pub type PerActuator<T> = Vec<T, MAX_ACTUATORS>;
 
 /// An order. The interrupt takes one a step, after the command has gone out.
 pub enum Order {
@@ -52,7 +56,7 @@ pub enum Returned {
     /// The ground motion, if there was one.
     Motion(Option<Loaded>),
     /// A record.
-    Record(heapless::Vec<u32, MAX_RECORD>),
+    Record(Vec<u32, MAX_RECORD>),
     /// How the interrupt is.
     Vitals(Vitals),
 }

@@ -9,13 +9,12 @@ mod uploads;
 
 use super::commission::Generator;
 use super::motion::Writable;
-use super::order::{Order, Outcome, Refused, Returned, Vitals};
+use super::order::{Order, Outcome, PerActuator, Refused, Returned, Vitals};
 use super::period::Report;
 use super::settings::Wiring;
 use super::setup::{Clock, Setup};
 use super::upload::Upload;
 use super::window::Window;
-use heapless::Vec;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
 use link::command::{Command, MAX_POINTS, Signal};
@@ -68,9 +67,6 @@ pub enum Asked {
     /// These are to be written; then [`Service::saved`].
     Save(Option<Config>, PerActuator<Option<Wiring>>),
 }
-
-/// One for each actuator of a board.
-pub type PerActuator<T> = Vec<T, MAX_ACTUATORS>;
 
 /// What the outcome of the order is for.
 #[allow(clippy::large_enum_variant)] // There is no heap.

@@ -1,6 +1,6 @@
 //! The same closed loop, once with core in this process and once with the image in QEMU.
 
-use super::machine::{Clock, Machine};
+use super::machine::{Clock, Machine, Test};
 use crate::{Scenario, Shaking};
 use firmware::session::Summary;
 use link::reply::RefusedParameter;
@@ -10,15 +10,6 @@ use outerloop_core::{
 use plant::Rig;
 use std::io::{Error, Result};
 use std::path::Path;
-
-/// A test: configuration and ground motion.
-#[derive(Clone, Copy, Debug)]
-pub struct Test<'a> {
-    /// Configuration.
-    pub config: &'a Config,
-    /// Ground motion.
-    pub shaking: &'a Shaking,
-}
 
 /// A ground motion that needs no file: two swinging sines, up to 5 m/s^2, that die out in the end.
 pub fn shaking(seconds: f64) -> Shaking {

@@ -1,13 +1,13 @@
 //! The emulated machine and a session with the image in it.
 
-use super::bench::Test;
+use crate::Shaking;
 use firmware::session::{Order, Output, Summary};
 use link::Decoder;
 use link::command::{CHUNK, Command};
 use link::frame::checksum;
 use link::message::Message;
 use link::reply::{Answer, Reply};
-use outerloop_core::{Event, Sample};
+use outerloop_core::{Config, Event, Sample};
 use std::io::{Error, Read, Result, Write};
 use std::path::Path;
 use std::process::{self, Child, ChildStderr, Stdio};
@@ -15,6 +15,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The emulator.
 pub const EMULATOR: &str = "qemu-system-arm";
+
+/// A test: configuration and ground motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Test<'a> {
+    /// Configuration.
+    pub config: &'a Config,
+    /// Ground motion.
+    pub shaking: &'a Shaking,
+}
 
 /// How the emulator's clock runs and what it tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

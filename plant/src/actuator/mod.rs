@@ -4,18 +4,16 @@
 //! exact for the held command is therefore half a period *ahead* of the same lag driven by the commands joined by
 //! straight lines: its low-frequency delay behind the sequence of commands is `delay_ms` less half a period.
 
-mod delay_line;
-mod lag;
 mod random_multiplier;
 mod servo_hydraulic;
 mod spec;
 
-pub use delay_line::DelayLine;
-pub use lag::{FirstOrder, SecondOrder};
 pub use random_multiplier::RandomMultiplier;
 pub use servo_hydraulic::{ServoHydraulic, ServoSpec};
 pub use spec::{ActuatorKind, ActuatorSpec, DelayJump};
 
+use crate::delay_line::DelayLine;
+use crate::lag::{FirstOrder, SecondOrder};
 use crate::stage::Stages;
 
 /// What hangs on the piston: the specimen, linearised about the last sample.

@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{
-    Actuator, DelayLine, Dynamics, FirstOrder, Jump, RandomMultiplier, SecondOrder, ServoHydraulic,
-    ServoSpec,
-};
+use super::{Actuator, Dynamics, Jump, RandomMultiplier, ServoHydraulic, ServoSpec};
+use crate::delay_line::DelayLine;
 use crate::effect::Additions;
 use crate::error::{Accept, RigError};
+use crate::lag::{FirstOrder, SecondOrder};
 use crate::per_axis::PerAxis;
 use crate::random::{Normal, Purpose};
 use crate::stage::{Stage, Stages};

@@ -2,8 +2,9 @@
 
 use super::given::Given;
 use super::{Channel, Effect, EffectSpec};
-use crate::actuator::{DelayLine, FirstOrder, SecondOrder};
+use crate::delay_line::DelayLine;
 use crate::error::{Accept, RigError};
+use crate::lag::{FirstOrder, SecondOrder};
 use crate::sensor::Hum;
 use crate::specimen::{Added, Bilinear, BoucWen, Maxwell, Power};
 use crate::stage::{Drift, Friction, Play, SlipGap, Stage, Stages, WarmUp};

@@ -8,7 +8,8 @@ pub use friction::Friction;
 pub use lost_motion::{Play, SlipGap};
 pub use slow::{Drift, WarmUp};
 
-use crate::actuator::{DelayLine, FirstOrder, SecondOrder};
+use crate::delay_line::DelayLine;
+use crate::lag::{FirstOrder, SecondOrder};
 use crate::sensor::Hum;
 
 /// One stage. Numbers are in SI units of the quantity that passes.

@@ -1,16 +1,12 @@
 //! The PC as the board's port and converters: commands and samples come from its pipe, replies and commands go into it.
 
-use super::semihosting::{self, File};
+use super::semihosting::{self, File, Lost};
 use crate::session::{Malformed, Message, Order, Output, Summary};
 use crate::station::upload::{Upload, Uploaded};
 use link::message::Message as _;
 use link::reply::{Answer, RefusedParameter, Reply};
 use link::{Command, Decoder};
 use outerloop_core::{Config, Mode, Record, Sample};
-
-/// The PC has gone, or talks of something else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost;
 
 impl From<Malformed> for Lost {
     fn from(_: Malformed) -> Self {

@@ -7,6 +7,6 @@ mod exchange;
 mod semihosting;
 mod systick;
 
-pub use exchange::{Begin, Exchange, Lost};
-pub use semihosting::{File, Mode, exit};
+pub use exchange::{Begin, Exchange};
+pub use semihosting::{File, Lost, Mode, exit};
 pub use systick::SysTick;

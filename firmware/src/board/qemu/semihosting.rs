@@ -3,9 +3,12 @@
 //! # Limitations
 //! On hardware without a debugger the breakpoint is a fault: nothing of this is in an image that is flashed.
 
-use super::Lost;
 use core::arch::asm;
 use core::ffi::CStr;
+
+/// The PC has gone, or talks of something else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost;
 
 /// A file of the host.
 pub struct File(usize);

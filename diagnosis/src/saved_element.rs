@@ -1,7 +1,7 @@
 //! An element in a model file.
 
-use super::element::{Element, Law};
-use super::track::{Sizes, Track};
+use crate::joint::element::{Element, Law};
+use crate::joint::track::{Sizes, Track};
 use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
 
