@@ -8,8 +8,7 @@ use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
 use crate::trace::{Response, Witness};
 use outerloop_core::{Config, Design, GroundMotion, Method, Structure, config::Filter};
-use plant::specimen::SpecimenKind;
-use plant::{PerAxis, RigSpec};
+use plant::RigSpec;
 use std::f64::consts::TAU;
 
 /// A test and what shakes it.
@@ -128,9 +127,7 @@ impl Experiment {
             return Ok(wanted.scale);
         };
         let mut rig = self.test.plant.ideal();
-        (rig.specimen.kind, rig.specimen.yield_mm) = (SpecimenKind::Linear, None);
-        (rig.specimen.hardening_ratio, rig.specimen.sharpness) = (None, None);
-        rig.specimen.loop_shape = None;
+        rig.specimen = rig.specimen.elastic();
         let peaks = self.response(&rig)?.peaks_m();
         // Linear, without noise: the peak is proportional to the factor.
         Ok(peak_mm * 1e-3 / peaks.into_iter().fold(0.0, f64::max))
@@ -228,26 +225,8 @@ impl Experiment {
 
     /// The same on a rig that differs by `vary`, which the loop is not told.
     pub fn on_rig(&self, vary: &Variation) -> Self {
-        fn times(values: &PerAxis, factor: f64) -> PerAxis {
-            match values {
-                PerAxis::All(x) => PerAxis::All(x * factor),
-                PerAxis::Each(each) => PerAxis::Each(each.iter().map(|x| x * factor).collect()),
-            }
-        }
         let mut own = self.clone();
-        let config = &self.test.config;
-        let structure = &config.structure.stiffness_n_per_m;
-        let (specimen, actuator) = (&mut own.test.plant.specimen, &mut own.test.plant.actuator);
-        if vary.stiffness != 1.0 {
-            let stiffness = specimen
-                .stiffness_n_per_m
-                .take()
-                .unwrap_or_else(|| PerAxis::Each(structure[..config.physical_storeys()].to_vec()));
-            specimen.stiffness_n_per_m = Some(times(&stiffness, vary.stiffness));
-        }
-        actuator.delay_ms = times(&actuator.delay_ms, vary.delay);
-        actuator.lag_ms = times(&actuator.lag_ms, vary.delay);
-        actuator.gain = times(&actuator.gain, vary.gain);
+        own.test.plant = vary.of(&own.test.plant, &own.test.config);
         own
     }
 

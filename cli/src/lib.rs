@@ -13,8 +13,7 @@
 //! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
-//! | [`declared`](mod@declared) | what the laboratory believes of its rig, apart from the simulated truth |
-//! | [`improvement`] | what a diagnosis found, in the configuration of the next test |
+//! | [`rig`] | by what a rig departs from an ideal one: simulated, declared, found, taken out |
 //! | [`keys`] | every key of a test file, from the code that reads it |
 //! | [`numbers`] | numbers for people: three digits and SI prefixes |
 //! | [`provenance`] | who ran what, when, with which files |
@@ -36,17 +35,16 @@ macro_rules! println {
 pub mod bench;
 pub mod board;
 pub mod comparison;
-pub mod declared;
 pub mod experiment;
 pub mod failure;
 pub mod files;
-pub mod improvement;
 pub mod judged;
 pub mod keys;
 pub mod numbers;
 pub mod physical_part;
 pub mod provenance;
 pub mod report;
+pub mod rig;
 pub mod scope;
 pub mod score;
 pub mod serve;

@@ -1,14 +1,13 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
 use crate::board::Played;
-use crate::declared;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
 use crate::files::signal::Signal;
 use crate::files::test::TestFile;
-use crate::improvement;
 use crate::judged::Run;
+use crate::rig::{declared, improvement};
 use crate::summary;
 use crate::terminal::Progress;
 use crate::trace::{Response, Witness};
@@ -180,8 +179,7 @@ impl Story {
             None
         } else {
             let mut without = experiment.clone();
-            let test = &mut without.test;
-            test.plant = declared::as_declared(&test.plant, test.declared.as_ref());
+            without.test.plant = declared::as_declared(&without.test);
             Some(site.run(&without, method, &ideal, seed, false, progress.witness())?)
         };
         Ok(Self {
@@ -247,8 +245,7 @@ impl Story {
 
 /// What the simulated rig of a test has and nobody declares.
 fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
-    let test = &experiment.test;
-    declared::undeclared(&test.plant, test.declared.as_ref())
+    declared::undeclared(&experiment.test)
 }
 
 /// What a correction has to know of the displacement's noise, which the record tells; a filter has been told already.

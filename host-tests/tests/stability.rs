@@ -131,6 +131,28 @@ fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
     let mut skewed = base();
     skewed.sensors = "skew_ms = 1.5\nforce_gain = 1.1".into();
     agree::<1>(&skewed);
+    // What the loop takes out is not in its eigenvalues; what an effect is, is.
+    let mut known = sdof(0.03, "kind = 'delay'\ndelay_ms = 4.0\ngain = 1.2");
+    known.sensors = "skew_ms = 1.5\ndisplacement_gain = 1.1\nforce_gain = 0.8".into();
+    let only = |x: f64| [x].into_iter().collect();
+    known.config.rig.command_gain = only(1.2);
+    known.config.rig.displacement_gain = only(1.1);
+    known.config.rig.force_gain = only(0.8);
+    known.config.rig.force_late_ms = only(1.5);
+    agree::<1>(&known);
+    for effect in [
+        "name = 'delay_error', delay_ms = 2.0",
+        "name = 'lag_error', lag_ms = 3.0",
+        "name = 'second_lag', lag_ms = 2.0",
+        "name = 'oil_column', frequency_hz = 30.0, damping_ratio = 0.3",
+        "name = 'gain_error', channel = 'specimen', error = 0.3",
+        "name = 'channel_skew', skew_ms = -1.0",
+        "name = 'viscous_damping', damping_n_s_per_mm = 0.3",
+    ] {
+        let mut with = base();
+        with.sensors = format!("[[effects]]\n{}", effect.replace(", ", "\n"));
+        agree::<1>(&with);
+    }
     let mut dashpot = base();
     dashpot.specimen = "kind = 'linear'\ndamping_n_s_per_mm = 0.3".into();
     agree::<1>(&dashpot);

@@ -75,6 +75,16 @@ impl Default for SensorsSpec {
     }
 }
 
+const GAIN: Accept = Accept::new(0.1, 10.0, "");
+const AT_MM: Accept = Accept::new(-1e4, 1e4, "mm");
+const MM: Accept = Accept::new(0.0, 1e4, "mm");
+const AT_N: Accept = Accept::new(-1e9, 1e9, "N");
+const N: Accept = Accept::new(0.0, 1e9, "N");
+const CORNER: Accept = Accept::new(1e-3, 1e6, "Hz");
+const HUM: Accept = Accept::new(1e-3, 1e4, "Hz");
+const SKEW: Accept = Accept::new(-1000.0, 1000.0, "ms");
+const BITS: Accept = Accept::new(2.0, 32.0, "");
+
 /// The displacement range that bits are spread over where the table gives none, mm.
 const DISPLACEMENT_RANGE_MM: f64 = 250.0;
 
@@ -117,6 +127,24 @@ impl Channel {
 }
 
 impl SensorsSpec {
+    /// Noise of displacement, m, and force, N, rms: white, coloured and hum.
+    pub fn noise_rms(&self) -> [f64; 2] {
+        let rms = |white: f64, coloured: f64, hum: f64| {
+            (white * white + coloured * coloured + 0.5 * hum * hum).sqrt()
+        };
+        let mm = rms(
+            self.displacement_noise_mm,
+            self.displacement_coloured_noise_mm,
+            self.displacement_hum_mm,
+        );
+        let force_n = rms(
+            self.force_noise_n,
+            self.force_coloured_noise_n,
+            self.force_hum_n,
+        );
+        [1e-3 * mm, force_n]
+    }
+
     pub(crate) fn build(
         &self,
         stiffness_n_per_m: &[f64],
@@ -124,78 +152,41 @@ impl SensorsSpec {
         rate_hz: f64,
         seed: u64,
     ) -> Result<Vec<Channels>, RigError> {
-        let check = |name: &str, value: f64, min: f64, max: f64, unit| {
-            Accept::new(min, max, unit).check(&format!("plant.sensors.{name}"), value)
+        let check = |name: &str, value: f64, accept: Accept| {
+            accept.check(&format!("plant.sensors.{name}"), value)
         };
-        let corner_hz = check(
-            "coloured_noise_corner_hz",
-            self.coloured_noise_corner_hz,
-            1e-3,
-            1e6,
-            "Hz",
-        )?;
-        let hum_hz = check("hum_hz", self.hum_hz, 1e-3, 1e4, "Hz")?;
+        let mm = |name, mm, accept| Ok::<_, RigError>(1e-3 * check(name, mm, accept)?);
+        let corner_hz = self.coloured_noise_corner_hz;
+        let corner_hz = check("coloured_noise_corner_hz", corner_hz, CORNER)?;
+        let hum_hz = check("hum_hz", self.hum_hz, HUM)?;
+        let coloured_mm = self.displacement_coloured_noise_mm;
         let displacement = SensorSpec {
-            gain: check("displacement_gain", self.displacement_gain, 0.1, 10.0, "")?,
-            offset: 1e-3
-                * check(
-                    "displacement_offset_mm",
-                    self.displacement_offset_mm,
-                    -1e4,
-                    1e4,
-                    "mm",
-                )?,
-            white_rms: 1e-3
-                * check(
-                    "displacement_noise_mm",
-                    self.displacement_noise_mm,
-                    0.0,
-                    1e4,
-                    "mm",
-                )?,
-            coloured_rms: 1e-3
-                * check(
-                    "displacement_coloured_noise_mm",
-                    self.displacement_coloured_noise_mm,
-                    0.0,
-                    1e4,
-                    "mm",
-                )?,
+            gain: check("displacement_gain", self.displacement_gain, GAIN)?,
+            offset: mm("displacement_offset_mm", self.displacement_offset_mm, AT_MM)?,
+            white_rms: mm("displacement_noise_mm", self.displacement_noise_mm, MM)?,
+            coloured_rms: mm("displacement_coloured_noise_mm", coloured_mm, MM)?,
             coloured_corner_hz: corner_hz,
-            hum_amplitude: 1e-3
-                * check(
-                    "displacement_hum_mm",
-                    self.displacement_hum_mm,
-                    0.0,
-                    1e4,
-                    "mm",
-                )?,
+            hum_amplitude: mm("displacement_hum_mm", self.displacement_hum_mm, MM)?,
             hum_hz,
         };
+        let coloured_n = self.force_coloured_noise_n;
         let force = SensorSpec {
-            gain: check("force_gain", self.force_gain, 0.1, 10.0, "")?,
-            offset: check("force_offset_n", self.force_offset_n, -1e9, 1e9, "N")?,
-            white_rms: check("force_noise_n", self.force_noise_n, 0.0, 1e9, "N")?,
-            coloured_rms: check(
-                "force_coloured_noise_n",
-                self.force_coloured_noise_n,
-                0.0,
-                1e9,
-                "N",
-            )?,
+            gain: check("force_gain", self.force_gain, GAIN)?,
+            offset: check("force_offset_n", self.force_offset_n, AT_N)?,
+            white_rms: check("force_noise_n", self.force_noise_n, N)?,
+            coloured_rms: check("force_coloured_noise_n", coloured_n, N)?,
             coloured_corner_hz: corner_hz,
-            hum_amplitude: check("force_hum_n", self.force_hum_n, 0.0, 1e9, "N")?,
+            hum_amplitude: check("force_hum_n", self.force_hum_n, N)?,
             hum_hz,
         };
         if let Some(bits) = self.bits {
-            check("bits", f64::from(bits), 2.0, 32.0, "")?;
+            check("bits", f64::from(bits), BITS)?;
         }
-        let optional = |name, value: Option<f64>, max, unit| {
-            value
-                .map(|value| check(name, value, 1e-6, max, unit))
-                .transpose()
+        let range = |name, value: Option<f64>, most, unit| {
+            let accept = Accept::new(1e-6, most, unit);
+            value.map(|value| check(name, value, accept)).transpose()
         };
-        let range_m = optional(
+        let range_m = range(
             "displacement_range_mm",
             self.displacement_range_mm,
             1e5,
@@ -204,11 +195,11 @@ impl SensorsSpec {
         .or(self.bits.map(|_| DISPLACEMENT_RANGE_MM))
         .map(|mm| mm * 1e-3);
         let stiffest = stiffness_n_per_m.iter().copied().fold(0.0, f64::max);
-        let range_n = match optional("force_range_n", self.force_range_n, 1e9, "N")? {
+        let range_n = match range("force_range_n", self.force_range_n, 1e9, "N")? {
             None => self.bits.and(range_m).map(|range_m| stiffest * range_m),
             given => given,
         };
-        let skew = check("skew_ms", self.skew_ms, -1000.0, 1000.0, "ms")? * rate_hz / 1e3;
+        let skew = check("skew_ms", self.skew_ms, SKEW)? * rate_hz / 1e3;
         let channel = |late: f64, spec: &SensorSpec, normal, range, added: &Signal| {
             let mut before_sampling = added.before_sampling.clone();
             if late > 0.0 {

@@ -79,7 +79,7 @@ impl Plan {
 
     fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64, force_n: f64) -> Self {
         let TestFile { config, plant, .. } = test;
-        let sensors = &plant.sensors;
+        let [noise_m, noise_n] = plant.sensors.noise_rms();
         // What the file declares to a filter, or else simulates.
         let (filter_m, filter_n) = match config.estimation.kind {
             Filter::Off => (0.0, 0.0),
@@ -92,8 +92,8 @@ impl Plan {
             displacement_m,
             velocity_m_per_s,
             force_n,
-            noise_m: (sensors.displacement_noise_mm * 1e-3).max(filter_m),
-            noise_n: sensors.force_noise_n.max(filter_n),
+            noise_m: noise_m.max(filter_m),
+            noise_n: noise_n.max(filter_n),
             delay_s: config.compensation.delay_ms * 1e-3,
             approach_m_per_s: config.timing.approach_m_per_s,
             rate_hz: config.timing.rate_hz,
@@ -271,6 +271,16 @@ mod tests {
         force_n: 8500.0,
         frozen_m: 1e-4,
     };
+
+    #[test]
+    fn coloured_noise_and_hum_are_noise() {
+        let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n[plant.sensors]\n\
+                    displacement_noise_mm = 0.3\ndisplacement_coloured_noise_mm = 0.4\nforce_hum_n = 20\n";
+        let test = TestFile::parse(text, "t.toml", std::path::Path::new(""), &[]).unwrap();
+        let plan = Plan::with(&test, 0.02, 0.1, 3000.0);
+        assert!((plan.noise_m - 5e-4).abs() < 1e-12, "{plan:?}");
+        assert!((plan.noise_n - 200.0_f64.sqrt()).abs() < 1e-9, "{plan:?}");
+    }
 
     #[test]
     fn what_the_test_says_stands_and_the_rest_is_worked_out() {

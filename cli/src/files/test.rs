@@ -1,8 +1,8 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
 use super::{plain, read};
-use crate::declared::{self, Expected};
 use crate::failure::Failure;
+use crate::rig::declared::{self, Expected};
 use crate::serve::settings::Settings;
 use diagnosis::Model;
 use outerloop_core::Config;

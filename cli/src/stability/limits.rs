@@ -7,6 +7,7 @@ use super::rig::Variation;
 use super::row;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::rig::{Departures, Quantity};
 use outerloop_core::Prediction;
 use outerloop_core::config::Filter;
 use rayon::prelude::*;
@@ -289,7 +290,7 @@ pub fn budget(
             from: "plant.actuator, phase at the first natural frequency",
         },
     ];
-    let skew = question.rig.sensors.skew_ms;
+    let skew = Departures::of_rig(question.rig, 0)[Quantity::ForceLate];
     if skew != 0.0 {
         parts.push(Part {
             part: "skew",

@@ -18,7 +18,8 @@
 //! Small motion about rest: a specimen that yields has its initial stiffness, which is the stiffest and the one that
 //! lateness makes unstable first. Variable damping is what it comes to over a cycle (see [`closed_loop`]); a predictor
 //! that learns is what it comes to at the first natural frequency (see [`predictor`]). Noise,
-//! quantisation and saturation move no eigenvalue; the effects of `plant.effects` are not looked at, and it is said.
+//! quantisation and saturation move no eigenvalue; effects of `plant.effects` that are no gain, delay, lag, mass or viscous
+//! damping are not in them, and it is said.
 
 pub mod blocks;
 pub mod closed_loop;
@@ -34,6 +35,7 @@ pub mod way;
 
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::rig::Departures;
 use closed_loop::Question;
 use frame::Frame;
 use limits::{Limits, Part};
@@ -242,8 +244,14 @@ fn reason(a: &Stability) -> String {
 fn notes(test: &TestFile, answer: &Stability, at_bounds: bool) -> Vec<String> {
     let c = &test.config.compensation;
     let mut notes = Vec::new();
-    if !test.plant.effects.is_empty() {
-        notes.push("plant.effects are not looked at: run the test to see what they do".to_owned());
+    let rig = Departures::of_rig(&test.plant, 0);
+    let others = rig.others.iter().filter(|e| !rig::is_lag(e));
+    let others: Vec<&str> = others.map(|e| e.name.name()).collect();
+    if !others.is_empty() {
+        notes.push(format!(
+            "of plant.effects {} is not in the eigenvalues: run the test to see what it does",
+            others.join(", ")
+        ));
     }
     if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
         notes.push("the specimen is taken at its initial stiffness".into());

@@ -8,6 +8,7 @@ use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
 use crate::provenance::Told;
+use crate::rig::improvement::LEAST_LAG_MS;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
 use std::path::{Path, PathBuf};
@@ -176,7 +177,7 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     let estimation = table(text.as_table_mut(), "estimation", path)?;
     set(estimation, "delay_ms", delay);
     // The estimator's model has some lag in any case.
-    set(estimation, "lag_ms", ms(found.lag_ms.max(0.05)));
+    set(estimation, "lag_ms", ms(found.lag_ms.max(LEAST_LAG_MS)));
     let text = text.to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
     TestFile::parse(&text, &file.to_string(), folder, &[])?;

@@ -4,20 +4,6 @@
 //! What each of them is, in which channel and with which parameters, is in [`catalogue`]; an effect in the `actuator`
 //! channel shows between command and displacement, one in the `specimen` channel between displacement and force.
 
-mod additions;
-mod catalogue;
-mod given;
-
-pub(crate) use additions::{Additions, Signal, additions};
-pub use catalogue::catalogue;
-
-use std::collections::BTreeMap;
-use std::fmt;
-
-use serde::{Deserialize, Serialize};
-
-use crate::error::{Accept, RigError};
-
 macro_rules! named {
     ($(#[$doc:meta])* $name:ident { $($variant:ident = $text:literal,)* }) => {
         $(#[$doc])*
@@ -44,40 +30,19 @@ macro_rules! named {
     };
 }
 
-named! {
-    /// A physical effect.
-    Effect {
-        DelayError = "delay_error",
-        LagError = "lag_error",
-        SecondLag = "second_lag",
-        OilColumn = "oil_column",
-        ChannelSkew = "channel_skew",
-        GainError = "gain_error",
-        Offset = "offset",
-        RigCompliance = "rig_compliance",
-        Drift = "drift",
-        TemperatureGain = "temperature_gain",
-        CoulombFriction = "coulomb_friction",
-        StribeckFriction = "stribeck_friction",
-        BilinearHysteresis = "bilinear_hysteresis",
-        BoucWenHysteresis = "bouc_wen_hysteresis",
-        Backlash = "backlash",
-        DeadBand = "dead_band",
-        SlipGap = "slip_gap",
-        Saturation = "saturation",
-        RateLimit = "rate_limit",
-        ViscousDamping = "viscous_damping",
-        QuadraticDamping = "quadratic_damping",
-        MaxwellDamper = "maxwell_damper",
-        Hardening = "hardening",
-        Softening = "softening",
-        AsymmetricActuator = "asymmetric_actuator",
-        AsymmetricStiffness = "asymmetric_stiffness",
-        InertiaForce = "inertia_force",
-        MainsHum = "mains_hum",
-        Quantisation = "quantisation",
-    }
-}
+mod additions;
+mod catalogue;
+mod given;
+
+pub(crate) use additions::{Additions, Signal, additions};
+pub use catalogue::{Effect, catalogue};
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Accept, RigError};
 
 named! {
     /// Effects of one kind.

@@ -73,6 +73,19 @@ const DAMPING: Accept = Accept::new(0.0, 1e6, "N s/mm");
 const MASS: Accept = Accept::new(0.0, 1e9, "kg");
 
 impl SpecimenSpec {
+    /// The same without yielding; a dashpot stays one.
+    pub fn elastic(&self) -> Self {
+        if self.kind == SpecimenKind::Viscous {
+            return self.clone();
+        }
+        Self {
+            stiffness_n_per_m: self.stiffness_n_per_m.clone(),
+            damping_n_s_per_mm: self.damping_n_s_per_mm.clone(),
+            physical_mass_kg: self.physical_mass_kg.clone(),
+            ..Self::default()
+        }
+    }
+
     /// Initial stiffness of every storey, N/m, where the structure's is `structure_n_per_m`.
     ///
     /// # Errors
@@ -199,5 +212,32 @@ impl SpecimenSpec {
             &[BoucWen],
             "\"bouc_wen\"",
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_yielding_a_spring_is_left_and_a_dashpot_gets_none() {
+        let yields = SpecimenSpec {
+            kind: SpecimenKind::BoucWen,
+            yield_mm: Some(3.0.into()),
+            sharpness: Some(1.0),
+            physical_mass_kg: 60.0.into(),
+            ..SpecimenSpec::default()
+        };
+        let spring = SpecimenSpec {
+            physical_mass_kg: 60.0.into(),
+            ..SpecimenSpec::default()
+        };
+        assert_eq!(yields.elastic(), spring);
+        let dashpot = SpecimenSpec {
+            kind: SpecimenKind::Viscous,
+            damping_n_s_per_mm: 2.0.into(),
+            ..SpecimenSpec::default()
+        };
+        assert_eq!(dashpot.elastic().stiffness(&[158e3]), Ok(vec![0.0]));
     }
 }

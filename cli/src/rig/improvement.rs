@@ -1,9 +1,6 @@
 //! What a diagnosis found out about a rig, in the next test.
 
-mod cause;
-
-pub use cause::Causes;
-
+use super::{Departures, Quantity, ROWS};
 use diagnosis::Model;
 use outerloop_core::Config;
 use outerloop_core::Prediction;
@@ -18,30 +15,30 @@ pub(crate) const LEAST_LAG_MS: f64 = 0.05;
 
 /// Puts what `model` knows into `config`, and says in sentences what was done with each part of it.
 pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
-    let causes = Causes::of(model, config.compensation.delay_ms);
-    let mut said = Vec::new();
-    space(&causes, config, &mut said);
-    timing(&causes, config, &mut said);
-    for &(channel, effect) in &causes.left {
+    let known = Departures::of_model(model, config.compensation.delay_ms);
+    let mut said = space(&known, config);
+    timing(&known, config, &mut said);
+    for (channel, effect) in known.left() {
         said.push(format!(
             "{effect} is not taken out: {}",
             why_not(channel, effect)
         ));
+    }
+    for &channel in Channel::ALL {
+        let corrected = model.channel(channel).and_then(|own| own.remainder);
+        if corrected.is_some() {
+            said.push(format!(
+                "the correction without a name of the {channel} is not taken out: nobody knows what it is of"
+            ));
+        }
     }
     said
 }
 
 /// The same without the timing, which a test file may tell its compensation otherwise.
 pub(crate) fn correct(model: &Model, config: &mut Config) {
-    let causes = Causes::of(model, config.compensation.delay_ms);
-    space(&causes, config, &mut Vec::new());
-}
-
-/// Everything but the actuator's own time.
-fn space(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
-    command(causes, config, said);
-    readings(causes, config, said);
-    forces(causes, config, said);
+    let known = Departures::of_model(model, config.compensation.delay_ms);
+    space(&known, config);
 }
 
 /// What to do about an effect that stays.
@@ -72,86 +69,29 @@ fn only(x: f64) -> PerActuator {
     [x].into_iter().collect()
 }
 
-/// Where the actuator goes: a matter of the command.
-fn command(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
-    let gain = causes.command_gain;
-    if gain != 1.0 {
-        config.rig.command_gain = only(gain);
-        said.push(format!(
-            "the actuator goes {gain:.4} times as far as it is sent: commands are divided by that"
-        ));
+/// Everything but the actuator's own time, in sentences.
+fn space(known: &Departures, config: &mut Config) -> Vec<String> {
+    let mut said = Vec::new();
+    for (quantity, row) in ROWS {
+        let value = known[*quantity];
+        if let Some((per_unit, told, in_words)) = row.correction
+            && value != row.ideal
+        {
+            *told(&mut config.rig) = only(value * per_unit);
+            said.push(in_words(value));
+        }
     }
-    let offset = causes.command_offset_mm;
-    if offset != 0.0 {
-        config.rig.command_offset_m = only(offset * 1e-3);
-        said.push(format!(
-            "the actuator stands at {offset:.4} mm for a command of 0: that is taken off the command"
-        ));
-    }
-}
-
-/// What the transducers say of it.
-fn readings(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
-    let (rig, gain) = (&mut config.rig, causes.displacement_gain);
-    if gain != 1.0 {
-        rig.displacement_gain = only(gain);
-        said.push(format!(
-            "the displacement reads {gain:.4} times what it is, as actuator and force say together: readings are divided \
-             by that"
-        ));
-    }
-    let offset = causes.displacement_offset_mm;
-    if offset != 0.0 {
-        rig.displacement_offset_m = only(offset * 1e-3);
-        said.push(format!(
-            "the displacement reads {offset:.4} mm too much, as actuator and force say together: that is taken off the \
-             reading"
-        ));
-    }
-    if causes.force_gain != 1.0 {
-        rig.force_gain = only(causes.force_gain);
-        said.push(format!(
-            "forces are divided by {:.4}, as a load cell's; if the specimen is that much stiffer or softer, declare its \
-             stiffness instead",
-            causes.force_gain
-        ));
-    }
-    if causes.force_offset_n != 0.0 {
-        rig.force_offset_n = only(causes.force_offset_n);
-        said.push(format!(
-            "{:.2} N are taken off the force",
-            causes.force_offset_n
-        ));
-    }
-    let late_ms = causes.force_late_ms;
-    if late_ms != 0.0 {
-        rig.force_late_ms = only(late_ms);
-        let (late, early) = if late_ms > 0.0 {
-            ("force", "displacement")
-        } else {
-            ("displacement", "force")
-        };
-        said.push(format!(
-            "the {late} is read {:.3} ms late: the {early} is held back as long, so that both are of one instant",
-            late_ms.abs()
-        ));
-    }
-}
-
-/// Forces that the load cell feels and the structure does not have.
-fn forces(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
-    if causes.mass_kg != 0.0 {
+    let mass_kg = known[Quantity::Mass];
+    if mass_kg != 0.0 {
         let floors = config.structure.mass_kg.len();
-        let mut masses = config.structure.physical_mass_kg.clone();
+        let masses = &mut config.structure.physical_mass_kg;
         let _ = masses.resize(floors, 0.0);
-        masses[0] = causes.mass_kg;
-        config.structure.physical_mass_kg = masses;
+        masses[0] = mass_kg;
         said.push(format!(
-            "the inertia of {:.2} kg on the load cell counts as part of the structure's",
-            causes.mass_kg
+            "the inertia of {mass_kg:.2} kg on the load cell counts as part of the structure's"
         ));
     }
-    if let Some([force_n, mm]) = causes.friction {
+    if let Some([force_n, mm]) = known.friction() {
         config.rig.bearing_friction_n = only(force_n);
         config.rig.bearing_presliding_m = only(mm * 1e-3);
         said.push(format!(
@@ -159,14 +99,13 @@ fn forces(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
              specimen's own, take it out of the model instead"
         ));
     }
+    said
 }
 
 /// Timing goes into the clamp and the predictors (as one delay) and into the filter's model of the actuator. What is later
 /// than was expected is not only known but predicted: a damping that makes up for it makes up for its energy only.
-fn timing(causes: &Causes, config: &mut Config, said: &mut Vec<String>) {
-    let [delay_ms, lag_ms] = causes.late_ms;
-    // A displacement that waits for its force is later by that.
-    let delay_ms = delay_ms + causes.force_late_ms.max(0.0);
+fn timing(known: &Departures, config: &mut Config, said: &mut Vec<String>) {
+    let [delay_ms, lag_ms] = known.to_expect_ms();
     let late_ms = delay_ms + lag_ms;
     if late_ms <= 0.0 {
         return;

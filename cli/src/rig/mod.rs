@@ -1,0 +1,295 @@
+//! By what a rig departs from an ideal one: one row a quantity, whoever speaks of it.
+//!
+//! | look in | for |
+//! |---|---|
+//! | this file | the rows, and the simulated rig by them |
+//! | [`cause`] | what a model says of them, each thing once |
+//! | [`declared`] | what a laboratory declares, and the simulated rig as it would be if that were true |
+//! | [`improvement`] | what the loop does about them |
+
+pub mod cause;
+pub mod declared;
+pub mod improvement;
+
+use diagnosis::{ActuatorModel, Declared, SpecimenModel};
+use outerloop_core::config::{PerActuator, Rig};
+use plant::Channel::{Actuator, Specimen};
+use plant::{Channel, Effect, EffectSpec, RigSpec};
+use std::ops::{Index, IndexMut};
+
+/// What there is to know of a quantity.
+pub struct Row {
+    /// Its key in the simulated rig's table.
+    name: &'static str,
+    /// What it is of an ideal rig: 1 of a gain, else 0.
+    ideal: f64,
+    /// The effect that is an error of it, and that effect's parameter.
+    error: Option<(Channel, Effect, &'static str)>,
+    /// Its value in the table of a simulated rig, for an axis.
+    simulated: fn(&RigSpec, usize) -> f64,
+    /// Puts it into a simulated rig.
+    simulate: fn(&mut RigSpec, f64),
+    /// What a model says of it.
+    declared: fn(&ActuatorModel, &SpecimenModel) -> Option<Declared>,
+    /// What the loop does about it: its unit per unit of the quantity, where it is told, and that in a sentence.
+    correction: Option<Correction>,
+}
+
+type Correction = (f64, fn(&mut Rig) -> &mut PerActuator, fn(f64) -> String);
+
+macro_rules! rows {
+    ($($(#[$doc:meta])* $quantity:ident $name:literal $ideal:literal {
+        $(error: $error:expr,)?
+        simulated: ($($simulated:tt)+),
+        $(declared: $declared:expr,)?
+        $(correction: $correction:expr,)?
+    })*) => {
+        /// A quantity by which a rig departs from an ideal one.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Quantity { $($(#[$doc])* $quantity,)* }
+
+        /// One of each, in their order.
+        const ROWS: &[(Quantity, Row)] = &[$((Quantity::$quantity, Row {
+            name: $name,
+            ideal: $ideal,
+            error: or!($(Some($error),)? None),
+            simulated: get!($($simulated)+),
+            simulate: set!($($simulated)+),
+            declared: or!($($declared,)? |_, _| None),
+            correction: or!($(Some($correction),)? None),
+        }),)*];
+    };
+}
+
+/// The first that is given.
+macro_rules! or {
+    ($first:expr $(, $_other:expr)?) => {
+        $first
+    };
+}
+
+/// Where a simulated rig has a quantity: in a key, in a key with one for each axis, or elsewhere by two functions.
+macro_rules! get {
+    ($part:ident.$key:ident) => {
+        |rig, _| rig.$part.$key
+    };
+    (each $part:ident.$key:ident) => {
+        |rig, axis| rig.$part.$key.at(axis)
+    };
+    ($get:expr, $set:expr) => {
+        $get
+    };
+}
+
+macro_rules! set {
+    ($part:ident.$key:ident) => {
+        |rig, value| rig.$part.$key = value
+    };
+    (each $part:ident.$key:ident) => {
+        |rig, value| rig.$part.$key = value.into()
+    };
+    ($get:expr, $set:expr) => {
+        $set
+    };
+}
+
+rows! {
+    /// True displacement per command.
+    CommandGain "gain" 1.0 {
+        error: (Actuator, Effect::GainError, "error"),
+        simulated: (each actuator.gain),
+        declared: |actuator, _| actuator.gain,
+        correction: (1.0, |rig| &mut rig.command_gain, |gain| format!(
+            "the actuator goes {gain:.4} times as far as it is sent: commands are divided by that"
+        )),
+    }
+    /// True displacement at command 0, mm. The simulated rig has no key for it: the effect of that name is it.
+    CommandOffset "offset" 0.0 {
+        error: (Actuator, Effect::Offset, "offset_mm"),
+        simulated: (|_, _| 0.0, |rig, mm| if mm != 0.0 {
+            rig.effects.push(EffectSpec::new(Effect::Offset, &[("offset_mm", mm)]));
+        }),
+        declared: |actuator, _| actuator.offset_mm,
+        correction: (1e-3, |rig| &mut rig.command_offset_m, |mm| format!(
+            "the actuator stands at {mm:.4} mm for a command of 0: that is taken off the command"
+        )),
+    }
+    /// Displacement read per true one.
+    DisplacementGain "displacement_gain" 1.0 {
+        simulated: (sensors.displacement_gain),
+        correction: (1.0, |rig| &mut rig.displacement_gain, |gain| format!(
+            "the displacement reads {gain:.4} times what it is, as actuator and force say together: readings are divided \
+             by that"
+        )),
+    }
+    /// Displacement read where the true one is 0, mm.
+    DisplacementOffset "displacement_offset_mm" 0.0 {
+        simulated: (sensors.displacement_offset_mm),
+        correction: (1e-3, |rig| &mut rig.displacement_offset_m, |mm| format!(
+            "the displacement reads {mm:.4} mm too much, as actuator and force say together: that is taken off the \
+             reading"
+        )),
+    }
+    /// Force read per true one.
+    ForceGain "force_gain" 1.0 {
+        error: (Specimen, Effect::GainError, "error"),
+        simulated: (sensors.force_gain),
+        correction: (1.0, |rig| &mut rig.force_gain, |gain| format!(
+            "forces are divided by {gain:.4}, as a load cell's; if the specimen is that much stiffer or softer, declare its \
+             stiffness instead"
+        )),
+    }
+    /// Force read without force, N.
+    ForceOffset "force_offset_n" 0.0 {
+        error: (Specimen, Effect::Offset, "offset_n"),
+        simulated: (sensors.force_offset_n),
+        declared: |_, specimen| specimen.offset_n,
+        correction: (1.0, |rig| &mut rig.force_offset_n, |force_n| format!(
+            "{force_n:.2} N are taken off the force"
+        )),
+    }
+    /// By how much the force is behind the displacement, ms; negative: the displacement is behind.
+    ForceLate "skew_ms" 0.0 {
+        error: (Specimen, Effect::ChannelSkew, "skew_ms"),
+        simulated: (sensors.skew_ms),
+        correction: (1.0, |rig| &mut rig.force_late_ms, held_back),
+    }
+    /// Transport delay from command to displacement, ms.
+    Delay "delay_ms" 0.0 {
+        error: (Actuator, Effect::DelayError, "delay_ms"),
+        simulated: (|rig, axis| rig.actuator.times_ms(axis).unwrap_or_default()[0],
+            |rig, ms| rig.actuator.set_times_ms(|[_, lag]| [ms, lag])),
+        declared: |actuator, _| actuator.delay_ms.map(exact),
+    }
+    /// First-order lag from command to displacement, ms.
+    Lag "lag_ms" 0.0 {
+        error: (Actuator, Effect::LagError, "lag_ms"),
+        simulated: (|rig, axis| rig.actuator.times_ms(axis).unwrap_or_default()[1],
+            |rig, ms| rig.actuator.set_times_ms(|[delay, _]| [delay, ms])),
+        declared: |actuator, _| actuator.lag_ms.map(exact),
+    }
+    /// Mass on the load cell, kg. The loop is told in its structure.
+    Mass "physical_mass_kg" 0.0 {
+        error: (Specimen, Effect::InertiaForce, "mass_kg"),
+        simulated: (each specimen.physical_mass_kg),
+        declared: |_, specimen| specimen.mass_kg,
+    }
+    /// Viscous damping of the specimen, N s/mm.
+    Damping "damping_n_s_per_mm" 0.0 {
+        error: (Specimen, Effect::ViscousDamping, "damping_n_s_per_mm"),
+        simulated: (each specimen.damping_n_s_per_mm),
+        declared: |_, specimen| specimen.damping_n_s_per_mm,
+    }
+    /// Amplitude of the mains' hum on the displacement, mm.
+    DisplacementHum "displacement_hum_mm" 0.0 {
+        simulated: (sensors.displacement_hum_mm),
+    }
+    /// The same on the force, N.
+    ForceHum "force_hum_n" 0.0 {
+        simulated: (sensors.force_hum_n),
+    }
+    /// Delay that the actuator changes to while the test runs, ms.
+    DelayJump "delay_jump" 0.0 {
+        simulated: (|rig, _| rig.actuator.delay_jump.map_or(0.0, |jump| jump.delay_ms),
+            |rig, _| rig.actuator.delay_jump = None),
+    }
+}
+
+/// However near it is to that of an ideal rig.
+fn exact(declared: Declared) -> Declared {
+    Declared {
+        tolerance: 0.0,
+        ..declared
+    }
+}
+
+fn held_back(late_ms: f64) -> String {
+    let (late, early) = if late_ms > 0.0 {
+        ("force", "displacement")
+    } else {
+        ("displacement", "force")
+    };
+    format!(
+        "the {late} is read {:.3} ms late: the {early} is held back as long, so that both are of one instant",
+        late_ms.abs()
+    )
+}
+
+/// What is wrong with a rig, each thing once, where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Departures {
+    values: [f64; ROWS.len()],
+    /// Effects that are no error of a quantity, each in its channel.
+    pub others: Vec<EffectSpec>,
+}
+
+impl Index<Quantity> for Departures {
+    type Output = f64;
+    fn index(&self, quantity: Quantity) -> &f64 {
+        &self.values[quantity as usize]
+    }
+}
+
+impl IndexMut<Quantity> for Departures {
+    fn index_mut(&mut self, quantity: Quantity) -> &mut f64 {
+        &mut self.values[quantity as usize]
+    }
+}
+
+impl Departures {
+    /// None: an ideal rig.
+    fn none() -> Self {
+        Self {
+            values: std::array::from_fn(|i| ROWS[i].1.ideal),
+            others: Vec::new(),
+        }
+    }
+
+    /// Those of an axis of a simulated rig.
+    pub fn of_rig(rig: &RigSpec, axis: usize) -> Self {
+        let mut own = Self {
+            values: std::array::from_fn(|i| (ROWS[i].1.simulated)(rig, axis)),
+            others: Vec::new(),
+        };
+        for effect in &rig.effects {
+            if effect.axis.is_none_or(|only| only == axis + 1) {
+                own.add(effect.shows_in(), effect);
+            }
+        }
+        own
+    }
+
+    /// What the loop takes out of an axis.
+    pub fn taken_out(rig: &Rig, axis: usize) -> Self {
+        let mut rig = rig.clone();
+        let mut own = Self::none();
+        for (quantity, row) in ROWS {
+            if let Some((per_unit, told, _)) = row.correction
+                && let Some(value) = told(&mut rig).get(axis)
+            {
+                own[*quantity] = value / per_unit;
+            }
+        }
+        own
+    }
+
+    fn add(&mut self, channel: Channel, effect: &EffectSpec) {
+        let own = Quantity::mistaken(channel, effect.name);
+        let row = own.map(|quantity| (quantity, &ROWS[quantity as usize].1));
+        let error = row.and_then(|(_, row)| effect.parameter(row.error?.2));
+        match row.zip(error) {
+            Some(((gain, row), error)) if row.ideal == 1.0 => self[gain] *= 1.0 + error,
+            Some(((quantity, _), error)) => self[quantity] += error,
+            None => self.others.push(effect.clone().in_channel(channel)),
+        }
+    }
+}
+
+impl Quantity {
+    /// The one that an effect is an error of.
+    fn mistaken(channel: Channel, effect: Effect) -> Option<Self> {
+        let of = |row: &Row| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));
+        let row = ROWS.iter().find(|(_, row)| of(row));
+        row.map(|(quantity, _)| *quantity)
+    }
+}
