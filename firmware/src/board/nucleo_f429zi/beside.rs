@@ -4,7 +4,8 @@
 use embassy_stm32::Peri;
 use embassy_stm32::adc::{Adc, AnyAdcChannel, Exten, SampleTime};
 use embassy_stm32::pac;
-use embassy_stm32::peripherals::ADC2;
+use embassy_stm32::peripherals::{ADC1, ADC2};
+use embassy_stm32::rcc;
 use embassy_stm32::triggers::TIM2_TRGO;
 
 /// Inputs of the converter.
@@ -16,6 +17,8 @@ pub struct Beside(());
 impl Beside {
     /// Ready for TIM2, which does not run yet. The inputs are converted in their order.
     pub fn new(adc: Peri<'static, ADC2>, inputs: [AnyAdcChannel<'static, ADC2>; INPUTS]) -> Self {
+        // The registers that the converters share, with the divider of their clock, have ADC1's.
+        rcc::enable_and_reset::<ADC1>();
         // As slow as the sensors, so that the same sources settle: 9.7 us for all three, and nobody waits for them.
         let ranks = inputs.map(|input| (input, SampleTime::CYCLES56));
         let injected =
