@@ -138,7 +138,8 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
             desk.start();
             desk.until(Mode::Tripped);
             let trip = desk.status().trip.expect("a trip");
-            assert_eq!(trip.fault, Fault::Tracking, "{fault:?}");
+            let stands = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
+            assert!(stands, "{fault:?}: {:?}", trip.fault);
             let running = desk.steps.iter().map(|(_, s)| s);
             let running = running.filter(|s| s.state() == Some(Mode::Running));
             let last: Vec<u16> = running.map(|s| s.inputs[actuator]).collect();
