@@ -78,6 +78,7 @@ fn kind(bytes: &[u8]) -> &'static str {
             " of NumPy: write it with numpy.savetxt or scipy.io.savemat"
         }
         [b'P', b'K', 3, 4, ..] => ", a ZIP archive such as .xlsx or .npz: export its table as CSV",
+        [0xd0, 0xcf, 0x11, 0xe0, ..] => ", an Excel workbook (.xls): export its table as CSV",
         [b'T', b'D', b'S', b'm', ..] => {
             " of LabVIEW (TDMS): export it as text, or read it with npTDMS and save it as MAT"
         }
@@ -91,7 +92,10 @@ fn kind(bytes: &[u8]) -> &'static str {
             b'D' | b'R' | b'Q' | b'M',
             b' ',
             ..,
-        ] => " of MiniSEED, which is read as a ground motion alone: ObsPy writes it as text",
+        ]
+        | [b'M', b'S', 3, ..] => {
+            " of MiniSEED, which is read as a ground motion alone: ObsPy writes it as text"
+        }
         _ => "",
     }
 }
@@ -129,6 +133,8 @@ mod tests {
         for (bytes, said) in [
             (&b"\x93NUMPY\x01\x00v\x00"[..], "NumPy"),
             (b"000001D IU \x00\x00", "MiniSEED"),
+            (b"MS\x03\x04\x00\x00", "MiniSEED"),
+            (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\x00\x00", ".xls"),
             (b"PK\x03\x04\x00\x00", "ZIP"),
         ] {
             let e = text("f", bytes.to_vec()).unwrap_err().to_string();

@@ -14,13 +14,13 @@ def count(i):
     return round(10.0 ** (7.5 * math.sin(math.pi * i / 500) ** 2) * math.sin(0.37 * i))
 
 
-def write(name, encoding, sample_type, samples, gap=False):
+def write(name, encoding, sample_type, samples, gap=False, version=2):
     parts = [samples[:300], samples[300:]]
     with open(name, "wb") as file:
         for k, part in enumerate(parts):
             record = MS3Record()
             record.sourceid = "FDSN:XX_TEST__H_N_Z"
-            record.formatversion = 2
+            record.formatversion = version
             record.reclen = 512
             record.samprate = 100.0
             record.encoding = encoding
@@ -39,3 +39,6 @@ write("int32.mseed", DataEncoding.INT32, "i", counts)
 write("float32.mseed", DataEncoding.FLOAT32, "f", [1e-7 * c for c in counts])
 write("float64.mseed", DataEncoding.FLOAT64, "d", [1e-7 * c for c in counts])
 write("gap.mseed", DataEncoding.STEIM2, "i", counts, gap=True)
+write("version3-steim2.mseed", DataEncoding.STEIM2, "i", counts, version=3)
+write("version3-int32.mseed", DataEncoding.INT32, "i", counts, version=3)
+write("version3-float32.mseed", DataEncoding.FLOAT32, "f", [1e-7 * c for c in counts], version=3)

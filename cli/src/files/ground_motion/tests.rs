@@ -45,6 +45,9 @@ fn miniseed_of_every_packing_is_the_motion_that_was_written() {
         ("int32.mseed", true),
         ("float32.mseed", false),
         ("float64.mseed", false),
+        ("version3-steim2.mseed", true),
+        ("version3-int32.mseed", true),
+        ("version3-float32.mseed", false),
     ] {
         // A million counts for one m/s^2, or values that are a ten millionth of them.
         let sensitivity = counts.then_some(1e6);
@@ -100,6 +103,17 @@ fn miniseed_that_cannot_be_an_acceleration_is_refused() {
         let mut bytes = whole.to_vec();
         bytes[at] ^= 0x55;
         let _ = read(&bytes);
+    }
+    let third = include_bytes!("../../../tests/miniseed/version3-steim2.mseed");
+    assert!(read(third).is_ok());
+    for end in 1..third.len() {
+        let _ = read(&third[..end]);
+    }
+    // Version 3 has a check sum: no broken byte behind the first three passes.
+    for at in 3..third.len() {
+        let mut bytes = third.to_vec();
+        bytes[at] ^= 0x55;
+        assert!(read(&bytes).is_err(), "{at}");
     }
     // A difference that is not the one that was packed is found by the sample at the end.
     let mut bytes = whole.to_vec();

@@ -1,0 +1,142 @@
+//! MiniSEED, as seismic networks hand it out: records of one channel, each with a header of version 2 or 3, its samples
+//! plain or compressed by Steim's differences.
+//!
+//! The file knows no unit. Physical values, such as ObsPy writes them once it has taken the instrument out, need `--unit`; the
+//! counts of a recorder need its sensitivity, too, and have its zero in them, which is taken off as their mean.
+
+mod samples;
+mod version2;
+mod version3;
+
+use super::{Columns, Points};
+use crate::failure::Failure;
+
+/// Samples may come this share of an interval before or after their time.
+const PUNCTUAL: f64 = 0.5;
+
+/// True for what begins as a record does.
+pub fn is_miniseed(bytes: &[u8]) -> bool {
+    version2::begins(bytes) || version3::begins(bytes)
+}
+
+/// The one channel of a file, in the unit that is said beside it.
+///
+/// # Errors
+/// A record that is cut or damaged, another channel, a gap, a unit or a sensitivity that is not said.
+pub fn parse(file: &str, bytes: &[u8], columns: Columns) -> Result<Points, Failure> {
+    let refuse = |number: usize, why: &str| {
+        Failure::input(format!("{file}: record {number} of MiniSEED {why}"))
+    };
+    let (mut rest, mut number) = (bytes, 0);
+    let mut whole: Option<Piece> = None;
+    while !rest.is_empty() {
+        number += 1;
+        let (piece, length) = Piece::read(rest).map_err(|why| refuse(number, &why))?;
+        rest = rest.get(length..).unwrap_or_default();
+        match &mut whole {
+            None => whole = Some(piece),
+            Some(before) => before.append(piece).map_err(|why| refuse(number, &why))?,
+        }
+    }
+    let Some(mut all) = whole.filter(|w| !w.values.is_empty()) else {
+        return Err(refuse(
+            number,
+            "has no samples: accepted is a channel with some",
+        ));
+    };
+    let Some(unit) = columns.unit else {
+        return Err(Failure::input(format!(
+            "{file}: is MiniSEED, which does not say its unit: accepted with --unit g|m/s2|gal{}",
+            if all.counts {
+                ", and with --sensitivity, counts for one of that unit"
+            } else {
+                ""
+            }
+        )));
+    };
+    if all.counts {
+        if columns.sensitivity.is_none() {
+            return Err(Failure::input(format!(
+                "{file}: holds counts of a recorder and no accelerations: accepted with --sensitivity, counts for one {} (the \
+                 station's metadata have it), or as values from which ObsPy has taken the instrument's response",
+                unit.name()
+            )));
+        }
+        let mean = all.values.iter().sum::<f64>() / all.values.len() as f64;
+        all.values.iter_mut().for_each(|v| *v -= mean);
+    }
+    let in_si = unit.in_si() / columns.sensitivity.unwrap_or(1.0);
+    Ok(Points {
+        interval_s: 1.0 / all.rate_hz,
+        acc_m_per_s2: all.values.iter().map(|v| v * in_si).collect(),
+        unit: None,
+    })
+}
+
+/// Samples of one channel without a gap.
+struct Piece {
+    /// Network, station, location and channel.
+    channel: String,
+    start_us: i64,
+    rate_hz: f64,
+    values: Vec<f64>,
+    /// Whether they are a converter's whole numbers.
+    counts: bool,
+}
+
+impl Piece {
+    /// The first record of `bytes`, and its length.
+    fn read(bytes: &[u8]) -> Result<(Self, usize), String> {
+        let (piece, length) = if version3::begins(bytes) {
+            version3::read(bytes)
+        } else if version2::begins(bytes) {
+            version2::read(bytes)
+        } else {
+            Err("does not begin as one of version 2 or 3: accepted are such records alone; ObsPy rewrites what else there is".into())
+        }?;
+        if !(piece.rate_hz.is_finite() && piece.rate_hz > 0.0) {
+            return Err(format!(
+                "has a rate of {} Hz: accepted are rates above 0",
+                piece.rate_hz
+            ));
+        }
+        Ok((piece, length))
+    }
+
+    /// What comes right after.
+    fn append(&mut self, next: Self) -> Result<(), String> {
+        if next.channel != self.channel {
+            return Err(format!(
+                "is of channel {} and those before it of {}: accepted is one channel; ObsPy selects it",
+                next.channel, self.channel
+            ));
+        }
+        if (next.rate_hz / self.rate_hz - 1.0).abs() > 1e-4 {
+            return Err(format!(
+                "has {} Hz, those before it {} Hz: accepted is one rate",
+                next.rate_hz, self.rate_hz
+            ));
+        }
+        let end_us = self.start_us as f64 + 1e6 * self.values.len() as f64 / self.rate_hz;
+        let late_s = 1e-6 * (next.start_us as f64 - end_us);
+        if late_s.abs() * self.rate_hz > PUNCTUAL {
+            return Err(format!(
+                "begins {late_s:.3} s after the end of what is before it: accepted are records without a gap"
+            ));
+        }
+        self.values.extend(next.values);
+        Ok(())
+    }
+}
+
+/// What is said of a record that ends too early.
+fn cut() -> String {
+    "is cut short: accepted are whole records".into()
+}
+
+/// Microseconds from the year 1 to the second that these name: year, day of the year from 1, hour, minute, second.
+fn seconds_us([year, day, hour, minute, second]: [i64; 5]) -> i64 {
+    let years = year - 1;
+    let days = 365 * years + years / 4 - years / 100 + years / 400 + day;
+    (((days * 24 + hour) * 60 + minute) * 60 + second) * 1_000_000
+}
