@@ -10,6 +10,7 @@
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`comparison`] | one bench for every compensation |
+//! | [`sweep`] | a test over the values of one key, and fragility curves |
 //! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
 //! | [`story`] | a test, the diagnosis of its record, the next test |
@@ -32,6 +33,16 @@ macro_rules! println {
     ($($text:tt)*) => { $crate::terminal::output::print_line(format_args!($($text)*)) };
 }
 
+/// Prints a line that was asked for by name, such as JSON: `--quiet` leaves it.
+macro_rules! answer {
+    ($($text:tt)*) => { $crate::terminal::output::print_answer(format_args!($($text)*)) };
+}
+
+/// Prints a line on standard error, or nothing where that cannot be written; the standard library's panics there.
+macro_rules! eprintln {
+    ($($text:tt)*) => { $crate::terminal::output::print_note(format_args!($($text)*)) };
+}
+
 pub mod bench;
 pub mod board;
 pub mod comparison;
@@ -52,6 +63,7 @@ pub mod soundness;
 pub mod stability;
 pub mod story;
 pub mod summary;
+pub mod sweep;
 pub mod terminal;
 pub mod trace;
 pub mod verb;

@@ -8,6 +8,9 @@ use std::process::ExitCode;
 #[derive(Parser, Debug)]
 #[command(name = "outerloop", version, about = "Runs and judges fast pseudodynamic tests", after_help = EXIT_STATUSES)]
 struct Arguments {
+    /// No tables, sentences and progress: JSON that is asked for, and what goes wrong
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -20,6 +23,7 @@ enum Verb {
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
     MonteCarlo(verb::monte_carlo::MonteCarlo),
+    Sweep(verb::sweep::Sweep),
     Diagnose(verb::diagnose::Diagnose),
     Improve(verb::improve::Improve),
     Benchmark(verb::benchmark::Benchmark),
@@ -64,6 +68,9 @@ fn main() -> ExitCode {
     let arguments = match arguments() {
         Ok(arguments) => arguments,
         Err(said) => {
+            if let Some(sentence) = terminal::misspelt::sentence(&said) {
+                return ended(Err(Failure::input(sentence)));
+            }
             return match said.print() {
                 Ok(()) => ExitCode::from(said.exit_code() as u8),
                 Err(e) => ended(Err(Failure::input(format!(
@@ -73,6 +80,9 @@ fn main() -> ExitCode {
             };
         }
     };
+    if arguments.quiet {
+        terminal::output::be_quiet();
+    }
     let outcome = match arguments.verb {
         Verb::Demo(v) => v.go(),
         Verb::Run(v) => v.go(),
@@ -80,6 +90,7 @@ fn main() -> ExitCode {
         Verb::Compare(v) => v.go(),
         Verb::Check(v) => v.go(),
         Verb::MonteCarlo(v) => v.go(),
+        Verb::Sweep(v) => v.go(),
         Verb::Diagnose(v) => v.go(),
         Verb::Improve(v) => v.go(),
         Verb::Benchmark(v) => v.go(),
@@ -100,7 +111,7 @@ fn ended(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("outerloop: {failure}");
+            terminal::output::print_note(format_args!("outerloop: {failure}"));
             failure.exit()
         }
     }

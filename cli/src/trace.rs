@@ -23,6 +23,23 @@ impl Witness for () {
     fn see<const N: usize>(&mut self, _: &Record<N>) {}
 }
 
+impl<W: Witness> Witness for &mut W {
+    #[inline]
+    fn see<const N: usize>(&mut self, record: &Record<N>) {
+        (**self).see(record);
+    }
+
+    #[inline]
+    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+        (**self).glance(record);
+    }
+
+    #[inline]
+    fn wish(&mut self) -> Option<Event> {
+        (**self).wish()
+    }
+}
+
 impl<W: Witness> Witness for Option<W> {
     #[inline]
     fn see<const N: usize>(&mut self, record: &Record<N>) {

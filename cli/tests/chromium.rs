@@ -191,7 +191,9 @@ fn look_on(arguments: &[&str]) {
     latency.sort_by(f64::total_cmp);
     let typical = latency[latency.len() / 2];
     println!(
-        "{rate:.2} steps a ms; the newest point is {typical} ms old, {} ms at most",
+        "{rate:.2} steps a ms; asked {} times, the newest point is {typical} ms old, {} ms at the 99th percentile, {} ms at most",
+        latency.len(),
+        latency[latency.len() * 99 / 100],
         latency[latency.len() - 1]
     );
     assert_eq!(page.value("lost"), 0, "no step is missing");

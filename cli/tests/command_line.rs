@@ -477,3 +477,65 @@ fn many_rigs_differ_and_repeat_themselves() {
         &["--tests 0", "1 to"],
     );
 }
+
+#[test]
+fn a_misspelt_command_line_gets_one_sentence() {
+    refused(
+        &["run", TABLE1, "--unit", "furlong"],
+        &["--unit", "`furlong`", "g, m/s2, gal"],
+    );
+    refused(
+        &["run", TABLE1, "--recrod", "x"],
+        &["`--recrod`", "(`--record`?)", "outerloop run"],
+    );
+    refused(&["comapre", TABLE1], &["`comapre`", "(`compare`?)"]);
+    refused(&["run"], &["<TEST>", "missing"]);
+    refused(
+        &["run", TABLE1, "--seed", "x"],
+        &["--seed", "whole numbers"],
+    );
+    refused(&["run", TABLE1, "--seed", "-3"], &["--seed", "`-3`"]);
+    refused(
+        &["run", TABLE1, "--duration", "long"],
+        &["--duration", "`long`", "numbers"],
+    );
+    refused(&["run", TABLE1, "--seed"], &["--seed", "no value"]);
+    refused(
+        &["run", TABLE1, "--seed", "1", "--seed", "2"],
+        &["--seed", "twice"],
+    );
+    refused(
+        &["run", TABLE1, "--port", "x", "--emulated"],
+        &["--port", "--emulated", "exclude"],
+    );
+    refused(
+        &["benchmark", "rths", "--case", "9"],
+        &["--case", "`9`", "1 to 4"],
+    );
+}
+
+#[test]
+fn quiet_prints_what_was_asked_for_and_what_went_wrong() {
+    let short = ["run", TABLE1, "--duration", "2", "--quiet"];
+    let output = outerloop(&short);
+    assert!(output.status.success());
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let r = json(&["-q", "run", TABLE1, "--duration", "2", "--json"]);
+    assert_eq!(r["verdict"], "completed");
+    let tripped = outerloop(&["run", TABLE1, "-q", "--set", "limits.force_n=3000"]);
+    assert_eq!(tripped.status.code(), Some(1));
+    assert!(tripped.stdout.is_empty());
+    let said = String::from_utf8_lossy(&tripped.stderr);
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_under_standard_error_is_no_panic() {
+    let full = std::fs::File::create("/dev/full").unwrap();
+    let status = common::command(&["run", "nowhere.toml"])
+        .stderr(full)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(2));
+}

@@ -84,15 +84,39 @@ fn hdf5(bytes: Vec<u8>) -> Result<Series, String> {
     let file = File::from_bytes(bytes).map_err(|e| e.to_string())?;
     let root = file.root();
     // MATLAB's matrices are transposed in the file: its rows are the file's columns.
-    let of_matlab = root
-        .datasets()
-        .map_err(|e| e.to_string())?
+    let (datasets, groups) = (root.datasets(), root.groups());
+    let datasets = datasets.map_err(|e| e.to_string())?;
+    let groups = groups.map_err(|e| e.to_string())?;
+    let of_datasets = datasets
         .iter()
-        .filter_map(|name| root.dataset(name).ok()?.attrs().ok())
+        .filter_map(|name| root.dataset(name).ok()?.attrs().ok());
+    let of_groups = groups
+        .iter()
+        .filter_map(|name| root.group(name).ok()?.attrs().ok());
+    let of_matlab = of_datasets
+        .chain(of_groups)
         .any(|attributes| attributes.contains_key("MATLAB_class"));
     let mut all = Series::new();
     collect(&root, "", of_matlab, &mut all)?;
-    Ok(all)
+    Ok(if of_matlab {
+        without_structure(all)
+    } else {
+        all
+    })
+}
+
+/// A file of MATLAB's with everything in one structure: the names of its fields.
+fn without_structure(mut all: Series) -> Series {
+    while let Some((group, _)) = all.first().and_then(|(name, _)| name.split_once('/')) {
+        let group = format!("{group}/");
+        if !all.iter().all(|(name, _)| name.starts_with(&group)) {
+            break;
+        }
+        for (name, _) in &mut all {
+            name.drain(..group.len());
+        }
+    }
+    all
 }
 
 fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Result<(), String> {

@@ -20,6 +20,7 @@ pub mod recording;
 pub mod signal;
 pub mod table;
 pub mod test;
+pub mod units;
 
 use crate::failure::Failure;
 use std::path::Path;

@@ -87,9 +87,15 @@ impl NumberTable {
                 return Err(refuse(
                     line.number,
                     format!(
-                        "has {} columns where the header has {}",
+                        "has {} columns where the header has {}{}",
                         cells.len(),
-                        headers.len()
+                        headers.len(),
+                        // 0,5 beside 1,5: nothing tells the two commas apart.
+                        if dialect.separator == Some(',') && cells.len() == 2 * headers.len() {
+                            ": decimals with a comma are accepted with a semicolon or a tab between the columns"
+                        } else {
+                            ""
+                        }
                     ),
                 ));
             }
@@ -240,6 +246,10 @@ mod tests {
             ("a,A\n1,2\n", "stands twice"),
             ("0,1\n2,3\n", "line 1: `0` stands where the header"),
             ("a,b\n1\n", "line 2: has 1 columns where the header has 2"),
+            (
+                "time_s,b\n0,0,1,5\n0,1,1,6\n",
+                "line 2: has 4 columns where the header has 2: decimals with a comma are accepted with a semicolon",
+            ),
             ("a,b\n1,inf\n", "line 2: b is `inf`"),
             ("a,b\n1,\n2,3\n", "line 2: b is ``"),
             ("a,b\n1,oops\n2,3\n", "line 2: b is `oops`"),

@@ -1,6 +1,6 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
-use super::{plain, read};
+use super::{plain, read, units};
 use crate::failure::Failure;
 use crate::rig::declared::{self, Expected};
 use crate::serve::settings::Settings;
@@ -186,6 +186,7 @@ impl TestFile {
 
     fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
         let text = toml::to_string(&table).unwrap_or_default();
+        units::convert(&mut table)?;
         let plant: RigSpec = part("plant", table.remove("plant"))?;
         let mut excitation: Excitation = part("excitation", table.remove("excitation"))?;
         excitation.check()?;
@@ -345,6 +346,24 @@ mod tests {
         assert_eq!(t.config.compensation.kind.name(), "eq14");
         let t = with(&["compensation.delay_ms=3"]).unwrap();
         assert_eq!(t.config.compensation.delay_ms, 3.0);
+    }
+
+    #[test]
+    fn a_value_may_say_its_unit() {
+        let t = with(&[
+            "plant.actuator.delay_ms=0.008 s",
+            "structure.stiffness_n_per_m=[\"158 kN/m\"]",
+            "structure.damping_ratio=2 %",
+            "declared.actuator.delay_ms={value=\"8 ms\",tolerance=\"1 ms\"}",
+        ])
+        .unwrap();
+        assert_eq!(t.config.structure.stiffness_n_per_m.as_slice(), [158e3]);
+        assert_eq!(t.config.structure.damping_ratio.as_slice(), [0.02]);
+        assert_eq!(t.config.compensation.delay_ms, 8.0);
+        let e = with(&["structure.mass_kg=1000 N"]).unwrap_err();
+        let said = "structure.mass_kg = \"1000 N\" is refused: N is a force, and the key is a mass: accepted is a number \
+                    alone, or one with a unit, as in \"1000 kg\"";
+        assert!(e.ends_with(said), "{e}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod source;
 pub use render::{markdown, schema};
 
 use crate::files::test::Excitation;
+use crate::files::units;
 use crate::serve::settings::Settings;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -151,37 +152,9 @@ fn written(value: &Value) -> Option<String> {
     }
 }
 
-/// Endings of keys and the units that they name, the longest first.
-const UNITS: [(&str, &str); 21] = [
-    ("_n_s_per_mm", "N s/mm"),
-    ("_n_s_per_m", "N s/m"),
-    ("_n_per_mm", "N/mm"),
-    ("_n_per_m", "N/m"),
-    ("_mm_per_s", "mm/s"),
-    ("_m_per_s2", "m/s²"),
-    ("_m_per_s", "m/s"),
-    ("_ms_per_s", "ms/s"),
-    ("_walk_per_s", "1/s"),
-    ("_steps", "steps"),
-    ("_bits", "bit"),
-    ("_hz", "Hz"),
-    ("_kg", "kg"),
-    ("_ms", "ms"),
-    ("_mm", "mm"),
-    ("_kn", "kN"),
-    ("_n", "N"),
-    ("_m", "m"),
-    ("_s", "s"),
-    ("_j", "J"),
-    ("_c", "°C"),
-];
-
 fn unit(name: &str, kind: &Kind) -> &'static str {
     match kind {
         Kind::Text | Kind::Flag | Kind::Name | Kind::Tables | Kind::Table(_) => "",
-        _ => UNITS
-            .iter()
-            .find(|(ending, _)| name.ends_with(ending))
-            .map_or("1", |(_, unit)| unit),
+        _ => units::of_key(name).unwrap_or("1"),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::source::Kind;
 use super::{Group, Key};
+use crate::files::units;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
@@ -10,7 +11,8 @@ pub fn markdown(groups: &[Group]) -> String {
     let mut text = String::from(
         "# Keys of a test file\n\nEvery key that a test file can have, as `outerloop keys --markdown` prints them from the \
          code. One degree of freedom is written as numbers, several as lists from the ground up. A key that is misspelt \
-         is refused. Editors check a test file as it is written with the schema that `outerloop keys --schema` prints.\n",
+         is refused. A value may say its unit, which is converted: `delay_ms = \"0.012 s\"`, `stiffness_n_per_m = \"158 kN/m\"`; one of \
+         another quantity is refused. Editors check a test file as it is written with the schema that `outerloop keys --schema` prints.\n",
     );
     for group in groups {
         let _ = write!(
@@ -72,8 +74,15 @@ fn descend<'a>(root: &'a mut Value, path: &str) -> &'a mut Value {
     here
 }
 
+/// A number with its unit.
+const SAID: &str = "^[-+]?[0-9.]+([eE][-+]?[0-9]+)? *[^0-9 ].*$";
+
 fn property(key: &Key) -> Value {
-    let number = json!({ "type": "number" });
+    let number = if units::may_be_said(key.unit) && key.unit != "1" {
+        json!({ "anyOf": [{ "type": "number" }, { "type": "string", "pattern": SAID }] })
+    } else {
+        json!({ "type": "number" })
+    };
     let mut schema = match &key.kind {
         Kind::Number => number,
         Kind::Integer => json!({ "type": "integer", "minimum": 0 }),

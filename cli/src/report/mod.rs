@@ -12,6 +12,7 @@ mod plot;
 mod rths;
 mod scale;
 mod served;
+mod sweep;
 
 pub use check::{Checked, of_check};
 pub use comparison::{of_compare, of_comparison};
@@ -20,6 +21,7 @@ pub use marths::of_marths;
 pub use monte_carlo::{Many, of_monte_carlo};
 pub use rths::of_rths;
 pub use served::{Session, of_served};
+pub use sweep::of_sweep;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;

@@ -80,7 +80,19 @@ fn verdict(s: &Summary) -> String {
         Verdict::Stopped => "fair",
         Verdict::Refused | Verdict::Lost | Verdict::Tripped | Verdict::RigLost => "bad",
     };
-    format!("<p class=\"verdict {class}\">{}</p>", escape(&s.ending()))
+    let followed = match s.targets {
+        0 => String::new(),
+        targets => format!(
+            " At its {targets} targets the rig was {} rms from them and {} at most; the largest is {}.",
+            length(s.tracking_rms_m),
+            length(s.tracking_max_m),
+            length(s.peak_displacement_m)
+        ),
+    };
+    format!(
+        "<p class=\"verdict {class}\">{}{followed}</p>",
+        escape(&s.ending())
+    )
 }
 
 fn tiles(s: &Summary) -> String {

@@ -2,6 +2,7 @@
 
 use super::decimate::{Band, CHANNELS, Columns, Waiting};
 use crate::failure::Failure;
+use crate::files::plain;
 use outerloop_core::{Event, Mode};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -45,7 +46,8 @@ struct State {
 pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared>, Failure> {
     let cannot = |e: std::io::Error| {
         Failure::input(format!(
-            "--scope {address}: cannot be listened at ({e}): accepted is an address of this machine with a free port"
+            "--scope {address}: cannot be listened at ({}): accepted is an address of this machine with a free port",
+            plain::reason(&e)
         ))
     };
     let listener = TcpListener::bind(address).map_err(cannot)?;

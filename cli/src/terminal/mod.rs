@@ -3,8 +3,10 @@
 pub mod coupled;
 mod diagnosis;
 pub mod interrupt;
+pub mod misspelt;
 mod next;
 pub mod output;
+pub mod plot;
 mod standings;
 
 pub use crate::numbers::{joule, percent};
@@ -128,6 +130,7 @@ impl Progress {
         self.bar.inc(steps);
         if let Ok(mut began) = self.began.lock()
             && began.is_some_and(|t| t.elapsed() > PATIENCE)
+            && !output::is_quiet()
         {
             *began = None;
             // indicatif itself stays silent where standard error is no terminal.
@@ -152,6 +155,9 @@ impl Drop for Progress {
 
 /// Does work of unknown length; beyond a second a spinner says what is being done, where somebody looks at a terminal.
 pub fn while_waiting<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    if output::is_quiet() {
+        return work();
+    }
     let spinner = ProgressBar::new_spinner().with_message(what.to_owned());
     spinner.enable_steady_tick(PATIENCE);
     let done = work();

@@ -6,14 +6,41 @@
 use crate::failure::Failure;
 use crate::files::plain;
 use std::fmt::Arguments;
-use std::io::{Write, stdout};
+use std::io::{Write, stderr, stdout};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Why standard output could not be written, the first time.
 static BROKEN: OnceLock<String> = OnceLock::new();
 
+/// Nobody wants tables, sentences and progress.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on only what was asked for by name and what goes wrong is printed.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Nobody wants tables, sentences and progress.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// What `println!` is in this crate.
 pub fn print_line(text: Arguments<'_>) {
+    if !is_quiet() {
+        print_answer(text);
+    }
+}
+
+/// A line on standard error; dropped where that cannot be written, since there is nobody left to tell.
+pub fn print_note(text: Arguments<'_>) {
+    let mut out = stderr().lock();
+    let _ = out.write_fmt(text).and_then(|()| out.write_all(b"\n"));
+}
+
+/// What `answer!` is in this crate.
+pub fn print_answer(text: Arguments<'_>) {
     if BROKEN.get().is_some() {
         return;
     }

@@ -67,7 +67,7 @@ impl Plain {
     fn identify(&self) -> Result<(), Failure> {
         let identity = board::identify(&mut connect(&self.port)?)?;
         if self.json {
-            println!("{}", json(&Told::of(&identity))?);
+            answer!("{}", json(&Told::of(&identity))?);
             return Ok(());
         }
         println!(
@@ -92,7 +92,7 @@ impl Plain {
         let identity = board::identify(connection)?;
         let status = board::status(connection)?;
         if self.json {
-            println!("{}", json(&Told::of(&status))?);
+            answer!("{}", json(&Told::of(&status))?);
             return Ok(());
         }
         println!("{}", board::describe(&identity, &status));
@@ -102,7 +102,7 @@ impl Plain {
     fn clear(&self) -> Result<(), Failure> {
         board::clear(&mut connect(&self.port)?)?;
         if self.json {
-            println!("{}", json(&Told::of(&serde_json::Map::new()))?);
+            answer!("{}", json(&Told::of(&serde_json::Map::new()))?);
         } else {
             println!("The board is idle.");
         }

@@ -109,7 +109,7 @@ impl Check {
             write(folder, &experiment, &whole, json(&told)?)?;
         }
         if self.json {
-            println!("{}", json(&told)?);
+            answer!("{}", json(&told)?);
         } else {
             print(&answer);
             println!(

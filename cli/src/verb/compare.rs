@@ -98,7 +98,7 @@ impl Compare {
             )?;
         }
         if self.common.json {
-            println!("{}", json(&Told::seeded(&all, self.common.seed))?);
+            answer!("{}", json(&Told::seeded(&all, self.common.seed))?);
         } else {
             println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
             if let Some(folder) = &self.out {

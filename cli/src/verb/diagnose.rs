@@ -143,7 +143,7 @@ impl Diagnose {
             )?;
         }
         if self.json {
-            println!("{}", json(&told)?);
+            answer!("{}", json(&told)?);
             return Ok(());
         }
         println!("{}", terminal::diagnosis(&diagnosis));

@@ -37,7 +37,7 @@ impl Effects {
                     })
                 })
                 .collect();
-            println!("{}", json!(entries));
+            answer!("{}", json!(entries));
             return Ok(());
         }
         let mut t = table(&["family", "effect", "channels", "parameters [unit]"]);
@@ -66,7 +66,7 @@ impl Effects {
                 parameters.join("\n"),
             ]);
         }
-        println!("{t}");
+        answer!("{t}");
         Ok(())
     }
 }

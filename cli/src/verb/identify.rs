@@ -53,7 +53,7 @@ impl Identify {
             }
         }
         if self.json {
-            println!("{}", json(&Told::of(&found))?);
+            answer!("{}", json(&Told::of(&found))?);
             return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
         }
         for (name, unit, value, [low, high]) in [

@@ -85,7 +85,7 @@ impl Improve {
         }
         if self.common.json {
             let rows = named.iter().map(|(name, s)| row(name, s)).collect();
-            println!("{}", json(&Told::seeded(&Rows { rows }, self.common.seed))?);
+            answer!("{}", json(&Told::seeded(&Rows { rows }, self.common.seed))?);
         } else {
             self.print(&named);
         }

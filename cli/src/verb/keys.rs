@@ -44,14 +44,14 @@ impl Keys {
             }
         }
         if self.markdown {
-            println!("{}", keys::markdown(&groups).trim_end());
+            answer!("{}", keys::markdown(&groups).trim_end());
         } else if self.schema {
-            println!("{}", json(&keys::schema(&groups))?);
+            answer!("{}", json(&keys::schema(&groups))?);
         } else if self.json {
-            println!("{}", json(&groups)?);
+            answer!("{}", json(&groups)?);
         } else {
             for group in &groups {
-                println!("[{}]  {}", group.path, group.meaning);
+                answer!("[{}]  {}", group.path, group.meaning);
                 let mut t = table(&["key", "unit", "default", "accepted", "meaning"]);
                 for column in t.column_iter_mut() {
                     column.set_cell_alignment(CellAlignment::Left);
@@ -66,7 +66,7 @@ impl Keys {
                         &key.meaning,
                     ]);
                 }
-                println!("{t}\n");
+                answer!("{t}\n");
             }
         }
         Ok(())

@@ -18,6 +18,7 @@ pub mod replay;
 pub mod run;
 pub mod serve;
 pub mod shell;
+pub mod sweep;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
@@ -78,6 +79,14 @@ impl Common {
     fn load(&self) -> Result<TestFile, Failure> {
         note_seed(self.seed);
         self.load_other(&self.test)
+    }
+
+    /// The test file with one value more.
+    fn load_with(&self, assignment: &str) -> Result<TestFile, Failure> {
+        note_seed(self.seed);
+        let mut overrides = self.overrides.clone();
+        overrides.push(assignment.to_owned());
+        TestFile::load(&self.test, &overrides)
     }
 
     /// Another test file, with the same overrides.

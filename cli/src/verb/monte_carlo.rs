@@ -130,7 +130,7 @@ impl MonteCarlo {
             write(folder, &many, told)?;
         }
         if self.common.json {
-            println!("{}", json(&Told::seeded(&outcome, self.common.seed))?);
+            answer!("{}", json(&Told::seeded(&outcome, self.common.seed))?);
         } else {
             print(&outcome, kind.name());
             if let Some(folder) = &self.out {

@@ -59,7 +59,7 @@ impl Replay {
             .ok_or_else(|| Failure::test("the replay kept no record"))?;
         let found = compare(&archived, &trace);
         if self.json {
-            println!("{}", super::json(&Told::of(&found))?);
+            answer!("{}", super::json(&Told::of(&found))?);
         }
         match &found.first_difference {
             None => {

@@ -14,7 +14,7 @@ use crate::report::{self, Section};
 use crate::rig::improvement;
 use crate::scope::Scoped;
 use crate::story::Site;
-use crate::terminal::{self, Progress};
+use crate::terminal::{self, Progress, plot};
 use crate::trace::Response;
 use diagnosis::ForceUnit;
 use serde::Serialize;
@@ -46,6 +46,9 @@ pub struct Run {
     /// What is known of the rig, for example from `diagnose --save-model`: taken into account in this test
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Draw the displacement in the terminal, also where standard output is none
+    #[arg(long, conflicts_with = "json")]
+    plot: bool,
     #[command(flatten)]
     place: Place,
     #[command(flatten)]
@@ -84,7 +87,8 @@ impl Run {
             None => test.config.compensation.kind,
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        let run = {
+        let drawn = !self.common.json && (self.plot || plot::columns().is_some());
+        let (run, picture) = {
             let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
             let keep = self.out.is_some() || self.archive.is_some();
@@ -92,7 +96,8 @@ impl Run {
             let title = format!("{} under {}", self.common.test.display(), experiment.record);
             let simulated = self.place.kind() == Where::Simulated;
             let scope = self.scope.open(&title, rate_hz, simulated)?;
-            let tell = (progress.witness(), scope);
+            let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
+            let tell = (progress.witness(), scope, &mut response);
             let seed = self.common.seed;
             let run = self
                 .place
@@ -110,10 +115,12 @@ impl Run {
                     &ideal,
                 )?;
             }
-            run
+            let step_s = test.config.model_step_s();
+            let picture = response.map(|r| plot::response(&ideal, &r, step_s));
+            (run, picture)
         };
         if self.common.json {
-            println!("{}", json(&Told::seeded(&run.summary, self.common.seed))?);
+            answer!("{}", json(&Told::seeded(&run.summary, self.common.seed))?);
         } else {
             println!("{}", experiment.in_words());
             for remark in remarks.into_iter().chain(experiment.remarks()) {
@@ -124,6 +131,9 @@ impl Run {
                 terminal::summaries(std::slice::from_ref(&run.summary))
             );
             println!("{}\n", terminal::LEGEND);
+            if let Some(picture) = picture {
+                println!("{picture}\n");
+            }
             // A test that failed says so once, at the end.
             if run.summary.outcome().is_ok() {
                 println!("{}", run.summary.sentence());
@@ -176,7 +186,7 @@ impl Run {
             )?;
         }
         if self.common.json {
-            println!("{}", json(&told)?);
+            answer!("{}", json(&told)?);
         } else {
             println!(
                 "{} steps of {}: up to {} and {} kN.",

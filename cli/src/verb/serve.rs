@@ -6,7 +6,7 @@ use crate::board::limits::Plan;
 use crate::board::operator::{catch_ctrl_c, stop_is_asked};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::files::{output, record_csv};
+use crate::files::{output, plain, record_csv};
 use crate::provenance::Told;
 use crate::report::{self, Session};
 use crate::scope::Scoped;
@@ -74,8 +74,9 @@ impl Serve {
         };
         let listener = TcpListener::bind(self.listen).map_err(|e| {
             Failure::input(format!(
-                "--listen {}: cannot be listened at ({e}): accepted is an address of this machine with a free port",
-                self.listen
+                "--listen {}: cannot be listened at ({}): accepted is an address of this machine with a free port",
+                self.listen,
+                plain::reason(&e)
             ))
         })?;
         let cannot = |e: std::io::Error| Failure::test(format!("the network is lost: {e}"));
@@ -85,6 +86,12 @@ impl Serve {
             "outerloop: serves {} at {address}; Ctrl-C ends it",
             self.test.display()
         );
+        if !address.ip().is_loopback() {
+            eprintln!(
+                "outerloop: note: whoever can reach {address} can move the rig: the wire knows no password. Let a firewall admit \
+                 the model's machine alone, or listen at 127.0.0.1 and forward the port by ssh."
+            );
+        }
         catch_ctrl_c();
         let mut clients = 0;
         while !stop_is_asked() {

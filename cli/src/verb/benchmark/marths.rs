@@ -118,7 +118,7 @@ impl Marths {
         });
         let told = Told::of(&answer);
         if self.json {
-            println!("{}", json(&told)?);
+            answer!("{}", json(&told)?);
         } else {
             if let Some(file) = &self.model {
                 println!(

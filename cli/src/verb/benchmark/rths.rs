@@ -121,7 +121,7 @@ impl Rths {
         });
         let told = Told::of(&answer);
         if self.json {
-            println!("{}", json(&told)?);
+            answer!("{}", json(&told)?);
         } else {
             print(&rules, &rows, &targets);
         }
@@ -217,7 +217,7 @@ impl Rths {
             }
             let answer =
                 serde_json::json!({ "rules": rules.name(), "seed": self.seed, "rows": [row] });
-            println!("{}", json(&Told::of(&answer))?);
+            answer!("{}", json(&Told::of(&answer))?);
             return Ok(());
         }
         println!(

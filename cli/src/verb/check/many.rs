@@ -42,7 +42,7 @@ impl Check {
             cases: &cases,
         };
         if self.json {
-            println!("{}", json(&Told::seeded(&watched, self.seed))?);
+            answer!("{}", json(&Told::seeded(&watched, self.seed))?);
         } else {
             let [energy, hsem, displacement, tracking, reading] = monitor::INDICATORS;
             let mut t = table(&[
@@ -106,7 +106,7 @@ impl Check {
             cases: &cases,
         };
         if self.json {
-            println!("{}", json(&Told::seeded(&surveyed, self.seed))?);
+            answer!("{}", json(&Told::seeded(&surveyed, self.seed))?);
         } else {
             let mut t = table(&["tests", "which", "", "stable", "doubtful", "unstable"]);
             for r in rows.iter().filter(|r| r.count > 0) {

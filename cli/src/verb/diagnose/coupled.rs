@@ -60,7 +60,7 @@ impl Diagnose {
             )?;
         }
         if self.json {
-            println!("{}", json(&Told::of(&d))?);
+            answer!("{}", json(&Told::of(&d))?);
             return Ok(());
         }
         println!("{}", terminal::coupled::coupled(&d));

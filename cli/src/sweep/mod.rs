@@ -1,0 +1,74 @@
+//! The same test over the values of one key, on every ground motion and under every compensation.
+
+pub mod fragility;
+pub mod range;
+
+pub use fragility::{Fragility, Share};
+pub use range::Range;
+
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::summary::{Summary, Verdict};
+use crate::terminal::{Progress, interrupt};
+use outerloop_core::Method;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// One test of a sweep.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Value of the key.
+    pub value: f64,
+    /// Largest displacement of any floor on an ideal rig, m.
+    pub ideal_peak_m: f64,
+    /// The test.
+    #[serde(flatten)]
+    pub summary: Summary,
+}
+
+impl Row {
+    /// The displacement went beyond `limit_m`; what tripped or ran away did, wherever that was.
+    pub fn beyond(&self, limit_m: f64) -> bool {
+        self.summary.verdict != Verdict::Completed || self.summary.peak_displacement_m > limit_m
+    }
+}
+
+/// Runs every pair of experiment and method on all cores; fewer after Ctrl-C. In the order of the experiments.
+///
+/// # Errors
+/// A test that cannot be laid out.
+pub fn run(
+    experiments: &[(f64, Experiment)],
+    methods: &[Method],
+    seed: u64,
+) -> Result<Vec<Row>, Failure> {
+    let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
+    let progress = Progress::over("sweep", (steps * methods.len()) as u64);
+    interrupt::watch();
+    let parts: Vec<Vec<Row>> = experiments
+        .par_iter()
+        .filter(|_| !interrupt::asked())
+        .map(|(value, e)| {
+            let ideal = e.ideal()?;
+            let ideal_peak_m = ideal.peaks_m().into_iter().fold(0.0, f64::max);
+            let row = |method: &Method| {
+                let run = e.run(*method, &ideal, seed, false, progress.witness())?;
+                Ok(Row {
+                    value: *value,
+                    ideal_peak_m,
+                    summary: run.summary,
+                })
+            };
+            methods.iter().map(row).collect()
+        })
+        .collect::<Result<_, Failure>>()?;
+    Ok(parts.into_iter().flatten().collect())
+}
+
+/// The worst error of one compensation at one value, over the ground motions: eps_rms; infinite where one was lost.
+pub fn worst(rows: &[Row], compensation: &str, value: f64) -> Option<f64> {
+    let own = rows
+        .iter()
+        .filter(|r| r.summary.compensation == compensation && r.value == value);
+    own.map(|r| r.summary.error()).reduce(f64::max)
+}

@@ -1,0 +1,100 @@
+//! `PATH=VALUES` of a sweep.
+
+use crate::failure::Failure;
+
+/// A key and the values that it takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    /// Dotted path of the key.
+    pub path: String,
+    /// Its values, ascending.
+    pub values: Vec<f64>,
+}
+
+/// Most values of a sweep.
+const MOST: usize = 1000;
+
+impl Range {
+    /// Reads `PATH=A,B,C` or `PATH=FROM..TO/N`, N values at equal distances with both ends.
+    ///
+    /// # Errors
+    /// A sentence: no path, no numbers, fewer than two, more than 1000, one twice.
+    pub fn parse(text: &str) -> Result<Self, Failure> {
+        let refuse = |why: String| {
+            Failure::input(format!(
+                "--over {text}: {why}: accepted is PATH=FROM..TO/N or PATH=A,B,C with 2 to {MOST} values, e.g. \
+                 plant.actuator.delay_ms=0..20/11"
+            ))
+        };
+        let (path, values) = text
+            .split_once('=')
+            .ok_or_else(|| refuse("has no `=`".into()))?;
+        let number = |text: &str| match text.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(refuse(format!("`{}` is no number", text.trim()))),
+        };
+        let mut values: Vec<f64> = match values.split_once("..") {
+            None => values.split(',').map(number).collect::<Result<_, _>>()?,
+            Some((from, rest)) => {
+                let (to, n) = rest
+                    .split_once('/')
+                    .ok_or_else(|| refuse("has no `/N` behind its range".into()))?;
+                let (from, to) = (number(from)?, number(to)?);
+                let n: usize = n
+                    .trim()
+                    .parse()
+                    .map_err(|_| refuse(format!("`{}` is no number of values", n.trim())))?;
+                if !(2..=MOST).contains(&n) {
+                    return Err(refuse(format!("has {n} values")));
+                }
+                let share = |i: usize| i as f64 / (n - 1) as f64;
+                // Of the digits that people write: 0.1 times 3 is 0.3.
+                let round = |x: f64| format!("{x:.12e}").parse().unwrap_or(x);
+                (0..n)
+                    .map(|i| round(from + (to - from) * share(i)))
+                    .collect()
+            }
+        };
+        if !(2..=MOST).contains(&values.len()) {
+            return Err(refuse(format!("has {} value", values.len())));
+        }
+        values.sort_by(f64::total_cmp);
+        if let Some(twice) = values.windows(2).find(|w| w[0] == w[1]) {
+            return Err(refuse(format!("has {} twice", twice[0])));
+        }
+        Ok(Self {
+            path: path.trim().to_owned(),
+            values,
+        })
+    }
+
+    /// The override that sets the `i`-th value.
+    pub fn setting(&self, value: f64) -> String {
+        format!("{}={value:?}", self.path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_ranges_are_read_and_mistakes_named() {
+        let of = |text: &str| Range::parse(text).map_err(|e| e.to_string());
+        assert_eq!(of("a.b=3,1, 2").unwrap().values, [1.0, 2.0, 3.0]);
+        assert_eq!(of("a=0..0.3/4").unwrap().values, [0.0, 0.1, 0.2, 0.3]);
+        assert_eq!(of("a=-2..-1/2").unwrap().values, [-2.0, -1.0]);
+        for (text, said) in [
+            ("a", "has no `=`"),
+            ("a=1..2", "no `/N`"),
+            ("a=1..2/1", "has 1 values"),
+            ("a=1", "has 1 value"),
+            ("a=1,x", "`x` is no number"),
+            ("a=1,1", "1 twice"),
+            ("a=1..2/many", "`many`"),
+        ] {
+            let e = of(text).unwrap_err();
+            assert!(e.contains(said) && e.contains("PATH=FROM..TO/N"), "{e}");
+        }
+    }
+}

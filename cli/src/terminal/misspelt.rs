@@ -1,0 +1,120 @@
+//! What is wrong with a command line, in one sentence: what, which value, what would be accepted.
+
+use clap::Error;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// The sentence; `None` for what is no mistake, such as `--help`.
+pub fn sentence(error: &Error) -> Option<String> {
+    let told = Told(error);
+    let argument = told.text(ContextKind::InvalidArg);
+    let value = told.text(ContextKind::InvalidValue);
+    Some(match error.kind() {
+        ErrorKind::DisplayHelp
+        | ErrorKind::DisplayVersion
+        | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => return None,
+        ErrorKind::InvalidValue => {
+            let names = told.text(ContextKind::ValidValue);
+            let accepted = match names.is_empty() {
+                true => "a value".to_owned(),
+                false => names,
+            };
+            match value.is_empty() {
+                true => format!("{argument} has no value: accepted are {accepted}"),
+                false => format!(
+                    "{argument}: `{value}` is unknown{}: accepted are {accepted}",
+                    told.near(ContextKind::SuggestedValue)
+                ),
+            }
+        }
+        ErrorKind::ValueValidation => {
+            format!(
+                "{argument}: `{value}` is refused: accepted are {}",
+                told.accepted()
+            )
+        }
+        ErrorKind::UnknownArgument => format!(
+            "`{argument}` is unknown here{}: accepted is {}, and `--help` explains each part",
+            told.near(ContextKind::SuggestedArg),
+            told.usage()
+        ),
+        ErrorKind::InvalidSubcommand => format!(
+            "`{}` is no verb{}: accepted is {}, and `--help` lists the verbs",
+            told.text(ContextKind::InvalidSubcommand),
+            told.near(ContextKind::SuggestedSubcommand),
+            told.usage()
+        ),
+        ErrorKind::MissingRequiredArgument => {
+            format!("{argument} is missing: accepted is {}", told.usage())
+        }
+        ErrorKind::ArgumentConflict => {
+            let other = told.text(ContextKind::PriorArg);
+            match other == argument || other.is_empty() {
+                true => format!("{argument} is given twice: accepted is once"),
+                false => format!("{argument} and {other} exclude each other: accepted is one"),
+            }
+        }
+        _ => {
+            let text = error.to_string();
+            let line = text.lines().next().unwrap_or_default();
+            line.trim_start_matches("error: ").to_owned()
+        }
+    })
+}
+
+/// What the parser tells of a mistake.
+struct Told<'a>(&'a Error);
+
+impl Told<'_> {
+    fn text(&self, kind: ContextKind) -> String {
+        match self.0.get(kind) {
+            Some(ContextValue::String(text)) => text.clone(),
+            Some(ContextValue::Strings(texts)) => texts.join(", "),
+            Some(ContextValue::StyledStr(text)) => text.to_string(),
+            _ => String::new(),
+        }
+    }
+
+    fn near(&self, kind: ContextKind) -> String {
+        let near = match self.0.get(kind) {
+            // The nearest comes last.
+            Some(ContextValue::Strings(names)) => names.last().cloned().unwrap_or_default(),
+            _ => self.text(kind),
+        };
+        match near.is_empty() {
+            true => near,
+            false => format!(" (`{near}`?)"),
+        }
+    }
+
+    /// How the verb is called.
+    fn usage(&self) -> String {
+        let text = self.text(ContextKind::Usage);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let call = words.strip_prefix(&["Usage:"]).unwrap_or(&words).join(" ");
+        match call.is_empty() {
+            true => "what `outerloop --help` lists".to_owned(),
+            false => format!("`{call}`"),
+        }
+    }
+
+    /// What a value must be.
+    fn accepted(&self) -> String {
+        let why = std::error::Error::source(self.0).map(ToString::to_string);
+        let why = why.unwrap_or_default();
+        if let Some((low, high)) = why
+            .rsplit_once(" is not in ")
+            .and_then(|(_, range)| range.split_once("..="))
+        {
+            return format!("{low} to {high}");
+        }
+        match why.as_str() {
+            "invalid float literal" | "cannot parse float from empty string" => "numbers".into(),
+            "invalid digit found in string" | "cannot parse integer from empty string" => {
+                "whole numbers from 0".into()
+            }
+            "number too large to fit in target type" => "smaller whole numbers".into(),
+            "invalid socket address syntax" => "addresses such as 127.0.0.1:8090".into(),
+            _ => format!("other values ({why})"),
+        }
+    }
+}

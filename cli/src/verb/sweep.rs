@@ -1,0 +1,216 @@
+//! `outerloop sweep`: the same test over the values of one key.
+
+use super::{Common, json, method};
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::files::output;
+use crate::numbers::{length, percent, three};
+use crate::provenance::Told;
+use crate::report;
+use crate::sweep::{self, Fragility, Range, Row};
+use crate::terminal::table;
+use outerloop_core::Method;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// The same test over the values of one key, and fragility curves
+#[derive(clap::Args, Debug)]
+pub struct Sweep {
+    #[command(flatten)]
+    common: Common,
+    /// The key and its values, e.g. plant.actuator.delay_ms=0..20/11 (eleven of them) or excitation.scale=0.5,1,2
+    #[arg(long, value_name = "PATH=VALUES")]
+    over: String,
+    /// A ground motion; may be given several times
+    #[arg(long, value_name = "FILE")]
+    record: Vec<PathBuf>,
+    /// Compensations, separated by commas; left out: the test file's
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
+    compensations: Vec<String>,
+    /// Fragility: the share of ground motions under which a floor moves further than this, mm, with a lognormal curve; for
+    /// a sweep over excitation.scale
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    limit_mm: Option<f64>,
+    /// Write report.html, sweep.csv and sweep.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// What a sweep came to.
+#[derive(Debug, Serialize)]
+pub struct Swept<'a> {
+    /// Path of the key.
+    pub path: &'a str,
+    /// Each test.
+    pub rows: &'a [Row],
+    /// The displacement whose exceedance is counted, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_mm: Option<f64>,
+    /// The ideal rig's curve, then one for each compensation.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub fragility: &'a [Fragility],
+}
+
+impl Sweep {
+    /// Runs all of them, on all cores.
+    ///
+    /// # Errors
+    /// Bad input; Ctrl-C before all tests ran.
+    pub fn go(&self) -> Result<(), Failure> {
+        let range = Range::parse(&self.over)?;
+        if let Some(mm) = self.limit_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
+            return Err(Failure::input(format!(
+                "--limit-mm {mm}: accepted are millimetres above 0"
+            )));
+        }
+        let experiments = self.experiments(&range)?;
+        let methods = match (&self.compensations[..], experiments.first()) {
+            ([], Some((_, e))) => vec![e.test.config.compensation.kind],
+            (names, _) => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
+        };
+        let rows = sweep::run(&experiments, &methods, self.common.seed)?;
+        let curves = self.fragility(&rows, &methods);
+        let swept = Swept {
+            path: &range.path,
+            rows: &rows,
+            limit_mm: self.limit_mm,
+            fragility: &curves,
+        };
+        let told = json(&Told::seeded(&swept, self.common.seed))?;
+        if let (Some(folder), Some((_, first))) = (&self.out, experiments.first()) {
+            let page = report::of_sweep(&swept, first)?;
+            let files = [
+                ("report.html", page),
+                ("sweep.csv", csv(&rows)),
+                ("sweep.json", told.clone()),
+            ];
+            output::write_all(folder, &files)?;
+        }
+        if self.common.json {
+            answer!("{told}");
+        } else {
+            print(&swept, &methods);
+            if let Some(folder) = &self.out {
+                println!("Look at {}", folder.join("report.html").display());
+            }
+        }
+        let asked = experiments.len() * methods.len();
+        if rows.len() < asked {
+            return Err(Failure::test(format!(
+                "interrupted: {} of {asked} tests ran, and only they are told of",
+                rows.len()
+            )));
+        }
+        Ok(())
+    }
+
+    /// Each value on each ground motion.
+    fn experiments(&self, range: &Range) -> Result<Vec<(f64, Experiment)>, Failure> {
+        let mut all = Vec::new();
+        for value in &range.values {
+            let test = self.common.load_with(&range.setting(*value))?;
+            match &self.record[..] {
+                [] => all.push((*value, self.common.experiment(&test, None)?)),
+                files => {
+                    for file in files {
+                        all.push((*value, self.common.experiment(&test, Some(file))?));
+                    }
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The curves, the ideal rig's first; none without a limit.
+    fn fragility(&self, rows: &[Row], methods: &[Method]) -> Vec<Fragility> {
+        let (Some(mm), Some(first)) = (self.limit_mm, methods.first()) else {
+            return Vec::new();
+        };
+        let limit_m = 1e-3 * mm;
+        let own = |m: &Method| -> Vec<Row> {
+            let of_it = rows.iter().filter(|r| r.summary.compensation == m.name());
+            of_it.cloned().collect()
+        };
+        let ideal = Fragility::of("ideal", &own(first), |r| r.ideal_peak_m > limit_m);
+        let tested = methods
+            .iter()
+            .map(|m| Fragility::of(m.name(), &own(m), |r| r.beyond(limit_m)));
+        std::iter::once(ideal).chain(tested).collect()
+    }
+}
+
+/// An error in a table: tripped and run away is lost.
+pub fn told(error: f64) -> String {
+    if error.is_finite() {
+        percent(error)
+    } else {
+        "lost".into()
+    }
+}
+
+/// What the fit says of a curve, in words.
+pub fn fitted(f: &Fragility) -> String {
+    match f.fit {
+        Some(l) => format!("median {}, beta {}", three(l.median), three(l.beta)),
+        None => "no curve: the ground motions do not differ in where they exceed the limit".into(),
+    }
+}
+
+fn print(swept: &Swept<'_>, methods: &[Method]) {
+    let key = swept.path.rsplit('.').next().unwrap_or(swept.path);
+    let mut head = vec![key.to_owned(), "ideal peak".into()];
+    head.extend(methods.iter().map(|m| m.name().to_owned()));
+    head.extend(swept.fragility.iter().map(|f| format!("beyond, {}", f.of)));
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    let mut t = table(&head);
+    let mut values: Vec<f64> = swept.rows.iter().map(|r| r.value).collect();
+    values.dedup();
+    for value in values {
+        let own = swept.rows.iter().filter(|r| r.value == value);
+        let peak_m = own.map(|r| r.ideal_peak_m).fold(0.0, f64::max);
+        let mut cells = vec![value.to_string(), length(peak_m)];
+        cells.extend(
+            methods
+                .iter()
+                .map(|m| sweep::worst(swept.rows, m.name(), value).map_or_else(String::new, told)),
+        );
+        cells.extend(swept.fragility.iter().map(|f| {
+            let share = f.shares.iter().find(|s| s.value == value);
+            share.map_or_else(String::new, |s| format!("{} of {}", s.beyond, s.of))
+        }));
+        t.add_row(cells);
+    }
+    println!("{t}");
+    println!(
+        "eps_rms (Eq 18) of each compensation, and the largest ideal peak; of several ground motions the worst."
+    );
+    if let Some(mm) = swept.limit_mm {
+        println!("\nWhere a floor moves further than {}:", length(1e-3 * mm));
+        for f in swept.fragility {
+            println!("  {:<14}{}", f.of, fitted(f));
+        }
+    }
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "value,ground_motion,compensation,verdict,eps_rms_1,eps_max_1,peak_displacement_m,ideal_peak_m\n",
+    );
+    for r in rows {
+        let s = &r.summary;
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{},{}",
+            r.value,
+            s.record.replace(',', ";"),
+            s.compensation,
+            s.verdict.name(),
+            s.eps_rms,
+            s.eps_max,
+            s.peak_displacement_m,
+            r.ideal_peak_m
+        );
+    }
+    text
+}
