@@ -8,8 +8,7 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{length, percent};
 use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
-use crate::sweep::{self, Fragility};
-use crate::verb::sweep::{Swept, fitted, told};
+use crate::sweep::{self, Fragility, Swept, told};
 
 /// Curves of compensations; more would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
@@ -115,7 +114,7 @@ fn fragility(s: &Swept<'_>) -> Drawn {
         }
     }
     let svg = plot::plot(TALL, s.path, "ground motions beyond the limit [%]", &curves)?;
-    let line = |f: &Fragility| vec![f.of.to_owned(), escape(&fitted(f))];
+    let line = |f: &Fragility| vec![f.of.to_owned(), escape(&f.in_words())];
     Ok(format!(
         "<h2>Where a floor moves further than {}</h2>{}{}",
         length(1e-3 * mm),

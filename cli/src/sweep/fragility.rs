@@ -4,6 +4,7 @@
 //! at each value exceed the limit (Baker, Earthquake Spectra 31, 2015, Eq 11).
 
 use super::Row;
+use crate::numbers::three;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 
@@ -62,6 +63,16 @@ impl Fragility {
             of: name,
             shares,
             fit,
+        }
+    }
+
+    /// What the fit says, in words.
+    pub fn in_words(&self) -> String {
+        match self.fit {
+            Some(l) => format!("median {}, beta {}", three(l.median), three(l.beta)),
+            None => {
+                "no curve: the ground motions do not differ in where they exceed the limit".into()
+            }
         }
     }
 }

@@ -8,11 +8,27 @@ pub use range::Range;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::numbers::percent;
 use crate::summary::{Summary, Verdict};
 use crate::terminal::{Progress, interrupt};
 use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;
+
+/// What a sweep came to.
+#[derive(Debug, Serialize)]
+pub struct Swept<'a> {
+    /// Path of the key.
+    pub path: &'a str,
+    /// Each test.
+    pub rows: &'a [Row],
+    /// The displacement whose exceedance is counted, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_mm: Option<f64>,
+    /// The ideal rig's curve, then one for each compensation.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub fragility: &'a [Fragility],
+}
 
 /// One test of a sweep.
 #[derive(Clone, Debug, Serialize)]
@@ -63,6 +79,15 @@ pub fn run(
         })
         .collect::<Result<_, Failure>>()?;
     Ok(parts.into_iter().flatten().collect())
+}
+
+/// An error in a table: tripped and run away is lost.
+pub fn told(error: f64) -> String {
+    if error.is_finite() {
+        percent(error)
+    } else {
+        "lost".into()
+    }
 }
 
 /// The worst error of one compensation at one value, over the ground motions: eps_rms; infinite where one was lost.

@@ -4,13 +4,12 @@ use super::{Common, json, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
-use crate::numbers::{length, percent, three};
+use crate::numbers::length;
 use crate::provenance::Told;
 use crate::report;
-use crate::sweep::{self, Fragility, Range, Row};
+use crate::sweep::{self, Fragility, Range, Row, Swept, told};
 use crate::terminal::table;
 use outerloop_core::Method;
-use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -35,21 +34,6 @@ pub struct Sweep {
     /// Write report.html, sweep.csv and sweep.json there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-}
-
-/// What a sweep came to.
-#[derive(Debug, Serialize)]
-pub struct Swept<'a> {
-    /// Path of the key.
-    pub path: &'a str,
-    /// Each test.
-    pub rows: &'a [Row],
-    /// The displacement whose exceedance is counted, mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub limit_mm: Option<f64>,
-    /// The ideal rig's curve, then one for each compensation.
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    pub fragility: &'a [Fragility],
 }
 
 impl Sweep {
@@ -140,23 +124,6 @@ impl Sweep {
     }
 }
 
-/// An error in a table: tripped and run away is lost.
-pub fn told(error: f64) -> String {
-    if error.is_finite() {
-        percent(error)
-    } else {
-        "lost".into()
-    }
-}
-
-/// What the fit says of a curve, in words.
-pub fn fitted(f: &Fragility) -> String {
-    match f.fit {
-        Some(l) => format!("median {}, beta {}", three(l.median), three(l.beta)),
-        None => "no curve: the ground motions do not differ in where they exceed the limit".into(),
-    }
-}
-
 fn print(swept: &Swept<'_>, methods: &[Method]) {
     let key = swept.path.rsplit('.').next().unwrap_or(swept.path);
     let mut head = vec![key.to_owned(), "ideal peak".into()];
@@ -188,7 +155,7 @@ fn print(swept: &Swept<'_>, methods: &[Method]) {
     if let Some(mm) = swept.limit_mm {
         println!("\nWhere a floor moves further than {}:", length(1e-3 * mm));
         for f in swept.fragility {
-            println!("  {:<14}{}", f.of, fitted(f));
+            println!("  {:<14}{}", f.of, f.in_words());
         }
     }
 }
