@@ -172,8 +172,8 @@ fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     // The longest beginning that is a number: `5e3 N` and not `5`.
     let ends = text.char_indices().map(|(at, c)| at + c.len_utf8());
-    let numbers = ends.filter_map(|end| Some((text[..end].trim_end().parse().ok()?, end)));
-    let (number, end): (f64, usize) = numbers.last()?;
+    let mut numbers = ends.filter_map(|end| Some((text[..end].trim_end().parse().ok()?, end)));
+    let (number, end): (f64, usize) = numbers.next_back()?;
     let begins = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     begins.then(|| (number, text[end..].trim()))
 }
