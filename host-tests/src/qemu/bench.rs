@@ -4,9 +4,7 @@ use super::machine::{Clock, Machine, Test};
 use crate::{Scenario, Shaking};
 use firmware::session::Summary;
 use link::reply::RefusedParameter;
-use outerloop_core::{
-    Config, Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag,
-};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag};
 use plant::Rig;
 use std::io::{Error, Result};
 use std::path::Path;
