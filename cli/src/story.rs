@@ -179,7 +179,8 @@ impl Story {
             None
         } else {
             let mut without = experiment.clone();
-            without.test.plant = declared::as_declared(&without.test);
+            let test = &mut without.test;
+            test.plant = declared::as_declared(&test.config, &test.plant, test.declared.as_ref());
             Some(site.run(&without, method, &ideal, seed, false, progress.witness())?)
         };
         Ok(Self {
@@ -245,7 +246,8 @@ impl Story {
 
 /// What the simulated rig of a test has and nobody declares.
 fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
-    declared::undeclared(&experiment.test)
+    let test = &experiment.test;
+    declared::undeclared(&test.config, &test.plant, test.declared.as_ref())
 }
 
 /// What a correction has to know of the displacement's noise, which the record tells; a filter has been told already.

@@ -4,7 +4,6 @@
 //! laboratory believes; what the loop is told comes from there. Without it the truth is told, and that is said.
 
 use super::{Departures, Quantity, ROWS, improvement};
-use crate::files::test::TestFile;
 use diagnosis::{ActuatorModel, Declared, ForceUnit, Model, SpecimenModel};
 use outerloop_core::Config;
 use plant::actuator::ActuatorKind;
@@ -139,14 +138,7 @@ pub(crate) fn correct(model: &Model, config: &mut Config) -> Result<(), String> 
 }
 
 /// The simulated rig of a test without what nobody declared.
-pub fn as_declared(test: &TestFile) -> RigSpec {
-    let TestFile {
-        config,
-        plant,
-        declared,
-        ..
-    } = test;
-    let model = declared.as_ref();
+pub fn as_declared(config: &Config, plant: &RigSpec, model: Option<&Model>) -> RigSpec {
     let known = match model {
         Some(model) => Departures::of_model(model, config.compensation.delay_ms),
         None => Departures::none(),
@@ -176,9 +168,9 @@ pub fn as_declared(test: &TestFile) -> RigSpec {
 }
 
 /// The names of what the simulated rig of a test has and nobody declared.
-pub fn undeclared(test: &TestFile) -> Vec<&'static str> {
-    let (rig, without) = (&test.plant, &as_declared(test));
-    let axes = 0..test.config.physical_storeys();
+pub fn undeclared(config: &Config, rig: &RigSpec, model: Option<&Model>) -> Vec<&'static str> {
+    let without = &as_declared(config, rig, model);
+    let axes = 0..config.physical_storeys();
     let differ = |a: f64, b: f64| (a - b).abs() > 1e-9 * a.abs().max(b.abs());
     let wrong = |quantity: Quantity| {
         axes.clone().any(|axis| {
@@ -207,6 +199,7 @@ pub fn undeclared(test: &TestFile) -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::test::TestFile;
     use std::path::Path;
 
     const TEST: &str = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
@@ -217,9 +210,16 @@ mod tests {
         TestFile::parse(&format!("{TEST}{more}"), "t.toml", Path::new(""), &set).unwrap()
     }
 
+    fn not_declared(test: &TestFile) -> Vec<&'static str> {
+        undeclared(&test.config, &test.plant, test.declared.as_ref())
+    }
+
     /// What the loop takes out of the rig as it is declared, and that rig's own errors.
     fn loop_and_rig(test: &TestFile) -> [Departures; 2] {
-        let rig = Departures::of_rig(&as_declared(test), 0);
+        let rig = Departures::of_rig(
+            &as_declared(&test.config, &test.plant, test.declared.as_ref()),
+            0,
+        );
         [Departures::taken_out(&test.config.rig, 0), rig]
     }
 
@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(rig[Quantity::ForceOffset], 300.0);
         // The displacement waits for its force.
         assert_eq!(test.config.compensation.delay_ms, 7.5);
-        assert!(undeclared(&test).is_empty(), "{:?}", undeclared(&test));
+        assert!(not_declared(&test).is_empty(), "{:?}", not_declared(&test));
     }
 
     #[test]
@@ -268,13 +268,13 @@ mod tests {
                 "delay_error",
             ),
         ] {
-            assert_eq!(undeclared(&test(truth, &[])), [name], "{truth}");
+            assert_eq!(not_declared(&test(truth, &[])), [name], "{truth}");
         }
         let as_told = test(
             "[plant.specimen]\nphysical_mass_kg = 60\n",
             &["structure.physical_mass_kg=60"],
         );
-        assert!(undeclared(&as_told).is_empty());
+        assert!(not_declared(&as_told).is_empty());
     }
 
     #[test]
