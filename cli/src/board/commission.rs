@@ -38,16 +38,19 @@ pub fn commission<P: Port>(
     witness: &mut impl Witness,
 ) -> Result<Played, Failure> {
     course.check(&test.config)?;
-    let plan = Plan::of_course(test, course, actuator);
-    let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
-    let (identity, config) = ready(board, &test.config, &plan, wanted)?;
-    let actuators = identity.actuators();
-    if actuator >= actuators {
+    let storeys = test
+        .config
+        .physical_storeys()
+        .min(test.config.degrees_of_freedom());
+    if actuator >= storeys {
         return Err(Failure::input(format!(
-            "--actuator {}: the board has {actuators}: accepted are 1 to {actuators}",
+            "--actuator {}: the test has {storeys} storeys in the laboratory, each with an actuator: accepted are 1 to {storeys}",
             actuator + 1
         )));
     }
+    let plan = Plan::of_course(test, course, actuator);
+    let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
+    let (identity, config) = ready(board, &test.config, &plan, wanted)?;
     done(board, "configure", &Command::Configure(config.clone()))?;
     course.send(board, &config, actuator as u8)?;
     let shown = Shown::by_all(identity.calibrations(), &identity.codes);

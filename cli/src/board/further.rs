@@ -11,6 +11,8 @@ use std::fmt::Write as _;
 /// Offsets of an output and of what reads it back, as a share of the converter's range, that are no fault: the chip's own DAC
 /// and ADC have 12 and 5 codes of 4095 by the data sheet; what is behind resistors or has 16 bits has less.
 const OFFSET_SHARE: f64 = 0.005;
+/// What remains of it since the test began, where it does not count: some codes of 12 bits.
+const DRIFT_SHARE: f64 = 0.001;
 /// Their gains, as a share of the command.
 const GAIN_SHARE: f64 = 0.01;
 
@@ -21,6 +23,9 @@ pub struct Further {
     pub command_off_m: Option<f64>,
     /// The same of each actuator, from the first; none where nothing is read back.
     pub commands_off_m: Vec<Option<f64>>,
+    /// Of each actuator the command read back less the command sent in its first step, m.
+    #[serde(skip)]
+    at_start_m: Vec<Option<f64>>,
     /// Of each actuator the step in which it was furthest beyond what two converters may be apart: by how much it was off,
     /// and what is allowed, m.
     #[serde(skip)]
@@ -48,6 +53,7 @@ impl Further {
         (!identity.inputs.is_empty()).then(|| Self {
             command_off_m: None,
             commands_off_m: vec![None; lines.len()],
+            at_start_m: vec![None; lines.len()],
             beyond: vec![None; lines.len()],
             inputs: identity.inputs.iter().copied().collect(),
             codes: identity.codes,
@@ -71,16 +77,23 @@ impl Further {
             else {
                 continue;
             };
-            let off_m = f64::from((line.quantity(code) - sent_m).abs());
+            let apart_m = f64::from(line.quantity(code) - sent_m);
+            let since_m = apart_m - *self.at_start_m[actuator].get_or_insert(apart_m);
+            let off_m = apart_m.abs();
             let range_m = f64::from(line.per_code.abs()) * f64::from(self.codes.command_top);
-            let allowed_m = OFFSET_SHARE * range_m + GAIN_SHARE * f64::from(sent_m.abs());
+            let gain_m = GAIN_SHARE * f64::from(sent_m.abs());
             for worst in [&mut self.commands_off_m[actuator], &mut self.command_off_m] {
                 *worst = Some(worst.unwrap_or(0.0).max(off_m));
             }
             let beyond = &mut self.beyond[actuator];
-            let worst_m = beyond.map_or(0.0, |(off_m, allowed_m)| off_m - allowed_m);
-            if off_m - allowed_m > worst_m {
-                *beyond = Some((off_m, allowed_m));
+            for (off_m, allowed_m) in [
+                (off_m, OFFSET_SHARE * range_m + gain_m),
+                (since_m.abs(), DRIFT_SHARE * range_m + gain_m),
+            ] {
+                let worst_m = beyond.map_or(0.0, |(off_m, allowed_m)| off_m - allowed_m);
+                if off_m - allowed_m > worst_m {
+                    *beyond = Some((off_m, allowed_m));
+                }
             }
         }
     }
@@ -180,6 +193,7 @@ mod tests {
         Further {
             command_off_m: None,
             commands_off_m: vec![None; actuators],
+            at_start_m: vec![None; actuators],
             beyond: vec![None; actuators],
             inputs,
             codes: CodeRange {
