@@ -1,0 +1,133 @@
+//! `outerloop serve` and a client that speaks to it as OpenSees' genericClient does.
+
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Duration;
+
+pub const STIFFNESS: f64 = 158e3;
+/// Numbers of a message.
+pub const LENGTH: usize = 256;
+
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// `outerloop serve`, ended with the test.
+pub struct Server {
+    pub child: Child,
+    out: BufReader<ChildStdout>,
+    pub address: String,
+}
+
+impl Server {
+    pub fn start(arguments: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+            .args(["serve", "examples/opensees.toml", "--json"])
+            .args(["--listen", "127.0.0.1:0"])
+            .args(arguments)
+            .current_dir(root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        // A board that has to be built first says so before.
+        while !line.contains("outerloop: serves") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "it never serves");
+        }
+        let address = line.split(" at ").nth(1).expect(&line);
+        let address = address.split(';').next().unwrap().to_owned();
+        // What else it says must not fill its pipe.
+        std::thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+        let out = BufReader::new(child.stdout.take().unwrap());
+        Self {
+            child,
+            out,
+            address,
+        }
+    }
+
+    pub fn client(&self) -> Client {
+        Client::connect(
+            &self.address,
+            &[1, 1, 1, 0, 1, 0, 0, 0, 1, 0, LENGTH as i32],
+        )
+    }
+
+    /// What it says of a client that has gone.
+    pub fn account(&mut self) -> Value {
+        let mut line = String::new();
+        self.out.read_line(&mut line).unwrap();
+        serde_json::from_str(&line).expect("one JSON object a line")
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// As OpenSees' genericClient.
+pub struct Client(pub TcpStream);
+
+impl Client {
+    pub fn connect(address: &str, header: &[i32]) -> Self {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_nodelay(true).unwrap();
+        let patience = Some(Duration::from_secs(20));
+        stream.set_read_timeout(patience).unwrap();
+        let bytes: Vec<u8> = header.iter().flat_map(|i| i.to_le_bytes()).collect();
+        stream.write_all(&bytes).unwrap();
+        Self(stream)
+    }
+
+    pub fn say(&mut self, numbers: &[f64]) {
+        let mut message = vec![0.0; LENGTH];
+        message[..numbers.len()].copy_from_slice(numbers);
+        let bytes: Vec<u8> = message.iter().flat_map(|x| x.to_le_bytes()).collect();
+        // A server that has hung up is found out when it is listened to.
+        let _ = self.0.write_all(&bytes);
+    }
+
+    pub fn hear(&mut self) -> Option<f64> {
+        let mut bytes = [0; 8 * LENGTH];
+        self.0.read_exact(&mut bytes).ok()?;
+        Some(f64::from_le_bytes(bytes[..8].try_into().unwrap()))
+    }
+
+    pub fn ask(&mut self, action: f64) -> Option<f64> {
+        self.say(&[action]);
+        self.hear()
+    }
+
+    /// A step: trial, force, commit.
+    pub fn step(&mut self, displacement: f64, time_s: f64) -> Option<f64> {
+        self.say(&[3.0, displacement, 0.0, 0.0, time_s]);
+        let force = self.ask(10.0)?;
+        self.say(&[5.0]);
+        Some(force)
+    }
+}
+
+/// The displacements of a mass on the specimen under a ground motion, explicit Newmark, and the force by `force`.
+pub fn integrate(steps: usize, mut force: impl FnMut(f64, f64) -> f64) -> Vec<f64> {
+    let (m, dt, c) = (1000.0, 0.01, 500.0);
+    let (mut u, mut v, mut a, mut path) = (0.0_f64, 0.0, 0.0, Vec::new());
+    for i in 0..steps {
+        let t = i as f64 * dt;
+        u += dt * v + 0.5 * dt * dt * a;
+        let half = v + 0.5 * dt * a;
+        let ground = 3.0 * (11.0 * t).sin() * (0.7 * t).sin();
+        a = (-m * ground - force(u, t) - c * half) / m;
+        v = half + 0.5 * dt * a;
+        path.push(u);
+    }
+    path
+}
