@@ -2,10 +2,6 @@
 //! input registers for LDAC, which shows all of them; an output is clamped to ground until it and the reference have power.
 
 use super::output::Output;
-use super::shift::Shift;
-use rigless::chip::Timeline;
-use rigless::chip::spi::Peer;
-use rigless::snapshot::Store;
 use std::collections::VecDeque;
 
 /// Upper end of each range, V; the first three begin at 0, the others at its opposite.
@@ -26,9 +22,6 @@ pub struct Ad5754r {
     range: [u16; OUTPUTS],
     power: u16,
     dac: [u16; OUTPUTS],
-    shift: Shift,
-    /// What the command before this one asked for.
-    answer: u32,
     /// Codes in the input registers and not yet loaded, with their times, ns, and outputs.
     waiting: VecDeque<(u64, usize, u16)>,
     commands: Vec<(u64, u16)>,
@@ -36,6 +29,44 @@ pub struct Ad5754r {
 }
 
 impl Output for Ad5754r {
+    fn execute(&mut self, at_ns: u64, command: u32) -> u32 {
+        let (register, output, data) = (command >> 19 & 7, command >> 16 & 7, command as u16);
+        if command >> 23 == 1 {
+            let output = (output as usize).min(OUTPUTS - 1);
+            let value = match register {
+                0 => self.dac[output],
+                1 => self.range[output],
+                2 => self.power,
+                _ => 0,
+            };
+            return command & 0xff_0000 | u32::from(value);
+        }
+        let outputs = match output as usize {
+            OUTPUTS => 0..OUTPUTS,
+            one => one..(one + 1).min(OUTPUTS),
+        };
+        match (register, output) {
+            (0, _) => {
+                for output in outputs {
+                    self.waiting.push_back((at_ns, output, data));
+                    if output == 0 {
+                        // Codes count from the lower end here.
+                        self.commands.push((at_ns, data ^ 0x8000));
+                    }
+                }
+            }
+            (1, _) => self.range[outputs].fill(data & 7),
+            (2, _) => self.power = data & POWER,
+            (3, 4) => {
+                self.dac = [0; OUTPUTS];
+                self.waiting.clear();
+            }
+            (3, 5) => self.take_over(at_ns),
+            _ => {}
+        }
+        0
+    }
+
     fn take_over(&mut self, at_ns: u64) {
         while let Some((_, output, code)) = self.waiting.pop_front_if(|(at, ..)| *at <= at_ns) {
             if !self.broken[output] {
@@ -66,66 +97,6 @@ impl Output for Ad5754r {
     }
 }
 
-impl Ad5754r {
-    fn execute(&mut self, at_ns: u64, command: u32) {
-        let (register, output, data) = (command >> 19 & 7, command >> 16 & 7, command as u16);
-        self.answer = 0;
-        if command >> 23 == 1 {
-            let output = (output as usize).min(OUTPUTS - 1);
-            let value = match register {
-                0 => self.dac[output],
-                1 => self.range[output],
-                2 => self.power,
-                _ => 0,
-            };
-            self.answer = command & 0xff_0000 | u32::from(value);
-            return;
-        }
-        let outputs = match output as usize {
-            OUTPUTS => 0..OUTPUTS,
-            one => one..(one + 1).min(OUTPUTS),
-        };
-        match (register, output) {
-            (0, _) => {
-                for output in outputs {
-                    self.waiting.push_back((at_ns, output, data));
-                    if output == 0 {
-                        // Codes count from the lower end here.
-                        self.commands.push((at_ns, data ^ 0x8000));
-                    }
-                }
-            }
-            (1, _) => self.range[outputs].fill(data & 7),
-            (2, _) => self.power = data & POWER,
-            (3, 4) => {
-                self.dac = [0; OUTPUTS];
-                self.waiting.clear();
-            }
-            (3, 5) => self.take_over(at_ns),
-            _ => {}
-        }
-    }
-}
-
-// Snapshots are not taken.
-impl Store for Ad5754r {}
-
-impl Peer for Ad5754r {
-    fn transfer(&mut self, mosi: u32, bits: u8, _: &mut Timeline<'_, '_>) -> u32 {
-        self.shift.transfer(mosi, bits)
-    }
-
-    fn select(&mut self, _: &mut Timeline<'_, '_>) {
-        self.shift.begin(self.answer);
-    }
-
-    fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
-        if let Some(command) = self.shift.end() {
-            self.execute(context.now().0, command);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,8 +124,7 @@ mod tests {
         assert!((dac.volts(2) - 10.0).abs() < 1e-3);
         assert_eq!(dac.volts(3), 0.0, "D has no power");
         for (question, answer) in [(0x90_0000, 0x90_0017), (0x8a_0000, 0x8a_0004)] {
-            dac.execute(10, question);
-            assert_eq!(dac.answer, answer);
+            assert_eq!(dac.execute(10, question), answer);
         }
         dac.execute(11, 0x1c_0000);
         assert_eq!((dac.volts(0), dac.volts(2)), (0.0, 0.0));

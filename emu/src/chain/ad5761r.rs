@@ -2,10 +2,6 @@
 //! LDAC; the output is clamped to ground until the control register has been written.
 
 use super::output::Output;
-use super::shift::Shift;
-use rigless::chip::Timeline;
-use rigless::chip::spi::Peer;
-use rigless::snapshot::Store;
 use std::collections::VecDeque;
 
 /// What is written of the control register.
@@ -31,9 +27,6 @@ const RANGES: [(f64, f64); 8] = [
 pub struct Ad5761r {
     /// `None` until it is written: the output is clamped.
     control: Option<u32>,
-    /// What the command before this one asked for.
-    answer: u32,
-    shift: Shift,
     dac: u16,
     /// Codes in the input register and not yet loaded, with their times, ns.
     waiting: VecDeque<(u64, u16)>,
@@ -42,6 +35,35 @@ pub struct Ad5761r {
 }
 
 impl Output for Ad5761r {
+    fn execute(&mut self, at_ns: u64, command: u32) -> u32 {
+        let data = command as u16;
+        match command >> 16 & 0xf {
+            0x1 => {
+                self.waiting.push_back((at_ns, data));
+                self.commands.push((at_ns, data));
+            }
+            0x2 => self.take_over(at_ns),
+            0x3 => {
+                self.waiting.push_back((at_ns, data));
+                self.commands.push((at_ns, data));
+                self.take_over(at_ns);
+            }
+            0x4 => {
+                if self.control.is_none() {
+                    self.dac = Self::after_power_up(u32::from(data));
+                }
+                self.control = Some(u32::from(data) & CONTROL);
+            }
+            0xc => return 0xc_0000 | self.control.unwrap_or(BROWN_OUT),
+            0xf => {
+                (self.control, self.dac) = (None, 0);
+                self.waiting.clear();
+            }
+            _ => {}
+        }
+        0
+    }
+
     fn take_over(&mut self, at_ns: u64) {
         while let Some((_, code)) = self.waiting.pop_front_if(|(at, _)| *at <= at_ns) {
             if !self.broken {
@@ -68,60 +90,12 @@ impl Output for Ad5761r {
 }
 
 impl Ad5761r {
-    fn execute(&mut self, at_ns: u64, command: u32) {
-        let data = command as u16;
-        self.answer = 0;
-        match command >> 16 & 0xf {
-            0x1 => {
-                self.waiting.push_back((at_ns, data));
-                self.commands.push((at_ns, data));
-            }
-            0x2 => self.take_over(at_ns),
-            0x3 => {
-                self.waiting.push_back((at_ns, data));
-                self.commands.push((at_ns, data));
-                self.take_over(at_ns);
-            }
-            0x4 => {
-                if self.control.is_none() {
-                    self.dac = Self::after_power_up(u32::from(data));
-                }
-                self.control = Some(u32::from(data) & CONTROL);
-            }
-            0xc => self.answer = 0xc_0000 | self.control.unwrap_or(BROWN_OUT),
-            0xf => {
-                (self.control, self.dac) = (None, 0);
-                self.waiting.clear();
-            }
-            _ => {}
-        }
-    }
-
     /// Zero, middle or full scale, by the control register.
     fn after_power_up(control: u32) -> u16 {
         match control >> 3 & 3 {
             0 => 0,
             1 => 0x8000,
             _ => 0xffff,
-        }
-    }
-}
-
-// Snapshots are not taken.
-impl Store for Ad5761r {}
-
-impl Peer for Ad5761r {
-    fn transfer(&mut self, mosi: u32, bits: u8, _: &mut Timeline<'_, '_>) -> u32 {
-        self.shift.transfer(mosi, bits)
-    }
-
-    fn select(&mut self, _: &mut Timeline<'_, '_>) {
-        self.shift.begin(self.answer);
-    }
-
-    fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
-        if let Some(command) = self.shift.end() {
-            self.execute(context.now().0, command);
         }
     }
 }
@@ -134,8 +108,7 @@ mod tests {
     fn it_is_clamped_then_in_the_middle_and_a_code_waits_for_its_load() {
         let mut dac = Ad5761r::default();
         assert_eq!(dac.volts(0), 0.0);
-        dac.execute(0, 0xc_0000);
-        assert_ne!(dac.answer & BROWN_OUT, 0);
+        assert_ne!(dac.execute(0, 0xc_0000) & BROWN_OUT, 0);
         // Own reference, middle at power-up, -10 to +10 V.
         dac.execute(1, 0x4_0028);
         assert_eq!(dac.volts(0), 0.0);
@@ -145,8 +118,7 @@ mod tests {
         assert_eq!(dac.volts(0), 0.0, "it came after this load");
         dac.take_over(3);
         assert_eq!(dac.volts(0), 5.0);
-        dac.execute(4, 0xc_0000);
-        assert_eq!(dac.answer, 0xc_0028);
+        assert_eq!(dac.execute(4, 0xc_0000), 0xc_0028);
         dac.execute(5, 0xf_0000);
         assert_eq!(dac.volts(0), 0.0);
     }

@@ -4,7 +4,7 @@
 use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
 use super::ad7606::Ad7606;
-use super::output::Output;
+use super::output::{OnBus, Output};
 use super::{Shown, beside};
 use crate::nucleo::Nucleo;
 use crate::registers::external::OUTPUT;
@@ -44,10 +44,11 @@ pub fn attach(board: &mut Nucleo, actuators: usize) {
     if let (Some(cs), Some(sync)) = (on(CS_PIN), on(SYNC_PIN)) {
         board.chip.spi[SPI1].attach_selected(Ad7606::default(), cs);
         let bus = &mut board.chip.spi[SPI3];
-        match actuators {
-            1 => drop(bus.attach_selected(Ad5761r::default(), sync)),
-            _ => drop(bus.attach_selected(Ad5754r::default(), sync)),
-        }
+        let output = match actuators {
+            1 => OnBus::new(Ad5761r::default()),
+            _ => OnBus::new(Ad5754r::default()),
+        };
+        bus.attach_selected(output, sync);
     }
 }
 
@@ -65,10 +66,7 @@ fn chip<P: Peer>(session: &mut Session<Nucleo>, spi: usize) -> Option<&mut P> {
 
 /// The output converter.
 fn output(session: &mut Session<Nucleo>) -> Option<&mut dyn Output> {
-    if chip::<Ad5754r>(session, SPI3).is_some() {
-        return chip::<Ad5754r>(session, SPI3).map(|dac| dac as &mut dyn Output);
-    }
-    chip::<Ad5761r>(session, SPI3).map(|dac| dac as &mut dyn Output)
+    chip::<OnBus>(session, SPI3).map(|bus| bus.chip.as_mut() as &mut dyn Output)
 }
 
 /// What happens between the chips and the board's pins.

@@ -1,7 +1,16 @@
-//! What every external output converter does.
+//! An external output converter behind SYNC: what each kind does, and its place on the bus.
+
+use super::shift::Shift;
+use rigless::chip::Timeline;
+use rigless::chip::spi::Peer;
+use rigless::snapshot::Store;
+use std::fmt::Debug;
 
 /// An output converter.
-pub trait Output {
+pub trait Output: Debug + Send {
+    /// A command of 24 bits is in force. Gives what it asks for, which goes out with the next one; 0 if nothing.
+    fn execute(&mut self, at_ns: u64, command: u32) -> u32;
+
     /// LDAC falls: what stood in the input registers by then is shown.
     fn take_over(&mut self, at_ns: u64);
 
@@ -13,4 +22,44 @@ pub trait Output {
 
     /// From now on an output stays where it is.
     fn break_output(&mut self, output: usize);
+}
+
+/// An output converter on a serial interface.
+#[derive(Debug)]
+pub struct OnBus {
+    /// The converter.
+    pub chip: Box<dyn Output>,
+    shift: Shift,
+    /// What the last command asked for.
+    answer: u32,
+}
+
+impl OnBus {
+    /// As after power-up.
+    pub fn new(chip: impl Output + 'static) -> Self {
+        Self {
+            chip: Box::new(chip),
+            shift: Shift::default(),
+            answer: 0,
+        }
+    }
+}
+
+// Snapshots are not taken.
+impl Store for OnBus {}
+
+impl Peer for OnBus {
+    fn transfer(&mut self, mosi: u32, bits: u8, _: &mut Timeline<'_, '_>) -> u32 {
+        self.shift.transfer(mosi, bits)
+    }
+
+    fn select(&mut self, _: &mut Timeline<'_, '_>) {
+        self.shift.begin(self.answer);
+    }
+
+    fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
+        if let Some(command) = self.shift.end() {
+            self.answer = self.chip.execute(context.now().0, command);
+        }
+    }
 }
