@@ -1,9 +1,11 @@
 //! What `outerloop run --emulated` does with each of the examples, on the flashed image with the chip's own converters: the
 //! first seconds, or the strong part where peaks lie beyond what a board shows that nobody has calibrated.
 
-use outerloop_cli::board::emulated::{Emulated, Laboratory, can_run};
-use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+#[path = "common/example.rs"]
+mod example;
+
+use example::bench;
+use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
@@ -11,7 +13,7 @@ use outerloop_cli::summary::{Summary, Verdict};
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
-fn example(name: &str) -> TestFile {
+fn file(name: &str) -> TestFile {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../examples")
         .join(name);
@@ -22,21 +24,19 @@ fn example(name: &str) -> TestFile {
 /// Runs the first seconds; gives the peak of the ideal test, m, and what became of it. Every step is received and worked
 /// out again.
 fn run(name: &str, seconds: f64) -> (f64, Summary) {
-    let test = example(name);
+    let test = file(name);
     can_run(&test).unwrap();
     let experiment = Experiment::new(test, &near_fault(), Some(seconds)).unwrap();
     let ideal = experiment.ideal().unwrap();
     let method = experiment.test.config.compensation.kind;
-    let plan = Plan::of(&experiment, &ideal);
-    let limits = plan.without_board(&experiment.test.config.limits);
-    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
-    let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
-    let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Patience::EMULATED);
-    calibrate(&mut connection, laboratory.calibration).unwrap();
-    let bench = BoardBench::new(connection, plan, Operator::nobody());
     let run = experiment
-        .run_on(&bench, method, &ideal, true, None::<Trace>)
+        .run_on(
+            &bench(&experiment, &ideal),
+            method,
+            &ideal,
+            true,
+            None::<Trace>,
+        )
         .unwrap();
     let summary = run.summary;
     println!("{name}: {}", summary.sentence());
@@ -66,7 +66,7 @@ fn a_frame_whose_first_storey_stands_in_the_laboratory() {
 #[test]
 fn two_actuators_or_three_of_12_bits_are_refused_in_one_sentence_before_anything_is_built() {
     let refused = |change: fn(&mut TestFile)| {
-        let mut test = example("three-storey.toml");
+        let mut test = file("three-storey.toml");
         change(&mut test);
         can_run(&test).unwrap_err().to_string()
     };

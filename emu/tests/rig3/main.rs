@@ -11,6 +11,8 @@ mod actuators;
 #[path = "../rig/desk.rs"]
 #[expect(dead_code, reason = "what only the scenarios with one actuator use")]
 mod desk;
+#[path = "../common/example.rs"]
+mod example;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;

@@ -1,8 +1,8 @@
 //! `examples/three-storey.toml` on the flashed image, as `outerloop run --emulated` does it: its strong part, to the end.
 
-use outerloop_cli::board::emulated::{Emulated, Laboratory, can_run};
-use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Image, Operator, Patience, calibrate};
+use crate::example::bench;
+use outerloop_cli::board::Image;
+use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
@@ -23,16 +23,14 @@ fn the_error_is_within_5_percent_of_the_one_without_converters() {
         .run(method, &ideal, 1, false, None::<Trace>)
         .unwrap();
 
-    let plan = Plan::of(&experiment, &ideal);
-    let limits = plan.without_board(&experiment.test.config.limits);
-    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
-    let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
-    let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Patience::EMULATED);
-    calibrate(&mut connection, laboratory.calibration).unwrap();
-    let bench = BoardBench::new(connection, plan, Operator::nobody());
     let run = experiment
-        .run_on(&bench, method, &ideal, true, None::<Trace>)
+        .run_on(
+            &bench(&experiment, &ideal),
+            method,
+            &ideal,
+            true,
+            None::<Trace>,
+        )
         .unwrap();
 
     let (summary, plain) = (&run.summary, &without.summary);

@@ -1,0 +1,20 @@
+//! The bench of a test as `outerloop run --emulated` sets it up.
+
+use outerloop_cli::board::emulated::{Emulated, Laboratory};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+use outerloop_cli::experiment::Experiment;
+use outerloop_cli::trace::Response;
+use std::path::Path;
+
+/// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.
+pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
+    let plan = Plan::of(experiment, ideal);
+    let limits = plan.without_board(&experiment.test.config.limits);
+    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
+    let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
+    let port = Emulated::with(emulator, &laboratory).unwrap();
+    let mut connection = Connection::new(port, Patience::EMULATED);
+    calibrate(&mut connection, laboratory.calibration).unwrap();
+    BoardBench::new(connection, plan, Operator::nobody())
+}
