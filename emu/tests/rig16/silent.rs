@@ -1,17 +1,18 @@
 //! A converter outside the chip that does not answer.
 
 use crate::desk::{Bench, Desk};
+use emu::Mutant;
+use emu::registers::GPIOF_MODER;
 use link::Command;
 use link::reply::{Obstacle, Reply};
 use outerloop_core::Event;
 
-#[test]
-fn a_converter_without_its_reset_does_not_answer_and_nothing_can_be_armed() {
-    use emu::registers::GPIOF_MODER;
+/// A board on which these bits of a register are zero notices that a converter is silent, and nothing can be armed.
+pub fn is_noticed(address: u64, clear: u64) {
     let mut desk = Desk::with(Bench {
-        mutant: Some(emu::Mutant {
-            address: GPIOF_MODER,
-            clear: 3 << 24,
+        mutant: Some(Mutant {
+            address,
+            clear,
             set: 0,
         }),
         ..Bench::default()
@@ -22,6 +23,11 @@ fn a_converter_without_its_reset_does_not_answer_and_nothing_can_be_armed() {
     let silent = Some(Obstacle::Converters);
     assert!(
         matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == silent),
-        "{reply:?}"
+        "{address:#x}: {reply:?}"
     );
+}
+
+#[test]
+fn a_converter_without_its_reset_does_not_answer_and_nothing_can_be_armed() {
+    is_noticed(GPIOF_MODER, 3 << 24);
 }

@@ -16,4 +16,6 @@ mod example;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;
+#[path = "../rig16/silent.rs"]
+mod silent;
 mod three_storey;

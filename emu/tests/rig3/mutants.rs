@@ -1,13 +1,9 @@
 //! Images for three actuators with one register wrong: each is seen for what it is.
 
-use crate::desk::{Bench, Desk};
 use crate::mutant::Does::{Runs, SamplesNothing, ShowsNothing};
 use crate::mutant::{Case, each_is_seen};
-use emu::Mutant;
+use crate::silent::is_noticed;
 use emu::registers::*;
-use link::Command;
-use link::reply::{Obstacle, Reply};
-use outerloop_core::Event;
 
 const CASES: [Case; 9] = [
     ("TIM2_CCMR2.OC3M", TIM2_CCMR2, 7 << 4, 0, SamplesNothing),
@@ -30,33 +26,13 @@ const CASES: [Case; 9] = [
     ("GPIOC_MODER.PC0", GPIOC_MODER, 3, 0, Runs),
 ];
 
-/// Pins that drive nothing: SYNC, without which the AD5754R hears no command, and RESET, without which the AD7606 converts
-/// nothing.
-const SILENT: [(u64, u64); 2] = [(GPIOD_MODER, 3 << 4), (GPIOF_MODER, 3 << 24)];
-
 #[test]
 fn each_wrong_register_is_seen_for_what_it_is() {
     each_is_seen(&CASES);
 }
 
+/// SYNC drives nothing: the AD5754R hears no command.
 #[test]
-fn a_converter_that_does_not_answer_is_noticed_and_nothing_can_be_armed() {
-    for (address, clear) in SILENT {
-        let mut desk = Desk::with(Bench {
-            mutant: Some(Mutant {
-                address,
-                clear,
-                set: 0,
-            }),
-            ..Bench::default()
-        });
-        desk.load();
-        assert!(!desk.status().converters_ok);
-        let reply = desk.ask(Command::Event(Event::Arm));
-        let silent = Some(Obstacle::Converters);
-        assert!(
-            matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == silent),
-            "{address:#x}: {reply:?}"
-        );
-    }
+fn commands_that_do_not_reach_their_converter_are_noticed_and_nothing_can_be_armed() {
+    is_noticed(GPIOD_MODER, 3 << 4);
 }
