@@ -86,11 +86,13 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
         notes.contains("Nothing answers at free_rotation_rad"),
         "{notes}"
     );
-    // The velocity of the frame is 4.5 ms late, which takes 4.5 ms of its 410 N s/m off its 8.45 kg.
+    // The frame's velocity and acceleration come from a filter, w^2 / (s^2 + 1.4 w s + w^2) at 50 Hz, and are late. So its
+    // force is not that of its 8.45 kg: with (410 s + 8.45 s^2) through that filter, the part in phase with the acceleration
+    // is 6.63 kg at 0 Hz and falls to 5.84 kg at 15 Hz, where the noise takes over. A constant mass lies between.
     let mass = wrong(&d, 0, "mass", "x_m");
     let [low, high] = pair(&mass["ci90"]);
     assert_eq!(mass["declared"].as_f64().unwrap().round(), 903.0);
-    assert!(6.0 < low && high < 8.45, "{mass}");
+    assert!(5.84 < low && high < 6.63, "{mass}");
     for c in d["coordinates"].as_array().unwrap() {
         assert_eq!(c["verdict"], "effect", "{c}");
         let rms = |when: &str| c[when]["test_rms"].as_f64().unwrap();
