@@ -58,8 +58,8 @@ pub const CERTAIN: f64 = 2.0;
 pub const FALSE_NAMES: [(f64, f64); 4] = [(3.0, 0.02), (2.0, 0.04), (1.5, 0.15), (1.2, 0.25)];
 /// Expected share of false names whose rival leaves next to nothing more.
 pub const LEAST_SURE: f64 = 0.4;
-/// Expected share of false names of effects tried one by one against a known noise, of those that leave nothing but noise
-/// and of those that leave more.
+/// The least expected share of false names of effects tried one by one against a known noise, of those that leave nothing
+/// but noise and of those that leave more; more where a rival leaves little more ([`FALSE_NAMES`]).
 pub const FALSE_SINGLES: [f64; 2] = [0.04, 0.1];
 /// Beside an unnamed rest of all other kinds an element must still lower the squares by this share.
 pub const BESIDE_THE_REST: f64 = 0.03;
@@ -83,9 +83,10 @@ pub const NEARLY: f64 = 1.7;
 /// Friction and hysteresis are one kind, told apart by where they yield; a name needs the other to leave so many times
 /// the squares.
 pub const WITHIN_A_KIND: f64 = 1.5;
-/// Yield, over half the range, up to which hysteresis may be the give of a sliding contact: bristles and seals give a tenth of a
-/// small stroke. Between this and [`FRICTION_YIELD`] friction and hysteresis are a set, whichever fits.
-pub const MAY_BE_FRICTION: f64 = 0.1;
+/// Yield, over half the range, up to which hysteresis may be the give of a sliding contact: a lip seal gives tenths of a
+/// millimetre, a fifth of a stroke of a few, and friction that gives smoothly (Dahl's law) is Bouc-Wen's equation with
+/// equal rates out and back. Between this and [`FRICTION_YIELD`] friction and hysteresis are a set, whichever fits.
+pub const MAY_BE_FRICTION: f64 = 0.2;
 /// A rival that leaves less than this share of the squares gets no more odds for it.
 pub const LEAST_TIMES: f64 = 0.8;
 /// A member of a set that is less probable is not worth a line.
@@ -112,7 +113,7 @@ pub const LINES: f64 = 0.3;
 /// What a declared model leaves below this share of the force is within the class of a good load cell (0.5, ISO 7500-1):
 /// where no element is worth its price nothing is missing that could be asked about.
 pub const TRANSDUCER: f64 = 0.005;
-/// The same of a displacement (0.1, a good LVDT), where no rest tells that it is better than that.
+/// The same of a displacement (0.1, a good LVDT). A rest tells the noise of a transducer, not how straight it is.
 pub const DISPLACEMENT_TRANSDUCER: f64 = 0.001;
 /// A rest that is so many times as loud as samples of the same motion differ by is none: that figure is within a third.
 pub const LOUD_REST: f64 = 2.0;

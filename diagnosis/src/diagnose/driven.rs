@@ -76,7 +76,7 @@ impl ChannelDiagnosis<'_> {
             answer.verdict = Verdict::Unknown;
             answer.nearest = Some(Nearest { name, explained });
         };
-        let exact = before.test_nrmse < DISPLACEMENT_TRANSDUCER && noise.from != Source::Rest;
+        let exact = before.test_nrmse < DISPLACEMENT_TRANSDUCER;
         match found.outcome {
             _ if exact => {}
             Outcome::Nothing => {

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::noise::Noise;
 use crate::problem::Problem;
 use crate::signals::rms;
-use crate::{advice, lattice};
+use crate::{advice, joint, lattice};
 use plant::{Channel, Effect, Family};
 
 /// The held-out data as a problem, and what an answer leaves of them.
@@ -36,7 +36,8 @@ fn vouch(answer: &mut ChannelAnswer, leaves_more: bool) {
     };
     for effect in &mut answer.effects {
         effect.certificate = certificate;
-        effect.q = Some(FALSE_SINGLES[usize::from(leaves_more)]);
+        let by_rivals = certificate.map_or(0.0, |c| joint::q(c.rivals_leave));
+        effect.q = Some(FALSE_SINGLES[usize::from(leaves_more)].max(by_rivals));
     }
 }
 

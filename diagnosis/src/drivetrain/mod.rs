@@ -12,7 +12,7 @@ mod verdict;
 mod way;
 
 pub use fit::{Data, Fit};
-pub use part::{Kind, Part};
+pub use part::{Kind, Part, Shapes, shapes};
 pub use verdict::Outcome;
 pub use way::Way;
 

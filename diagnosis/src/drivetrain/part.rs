@@ -25,6 +25,12 @@ pub enum Kind {
     Stops,
     /// Dry friction in the drive that gives elastically over so many mm; its strength is an amplitude.
     Friction,
+    /// Friction of the piston's seals against the spring of the oil, inside the position loop: how far it bends the oil
+    /// and the give of the seals, mm.
+    Seal,
+    /// The same where the friction falls with speed: bend and give, mm, level at rest over that in motion, speed at which
+    /// it falls, mm/s.
+    StickySeal,
     /// The rig gives way to the load: an amplitude.
     Compliance,
     /// Another gain on one side than on the other: an amplitude.
@@ -54,7 +60,7 @@ pub struct Sizes {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 16] = [
         Self::SecondLag,
         Self::OilColumn,
         Self::UnequalAreas,
@@ -65,6 +71,8 @@ impl Kind {
         Self::DeadBand,
         Self::Stops,
         Self::Friction,
+        Self::Seal,
+        Self::StickySeal,
         Self::Compliance,
         Self::SideGain,
         Self::Drift,
@@ -81,7 +89,8 @@ impl Kind {
             Self::FlowLimit | Self::RateLimit => Effect::RateLimit,
             Self::Play => Effect::Backlash,
             Self::Stops => Effect::Saturation,
-            Self::Friction => Effect::CoulombFriction,
+            Self::Friction | Self::Seal => Effect::CoulombFriction,
+            Self::StickySeal => Effect::StribeckFriction,
             Self::Compliance => Effect::RigCompliance,
             Self::Drift => Effect::Drift,
             Self::GainDrift => Effect::TemperatureGain,
@@ -91,7 +100,7 @@ impl Kind {
     /// Whether one of the two can stand in for the other: they are not put into one model.
     pub fn is_like(self, other: Self) -> bool {
         let group = |k: Self| match k {
-            Self::Play | Self::Friction => 0,
+            Self::Play | Self::Friction | Self::Seal | Self::StickySeal => 0,
             Self::Overlap | Self::DeadBand => 1,
             Self::FlowLimit | Self::RateLimit => 2,
             Self::UnequalAreas | Self::SideGain => 3,
@@ -116,52 +125,69 @@ impl Kind {
         matches!(self, Self::Friction | Self::Compliance)
     }
 
-    /// Whether it acts on the flow of the valve, inside the first lag.
-    pub const fn is_flow(self) -> bool {
+    /// Whether it acts on the flow of the valve or on the oil, inside the first lag.
+    pub const fn is_inside(self) -> bool {
         matches!(
             self,
-            Self::UnequalAreas | Self::Overlap | Self::FlowLimit | Self::RateLimit
+            Self::UnequalAreas
+                | Self::Overlap
+                | Self::FlowLimit
+                | Self::RateLimit
+                | Self::Seal
+                | Self::StickySeal
         )
     }
 
     /// What it costs in the score: 1 for one number more, somewhat more for two.
     pub const fn price(self) -> f64 {
         match self {
-            Self::OilColumn | Self::Friction | Self::Drift | Self::GainDrift => 1.3,
+            Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 1.3,
+            Self::StickySeal => 1.6,
             _ => 1.0,
         }
     }
 
     /// Values that its first shape is looked at with; those in between are found by descent.
-    pub fn grid(self, s: &Sizes) -> Vec<[f64; 2]> {
-        let spread = |low: f64, high: f64, n: usize| -> Vec<[f64; 2]> {
+    pub fn grid(self, s: &Sizes) -> Vec<Shapes> {
+        let spread = |low: f64, high: f64, n: usize| -> Vec<Shapes> {
             let at = |i: usize| low * (high / low).powf(i as f64 / (n - 1) as f64);
-            (0..n).map(|i| [at(i), 0.0]).collect()
+            (0..n).map(|i| shapes([at(i)])).collect()
         };
         match self {
             Self::SecondLag => spread(s.interval_s, 80.0 * s.interval_s, 7),
             Self::OilColumn => spread(3.0, 0.3 / s.interval_s, 8)
                 .into_iter()
-                .flat_map(|f| [[f[0], 0.1], [f[0], 0.4]])
+                .flat_map(|f| [shapes([f[0], 0.1]), shapes([f[0], 0.4])])
                 .collect(),
             Self::UnequalAreas => [-0.6, -0.2, 0.2, 0.6]
-                .map(|b| [b / s.opening_mm, 0.0])
+                .map(|b| shapes([b / s.opening_mm]))
                 .to_vec(),
             Self::Overlap => spread(0.01 * s.opening_mm, 0.5 * s.opening_mm, 6),
             Self::FlowLimit => spread(0.2 * s.opening_mm, 2.0 * s.opening_mm, 6),
             Self::RateLimit => spread(0.3 * s.speed_mm_per_s, 1.05 * s.speed_mm_per_s, 8),
-            Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 0.6 * s.x_mm, 9),
+            // The reading's own size is what they leave of the motion: they may be wider than that.
+            Self::Play | Self::DeadBand => spread(0.002 * s.x_mm, 1.5 * s.x_mm, 10),
             Self::Stops => {
                 let [low, high] = s.ends_mm;
                 let (open, inside) = (10.0 * s.x_mm, 0.02 * s.x_mm);
                 vec![
-                    [low + inside, high - inside],
-                    [low - open, high - inside],
-                    [low + inside, high + open],
+                    shapes([low + inside, high - inside]),
+                    shapes([low - open, high - inside]),
+                    shapes([low + inside, high + open]),
                 ]
             }
             Self::Friction => spread(0.002 * s.x_mm, 0.1 * s.x_mm, 5),
-            Self::Compliance | Self::SideGain => vec![[0.0; 2]],
+            Self::Seal => spread(0.006 * s.x_mm, 0.1 * s.x_mm, 4)
+                .into_iter()
+                .map(|f| shapes([f[0], 0.003 * s.x_mm]))
+                .collect(),
+            Self::StickySeal => spread(0.01 * s.x_mm, 0.05 * s.x_mm, 2)
+                .into_iter()
+                .flat_map(|f| {
+                    [0.03, 0.15].map(|v| shapes([f[0], 0.003 * s.x_mm, 1.6, v * s.speed_mm_per_s]))
+                })
+                .collect(),
+            Self::Compliance | Self::SideGain => vec![shapes([])],
             Self::Drift | Self::GainDrift => spread(0.2 * s.seconds, 20.0 * s.seconds, 3),
         }
     }
@@ -169,7 +195,8 @@ impl Kind {
     /// How many of the shapes there are.
     pub const fn shapes(self) -> usize {
         match self {
-            Self::OilColumn | Self::Stops => 2,
+            Self::OilColumn | Self::Stops | Self::Seal => 2,
+            Self::StickySeal => 4,
             Self::Compliance | Self::SideGain => 0,
             _ => 1,
         }
@@ -185,9 +212,13 @@ impl Kind {
             (Self::Overlap, _) => [0.0, 0.9 * s.opening_mm],
             (Self::FlowLimit, _) => [0.05 * s.opening_mm, 20.0 * s.opening_mm],
             (Self::RateLimit, _) => [0.1 * s.speed_mm_per_s, 2.0 * s.speed_mm_per_s],
-            (Self::Play | Self::DeadBand, _) => [0.0, 1.5 * s.x_mm],
+            (Self::Play | Self::DeadBand, _) => [0.0, 4.0 * s.x_mm],
             (Self::Stops, _) => [s.ends_mm[0] - 20.0 * s.x_mm, s.ends_mm[1] + 20.0 * s.x_mm],
             (Self::Friction, _) => [5e-4 * s.x_mm, 0.3 * s.x_mm],
+            (Self::Seal | Self::StickySeal, 0) => [0.0, 0.3 * s.x_mm],
+            (Self::Seal | Self::StickySeal, 1) => [3e-4 * s.x_mm, 0.05 * s.x_mm],
+            (Self::Seal | Self::StickySeal, 2) => [1.0, 4.0],
+            (Self::Seal | Self::StickySeal, _) => [5e-3 * s.speed_mm_per_s, 0.6 * s.speed_mm_per_s],
             (Self::Drift | Self::GainDrift, _) => [0.05 * s.seconds, 200.0 * s.seconds],
             (Self::Compliance | Self::SideGain, _) => [0.0, 0.0],
         }
@@ -201,11 +232,23 @@ impl Kind {
             (Self::OilColumn, _) => 2e-3,
             (Self::UnequalAreas, _) => 1e-3 / s.opening_mm,
             (Self::Overlap | Self::FlowLimit, _) => 1e-3 * s.opening_mm,
-            (Self::RateLimit, _) => 1e-3 * s.speed_mm_per_s,
+            (Self::RateLimit, _) | (Self::StickySeal, 3) => 1e-3 * s.speed_mm_per_s,
+            (Self::Seal | Self::StickySeal, 0 | 1) => 2e-4 * s.x_mm,
+            (Self::StickySeal, _) => 1e-2,
             (Self::Drift | Self::GainDrift, _) => 1e-2 * s.seconds,
             _ => 1e-3 * s.x_mm,
         }
     }
+}
+
+/// Shapes of a part; those that it does not have are 0.
+pub type Shapes = [f64; 4];
+
+/// The first of them as given.
+pub fn shapes<const N: usize>(first: [f64; N]) -> Shapes {
+    let mut all = [0.0; 4];
+    all[..N].copy_from_slice(&first);
+    all
 }
 
 /// A part with its shapes.
@@ -213,6 +256,6 @@ impl Kind {
 pub struct Part {
     /// Which.
     pub kind: Kind,
-    /// Its shapes; those that it does not have are 0.
-    pub shapes: [f64; 2],
+    /// Its shapes.
+    pub shapes: Shapes,
 }

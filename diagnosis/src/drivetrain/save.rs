@@ -69,12 +69,11 @@ impl Data<'_> {
         let mut shape_at = DECLARED + fit.amplitudes.len();
         let mut out = Vec::new();
         for part in &fit.model.parts {
-            let [a, b] = part.shapes;
-            let (sa, sb) = match part.kind.shapes() {
-                0 => (0.0, 0.0),
-                1 => (spread[shape_at], 0.0),
-                _ => (spread[shape_at], spread[shape_at + 1]),
-            };
+            let [a, b, c, d] = part.shapes;
+            let mut scatter = [0.0; 4];
+            let own = part.kind.shapes();
+            scatter[..own].copy_from_slice(&spread[shape_at..shape_at + own]);
+            let [sa, sb, sc, sd] = scatter;
             shape_at += part.kind.shapes();
             let (strength, ss) = if part.kind.is_column() {
                 amplitude_at += 1;
@@ -111,6 +110,15 @@ impl Data<'_> {
                     ("error_mm", "mm", strength, ss),
                     ("presliding_mm", "mm", a, sa),
                 ],
+                Kind::Seal | Kind::StickySeal => {
+                    let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];
+                    if part.kind == Kind::StickySeal {
+                        all.push(("rest_ratio", "", c, sc));
+                        all.push(("stribeck_mm_per_s", "mm/s", d * gain, sd * gain));
+                    }
+                    all.push(("presliding_mm", "mm", b * gain, sb * gain));
+                    all
+                }
                 Kind::Compliance => {
                     let stiffness = 1.0 / strength.max(1e-12);
                     vec![(
@@ -156,7 +164,7 @@ impl Data<'_> {
         let gain = fit.declared[0];
         let mut amplitudes = fit.amplitudes.iter();
         for part in &fit.model.parts {
-            let [a, b] = part.shapes;
+            let [a, b, c, d] = part.shapes;
             let mut strength = || amplitudes.next().copied().unwrap_or(0.0);
             let width = a * gain.abs();
             let lag_ms = 1e3 * fit.declared[2];
@@ -170,6 +178,18 @@ impl Data<'_> {
                 Kind::Play | Kind::DeadBand => vec![("width_mm", width)],
                 Kind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
                 Kind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
+                Kind::Seal => vec![
+                    ("oil_bend_mm", a),
+                    ("presliding_mm", b),
+                    ("valve_lag_ms", lag_ms),
+                ],
+                Kind::StickySeal => vec![
+                    ("oil_bend_mm", a),
+                    ("presliding_mm", b),
+                    ("rest_ratio", c),
+                    ("stribeck_mm_per_s", d),
+                    ("valve_lag_ms", lag_ms),
+                ],
                 Kind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
                 // The library's half of it is the gain's; no lag of the way back beside it.
                 Kind::SideGain => vec![("difference", strength() / gain)],

@@ -2,7 +2,7 @@
 //! or one less, and what is left is held again where it can be.
 
 use super::fit::{DECLARED, Data, Fit, Model};
-use super::part::{Kind, Part};
+use super::part::{Kind, Part, Shapes};
 use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PRICE};
 use crate::linear::{dot, gram};
 use nalgebra::DVector;
@@ -206,7 +206,7 @@ impl<'a> Search<'a> {
         let mut found: Vec<Glance> = kinds
             .into_par_iter()
             .filter_map(|kind| {
-                let at = |shapes: [f64; 2]| {
+                let at = |shapes: Shapes| {
                     let part = Part { kind, shapes };
                     let mut column = self.data.change(&from.fit, part);
                     factor.take_out(slopes, &mut column);

@@ -26,6 +26,8 @@ pub struct Candidate {
     pub beside: f64,
     /// It has no part that is the same everywhere along the way.
     pub varies: bool,
+    /// It depends on time alone, and no rest tells that it is there without the motion.
+    pub timed: bool,
     /// Names of other kinds that this motion cannot tell from it, whatever fits.
     pub inseparable: Vec<(Effect, Kind)>,
     /// The best of each other family and kind; best first.
@@ -37,9 +39,10 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Whether it is no better beside an unnamed rest of all other kinds, or a product of place and speed.
+    /// Whether it is no better beside an unnamed rest of all other kinds, a product of place and speed, or what the
+    /// record's beginning in mid-motion leaves behind.
     pub fn is_void(&self) -> bool {
-        self.varies || self.beside > (1.0 - BESIDE_THE_REST).ln()
+        self.varies || self.timed || self.beside > (1.0 - BESIDE_THE_REST).ln()
     }
 
     /// What is said of it.
@@ -247,6 +250,7 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
             beside_the_rest(library, group.kind, &group.elements)
         },
         varies: varies(library, &group.elements),
+        timed: group.kind == Kind::Time && !library.rests,
         may_slide: family == Family::Hysteresis
             && group
                 .elements

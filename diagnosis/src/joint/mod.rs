@@ -32,6 +32,7 @@ use crate::base::Base;
 use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, POLISHED, SEARCHED};
 use crate::problem::Problem;
 use crate::recording::Recording;
+use crate::rest;
 use plant::{Effect, Family};
 use rayon::prelude::*;
 use set::{Library, Set};
@@ -72,6 +73,7 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
             (best, library, cutoff_hz) = (found, second, again_hz);
         }
     }
+    library.rests = train.iter().all(|r| rest::spans(r).len() == 2);
     let (set, names) = certificate::certify(&mut library, &best);
     let declared = Fit::new(&library, &Set::default(), cutoff_hz)?;
     let outcome = outcome::conclude(&mut library, &set, &names, cutoff_hz)?;

@@ -201,6 +201,7 @@ mod tests {
             rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
             beside: -1.0,
             varies: false,
+            timed: false,
             may_slide: false,
             inseparable: Vec::new(),
             rivals,

@@ -55,6 +55,8 @@ pub struct Library<'a> {
     pub sizes: Sizes,
     /// Samples that are averaged into one.
     pub every: usize,
+    /// Whether all of them rest before and after they move: what depends on time alone must be there, too.
+    pub rests: bool,
     /// The elements.
     pub elements: Vec<Element>,
     /// Declared columns, then one for each element.
@@ -109,6 +111,7 @@ impl<'a> Library<'a> {
             tracks,
             sizes,
             every,
+            rests: false,
             elements,
             columns,
             force,

@@ -5,7 +5,7 @@ use super::candidate::{
     rest_ratio, settling, stribeck,
 };
 use super::operators as op;
-use crate::drivetrain::{Kind, Part, Way};
+use crate::drivetrain::{Kind, Part, Shapes, Way, shapes};
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
 use plant::{Channel, Effect};
@@ -240,7 +240,7 @@ pub const FORMS: &[Candidate] = &[
     Candidate {
         effect: Effect::AsymmetricActuator,
         shapes: |s| vec![Shape::new(-1.0 / s.x, 1.0 / s.x, 1)],
-        stage: Some(|y, p, k| through_valve(y, k, Kind::UnequalAreas, p[0])),
+        stage: Some(|y, p, k| through_valve(y, k, Kind::UnequalAreas, shapes([p[0]]))),
         parameters: |_, p, _| vec![("unequal_areas_per_mm", "1/mm", p[0])],
         ..STAGE
     },
@@ -253,7 +253,7 @@ pub const FORMS: &[Candidate] = &[
                 Shape::new(1e-4, 1.0, 1),
             ]
         },
-        stage: Some(|y, p, k| through_valve(y, k, Kind::Overlap, p[0])),
+        stage: Some(|y, p, k| through_valve(y, k, Kind::Overlap, shapes([p[0]]))),
         parameters: |_, p, _| vec![("width_mm", "mm", 2.0 * p[0])],
         ..STAGE
     },
@@ -266,7 +266,7 @@ pub const FORMS: &[Candidate] = &[
                 Shape::new(1e-4, 1.0, 1),
             ]
         },
-        stage: Some(|y, p, k| through_valve(y, k, Kind::FlowLimit, p[0])),
+        stage: Some(|y, p, k| through_valve(y, k, Kind::FlowLimit, shapes([p[0]]))),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0] / p[1].max(1e-6))],
         ..STAGE
     },
@@ -278,10 +278,35 @@ pub const FORMS: &[Candidate] = &[
         parameters: |_, p, _| vec![("limit_mm", "mm", p[0].abs().min(p[1].abs()))],
         ..STAGE
     },
+    // Friction of seals against the spring of the oil: what it bends it by and the seals' give, mm, and the lag behind it, s.
+    Candidate {
+        effect: Effect::CoulombFriction,
+        shapes: |s| vec![Shape::new(1e-3 * s.x, 0.3 * s.x, 1); 3],
+        stage: Some(|y, p, k| through_valve(y, k, Kind::Seal, shapes([p[0], p[1]]))),
+        parameters: |_, p, _| vec![("error_mm", "mm", p[0]), ("presliding_mm", "mm", p[1])],
+        ..STAGE
+    },
+    // The same where it falls with speed: its level at rest over that in motion, and the speed, mm/s.
+    Candidate {
+        effect: Effect::StribeckFriction,
+        shapes: |s| vec![Shape::new(1e-3 * s.x, 0.3 * s.x, 1); 5],
+        stage: Some(|y, p, k| {
+            through_valve(y, k, Kind::StickySeal, shapes([p[0], p[1], p[2], p[3]]))
+        }),
+        parameters: |_, p, _| {
+            vec![
+                ("error_mm", "mm", p[0]),
+                ("rest_ratio", "", p[2]),
+                ("stribeck_mm_per_s", "mm/s", p[3]),
+                ("presliding_mm", "mm", p[1]),
+            ]
+        },
+        ..STAGE
+    },
 ];
 
 /// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
-fn through_valve(y: &[f64], k: &Scales, kind: Kind, shape: f64) -> Vec<f64> {
+fn through_valve(y: &[f64], k: &Scales, kind: Kind, shapes: Shapes) -> Vec<f64> {
     let known = k.actuator;
     let plain: Vec<f64> = y
         .iter()
@@ -291,10 +316,7 @@ fn through_valve(y: &[f64], k: &Scales, kind: Kind, shape: f64) -> Vec<f64> {
     let way = Way {
         delay_s: 0.0,
         lag_s: known.lag_s,
-        parts: vec![Part {
-            kind,
-            shapes: [shape, 0.0],
-        }],
+        parts: vec![Part { kind, shapes }],
     };
     let answer = way.valve(&input, k.step_s);
     let whole = answer.iter().map(|y| known.gain * y + known.offset_mm);

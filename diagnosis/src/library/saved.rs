@@ -6,11 +6,25 @@ use crate::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
 /// The parameters of the forms that only a joint search finds (see `actuator::FORMS`), in the order of their shapes.
-const FORMS: [(Effect, &[&str]); 4] = [
+const FORMS: [(Effect, &[&str]); 6] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["opening_mm", "valve_lag_ms"]),
     (Effect::Saturation, &["lower_mm", "upper_mm"]),
+    (
+        Effect::CoulombFriction,
+        &["oil_bend_mm", "presliding_mm", "valve_lag_ms"],
+    ),
+    (
+        Effect::StribeckFriction,
+        &[
+            "oil_bend_mm",
+            "presliding_mm",
+            "rest_ratio",
+            "stribeck_mm_per_s",
+            "valve_lag_ms",
+        ],
+    ),
 ];
 
 /// The names of the form that `effect` has; none where it is as the catalogue has it.

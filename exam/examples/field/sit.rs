@@ -132,7 +132,15 @@ fn notes(found: &Diagnosis) -> Vec<String> {
         .nearest
         .iter()
         .map(|n| format!("nearest {} {:.2}", n.name, n.explained));
-    nearest.chain(a.notes.iter().cloned()).collect()
+    let numbers = a.effects.iter().map(|e| {
+        let each = |p: &diagnosis::FoundParameter| format!("{} {:.4} {}", p.name, p.value, p.unit);
+        let all: Vec<String> = e.parameters.iter().map(each).collect();
+        format!("{}: {}", e.name, all.join(", "))
+    });
+    nearest
+        .chain(numbers)
+        .chain(a.notes.iter().cloned())
+        .collect()
 }
 
 /// Sets, answers and grades the record of a seed.
