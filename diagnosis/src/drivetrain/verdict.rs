@@ -231,6 +231,11 @@ fn only(model: &Model, sure: &[Name]) -> Model {
     kept
 }
 
+/// Whether a name is another one or has it as a special case: friction that falls with speed fits whatever friction fits.
+fn is_or_generalises(name: Effect, other: Effect) -> bool {
+    name == other || (name, other) == (Effect::StribeckFriction, Effect::CoulombFriction)
+}
+
 /// What the best model leaves if a name is replaced: each rival's name, if it has one, and the logarithm of how many times the
 /// squares it leaves.
 fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> Vec<Rival> {
@@ -252,7 +257,7 @@ fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> 
     };
     let same: Vec<_> = super::part::Kind::ALL
         .into_iter()
-        .filter(|k| k.effect() == effect)
+        .filter(|k| is_or_generalises(k.effect(), effect))
         .collect();
     let glances = search.glances(&dropped, &same);
     let replaced = glances.par_iter().take(RIVALS).filter_map(|g| {
@@ -276,7 +281,7 @@ fn others(search: &Search, best: &Scored, effect: Effect, all: &[Scored]) -> Vec
         .filter(|s| size(s) <= size(best))
         .filter_map(|s| {
             let claimed = names(&s.fit.model);
-            let has = claimed.contains(&effect);
+            let has = claimed.iter().any(|n| is_or_generalises(*n, effect));
             let new = claimed
                 .iter()
                 .find(|n| !names(&best.fit.model).contains(n))
