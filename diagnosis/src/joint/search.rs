@@ -83,7 +83,7 @@ fn grow(library: &Library, mut leading: Vec<Scored>) -> Vec<Scored> {
         }
         leading.extend(best(library, next));
         keep(&mut leading, LEADING);
-        if leading.first().is_none_or(|l| l.1 > before - 1e-3) {
+        if leading[0].1 > before - 1e-3 {
             break;
         }
     }
