@@ -102,7 +102,7 @@ fn calibration(all: &[Sat]) {
     let (names, wrong) = drives.fold((0, 0), |(n, w), v| (n + 1, w + u32::from(v.is_false)));
     println!("of these of actuators: {wrong} of {names} false\n");
     println!("| q at most | names | false | share |\n|---|---|---|---|");
-    for level in [0.01, 0.05, 0.1] {
+    for level in [0.02, 0.05, 0.1] {
         let of: Vec<bool> = vouched
             .iter()
             .filter(|v| v.q <= level)
