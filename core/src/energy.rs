@@ -4,7 +4,8 @@
 //! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
 //! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 
-use crate::float::larger;
+use crate::float::{larger, out_of_the_way};
+use crate::structure::actuated;
 use crate::sum::Sum;
 
 /// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.
@@ -45,13 +46,13 @@ pub struct Windowed<const N: usize> {
     pub moved_m: [f32; N],
 }
 
-/// One past step, as far as later ones need it.
+/// One past step of an axis, as far as later ones need it.
 #[derive(Clone, Copy, Debug)]
-struct Past<const N: usize> {
-    command_m: [f32; N],
-    displacement_m: [f32; N],
-    error_m: [f32; N],
-    force_n: [f32; N],
+struct Past {
+    command_m: f32,
+    displacement_m: f32,
+    error_m: f32,
+    force_n: f32,
 }
 
 impl Errors {
@@ -63,12 +64,12 @@ impl Errors {
     };
 }
 
-impl<const N: usize> Past<N> {
+impl Past {
     const AT_REST: Self = Self {
-        command_m: [0.0; N],
-        displacement_m: [0.0; N],
-        error_m: [0.0; N],
-        force_n: [0.0; N],
+        command_m: 0.0,
+        displacement_m: 0.0,
+        error_m: 0.0,
+        force_n: 0.0,
     };
 }
 
@@ -82,7 +83,8 @@ pub struct EnergyErrors<const N: usize> {
     step: Errors,
     cumulative: [Sum; 3],
     stiffness_n_per_m: [[f32; N]; N],
-    past: [Past<N>; MAX_WINDOW],
+    /// Of axes without an actuator nothing is kept.
+    past: [[Past; N]; MAX_WINDOW],
 }
 
 impl<const N: usize> EnergyErrors<N> {
@@ -92,7 +94,7 @@ impl<const N: usize> EnergyErrors<N> {
         Self {
             stiffness_n_per_m,
             window,
-            past: [Past::AT_REST; MAX_WINDOW],
+            past: [[Past::AT_REST; N]; MAX_WINDOW],
             newest: 0,
             stiffness_force_n: [0.0; N],
             step: Errors::default(),
@@ -104,10 +106,11 @@ impl<const N: usize> EnergyErrors<N> {
     /// where it was sent and carries no measured force: only the axes `0..physical` have errors.
     #[inline]
     pub fn update(&mut self, now: &Observation<N>, physical: usize) -> Windowed<N> {
-        let physical = N.min(physical);
-        let error_m: [f32; N] = core::array::from_fn(|j| now.displacement_m[j] - now.command_m[j]);
-        let last = &self.past[self.newest % MAX_WINDOW];
-        let then = &self.past[(self.newest + MAX_WINDOW + 1 - self.window) % MAX_WINDOW];
+        let physical = actuated::<N>(physical);
+        let error_m = |j: usize| now.displacement_m[j] - now.command_m[j];
+        let last = self.newest % MAX_WINDOW;
+        let then = (last + MAX_WINDOW + 1 - self.window) % MAX_WINDOW;
+        let newest = (last + 1) % MAX_WINDOW;
         let mut windowed = Windowed {
             energy_j: [0.0; N],
             increment_m: now.increment_m,
@@ -116,34 +119,36 @@ impl<const N: usize> EnergyErrors<N> {
         let mut step = Errors::NOTHING;
         for j in 0..physical {
             let stiffness_force_n: f32 = (0..physical)
-                .map(|k| self.stiffness_n_per_m[j][k] * error_m[k])
+                .map(|k| self.stiffness_n_per_m[j][k] * error_m(k))
                 .sum();
-            let mean_force_n = 0.5 * (last.force_n[j] + now.force_n[j]);
-            let moved_m = now.displacement_m[j] - last.displacement_m[j];
-            let mean_error_m = 0.5 * (last.error_m[j] + error_m[j]);
+            let (last, then) = (self.past[last][j], self.past[then][j]);
+            let here = Past {
+                command_m: now.command_m[j],
+                displacement_m: now.displacement_m[j],
+                error_m: error_m(j),
+                force_n: now.force_n[j],
+            };
+            let mean_force_n = 0.5 * (last.force_n + here.force_n);
+            let moved_m = here.displacement_m - last.displacement_m;
+            let mean_error_m = 0.5 * (last.error_m + here.error_m);
             step.stiffness_j +=
                 0.5 * (self.stiffness_force_n[j] + stiffness_force_n) * now.increment_m[j];
             step.hsem_j += mean_force_n * (now.increment_m[j] - moved_m);
-            step.modified_j += mean_error_m * (now.force_n[j] - last.force_n[j]);
+            step.modified_j += mean_error_m * (here.force_n - last.force_n);
             windowed.energy_j[j] =
-                0.5 * (then.error_m[j] + error_m[j]) * (now.force_n[j] - then.force_n[j]);
-            windowed.moved_m[j] = now.displacement_m[j] - then.displacement_m[j];
+                0.5 * (then.error_m + here.error_m) * (here.force_n - then.force_n);
+            windowed.moved_m[j] = here.displacement_m - then.displacement_m;
             if self.window > 1 {
-                windowed.increment_m[j] = now.command_m[j] - then.command_m[j];
+                windowed.increment_m[j] = here.command_m - then.command_m;
             }
             self.stiffness_force_n[j] = stiffness_force_n;
+            self.past[newest][j] = here;
         }
         self.cumulative[0].add(step.stiffness_j);
         self.cumulative[1].add(step.hsem_j);
         self.cumulative[2].add(step.modified_j);
         self.step = step;
-        self.newest = (self.newest + 1) % MAX_WINDOW;
-        self.past[self.newest] = Past {
-            command_m: now.command_m,
-            displacement_m: now.displacement_m,
-            error_m,
-            force_n: now.force_n,
-        };
+        self.newest = newest;
         windowed
     }
 
@@ -206,12 +211,12 @@ impl<const N: usize> Monitor<N> {
         correction_n: [f32; N],
         hsem_j: f32,
     ) {
-        let mut strain_j = -0.0;
+        let (mut strain_j, mut input_j) = (-0.0, -0.0);
         for j in 0..N {
-            let du = now.increment_m[j];
-            self.input.add(0.5 * (self.load_n[j] + load_n[j]) * du);
+            input_j += 0.5 * (self.load_n[j] + load_n[j]) * now.increment_m[j];
         }
-        for j in 0..N.min(physical) {
+        self.input.add(input_j);
+        for j in 0..actuated::<N>(physical) {
             let du = now.increment_m[j];
             self.correction
                 .add(0.5 * (self.correction_n[j] + correction_n[j]) * du);
@@ -221,12 +226,15 @@ impl<const N: usize> Monitor<N> {
         self.load_n = load_n;
         self.correction_n = correction_n;
         self.largest_strain_j = larger(self.largest_strain_j, strain_j);
-        let scale = larger(0.0, self.input.value()) + self.largest_strain_j;
+        let (input_j, mut scale_j) = (self.input.value(), self.largest_strain_j);
+        if input_j > 0.0 {
+            scale_j += input_j;
+        }
         // A ratio of nothing to nothing at the start is not an error.
-        self.ratio = if scale > self.floor_j {
-            (hsem_j + self.correction.value()).abs() / scale
+        self.ratio = if scale_j > self.floor_j {
+            (hsem_j + self.correction.value()).abs() / scale_j
         } else {
-            0.0
+            out_of_the_way(0.0)
         };
     }
 

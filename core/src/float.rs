@@ -1,4 +1,4 @@
-//! The larger and the smaller of two numbers, for the step.
+//! Small helps for the step: the larger and the smaller of two numbers, and where the seldom way lies.
 //!
 //! `f32::max` and `f32::min` also define the result for a NaN, which takes a dozen instructions on a processor without
 //! an instruction for it. Here a NaN in the second place is ignored, and one in the first place stays.
@@ -13,6 +13,13 @@ pub fn larger(a: f32, b: f32) -> f32 {
 #[inline]
 pub fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
+}
+
+/// Gives back what it is given, from elsewhere: what leads here is laid out of the way of a step that has nothing to report.
+#[cold]
+#[inline(never)]
+pub fn out_of_the_way<T>(given: T) -> T {
+    given
 }
 
 #[cfg(test)]

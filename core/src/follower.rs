@@ -16,7 +16,7 @@
 
 use crate::config::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Observation};
-use crate::force::{Acting, Law, Reached};
+use crate::force::{Acting, Correction, Law, Reached};
 use crate::newmark::Newmark;
 use crate::predict::{Ahead, Followed, Predictor};
 
@@ -66,6 +66,8 @@ impl Course {
 pub struct Follower<const N: usize> {
     design: StepConstants<N>,
     law: Law<N>,
+    /// What the law did last, which only laws look at.
+    shown: Correction<N>,
     predictor: Predictor<N>,
     energy: EnergyErrors<N>,
     /// Copy of the numerical part, moved by what is corrected of the force alone.
@@ -96,6 +98,7 @@ impl<const N: usize> Follower<N> {
             late_steps,
             corrects: late_steps != 0.0 || !matches!(law, Law::None(..)),
             law,
+            shown: Correction::NONE,
             predictor,
             course: [Course::default(); N],
             aim_m: [0.0; N],
@@ -169,16 +172,16 @@ impl<const N: usize> Follower<N> {
         let mut correction_n = [0.0; N];
         if !matches!(self.law, Law::None(..)) {
             let energy = self.energy.update(&now, k.physical);
+            let reached = Reached {
+                now: &now,
+                energy: &energy,
+                velocity_dt_m,
+                predictor_velocity_dt_m: velocity_dt_m,
+            };
             let Acting {
                 force_n: acting_n,
                 damping,
-                ..
-            } = self.law.act(&Reached {
-                now,
-                energy,
-                velocity_dt_m,
-                predictor_velocity_dt_m: velocity_dt_m,
-            });
+            } = self.law.act(&reached, &mut self.shown);
             for j in 0..N {
                 let added_n = damping[j] * velocity_dt_m[j] * k.newmark.rate_hz;
                 correction_n[j] = acting_n[j] - force_n[j] + added_n;

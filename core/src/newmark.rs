@@ -8,7 +8,7 @@
 
 use crate::matrix;
 use crate::refusal::Refusal;
-use crate::structure::Structure;
+use crate::structure::{Structure, actuated};
 use crate::sum::{Split, Sum};
 
 /// Constants of the integration, worked out once.
@@ -179,7 +179,7 @@ impl<const N: usize> Newmark<N> {
                 s[i] += k.flexibility[i][j].times(unbalanced[j]);
             }
         }
-        if (0..N.min(k.physical)).any(|j| added_damping[j] != 0.0) {
+        if (0..actuated::<N>(k.physical)).any(|j| added_damping[j] != 0.0) {
             solve_with_added_damping(k, added_damping, &mut s);
         }
         for j in 0..N {
@@ -206,7 +206,7 @@ fn solve_with_added_damping<const N: usize>(
     added_damping: &[f32; N],
     s: &mut [f32; N],
 ) {
-    let physical = N.min(k.physical);
+    let physical = actuated::<N>(k.physical);
     if physical == 1 {
         // One actuator: one column to eliminate, and no matrix to clear.
         let entry = |i: usize| k.flexibility[i][0].value() * added_damping[0] * (0.5 * k.rate_hz);

@@ -63,6 +63,13 @@ impl<const N: usize> Structure<N> {
     }
 }
 
+/// Number of axes with an actuator: at most all, and at least one, which the design has checked. Said wherever axes are gone
+/// through, so that with a single axis there is nothing to decide.
+#[inline]
+pub(crate) fn actuated<const N: usize>(physical: usize) -> usize {
+    if N == 1 { 1 } else { physical.min(N) }
+}
+
 /// Storey stiffnesses of a shear frame, from the matrix: minus the entry beside the diagonal, and for the lowest the rest.
 pub(crate) fn storey_stiffness<const N: usize>(k: &Matrix<N>) -> [f64; N] {
     core::array::from_fn(|j| match j.checked_sub(1) {

@@ -9,6 +9,7 @@ pub(crate) use kalman::KalmanGains;
 pub(crate) use low_pass::Biquad;
 pub(crate) use stiffness::StiffnessPrior;
 
+use crate::structure::actuated;
 use kalman::Kalman;
 use low_pass::LowPass;
 use stiffness::StiffnessFilter;
@@ -120,6 +121,7 @@ impl<const N: usize> Estimator<N> {
         force_n: &[f32; N],
         physical: usize,
     ) -> Estimate<N> {
+        let physical = actuated::<N>(physical);
         let mut out = Estimate {
             displacement_m: *displacement_m,
             force_n: *force_n,
@@ -136,13 +138,13 @@ impl<const N: usize> Estimator<N> {
                 motion,
             } => {
                 let mut squared = [-0.0_f32; 2];
-                for j in 0..N.min(physical) {
+                for j in 0..physical {
                     squared[0] += motion[j].update(gains, sent_m[j], displacement_m[j]);
                     out.displacement_m[j] = motion[j].displacement_m();
                 }
                 // Storey by storey: a floor's actuator force is the difference of two storey shears.
                 let (mut shear, mut above) = (-0.0, [0.0; N]);
-                for j in (0..N.min(physical)).rev() {
+                for j in (0..physical).rev() {
                     shear += force_n[j];
                     let below = if j == 0 {
                         0.0
@@ -153,12 +155,8 @@ impl<const N: usize> Estimator<N> {
                     squared[1] += stiffness[j].update(&priors[j], drift, shear);
                     above[j] = stiffness[j].stiffness_n_per_m() * drift;
                 }
-                for j in 0..N.min(physical) {
-                    let upper = if j + 1 < N.min(physical) {
-                        above[j + 1]
-                    } else {
-                        0.0
-                    };
+                for j in 0..physical {
+                    let upper = if j + 1 < physical { above[j + 1] } else { 0.0 };
                     out.force_n[j] = above[j] - upper;
                 }
                 for (mean, new) in innovation.iter_mut().zip(squared) {
@@ -168,7 +166,7 @@ impl<const N: usize> Estimator<N> {
                 out.doubt = innovation.iter().any(|&i| !(i <= 2.0));
             }
             Self::LowPass { biquad, channels } => {
-                for j in 0..N.min(physical) {
+                for j in 0..physical {
                     out.displacement_m[j] = channels[j][0].update(biquad, displacement_m[j]);
                     out.force_n[j] = channels[j][1].update(biquad, force_n[j]);
                 }

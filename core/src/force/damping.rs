@@ -13,13 +13,14 @@
 //! the clamp are for: the tangent force is better there. Its own error is a stiffness `omega^2 tau^2` too high: 1 % of
 //! the response to some 4 ms at half a second of period, useless beyond `omega tau` of .2.
 
-use super::sech_gain::sech_gain;
+use super::sech_gain::SechGain;
 use super::{Acting, Correction, ForceLaw, Reached};
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
-use crate::float::{larger, smaller};
+use crate::float::{larger, out_of_the_way, smaller};
 use crate::linear::LinearForce;
 use crate::refusal::{Refusal, accept, between};
+use crate::structure::actuated;
 use core::marker::PhantomData;
 
 /// Which equation, and what guards it.
@@ -62,10 +63,8 @@ impl Form for Gained {
 pub(crate) struct Constants<const N: usize> {
     /// Which increment the energy is divided by.
     secant: Secant,
-    /// Exponent of the sech gain.
-    gamma: f32,
-    /// Fundamental natural frequency times the integration step.
-    omega_dt: f32,
+    /// The gain of Eq 19.
+    gain: SechGain,
     /// Time of the window, s of model time.
     window_s: f32,
     /// Largest C_cor, N s/m, by axis.
@@ -137,8 +136,7 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
         let [below, above] = clamps(c, context.physical());
         Constants {
             secant: c.secant,
-            gamma: c.gamma as f32,
-            omega_dt: (context.omega[0] * dt_s) as f32,
+            gain: SechGain::new((context.omega[0] * dt_s) as f32, c.gamma as f32),
             window_s: (f64::from(c.window_steps) * dt_s) as f32,
             largest: delay_stiffness.map(|k| (above * k) as f32),
             smallest: core::array::from_fn(|j| {
@@ -167,14 +165,20 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
 
     /// C_cor for this step, from Eq 12 over the window and the motion.
     #[inline]
-    fn act(&mut self, k: &Constants<N>, reached: &Reached<N>) -> Acting<N> {
-        let (now, energy) = (&reached.now, &reached.energy);
-        let mut out = Correction::NONE;
-        for j in 0..N.min(k.physical) {
+    fn act(
+        &mut self,
+        k: &Constants<N>,
+        reached: &Reached<'_, N>,
+        shown: &mut Correction<N>,
+    ) -> Acting<N> {
+        let (now, energy) = (reached.now, reached.energy);
+        let mut acting = [0.0; N];
+        let (mut held, mut clamped) = (false, false);
+        for j in 0..actuated::<N>(k.physical) {
             let du = energy.increment_m[j];
             let velocity = reached.velocity_dt_m[j];
             let gain = if F::GAINED {
-                sech_gain(k.omega_dt, now.command_m[j], velocity, k.gamma)
+                k.gain.at(now.command_m[j], velocity)
             } else {
                 1.0
             };
@@ -191,23 +195,24 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             let raw = -energy.energy_j[j] * gain * k.window_s / (du * across);
             let apart = du * across < 0.0;
             let damping = if reversal || small || apart || !raw.is_finite() {
-                out.held = true;
-                self.last[j]
+                held = true;
+                out_of_the_way(self.last[j])
             } else if F::GUARDED {
                 let bounded = larger(smaller(raw, k.largest[j]), k.smallest[j]);
-                out.clamped |= bounded != raw;
+                clamped |= bounded != raw;
                 bounded
             } else {
                 raw
             };
             self.last[j] = damping;
-            out.damping[j] = damping;
-            out.gain[j] = gain;
+            acting[j] = damping;
+            shown.damping[j] = damping;
+            shown.gain[j] = gain;
         }
+        (shown.held, shown.clamped) = (held, clamped);
         Acting {
             force_n: now.force_n,
-            damping: out.damping,
-            correction: out,
+            damping: acting,
         }
     }
 }
@@ -219,8 +224,7 @@ mod tests {
 
     const CONSTANTS: Constants<1> = Constants {
         secant: Secant::Command,
-        gamma: 0.05,
-        omega_dt: 0.006,
+        gain: SechGain::new(0.006, 0.05),
         window_s: 5e-4,
         largest: [1264.0],
         smallest: [0.0],
@@ -237,13 +241,13 @@ mod tests {
         [velocity, predictor]: [f32; 2],
     ) -> Correction<1> {
         let reached = Reached {
-            now: Observation {
+            now: &Observation {
                 command_m: [10.0 * du],
                 increment_m: [du],
                 displacement_m: [10.0 * du],
                 force_n: [0.0],
             },
-            energy: Windowed {
+            energy: &Windowed {
                 energy_j: [energy_j],
                 increment_m: [du],
                 moved_m: [du],
@@ -251,7 +255,10 @@ mod tests {
             velocity_dt_m: [velocity],
             predictor_velocity_dt_m: [predictor],
         };
-        c.act(&CONSTANTS, &reached).correction
+        let mut shown = Correction::NONE;
+        let acting = c.act(&CONSTANTS, &reached, &mut shown);
+        assert_eq!(acting.damping, shown.damping);
+        shown
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::Correction;
 use crate::context::Context;
 use crate::energy::Observation;
 use crate::float::larger;
+use crate::structure::actuated;
 
 /// Constants of the report.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,8 @@ pub(crate) struct Constants {
     pub hold_share: f32,
     /// What the running peak keeps from one integration step to the next.
     pub peak_memory: f32,
+    /// Number of axes in the laboratory.
+    pub physical: usize,
 }
 
 impl Constants {
@@ -23,6 +26,7 @@ impl Constants {
             dt_s: context.model_step_s as f32,
             hold_share: context.parameters.hold_share as f32,
             peak_memory: context.peak_memory(),
+            physical: context.physical(),
         }
     }
 }
@@ -30,40 +34,36 @@ impl Constants {
 /// `F_cor dt / du`, held where du says nothing.
 #[derive(Clone, Debug)]
 pub(crate) struct EquivalentDamping<const N: usize> {
-    last: [f32; N],
     peak_m: [f32; N],
 }
 
 impl<const N: usize> EquivalentDamping<N> {
     /// Nothing yet.
     pub const fn at_rest() -> Self {
-        Self {
-            last: [0.0; N],
-            peak_m: [0.0; N],
-        }
+        Self { peak_m: [0.0; N] }
     }
 
-    /// What the corrected force amounts to.
+    /// What the corrected force amounts to, in the place of what was shown last.
     #[inline]
     pub fn of(
         &mut self,
         k: &Constants,
         now: &Observation<N>,
         corrected_n: &[f32; N],
-    ) -> Correction<N> {
-        let mut out = Correction::NONE;
-        for j in 0..N {
+        shown: &mut Correction<N>,
+    ) {
+        let mut held = false;
+        for j in 0..actuated::<N>(k.physical) {
             let du = now.increment_m[j];
             self.peak_m[j] = larger(k.peak_memory * self.peak_m[j], du.abs());
             let damping = (corrected_n[j] - now.force_n[j]) * k.dt_s / du;
             if du.abs() > k.hold_share * self.peak_m[j] && damping.is_finite() {
-                self.last[j] = damping;
+                shown.damping[j] = damping;
             } else {
-                out.held = true;
+                held = true;
             }
         }
-        out.damping = self.last;
-        out
+        shown.held = held;
     }
 }
 
@@ -77,6 +77,7 @@ mod tests {
             dt_s: 5e-4,
             hold_share: 0.05,
             peak_memory: 0.999,
+            physical: 1,
         };
         let (stiffness, du) = (158e3_f32, 1e-4_f32);
         let now = |du: f32| Observation {
@@ -85,10 +86,11 @@ mod tests {
             displacement_m: [-8.0 * du],
             force_n: [-8.0 * du * stiffness],
         };
-        let mut shown = EquivalentDamping::at_rest();
-        let first = shown.of(&k, &now(du), &[0.0]);
+        let (mut equivalent, mut shown) = (EquivalentDamping::at_rest(), Correction::NONE);
+        equivalent.of(&k, &now(du), &[0.0], &mut shown);
+        let first = shown;
         assert!((first.damping[0] / (stiffness * 0.004) - 1.0).abs() < 1e-5 && !first.held);
-        let turning = shown.of(&k, &now(0.0), &[100.0]);
-        assert!(turning.held && turning.damping == first.damping);
+        equivalent.of(&k, &now(0.0), &[100.0], &mut shown);
+        assert!(shown.held && shown.damping == first.damping);
     }
 }

@@ -18,6 +18,7 @@ use super::Correct;
 use crate::context::Context;
 use crate::energy::Observation;
 use crate::float::{larger, smaller};
+use crate::structure::actuated;
 
 /// Points of a fit.
 const POINTS: usize = 8;
@@ -112,7 +113,7 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
     #[inline]
     fn at_target(&mut self, k: &Constants, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;
-        for j in 0..N.min(k.physical) {
+        for j in 0..actuated::<N>(k.physical) {
             let past = &mut self.past[j];
             push(&mut past.displacement_m, now.displacement_m[j]);
             push(&mut past.force_n, now.force_n[j]);

@@ -28,11 +28,11 @@ impl<const N: usize> ForceLaw<N> for Measured {
     }
 
     #[inline]
-    fn act(&mut self, (): &(), reached: &Reached<N>) -> Acting<N> {
+    fn act(&mut self, (): &(), reached: &Reached<'_, N>, shown: &mut Correction<N>) -> Acting<N> {
         Acting {
             force_n: reached.now.force_n,
-            damping: [0.0; N],
-            correction: Correction::NONE,
+            // None: nothing has been written there.
+            damping: shown.damping,
         }
     }
 }

@@ -49,11 +49,11 @@ impl<const N: usize> Correction<N> {
 
 /// What a law sees of an integration step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached<const N: usize> {
+pub(crate) struct Reached<'a, const N: usize> {
     /// Target, displacement and force.
-    pub now: Observation<N>,
+    pub now: &'a Observation<N>,
     /// Eq 12 over the window.
-    pub energy: Windowed<N>,
+    pub energy: &'a Windowed<N>,
     /// dt v_{i-1}, m.
     pub velocity_dt_m: [f32; N],
     /// dt v^_i, Eq 16, m.
@@ -67,8 +67,6 @@ pub(crate) struct Acting<const N: usize> {
     pub force_n: [f32; N],
     /// Diagonal of the added damping, N s/m.
     pub damping: [f32; N],
-    /// For the record.
-    pub correction: Correction<N>,
 }
 
 /// A force law.
@@ -93,8 +91,14 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
-    /// One integration step.
-    fn act(&mut self, k: &Self::Constants, reached: &Reached<N>) -> Acting<N>;
+    /// One integration step. `shown` is what the law did in the last one, for the record; of axes without an actuator it
+    /// stays as it is.
+    fn act(
+        &mut self,
+        k: &Self::Constants,
+        reached: &Reached<'_, N>,
+        shown: &mut Correction<N>,
+    ) -> Acting<N>;
 }
 
 /// A law that puts the force at the target in place of the measured one.
@@ -151,9 +155,13 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
 
     /// Hands on a copy, so that what other laws look at can stay in registers.
     #[inline(always)]
-    fn act(&mut self, k: &Self::Constants, reached: &Reached<N>) -> Acting<N> {
-        let now = reached.now;
-        self.correct(k, &now)
+    fn act(
+        &mut self,
+        k: &Self::Constants,
+        reached: &Reached<'_, N>,
+        shown: &mut Correction<N>,
+    ) -> Acting<N> {
+        self.correct(k, *reached.now, shown)
     }
 }
 
@@ -162,14 +170,15 @@ impl<C: Correct<N>, const N: usize> Corrected<C, N> {
     #[inline(never)]
     fn correct(
         &mut self,
-        (k, shown): &(C::Constants, equivalent::Constants),
-        now: &Observation<N>,
+        (k, k_shown): &(C::Constants, equivalent::Constants),
+        now: Observation<N>,
+        shown: &mut Correction<N>,
     ) -> Acting<N> {
-        let force_n = self.force.at_target(k, now);
+        let force_n = self.force.at_target(k, &now);
+        self.shown.of(k_shown, &now, &force_n, shown);
         Acting {
             force_n,
             damping: [0.0; N],
-            correction: self.shown.of(shown, now, &force_n),
         }
     }
 }
@@ -224,9 +233,9 @@ macro_rules! laws {
 
             /// One integration step.
             #[inline]
-            pub fn act(&mut self, reached: &Reached<N>) -> Acting<N> {
+            pub fn act(&mut self, reached: &Reached<'_, N>, shown: &mut Correction<N>) -> Acting<N> {
                 match self {
-                    $(Self::$V(law, k) => law.act(k, reached),)*
+                    $(Self::$V(law, k) => law.act(k, reached, shown),)*
                 }
             }
         }

@@ -23,7 +23,7 @@ use crate::context::Context;
 use crate::energy::Observation;
 use crate::float::{larger, smaller};
 use crate::refusal::{Refusal, accept, between};
-use crate::structure::storey_stiffness;
+use crate::structure::{actuated, storey_stiffness};
 
 /// Constants of the tangent force.
 #[derive(Clone, Debug)]
@@ -130,7 +130,7 @@ impl<const N: usize> Correct<N> for TangentForce<N> {
     fn at_target(&mut self, k: &Constants<N>, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;
         let (mut shear_n, mut above_n) = (0.0, 0.0);
-        for j in (0..N.min(k.physical)).rev() {
+        for j in (0..actuated::<N>(k.physical)).rev() {
             // A floor's actuator carries the difference of two storey shears.
             shear_n += now.force_n[j];
             let below = j.checked_sub(1);

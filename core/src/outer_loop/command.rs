@@ -1,6 +1,7 @@
 //! From target to command: what is sent ahead, what stands against it, and what is sent.
 
 use super::{OuterLoop, Pace, Sample};
+use crate::float::out_of_the_way;
 use crate::predict::{Ahead, Followed};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
@@ -20,7 +21,7 @@ impl<const N: usize> OuterLoop<N> {
             let signal = &self.signal;
             (*signal.velocity_m(), signal.acceleration_m(&k.signal))
         } else {
-            ([0.0; N], [0.0; N])
+            out_of_the_way(([0.0; N], [0.0; N]))
         };
         let followed = core::array::from_fn(|j| Followed {
             target_m: self.target_m[j] + self.led_by_m[j],
@@ -109,8 +110,11 @@ impl<const N: usize> OuterLoop<N> {
         next_m: &[f32; N],
         stale_steps: u16,
     ) -> bool {
+        if sample.fault.is_some() {
+            return out_of_the_way(false);
+        }
         let checked = self.checked(sample, displacement_m, next_m, stale_steps);
-        sample.fault.is_none() && within(&self.design.limits, &checked)
+        within(&self.design.limits, &checked)
     }
 
     /// Sends the command, unless it is not finite on an axis behind the first `certain`.

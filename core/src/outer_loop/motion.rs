@@ -6,6 +6,7 @@ use crate::supervise::Mode;
 
 impl<const N: usize> OuterLoop<N> {
     /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
+    #[cold] // The step of a test of its own, the longest, then runs straight on.
     #[inline(never)]
     pub(super) fn elsewhere(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
         match self.mode {

@@ -40,6 +40,7 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// A target from outside has been reached, with a sample that counts.
+    #[cold] // As `elsewhere`.
     #[inline(never)]
     pub(super) fn reached_outside(&self, fit: bool) -> bool {
         self.mode.integrates()
@@ -93,6 +94,7 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// Answers with the force at the target that was reached and what the added damping has there; gives the latter, N.
+    #[cold] // As `elsewhere`.
     #[inline(never)]
     pub(super) fn answer(
         &mut self,

@@ -15,6 +15,7 @@ use crate::force::{Acting, Reached};
 use crate::ground_motion::GroundMotion;
 use crate::record::{Record, flag};
 use crate::signal::Target;
+use crate::structure::actuated;
 use crate::supervise::Mode;
 
 impl<const N: usize> OuterLoop<N> {
@@ -49,7 +50,7 @@ impl<const N: usize> OuterLoop<N> {
         self.record(sample, &estimate);
         let command_m = if free {
             self.obstacle = None;
-            self.send(self.design.physical, next_m, aim_m, send_m)
+            self.send(actuated::<N>(self.design.physical), next_m, aim_m, send_m)
         } else {
             let copy_m = displacement_m;
             self.obstructed(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
@@ -78,7 +79,13 @@ impl<const N: usize> OuterLoop<N> {
     /// One integration step: energy, compensation, equation of motion, next target.
     #[inline]
     fn solve(&mut self, own: bool, estimate: &Estimate<N>, ground: &GroundMotion<'_>) {
-        let (now, force_n, damping) = self.compensate(estimate);
+        let now = Observation {
+            command_m: self.newmark.displacement_m(),
+            increment_m: *self.newmark.increment_m(),
+            displacement_m: estimate.displacement_m,
+            force_n: estimate.force_n,
+        };
+        let Acting { force_n, damping } = self.compensate(&now);
         let physical = self.design.physical;
         let (mut ground_m_per_s2, mut load_n) = (0.0, [0.0; N]);
         let mut correction_n;
@@ -92,7 +99,7 @@ impl<const N: usize> OuterLoop<N> {
             let (now, force_n, damping) = (now, force_n, damping);
             correction_n = self.answer(&now, &force_n, &damping);
         }
-        for j in 0..N.min(physical) {
+        for j in 0..actuated::<N>(physical) {
             correction_n[j] += force_n[j] - now.force_n[j];
         }
         let hsem_j = self.energy.cumulative().hsem_j;
@@ -113,29 +120,18 @@ impl<const N: usize> OuterLoop<N> {
         *self.signal.command_m()
     }
 
-    /// Energy errors and compensation at a target that has been reached: what was observed, the force that the equation
-    /// of motion takes, and the damping that acts in it.
+    /// Energy errors and compensation at a target that has been reached: the force that the equation of motion takes, and
+    /// the damping that acts in it.
     #[inline]
-    fn compensate(&mut self, estimate: &Estimate<N>) -> (Observation<N>, [f32; N], [f32; N]) {
-        let now = Observation {
-            command_m: self.newmark.displacement_m(),
-            increment_m: *self.newmark.increment_m(),
-            displacement_m: estimate.displacement_m,
-            force_n: estimate.force_n,
-        };
-        let energy = self.energy.update(&now, self.design.physical);
-        let Acting {
-            force_n,
-            damping,
-            correction,
-        } = self.law.act(&Reached {
+    fn compensate(&mut self, now: &Observation<N>) -> Acting<N> {
+        let energy = self.energy.update(now, self.design.physical);
+        let reached = Reached {
             now,
-            energy,
+            energy: &energy,
             velocity_dt_m: self.newmark.velocity_dt_m(),
             predictor_velocity_dt_m: self.newmark.predictor_velocity_dt_m(),
-        });
-        self.correction = correction;
-        (now, force_n, damping)
+        };
+        self.law.act(&reached, &mut self.correction)
     }
 
     /// The target that the integration has come to.
@@ -153,7 +149,7 @@ impl<const N: usize> OuterLoop<N> {
     fn close_step(&mut self, ground_m_per_s2: f32) {
         let k = &self.design;
         let mut added_ratio = 0.0_f32;
-        for j in 0..N.min(k.physical) {
+        for j in 0..actuated::<N>(k.physical) {
             let ratio = self.correction.damping[j] * k.per_critical[j];
             added_ratio = larger(added_ratio, ratio.abs());
         }
@@ -204,7 +200,7 @@ impl<const N: usize> OuterLoop<N> {
     fn estimate(&mut self, mut displacement_m: [f32; N], mut force_n: [f32; N]) -> Estimate<N> {
         let k = &self.design;
         for j in 0..N {
-            if j >= k.physical {
+            if j >= actuated::<N>(k.physical) {
                 displacement_m[j] = self.target_m[j];
                 force_n[j] = 0.0;
             }

@@ -40,8 +40,12 @@ pub(crate) struct Constants {
     pub fixed: [f32; 3],
     /// a1 b0.
     pub gain: f32,
+    /// 1/6; read from the flash it would cost the wait states.
+    pub sixth: f32,
     /// 1 over what the declared coefficients have at rest: a calibrated command goes where it says.
     pub per_numerator: f32,
+    /// The standard deviations times that.
+    pub spread_per_numerator: [f32; P],
     /// Variance that an error of the model's output counts as, m^2: that of three times the noise. With its own the
     /// estimate believes what the model leaves out.
     pub variance_m2: f32,
@@ -50,46 +54,40 @@ pub(crate) struct Constants {
 /// A polynomial in s of fifth order.
 type Polynomial = [f32; 6];
 
+/// alpha, and its derivatives by each parameter: those by k, by a3, by b1 (without the factor s that it has) and by b2.
+type Slopes = ([f32; 4], [f32; 5], [f32; 4], [f32; 4]);
+
 impl Constants {
     /// alpha of the parameters `p`, and its derivatives by each.
     #[inline]
-    fn polynomials(&self, p: &[f32; P]) -> (Polynomial, [Polynomial; P]) {
+    fn polynomials(&self, p: &[f32; P]) -> (Polynomial, Slopes) {
         let [k, a3, b1, b2] = *p;
         let [a2, c, m] = self.fixed;
-        // (m s^2 + c s + k)(s + a3) + a2 s, times (s^2 + b1 s + b2), plus a1 b0.
+        // (m s^2 + c s + k)(s + a3) + a2 s, times (s^2 + b1 s + b2), plus a1 b0. Written out: what is 0 or 1 is not
+        // multiplied with.
         let inner = [k * a3, k + c * a3 + a2, c + m * a3, m];
-        let valve = [b2, b1, 1.0];
-        let mut alpha = times(&inner, &valve);
-        alpha[0] += self.gain;
-        let by_k = times(&[a3, 1.0, 0.0, 0.0], &valve);
-        let by_a3 = times(&[k, c, m, 0.0], &valve);
         let [i0, i1, i2, i3] = inner;
-        let by_b1 = [0.0, i0, i1, i2, i3, 0.0];
-        let by_b2 = [i0, i1, i2, i3, 0.0, 0.0];
-        let f = self.per_numerator;
-        let [sk, sa, s1, s2] = self.spread;
-        let scaled = |q: Polynomial, s: f32| q.map(|x| x * (s * f));
+        let alpha = [
+            i0 * b2 + self.gain,
+            i0 * b1 + i1 * b2,
+            i0 + i1 * b1 + i2 * b2,
+            i1 + i2 * b1 + i3 * b2,
+            i2 + i3 * b1,
+            i3,
+        ];
+        let by_k = [a3 * b2, a3 * b1 + b2, a3 + b1, 1.0];
+        let by_a3 = [k * b2, k * b1 + c * b2, k + c * b1 + m * b2, c + m * b1, m];
+        let [sk, sa, s1, s2] = self.spread_per_numerator;
         (
-            scaled(alpha, 1.0),
-            [
-                scaled(by_k, sk),
-                scaled(by_a3, sa),
-                scaled(by_b1, s1),
-                scaled(by_b2, s2),
-            ],
+            alpha.map(|x| x * self.per_numerator),
+            (
+                by_k.map(|x| x * sk),
+                by_a3.map(|x| x * sa),
+                inner.map(|x| x * s1),
+                inner.map(|x| x * s2),
+            ),
         )
     }
-}
-
-#[inline]
-fn times(inner: &[f32; 4], valve: &[f32; 3]) -> Polynomial {
-    let mut out = [0.0; 6];
-    for i in 0..4 {
-        for j in 0..3 {
-            out[i + j] += inner[i] * valve[j];
-        }
-    }
-    out
 }
 
 /// `1 / alpha(s)` by the trapezoidal rule: its output and the first five derivatives, per control step.
@@ -98,24 +96,30 @@ struct Chain([f32; 6]);
 
 impl Chain {
     #[inline]
-    fn pass(&mut self, alpha: &Polynomial, input: f32) {
-        let w = &self.0;
+    fn pass(&mut self, alpha: &Polynomial, per_weight: f32, input: f32) {
         // What each derivative would be if the highest were 0 from now on.
-        let mut without = [0.0; 6];
-        let (mut rest, mut weight, mut power) = (input, alpha[5], 1.0);
+        let (mut rest, mut sum) = (input, self.0[5]);
         for n in (0..5).rev() {
-            without[n] = w[n] + 0.5 * (w[n + 1] + without[n + 1]);
-            rest -= alpha[n] * without[n];
-            power *= 0.5;
-            weight += alpha[n] * power;
+            let here = self.0[n];
+            let without = here + 0.5 * sum;
+            rest -= alpha[n] * without;
+            (sum, self.0[n]) = (here + without, without);
         }
-        let highest = rest / weight;
+        let highest = rest * per_weight;
         let mut share = highest;
         self.0[5] = highest;
         for n in (0..5).rev() {
             share *= 0.5;
-            self.0[n] = without[n] + share;
+            self.0[n] += share;
         }
+    }
+
+    /// What the highest derivative weighs in the rule.
+    #[inline]
+    fn weight(alpha: &Polynomial) -> f32 {
+        let [a, b, c, d, e, f] = *alpha;
+        // Powers of a half that are part of an instruction; smaller ones would be read from the flash.
+        f + 0.5 * e + 0.25 * d + 0.125 * c + 0.25 * (0.25 * b) + 0.25 * (0.125 * a)
     }
 }
 
@@ -130,7 +134,7 @@ fn plant(c: &Compensation, stiffness_n_per_m: f64) -> config::Hydraulic {
 pub(crate) struct Hydraulic {
     /// Estimate, standard deviations from what was declared.
     theta: [f32; P],
-    /// Its covariance; the lower triangle mirrors the upper.
+    /// Its covariance, which is symmetric: only the upper triangle is kept.
     covariance: [[f32; P]; P],
     model: Chain,
     sensitivity: Chain,
@@ -201,7 +205,9 @@ impl PredictAxis for Hydraulic {
             ]
             .map(|x| x as f32),
             gain: gain as f32,
+            sixth: 1.0 / 6.0,
             per_numerator: (1.0 / static_part) as f32,
+            spread_per_numerator: scaled(h.spread).map(|s| s * (1.0 / static_part) as f32),
             variance_m2: (9.0 * h.noise_m * h.noise_m) as f32,
         }
     }
@@ -242,43 +248,48 @@ impl PredictAxis for Hydraulic {
         }
     }
 
-    #[inline]
+    #[inline(never)] // Inside of the loop over the axes all constants would be put on the stack before it.
     fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
         let mut p = k.declared;
         for i in 0..P {
             p[i] += k.spread[i] * self.theta[i];
         }
-        let (alpha, by_theta) = k.polynomials(&p);
-        self.model.pass(&alpha, followed.sent_m);
+        let (alpha, (by_k, by_a3, by_b1, by_b2)) = k.polynomials(&p);
+        let per_weight = 1.0 / Chain::weight(&alpha);
+        self.model.pass(&alpha, per_weight, followed.sent_m);
         // The command was held from half a step before to half a step behind what the rule takes for its time.
         let [y, y1, ..] = self.model.0;
         let estimate_m = y + 0.5 * y1;
-        self.sensitivity.pass(&alpha, estimate_m);
+        self.sensitivity.pass(&alpha, per_weight, estimate_m);
         if followed.learn {
-            let mut phi = [0.0; P];
-            for (slope, polynomial) in phi.iter_mut().zip(&by_theta) {
-                for n in 0..6 {
-                    *slope -= polynomial[n] * self.sensitivity.0[n];
-                }
-            }
+            let of = &self.sensitivity.0;
+            let phi = [
+                -along(&by_k, of),
+                -along(&by_a3, of),
+                -along(&by_b1, &of[1..]),
+                -along(&by_b2, of),
+            ];
             self.learn(k, &phi, followed.measured_m - estimate_m);
         }
-        inverse(&alpha, ahead, &mut self.past)
+        inverse(&alpha, k.sixth, ahead, &mut self.past)
     }
 }
 
 impl Hydraulic {
+    /// The covariance times `phi`.
+    #[inline]
+    fn reach(&self, phi: &[f32; P]) -> [f32; P] {
+        let [[a, b, c, d], [_, e, f, g], [_, _, h, i], [.., j]] = self.covariance;
+        let rows = [[a, b, c, d], [b, e, f, g], [c, f, h, i], [d, g, i, j]];
+        rows.map(|row| along(phi, &row))
+    }
+
     /// A step of recursive least squares.
     #[inline]
     fn learn(&mut self, k: &Constants, phi: &[f32; P], error_m: f32) {
-        let mut reach = [0.0; P];
-        let mut size = k.variance_m2;
-        for i in 0..P {
-            for j in 0..P {
-                reach[i] += self.covariance[i][j] * phi[j];
-            }
-            size += phi[i] * reach[i];
-        }
+        let reach = self.reach(phi);
+        let products = phi.iter().zip(&reach);
+        let size = products.fold(k.variance_m2, |size, (p, r)| size + p * r);
         let per_size = 1.0 / size;
         if !(error_m * per_size).is_finite() || !(per_size > 0.0) {
             return;
@@ -289,16 +300,21 @@ impl Hydraulic {
             for j in i..P {
                 let left = self.covariance[i][j] - reach[i] * reach[j] * per_size;
                 self.covariance[i][j] = left;
-                self.covariance[j][i] = left;
             }
         }
     }
 }
 
+/// Sum of the products of two rows, over the shorter.
+#[inline]
+fn along(row: &[f32], other: &[f32]) -> f32 {
+    row.iter().zip(other).map(|(a, b)| a * b).sum()
+}
+
 /// `sum alpha_n d^n u/dt^n` half a control step before the end of the one that begins; third and fourth derivative are
 /// differences of the acceleration, the fifth is left out.
 #[inline]
-fn inverse(alpha: &Polynomial, ahead: &Ahead, past: &mut [f32; 2]) -> f32 {
+fn inverse(alpha: &Polynomial, sixth: f32, ahead: &Ahead, past: &mut [f32; 2]) -> f32 {
     let a = ahead.acceleration_m;
     let first = a - past[0];
     let second = first - past[1];
@@ -307,7 +323,7 @@ fn inverse(alpha: &Polynomial, ahead: &Ahead, past: &mut [f32; 2]) -> f32 {
     let (jerk, snap) = (first, second);
     let a_half = a - 0.5 * jerk;
     let v_half = ahead.velocity_m - 0.5 * (a - 0.25 * jerk);
-    let u_half = ahead.displacement_m - 0.5 * (ahead.velocity_m - 0.25 * (a - jerk * (1.0 / 6.0)));
+    let u_half = ahead.displacement_m - 0.5 * (ahead.velocity_m - 0.25 * (a - jerk * sixth));
     alpha[0] * u_half + alpha[1] * v_half + alpha[2] * a_half + alpha[3] * jerk + alpha[4] * snap
 }
 
@@ -319,12 +335,16 @@ mod tests {
     fn constants() -> Constants {
         let t = 1.0 / 4096.0_f64;
         let (k, gain) = (1.19e6, 2.1283e13 * t * t * t);
+        let spread = [5e4, 1.3 * t, 3.3 * t, 3.3e3 * t * t].map(|x| x as f32);
+        let per_numerator = (1.0 / (k * 3.3 * 9.9976e4 * t * t * t + gain)) as f32;
         Constants {
             declared: [k, 3.3 * t, 425.0 * t, 9.9976e4 * t * t].map(|x| x as f32),
-            spread: [5e4, 1.3 * t, 3.3 * t, 3.3e3 * t * t].map(|x| x as f32),
+            spread,
             fixed: [4.2297e6, 114.2 / t, 29.13 / (t * t)].map(|x| x as f32),
             gain: gain as f32,
-            per_numerator: (1.0 / (k * 3.3 * 9.9976e4 * t * t * t + gain)) as f32,
+            sixth: 1.0 / 6.0,
+            per_numerator,
+            spread_per_numerator: spread.map(|s| s * per_numerator),
             variance_m2: 2.2e-9,
         }
     }
@@ -416,7 +436,13 @@ mod tests {
     #[test]
     fn the_derivatives_of_the_polynomials_are_those_of_differences() {
         let k = constants();
-        let (alpha, by) = k.polynomials(&k.declared);
+        let (alpha, ([k0, k1, k2, k3], [a0, a1, a2, a3, a4], b1, b2)) = k.polynomials(&k.declared);
+        let by = [
+            [k0, k1, k2, k3, 0.0, 0.0],
+            [a0, a1, a2, a3, a4, 0.0],
+            [0.0, b1[0], b1[1], b1[2], b1[3], 0.0],
+            [b2[0], b2[1], b2[2], b2[3], 0.0, 0.0],
+        ];
         for i in 0..P {
             let mut p = k.declared;
             p[i] += k.spread[i];

@@ -44,6 +44,7 @@ use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 use crate::method::{Prediction, for_each_method};
 use crate::refusal::Refusal;
+use crate::structure::actuated;
 
 /// What has come of the last command of an axis.
 #[derive(Clone, Copy, Debug)]
@@ -191,7 +192,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
         physical: usize,
         command_m: &mut [f32; N],
     ) {
-        for j in 0..N.min(physical) {
+        for j in 0..actuated::<N>(physical) {
             command_m[j] = self.0[j].command(k, &followed[j], &ahead[j]);
         }
     }
