@@ -36,7 +36,10 @@ fn size(bytes: &[u8]) {
     let (mut flash, mut ram) = (0, 0);
     for section in file.sections() {
         match section.kind() {
-            SectionKind::Text | SectionKind::ReadOnlyData => flash += section.size(),
+            // Constants among which there are texts are a kind of their own.
+            SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => {
+                flash += section.size();
+            }
             // Initialised variables lie in both.
             SectionKind::Data => (flash, ram) = (flash + section.size(), ram + section.size()),
             SectionKind::UninitializedData => ram += section.size(),

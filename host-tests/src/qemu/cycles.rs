@@ -31,6 +31,26 @@ pub struct Cost {
     pub cycles: u64,
 }
 
+/// What one instruction of a step took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spent {
+    /// Its address.
+    pub at: u32,
+    /// Cycles, those in which the core waited for the flash included.
+    pub cycles: u32,
+    /// Those in which it waited.
+    pub waited: u32,
+}
+
+/// One step on its way through the core.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// What it took.
+    pub cost: Cost,
+    /// Instruction by instruction.
+    pub spent: Vec<Spent>,
+}
+
 /// The code of an image, and what of it belongs to a step.
 pub struct Code {
     begin: u32,
@@ -85,7 +105,7 @@ impl Code {
     ///
     /// # Errors
     /// The trace cannot be read.
-    pub fn steps(&self, trace: impl Read) -> Result<Vec<Cost>> {
+    pub fn steps(&self, trace: impl Read) -> Result<Vec<Course>> {
         let mut reader = BufReader::with_capacity(1 << 20, trace);
         let (mut steps, mut line) = (Vec::new(), Vec::new());
         let mut run: Option<Run> = None;
@@ -110,8 +130,8 @@ impl Code {
             let in_step = self.steps.iter().any(|s| s.contains(&pc));
             if in_step && returns(self.half(pc), self.half(pc + 2)) {
                 active.execute(self, pc, None);
-                steps.push(active.cost());
-                (run, last) = (None, None);
+                steps.extend(run.take().map(Run::course));
+                last = None;
             }
         }
     }
@@ -210,6 +230,7 @@ struct Run {
     waited: u64,
     flash: Flash,
     last: Kind,
+    spent: Vec<Spent>,
 }
 
 impl Run {
@@ -219,6 +240,7 @@ impl Run {
             waited: 0,
             flash: Flash::default(),
             last: Kind::Takes(1),
+            spent: Vec::new(),
         }
     }
 
@@ -230,6 +252,7 @@ impl Run {
     fn execute(&mut self, code: &Code, pc: u32, next: Option<u32>) {
         let (first, second) = (code.half(pc), code.half(pc + 2));
         let size = if first >> 11 < 0b11101 { 2 } else { 4 };
+        let (began, waited) = (self.now(), self.waited);
         self.waited += self.flash.instruction(pc, self.now());
         if size == 4 {
             self.waited += self.flash.instruction(pc + 2, self.now());
@@ -257,12 +280,21 @@ impl Run {
         self.cost.without_waiting += cycles;
         self.cost.instructions += 1;
         self.last = kind;
+        self.spent.push(Spent {
+            at: pc,
+            cycles: (self.now() - began) as u32,
+            waited: (self.waited - waited) as u32,
+        });
     }
 
-    fn cost(&self) -> Cost {
-        Cost {
-            cycles: self.now(),
-            ..self.cost
+    fn course(self) -> Course {
+        let cycles = self.now();
+        Course {
+            cost: Cost {
+                cycles,
+                ..self.cost
+            },
+            spent: self.spent,
         }
     }
 }

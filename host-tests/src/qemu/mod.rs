@@ -5,6 +5,8 @@
 
 pub mod bench;
 pub mod cycles;
+pub mod dearest;
 pub mod image;
 pub mod machine;
 pub mod profile;
+pub mod spent;

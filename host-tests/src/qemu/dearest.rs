@@ -1,0 +1,83 @@
+//! The dearest step of a test with each method, for the cycle model.
+
+use super::bench::{drive, rig, solved};
+use super::cycles::{Code, Course};
+use super::machine::{Clock, Machine, Test};
+use crate::{Scenario, Shaking, table1, whole_pipeline};
+use outerloop_core::{Config, Event, Fault, Method, Mode};
+use std::io::{Error, Result};
+use std::path::Path;
+
+/// Control periods from power-up on: idle, armed, then strong motion.
+const PERIODS: u32 = 90;
+
+/// Five metres a second squared from the first point on, so that predictors learn and dampings act after some steps.
+fn shaking() -> Shaking {
+    let point = |i: usize| (5.0 * (18.0 * i as f64 * 0.01).cos()) as f32;
+    Shaking {
+        acc_m_per_s2: (0..200).map(point).collect(),
+        interval_s: 0.01,
+    }
+}
+
+fn script(tick: u32, mode: Mode) -> (Option<Event>, Option<Fault>) {
+    let event = match mode {
+        Mode::Idle if tick >= 2 => Some(Event::Arm),
+        Mode::Armed => Some(Event::Start),
+        _ => None,
+    };
+    (event, None)
+}
+
+/// The whole pipeline on `N` storeys, the lowest of which stands in the laboratory and yields.
+fn scenario<const N: usize>(method: Method) -> Scenario {
+    let mut config = table1();
+    if N > 1 {
+        config = Config::shear_frame([1000.0; N], [797.3e3; N], [0.02; N]);
+        config.structure.physical_storeys = Some(1);
+    }
+    let mut scenario = whole_pipeline(Scenario::delayed(config, 4.0)).with(method);
+    scenario.specimen = "kind = 'bilinear'\nyield_mm = 2.0\nhardening_ratio = 0.05".into();
+    // What is measured has noise from the first step on.
+    scenario.config.limits.increment_m = Some(1.0);
+    scenario.config.limits.velocity_m_per_s = Some(100.0);
+    scenario
+}
+
+/// The dearest of the steps in which an integration step was solved.
+///
+/// # Errors
+/// The emulator or the image in it has gone.
+///
+/// # Panics
+/// Where the trace has another number of steps than the test has control periods.
+pub fn dearest<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
+    let scenario = scenario::<N>(method);
+    let shaking = shaking();
+    let filter = code.filter();
+    let mut machine = Machine::<N>::start_filtered(image, Clock::Tracing, Some(&filter))?;
+    let trace = machine.trace().ok_or(Error::other("there is no trace"))?;
+    let test = Test {
+        config: &scenario.config,
+        shaking: &shaking,
+    };
+    let (courses, records) = std::thread::scope(|scope| {
+        let reader = scope.spawn(|| code.steps(trace));
+        machine.begin(&test)?;
+        let records = drive::<N>(PERIODS, &script, rig(&scenario, 1), |event, sample| {
+            let (answer, words) = machine.period(event, sample)?;
+            Ok((answer.command_m, words))
+        })?;
+        machine.end()?;
+        let courses = reader.join().map_err(|_| Error::other("the reader"))??;
+        Ok::<_, Error>((courses, records))
+    })?;
+    assert_eq!(courses.len(), records.len(), "a step each period");
+    let courses = courses.into_iter().zip(&records);
+    let courses: Vec<_> = courses.filter(|(_, words)| solved(words)).collect();
+    assert!(courses.len() > 60, "{method}: {} solved", courses.len());
+    let dearest = courses.into_iter().max_by_key(|(c, _)| c.cost.cycles);
+    dearest
+        .map(|(course, _)| course)
+        .ok_or(Error::other("no step"))
+}
