@@ -25,6 +25,8 @@ pub enum Verdict {
     Tripped,
     /// It ran away: in the last fifth of the test the error was above the largest ideal displacement.
     Diverged,
+    /// The operator ended it before its end.
+    Stopped,
 }
 
 impl Verdict {
@@ -34,6 +36,7 @@ impl Verdict {
             Self::Completed => "completed",
             Self::Tripped => "tripped",
             Self::Diverged => "diverged",
+            Self::Stopped => "stopped",
         }
     }
 }
@@ -148,6 +151,7 @@ impl Summary {
             verdict: match ending.state {
                 Mode::Tripped => Verdict::Tripped,
                 _ if score.ran_away() => Verdict::Diverged,
+                _ if ending.by_hand => Verdict::Stopped,
                 _ => Verdict::Completed,
             },
             trip: ending.trip.map(|t| t.fault.name()),
@@ -185,7 +189,7 @@ impl Summary {
     pub fn error(&self) -> f64 {
         match self.verdict {
             Verdict::Completed => self.eps_rms,
-            Verdict::Tripped | Verdict::Diverged => f64::INFINITY,
+            Verdict::Tripped | Verdict::Diverged | Verdict::Stopped => f64::INFINITY,
         }
     }
 
@@ -195,7 +199,7 @@ impl Summary {
             Verdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Worth::Bad,
             Verdict::Completed if self.eps_rms > GOOD_EPS_RMS => Worth::Fair,
             Verdict::Completed => Worth::Good,
-            Verdict::Tripped | Verdict::Diverged => Worth::Bad,
+            Verdict::Tripped | Verdict::Diverged | Verdict::Stopped => Worth::Bad,
         }
     }
 
@@ -247,6 +251,11 @@ impl Summary {
                 } else {
                     ""
                 }
+            ),
+            (Verdict::Stopped, _) => format!(
+                "Stopped by hand after {:.2} s of the laboratory, before its end. What was recorded until then is kept; up \
+                 to there the error is {rms} rms and {max} at most, of the largest ideal displacement.",
+                self.steps as f64 / self.rate_hz,
             ),
             _ if self.locked() => format!(
                 "Locked: the added damping held the structure in place for {:.0} % of the test. It looks stable, but \

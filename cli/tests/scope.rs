@@ -22,15 +22,12 @@ struct Running {
 
 impl Running {
     fn start(seconds: &str) -> Self {
-        let arguments = [
-            "run",
-            "examples/table1.toml",
-            "--json",
-            "--scope",
-            "--duration",
-            seconds,
-        ];
-        let mut child = command(&arguments)
+        Self::start_with(&["--duration", seconds])
+    }
+
+    fn start_with(more: &[&str]) -> Self {
+        let mut child = command(&["run", "examples/table1.toml", "--json", "--scope"])
+            .args(more)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -183,7 +180,9 @@ fn without_the_token_or_from_another_origin_nothing_is_read_or_pressed() {
 
 #[test]
 fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
-    let mut running = Running::start("60");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let mut running = Running::start_with(&["--duration", "60", "--out", out.to_str().unwrap()]);
     let began = Instant::now();
     let mut socket = running.own_socket();
     let wait = |socket: &mut WebSocket<_>, mode: &str| {
@@ -224,6 +223,12 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
         Some(1),
         "stopped by hand"
     );
+    let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["verdict"], "stopped");
+    let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
+    let rows = record.lines().filter(|l| !l.starts_with('#')).count() - 1;
+    assert_eq!(summary["steps"].as_u64().unwrap(), rows as u64, "kept");
 }
 
 #[test]

@@ -38,6 +38,8 @@ pub struct Ending {
     pub state: Mode,
     /// The first fault, if there was one.
     pub trip: Option<Trip>,
+    /// The operator stopped it before its end.
+    pub by_hand: bool,
     /// Seconds on the wall clock.
     pub wall_s: f64,
     /// What only a board has to tell.

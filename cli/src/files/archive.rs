@@ -10,7 +10,7 @@ use crate::experiment::{Experiment, Shaking};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::provenance::Provenance;
-use crate::summary::Summary;
+use crate::summary::{Summary, Verdict};
 use crate::trace::Trace;
 use crate::verb::place::Where;
 use hdf5_pure::File;
@@ -72,6 +72,14 @@ pub struct Ran<'a> {
 /// A test whose numbers a file cannot hold.
 pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
     let shaking = ran.experiment.shaking();
+    // Nobody stops a replay by hand: it ends where the test did.
+    let seconds = match ran.summary.verdict {
+        Verdict::Stopped => {
+            let timing = &ran.experiment.test.config.timing;
+            ran.summary.steps as f64 / timing.rate_hz / timing.time_scale
+        }
+        Verdict::Completed | Verdict::Tripped | Verdict::Diverged => ran.experiment.seconds,
+    };
     let repeat = Repeat {
         format: FORMAT,
         place: ran.place,
@@ -80,7 +88,7 @@ pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
         config: ran.experiment.test.config.clone(),
         plant: ran.experiment.test.plant.clone(),
         record: ran.experiment.record.clone(),
-        seconds: ran.experiment.seconds,
+        seconds,
         scale: ran.experiment.scale,
         interval_s: shaking.interval_s,
     };

@@ -146,7 +146,7 @@ impl<'a> Figures<'a> {
     fn cut(&self, shape: Shape, j: usize) -> Shape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {
-            Verdict::Completed => shape,
+            Verdict::Completed | Verdict::Stopped => shape,
             Verdict::Tripped | Verdict::Diverged => shape.within(SHOWN_BEYOND * ideal_mm),
         }
     }
@@ -171,7 +171,7 @@ impl<'a> Figures<'a> {
                     ..ideal
                 },
             ],
-            Verdict::Completed | Verdict::Tripped => [ideal.broad(), test],
+            Verdict::Completed | Verdict::Tripped | Verdict::Stopped => [ideal.broad(), test],
         };
         time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
     }

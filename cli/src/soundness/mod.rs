@@ -161,7 +161,7 @@ pub(crate) fn ran_away(s: &Summary) -> bool {
         Ending::Diverged => true,
         // A limit that stops a sound test is a matter of the limit.
         Ending::Tripped => s.eps_max.is_nan() || s.eps_max > 1.0,
-        Ending::Completed => false,
+        Ending::Completed | Ending::Stopped => false,
     }
 }
 
