@@ -33,7 +33,7 @@ fn a_script_can_tell_a_good_test_from_a_bad_one() {
     let below = outerloop(&["monte-carlo", TABLE1, "--tests", "-1"]);
     let said = String::from_utf8(below.stderr).unwrap();
     assert!(
-        below.status.code() == Some(2) && said.contains("'-1' for '--tests"),
+        below.status.code() == Some(2) && said.contains("--tests <TESTS>: `-1` is refused"),
         "{said}"
     );
 }
