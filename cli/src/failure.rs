@@ -7,7 +7,7 @@ use std::process::ExitCode;
 pub const EXIT_STATUSES: &str = "\
 Exit status:
   0  done, and the result is good or fair
-  1  the test tripped, ran away, or is not the structure's response; check: doubtful; compare: no row is usable
+  1  the test tripped, ran away, was stopped by hand, or is not the structure's response; check: doubtful; compare: no row is usable
   2  bad input, or output that cannot be written; check: unstable";
 
 /// Why a verb did not do what was asked.
