@@ -123,6 +123,7 @@ fn a_bad_ground_motion_is_refused_with_its_line() {
     );
 }
 
+#[test]
 fn a_broken_file_leaves_no_folder_behind() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("new");
@@ -140,7 +141,6 @@ fn a_broken_file_leaves_no_folder_behind() {
     assert!(!out.exists());
 }
 
-#[test]
 #[test]
 fn a_misspelt_command_line_gets_one_sentence() {
     refused(
