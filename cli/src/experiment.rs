@@ -1,6 +1,7 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
-use crate::bench::{Assignment, Bench, Ending, ideal, with_floors};
+use crate::bench::ideal;
+use crate::bench::interface::{Assignment, Bench, Ending, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::TestFile;

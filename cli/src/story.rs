@@ -9,7 +9,7 @@ use crate::files::test::TestFile;
 use crate::judged::Run;
 use crate::rig::{declared, improvement};
 use crate::summary;
-use crate::terminal::Progress;
+use crate::terminal::progress::Progress;
 use crate::trace::{Response, Witness};
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, RigLimits, Verdict};
 use outerloop_core::config::Filter;

@@ -155,7 +155,7 @@ impl Response {
     }
 
     /// From this displacement on, a simulated test has run away beyond doubt, m: the largest ideal one of any floor times
-    /// [`RUNAWAY`].
+    /// `RUNAWAY`.
     pub fn runaway_m(&self) -> f64 {
         RUNAWAY * self.peaks_m().into_iter().fold(0.0, f64::max)
     }

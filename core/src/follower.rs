@@ -14,7 +14,7 @@
 //! a copy of it, the declared one, and what the copy answers is added to the target: both are linear, so the specimen
 //! is sent where it would have been sent.
 
-use crate::config::{Design, StepConstants};
+use crate::design::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Observation};
 use crate::force::{Acting, Correction, Law, Reached};
 use crate::newmark::Newmark;

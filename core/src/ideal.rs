@@ -4,7 +4,7 @@
 //! compensation. Energies, estimates and interlocks change no number of it, so they are left out: it takes a fraction of the
 //! time of [`OuterLoop`](crate::OuterLoop) and has the same bits.
 
-use crate::config::Design;
+use crate::design::Design;
 use crate::ground_motion::GroundMotion;
 use crate::newmark::{Coefficients, Newmark};
 use crate::signal::{Constants, SignalGenerator, Target};

@@ -34,6 +34,7 @@ pub mod config;
 mod context;
 pub mod coupled;
 mod delay_line;
+mod design;
 mod energy;
 mod estimate;
 mod float;
@@ -55,7 +56,8 @@ mod structure;
 mod sum;
 mod supervise;
 
-pub use config::{Config, Design};
+pub use config::Config;
+pub use design::Design;
 pub use follower::Follower;
 pub use ground_motion::GroundMotion;
 pub use ideal::IdealTest;

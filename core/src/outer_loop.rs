@@ -18,9 +18,7 @@ mod operate;
 mod outside;
 mod step;
 
-pub use outside::Pace;
-
-use crate::config::{Design, StepConstants};
+use crate::design::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Monitor};
 use crate::estimate::Estimator;
 use crate::force::{Correction, Law};
@@ -65,6 +63,19 @@ pub struct Step<'a, const N: usize> {
     pub permit: bool,
     /// The record of this step.
     pub record: &'a Record<N>,
+}
+
+/// How the actuator goes from one target from outside to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Pace {
+    /// To each target at the speed of the approach, `loop.approach_m_per_s`; there it stands until the next one comes.
+    #[default]
+    StopAndGo,
+    /// A target every `loop.substeps` control steps: extrapolated while the next is worked out, interpolated once it is
+    /// there, slowed down and held where it is late.
+    Continuous,
 }
 
 /// The outer loop of a test with `N` degrees of freedom.

@@ -1,7 +1,7 @@
 //! What a control step leaves behind, in a fixed layout of 32-bit words.
 
 use crate::energy::Errors;
-use crate::supervise::Mode;
+use crate::supervise::mode::Mode;
 
 /// One control step. Quantities of the integration (energies, C_cor, G_v, velocity) belong to the last solved
 /// integration step.

@@ -1,7 +1,8 @@
 //! A channel of a declared model, by its rows: what each of them holds, and where.
 
 use crate::answer::Correction;
-use crate::model::{ActuatorModel, Declared, Model, SpecimenModel};
+use crate::declared::Declared;
+use crate::model::{ActuatorModel, Model, SpecimenModel};
 use crate::saved_element::SavedElement;
 use plant::{Channel, EffectSpec};
 

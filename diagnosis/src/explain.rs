@@ -2,7 +2,8 @@
 
 use crate::base::Base;
 use crate::fit::{Frame, Solution, settle};
-use crate::library::{Candidate, candidates};
+use crate::library::candidate::Candidate;
+use crate::library::candidates;
 use crate::noise::Noise;
 use crate::problem::{Fitted, Problem};
 use crate::sensitivity;

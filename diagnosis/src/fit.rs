@@ -1,7 +1,7 @@
 //! Effects fitted to whitened records, jointly with the declared parameters.
 
 use crate::base::Base;
-use crate::library::{Candidate, Shape};
+use crate::library::candidate::{Candidate, Shape};
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::{Fitted, Problem};

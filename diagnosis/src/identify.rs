@@ -4,8 +4,9 @@
 //! white: the actuator is not quite of first order. The intervals are therefore not taken from the residual's size but
 //! from how far stretches of the record pull the result apart.
 
+use crate::recording::Recording;
+use crate::refusal::Refusal;
 use crate::signals::Transfer;
-use crate::{Recording, Refusal};
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
 

@@ -2,8 +2,9 @@
 
 use crate::answer::FoundEffect;
 use crate::base::Base;
+use crate::declared::Declared;
 use crate::fit::Solution;
-use crate::model::{Declared, Model};
+use crate::model::Model;
 use plant::{Channel, Effect, EffectSpec};
 
 /// Puts what was found into the model: where it has a parameter for it, there, else as an effect.

@@ -4,7 +4,7 @@
 use crate::answer::{ChannelAnswer, Member, Verdict};
 use crate::base::Base;
 use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
-use crate::joint::commonness;
+use crate::joint::outcome::commonness;
 use crate::recording::{Recording, range};
 use crate::spectrum::{Density, motion_band_hz, smooth};
 use plant::{Channel, Effect, Family};

@@ -1,11 +1,11 @@
 //! What the laboratory declares: each parameter with its standard tolerance.
 
-use crate::Refusal;
 use crate::answer::Correction;
-use crate::coupled::CoupledSpecimen;
+use crate::coupled::specimen::CoupledSpecimen;
 pub use crate::declared::Declared;
 use crate::declared::LARGEST_TOLERANCE;
 use crate::library;
+use crate::refusal::Refusal;
 use crate::saved_element::SavedElement;
 use plant::{Channel, ChannelParameter, EffectSpec};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! Whether records can be what their headers say, before anything is fitted.
 
-use crate::Refusal;
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
+use crate::refusal::Refusal;
 use crate::spectrum::motion_band_hz;
 
 /// Factor beyond which a proportion is a slip of units.
@@ -200,7 +200,7 @@ fn later(a: &[f64], b: &[f64], most: usize) -> (usize, f64) {
 /// after it.
 fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     let actuator = model.actuator.as_ref()?;
-    let value = |d: Option<crate::Declared>| d.map_or(0.0, |d| d.value);
+    let value = |d: Option<crate::declared::Declared>| d.map_or(0.0, |d| d.value);
     let late_s = 1e-3 * (value(actuator.delay_ms) + value(actuator.lag_ms));
     let most = |s: f64| (s / interval_s).ceil() as usize;
     if late_s < 1e-3 {
@@ -281,7 +281,7 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
 const HEAVY: f64 = 0.3;
 
 /// Whether the declared mass moves so fast that its force, which is against the displacement, may rule.
-fn may_be_inertia(model: &crate::SpecimenModel, x: &[f64], interval_s: f64) -> bool {
+fn may_be_inertia(model: &crate::model::SpecimenModel, x: &[f64], interval_s: f64) -> bool {
     let (Some(k), Some(m)) = (model.stiffness_n_per_mm, model.mass_kg) else {
         return false;
     };
@@ -315,16 +315,16 @@ mod tests {
     #[test]
     fn an_actuator_that_is_over_before_the_next_sample_is_asked_about() {
         let declared = |value| {
-            Some(crate::Declared {
+            Some(crate::declared::Declared {
                 value,
                 tolerance: 1.0,
             })
         };
         let model = Model {
-            actuator: Some(crate::ActuatorModel {
+            actuator: Some(crate::model::ActuatorModel {
                 delay_ms: declared(5.0),
                 lag_ms: declared(20.0),
-                ..crate::ActuatorModel::default()
+                ..crate::model::ActuatorModel::default()
             }),
             specimen: None,
             ..Model::default()

@@ -1,7 +1,9 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
 use crate::base::{Base, Free};
-use crate::library::{Candidate, fit_of, form};
+use crate::library::candidate::Candidate;
+use crate::library::form;
+use crate::library::saved::fit_of;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;

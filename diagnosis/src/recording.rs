@@ -1,6 +1,7 @@
 //! Measured data, in mm, N and s, and whether it can be judged.
 
-use crate::{Refusal, stamps};
+use crate::refusal::Refusal;
+use crate::stamps;
 
 /// A record, or a span of one: equidistant samples, once [`Recording::made_even`] has seen to it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::base::Base;
 use crate::fit::{ONCE, Solution};
-use crate::library::Candidate;
+use crate::library::candidate::Candidate;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::Fitted;

@@ -1,6 +1,6 @@
 //! Time stamps: whether they are even, and samples on an even grid where they are not.
 
-use crate::Refusal;
+use crate::refusal::Refusal;
 
 /// The largest deviation of an interval from the mean, relative, that counts as even.
 const JITTER: f64 = 0.05;

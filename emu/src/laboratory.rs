@@ -5,6 +5,7 @@ mod faults;
 mod motion;
 mod pins;
 mod timer;
+mod updates;
 
 use crate::chain::{Chain, Converters, Instant, Shown};
 use crate::log::{Fault, Log, Planned, Seen};

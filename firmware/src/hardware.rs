@@ -1,6 +1,6 @@
 //! What the control period wants from a board. Nothing of it waits.
 
-use crate::station::Sign;
+use crate::station::evidence::Sign;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;

@@ -4,9 +4,9 @@
 use host_tests::{Scenario, Shaking, Trace};
 use outerloop_cli::stability::closed_loop::Question;
 use outerloop_cli::stability::frame::Frame;
+use outerloop_cli::stability::linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
-use outerloop_cli::stability::{Row, row};
 use outerloop_core::{
     Config, Method, Record,
     config::{Adaptation, Filter},
@@ -24,10 +24,10 @@ fn sdof(damping_ratio: f64, actuator: &str) -> Scenario {
     s
 }
 
-fn eigenvalues(s: &Scenario, law: Law) -> Row {
+fn eigenvalues(s: &Scenario, law: Law) -> LinearVerdict {
     let rig = s.rig();
     let (frame, question) = asked(s, &rig, law);
-    row(&question, &frame, &Variation::NONE).expect("a possible loop")
+    linear_verdict(&question, &frame, &Variation::NONE).expect("a possible loop")
 }
 
 fn asked<'a>(s: &'a Scenario, rig: &'a RigSpec, law: Law) -> (Frame, Question<'a>) {

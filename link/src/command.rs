@@ -1,6 +1,6 @@
 //! What the PC asks of the board.
 
-use crate::MAX_ACTUATORS;
+use crate::agreed::MAX_ACTUATORS;
 use crate::channel::Calibration;
 use heapless::Vec;
 use outerloop_core::{Config, Event, Pace};

@@ -3,7 +3,7 @@
 //! A zero byte stands only at the end of a frame, so a receiver that comes in late, or has lost bytes, is in step
 //! again at the next one.
 
-use crate::VERSION;
+use crate::agreed::VERSION;
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use heapless::Vec;
 

@@ -33,6 +33,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod agreed;
 pub mod channel;
 pub mod command;
 pub mod continuity;
@@ -43,6 +44,7 @@ pub mod reply;
 pub mod status;
 pub mod telemetry;
 
+pub use agreed::{BAUD, BITS_PER_BYTE, MAX_ACTUATORS, VERSION};
 pub use channel::{Calibration, CodeRange};
 pub use command::Command;
 pub use continuity::Continuity;
@@ -50,20 +52,6 @@ pub use frame::{Decoder, Frame, Kind};
 pub use reply::Reply;
 pub use status::Status;
 pub use telemetry::{Input, Telemetry};
-
-/// Version of everything in this crate; a frame of another version is counted and not looked at. A test holds the bytes of
-/// every frame (`link/tests/golden.txt`): they change only together with this number.
-pub const VERSION: u8 = 10;
-
-/// Bits per second on the wire. The board's 42 MHz peripheral clock divides to it exactly, and so does the 36 MHz of the
-/// ST-LINK that makes a USB port of it.
-pub const BAUD: u32 = 1_000_000;
-
-/// Bits on the wire for a byte: start, eight, stop.
-pub const BITS_PER_BYTE: u32 = 10;
-
-/// Actuators of a board, at most.
-pub const MAX_ACTUATORS: usize = 3;
 
 /// The fastest control rate, Hz, whose telemetry leaves a tenth of the port for replies, on a board with so many actuators
 /// and further inputs.

@@ -1,6 +1,6 @@
 //! What the board answers.
 
-use crate::MAX_ACTUATORS;
+use crate::agreed::MAX_ACTUATORS;
 use crate::channel::{Calibration, CodeRange, number_of};
 use crate::status::Status;
 use crate::telemetry::{Input, MAX_INPUTS};

@@ -1,6 +1,6 @@
 //! How the board is.
 
-use crate::MAX_ACTUATORS;
+use crate::agreed::MAX_ACTUATORS;
 use crate::frame::Seen;
 use heapless::{String, Vec};
 use outerloop_core::{Mode, Trip};

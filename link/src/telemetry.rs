@@ -17,7 +17,7 @@
 //! fed with the codes, works out every other word of the record, the other actuators' commands among them; the digest
 //! proves that it has.
 
-use crate::MAX_ACTUATORS;
+use crate::agreed::MAX_ACTUATORS;
 use crate::frame::wire_bytes;
 use heapless::Vec;
 use outerloop_core::{Fault, Mode, Record};

@@ -1,55 +1,9 @@
 //! The specimen as a shear frame: floors over storeys, from the ground up.
 
+mod floor;
 mod give_way;
 
-use crate::kinematics::Kinematics;
-use crate::specimen::Storey;
-
-/// A floor, the storey below it and the mass on it.
-#[derive(Clone, Debug)]
-pub(crate) struct Floor {
-    storey: Storey,
-    drift: Kinematics,
-    motion: Kinematics,
-    mass_kg: f64,
-    /// By what the floor falls short of where the actuator's dynamics would put it, m/N.
-    gives_m_per_n: f64,
-    shear_n: f64,
-    restoring_n: f64,
-}
-
-impl Floor {
-    /// At rest at zero, sampled `rate_hz` times a second.
-    pub(crate) fn new(storey: Storey, mass_kg: f64, gives_m_per_n: f64, rate_hz: f64) -> Self {
-        Self {
-            storey,
-            drift: Kinematics::new(rate_hz),
-            motion: Kinematics::new(rate_hz),
-            mass_kg,
-            gives_m_per_n,
-            shear_n: 0.0,
-            restoring_n: 0.0,
-        }
-    }
-
-    /// Displacement of the floor, m.
-    #[inline]
-    pub(crate) fn displacement_m(&self) -> f64 {
-        self.motion.displacement_m()
-    }
-
-    /// Force on the actuator without inertia, N.
-    #[inline]
-    pub(crate) fn restoring_n(&self) -> f64 {
-        self.restoring_n
-    }
-
-    /// Force on the load cell, N.
-    #[inline]
-    pub(crate) fn force_n(&self) -> f64 {
-        self.restoring_n + self.mass_kg * self.motion.acceleration_m_s2()
-    }
-}
+pub(crate) use floor::Floor;
 
 /// All floors.
 #[derive(Clone, Debug)]

@@ -19,7 +19,7 @@
 //! | [`controller`] | the contestants: from the problem, from the literature, from core |
 //! | [`trial`] | the closed loop, and what it leaves |
 //! | [`criteria`] | J1 to J9 |
-//! | [`bench`] | every controller under every record, on the nominal and on drawn plants |
+//! | [`mod@bench`] | every controller under every record, on the nominal and on drawn plants |
 //! | [`declared`] | what the declared physical part costs, and the record that tells what is wrong in it |
 //!
 //! The problem's own files give the structure, the plant and the geometry; its Simulink model is not among them. What

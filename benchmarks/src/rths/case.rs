@@ -1,7 +1,7 @@
 //! The four structures. One frame of the first storey is the specimen; the rest is computed.
 
 use super::parameters::Specimen;
-use super::{FLOORS, RATE_HZ};
+use super::size::{FLOORS, RATE_HZ};
 use crate::linear::{Lanes, Linear};
 use nalgebra::{Cholesky, Matrix3, SMatrix, SymmetricEigen, Vector3};
 

@@ -1,6 +1,6 @@
 //! J1 to J9, in the order of Table 3: sums that are kept while a trial runs.
 
-use super::{FLOORS, RATE_HZ};
+use super::size::{FLOORS, RATE_HZ};
 use std::array::from_fn;
 
 /// What the criteria mean, for those who read them.

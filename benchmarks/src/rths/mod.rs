@@ -15,7 +15,7 @@
 //! | [`controller`] | who is on trial: published ones, core's methods, yours |
 //! | [`trial`] | closed loops side by side |
 //! | [`criteria`] | J1 to J9 |
-//! | [`bench`] | all of it, on all cores |
+//! | [`mod@bench`] | all of it, on all cores |
 //! | [`follow`] | a controller from outside as a table of commands |
 //! | [`table`], [`verdict`] | rows as cells; targets and ties |
 
@@ -29,6 +29,7 @@ pub mod parameters;
 pub mod record;
 pub mod rules;
 pub mod shaking;
+mod size;
 pub mod table;
 pub mod transfer;
 pub mod trial;
@@ -39,8 +40,4 @@ pub use bench::{Bench, Row};
 pub use controller::Contestant;
 pub use record::Record;
 pub use rules::Rules;
-
-/// Sampling rate of the problem, Hz.
-pub const RATE_HZ: f64 = 4096.0;
-/// Floors of the structure.
-pub const FLOORS: usize = 3;
+pub use size::{FLOORS, RATE_HZ};

@@ -1,10 +1,10 @@
 //! A ground motion of the problem with all that every trial under it needs, worked out once.
 
-use super::FLOORS;
 use super::channels::Noise;
 use super::criteria::{Scale, percent};
 use super::rules::Rules;
 use super::shaking::Shaking;
+use super::size::FLOORS;
 use super::trial::Ground;
 use super::yielding::Behaviour;
 
@@ -50,7 +50,7 @@ impl Record {
         &self.shaking
     }
 
-    /// What a trial in the case at `place` of [`CASES`] is run on.
+    /// What a trial in the case at `place` of [`CASES`](super::case::CASES) is run on.
     pub fn ground(&self, place: usize) -> Ground<'_> {
         Ground {
             shaking: &self.shaking,

@@ -4,8 +4,8 @@ use super::case::{CASES, Structure};
 use super::channels::Noise;
 use super::criteria::Work;
 use super::parameters::Specimen;
+use super::size::{FLOORS, RATE_HZ};
 use super::yielding::Behaviour;
-use super::{FLOORS, RATE_HZ};
 
 /// A ground motion at the samples of the problem, scaled.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The transfer system in motion: servo valve, actuator and specimen, several side by side.
 
-use super::RATE_HZ;
 use super::parameters::{OUTPUT_GAIN, Parameters};
+use super::size::RATE_HZ;
 use crate::linear::{Lanes, Linear};
 use nalgebra::SMatrix;
 

@@ -6,14 +6,14 @@
 //!                  └──────────────── one sample late ◄── force ◄────────────────────────────┘
 //! ```
 
-use super::FLOORS;
 use super::case::{Case, Structure};
 use super::channels::{Noise, read, send};
-use super::controller::{Controller, Seen};
+use super::controller::interface::{Controller, Seen};
 use super::criteria::{Judge, Moment};
 use super::parameters::{Parameters, Specimen};
 use super::rules::{Deviation, Rules};
 use super::shaking::Shaking;
+use super::size::FLOORS;
 use super::transfer::TransferSystem;
 use super::yielding::Behaviour;
 use crate::Refused;

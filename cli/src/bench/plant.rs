@@ -1,6 +1,6 @@
 //! The closed loop of core and the simulated rig, in this process.
 
-use super::{Assignment, Bench, Ending};
+use super::interface::{Assignment, Bench, Ending};
 use crate::failure::Failure;
 use crate::trace::Witness;
 use ::plant::{Rig, RigSpec};
@@ -16,7 +16,7 @@ pub const GAIN_STEPS: usize = 100;
 /// What breaks in a rig while a test runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakage {
-    /// Displacement per command goes to so many times what it was, over [`GAIN_STEPS`] control steps.
+    /// Displacement per command goes to so many times what it was, over `GAIN_STEPS` control steps.
     ActuatorGain(f64),
     /// The force is so many times what it was, as of another specimen.
     Stiffness(f64),

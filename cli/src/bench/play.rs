@@ -1,7 +1,7 @@
 //! A signal on the simulated rig, in this process: the loop of core follows goals instead of a structure.
 
-use super::with_floors;
-use crate::board::Played;
+use super::interface::with_floors;
+use crate::board::played::Played;
 use crate::failure::Failure;
 use crate::files::signal::Signal;
 use crate::files::test::TestFile;

@@ -12,7 +12,7 @@ use super::played::Played;
 use super::port::Port;
 use super::setup::ready;
 use super::upload::load;
-use crate::bench::{Assignment, Bench, Ending};
+use crate::bench::interface::{Assignment, Bench, Ending};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::trace::Witness;

@@ -7,7 +7,7 @@ use super::mirror::Mirror;
 use super::operator::{Operator, stop_is_asked};
 use super::orders::{clear, done, event, status};
 use super::port::Port;
-use crate::bench::OnBoard;
+use crate::bench::interface::OnBoard;
 use crate::failure::Failure;
 use link::Command;
 use link::MAX_ACTUATORS;

@@ -1,6 +1,6 @@
 //! Who is how good at what.
 
-use super::Row;
+use super::compared_test::ComparedTest;
 use super::condition::Family;
 use serde::Serialize;
 
@@ -27,7 +27,7 @@ pub struct Standing {
 const ROUNDING: f64 = 1e-6;
 
 /// The standings of all contestants in `rows`, the best mean first.
-pub fn of(rows: &[Row]) -> Vec<Standing> {
+pub fn of(rows: &[ComparedTest]) -> Vec<Standing> {
     let mut names: Vec<&'static str> = rows.iter().map(|r| r.summary.compensation).collect();
     names.sort_unstable();
     names.dedup();
@@ -36,8 +36,8 @@ pub fn of(rows: &[Row]) -> Vec<Standing> {
     all
 }
 
-fn one(name: &'static str, rows: &[Row]) -> Standing {
-    let own: Vec<&Row> = rows
+fn one(name: &'static str, rows: &[ComparedTest]) -> Standing {
+    let own: Vec<&ComparedTest> = rows
         .iter()
         .filter(|r| r.summary.compensation == name)
         .collect();
@@ -54,12 +54,12 @@ fn one(name: &'static str, rows: &[Row]) -> Standing {
     }
 }
 
-fn error(row: &Row) -> f64 {
+fn error(row: &ComparedTest) -> f64 {
     row.error().max(ROUNDING)
 }
 
 /// The smallest error of anyone in the test of `row`.
-fn best(row: &Row, rows: &[Row]) -> f64 {
+fn best(row: &ComparedTest, rows: &[ComparedTest]) -> f64 {
     rows.iter()
         .filter(|r| r.condition == row.condition && r.summary.record == row.summary.record)
         .map(error)

@@ -3,10 +3,12 @@
 //! Names and meanings are those of the structures and their documentation, defaults are those that the structures have,
 //! and what is accepted is what the refusal of a wrong value says. So this list cannot say anything else than the code.
 
+mod key;
 mod probe;
 mod render;
 mod source;
 
+pub use key::{Group, Key};
 pub use render::{markdown, schema};
 
 use crate::files::test::Excitation;
@@ -17,35 +19,6 @@ use plant::RigSpec;
 use serde_json::{Value, json};
 use source::{Kind, Structure};
 use std::collections::HashMap;
-
-/// A key of the test file.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Key {
-    /// Its path, `loop.rate_hz`.
-    pub path: String,
-    /// Its unit; `1` for a ratio or count, empty for a text.
-    pub unit: &'static str,
-    /// What stands there where it is left out; `None`: it has to be given, or nothing is meant by leaving it out.
-    pub default: Option<String>,
-    /// What is accepted.
-    pub accepted: String,
-    /// What it means.
-    pub meaning: String,
-    /// What it holds.
-    #[serde(skip)]
-    kind: Kind,
-}
-
-/// A table of the test file with its keys.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Group {
-    /// Its path.
-    pub path: String,
-    /// What it is.
-    pub meaning: String,
-    /// Its keys.
-    pub keys: Vec<Key>,
-}
 
 /// The tables at the top, and the structures behind them.
 const TOP: [(&str, &str); 6] = [

@@ -1,7 +1,7 @@
 //! The list of keys as a page and as a JSON Schema for editors.
 
+use super::key::{Group, Key};
 use super::source::Kind;
-use super::{Group, Key};
 use crate::files::units;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;

@@ -1,14 +1,15 @@
 //! The report of a check: the planned motion, and how far the test is from where it would run away.
 
 use super::figures::{Figures, figure};
+use super::page::{Drawn, Section, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG};
 use super::rths::table;
-use super::{Drawn, Section, cannot, escape, page, test_file, tile};
 use crate::failure::Failure;
 use crate::numbers::{length, percent, three};
 use crate::soundness::{Judgement, Verdict};
+use crate::stability::Stability;
 use crate::stability::limits::Limit;
-use crate::stability::{Row, Stability};
+use crate::stability::linear_verdict::LinearVerdict;
 use std::fmt::Write as _;
 
 /// A check as the report shows it.
@@ -201,7 +202,7 @@ fn tables(a: &Stability) -> String {
             p.from.to_owned(),
         ]
     });
-    let row = |r: &Row, here: &str| {
+    let row = |r: &LinearVerdict, here: &str| {
         vec![
             format!("{}{here}", r.compensation),
             if r.stable { "decays" } else { "grows" }.to_owned(),

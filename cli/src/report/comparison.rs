@@ -1,10 +1,11 @@
 //! The page of the bench of all compensations.
 
 use super::figures::{Figures, figure};
+use super::page::{Drawn, Section, cannot, class, escape, page, table as summaries, test_file};
+use super::plot;
 use super::plot::{Colour, Curve, FIFTH, FOURTH, GROUND, HALF, TESTED, THIRD, WRONG};
 use super::rths::table;
-use super::{Drawn, Section, cannot, escape, page, plot};
-use crate::comparison::Row;
+use crate::comparison::compared_test::ComparedTest;
 use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
 use crate::failure::Failure;
@@ -53,10 +54,10 @@ pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
                 html += &Figures::of(best).beside(&shown, &BESIDE)?;
             }
             let rows: Vec<Summary> = own().map(|s| s.summary.clone()).collect();
-            html += &super::table(&rows);
+            html += &summaries(&rows);
         }
         if let Some(first) = sections.first() {
-            html += &super::test_file(first.experiment);
+            html += &test_file(first.experiment);
         }
         Ok(html)
     };
@@ -73,7 +74,7 @@ pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
 fn verdict_of_best(best: &Section<'_>) -> String {
     format!(
         "<p class=\"verdict {}\"><b>{}</b> comes nearest. {}</p>",
-        super::class(best.summary),
+        class(best.summary),
         best.summary.compensation,
         escape(&best.summary.sentence())
     )
@@ -83,7 +84,7 @@ fn verdict_of_best(best: &Section<'_>) -> String {
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_comparison(rows: &[Row], lead: &str) -> Result<String, Failure> {
+pub fn of_comparison(rows: &[ComparedTest], lead: &str) -> Result<String, Failure> {
     let standings = standing::of(rows);
     let body = || -> Drawn {
         let mut html = standings.first().map_or_else(String::new, nearest);
@@ -139,14 +140,14 @@ fn page_of(lead: &str, body: Drawn) -> Result<String, Failure> {
 }
 
 /// The larger error of all ground motions.
-fn worse(rows: &[Row], condition: &str, compensation: &str) -> f64 {
+fn worse(rows: &[ComparedTest], condition: &str, compensation: &str) -> f64 {
     rows.iter()
         .filter(|r| r.condition == condition && r.summary.compensation == compensation)
-        .map(Row::error)
+        .map(ComparedTest::error)
         .fold(0.0, f64::max)
 }
 
-fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
+fn over_delay(rows: &[ComparedTest], family: Family, actuator: &str) -> Drawn {
     let mut places: Vec<(f64, &str)> = Vec::new();
     for row in rows.iter().filter(|r| r.family == family) {
         if row.condition.contains(actuator) && places.iter().all(|p| p.1 != row.condition) {
@@ -168,7 +169,7 @@ fn over_delay(rows: &[Row], family: Family, actuator: &str) -> Drawn {
     Ok(figure(&svg, &format!("Actuator: {actuator}.")))
 }
 
-fn conditions(rows: &[Row], standings: &[Standing]) -> String {
+fn conditions(rows: &[ComparedTest], standings: &[Standing]) -> String {
     let mut names: Vec<&str> = Vec::new();
     for row in rows {
         if !names.contains(&row.condition.as_str()) {

@@ -1,8 +1,9 @@
 //! The page of the diagnosis of a specimen of several coordinates.
 
+use super::figures;
+use super::page::{Drawn, cannot, escape, page};
 use super::plot::{Curve, IDEAL, TESTED, WIDE, WRONG, history, plot};
 use super::rths::table;
-use super::{Drawn, cannot, escape, figures, page};
 use crate::failure::Failure;
 use crate::terminal::coupled::{ERROR_HEAD, WRONG_HEAD, error_row, headline, wrong_rows};
 use diagnosis::{CoordinateAnswer, CoupledDiagnosis};

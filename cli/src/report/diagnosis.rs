@@ -1,7 +1,7 @@
 //! A diagnosis as a part of the report: the verdict, what is left before and after, the loops, what was tried.
 
+use super::page::{Drawn, escape};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
-use super::{Drawn, escape};
 use crate::terminal::percent;
 use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted,

@@ -1,10 +1,10 @@
 //! The figures of a test, with what to see in them.
 
-pub(super) use super::plot::GROUND;
+use super::page::{Drawn, Section};
 use super::plot::{
-    self, Colour, Curve, HALF, IDEAL, RAW, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history, path,
+    self, Colour, Curve, GROUND, HALF, IDEAL, RAW, Shape, TALL, TESTED, THIRD, WIDE, WRONG,
+    history, path,
 };
-use super::{Drawn, Section};
 use crate::summary::{Verdict, Worth};
 use crate::trace::Floor;
 use outerloop_core::{Method, config::Filter, flag};

@@ -1,9 +1,11 @@
 //! The page of the multi-axial benchmark problem.
 
-use super::figures::{GROUND, figure, time_plot};
+use super::figures::{figure, time_plot};
+use super::page::{Drawn, cannot, escape, page};
+use super::plot;
+use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
 use super::rths::table;
-use super::{Drawn, cannot, escape, page, plot};
 use crate::failure::Failure;
 use crate::physical_part::Found;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};

@@ -8,6 +8,7 @@ mod figures;
 mod marths;
 mod monte_carlo;
 mod next;
+mod page;
 mod plot;
 mod rths;
 mod scale;
@@ -19,37 +20,20 @@ pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
 pub use marths::of_marths;
 pub use monte_carlo::{Many, of_monte_carlo};
+pub use page::Section;
 pub use rths::of_rths;
 pub use served::{Session, of_served};
 pub use sweep::of_sweep;
 
-use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::judged::Run;
 use crate::numbers::length;
-use crate::provenance::Provenance;
 use crate::story::Story;
-use crate::summary::{Summary, Worth};
+use crate::summary::Summary;
 use crate::terminal::{joule, percent};
-use crate::trace::{Response, Trace};
 use figures::Figures;
-use std::error::Error;
+use page::{Drawn, cannot, class, escape, page, table, test_file, tile};
 use std::fmt::Write as _;
-
-/// A test as the report shows it.
-#[derive(Clone, Copy, Debug)]
-pub struct Section<'a> {
-    /// What was tested.
-    pub experiment: &'a Experiment,
-    /// Its figures.
-    pub summary: &'a Summary,
-    /// Its trace.
-    pub trace: &'a Trace,
-    /// The ideal it is compared with.
-    pub ideal: &'a Response,
-}
-
-type Drawn = Result<String, Box<dyn Error>>;
 
 /// The report of one test.
 ///
@@ -237,10 +221,6 @@ fn story(title: &str, s: &Story) -> Drawn {
     Ok(html)
 }
 
-fn cannot(e: Box<dyn Error>) -> Failure {
-    Failure::test(format!("the report cannot be drawn: {e}"))
-}
-
 fn lead(s: &Section<'_>) -> String {
     let c = &s.experiment.test.config;
     let floors = match (c.degrees_of_freedom(), c.physical_storeys()) {
@@ -265,14 +245,6 @@ fn lead(s: &Section<'_>) -> String {
     )
 }
 
-fn class(s: &Summary) -> &'static str {
-    match s.worth() {
-        Worth::Good => "good",
-        Worth::Fair => "fair",
-        Worth::Bad => "bad",
-    }
-}
-
 fn verdict(s: &Summary) -> String {
     let doubt = if s.model_doubt_share > 0.05 {
         format!(
@@ -287,10 +259,6 @@ fn verdict(s: &Summary) -> String {
         class(s),
         escape(&s.sentence())
     )
-}
-
-fn tile(value: String, meaning: &str) -> String {
-    format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
 }
 
 fn tiles(s: &Summary) -> String {
@@ -311,75 +279,4 @@ fn tiles(s: &Summary) -> String {
         ),
     ];
     format!("<div class=\"tiles\">{}</div>", tiles.concat())
-}
-
-fn table(rows: &[Summary]) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><tr><th>compensation</th><th>verdict</th><th>eps_max</th><th>eps_rms</th>\
-         <th>peak</th><th>added damping, mean</th><th>energy error</th></tr>",
-    );
-    for s in rows {
-        let _ = write!(
-            html,
-            "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-             <td>{}</td><td>{}</td></tr>",
-            class(s),
-            s.compensation,
-            s.trip.unwrap_or(s.verdict.name()),
-            percent(s.eps_max),
-            percent(s.eps_rms),
-            length(s.peak_displacement_m),
-            percent(s.mean_added_damping_ratio),
-            joule(s.energy_error_j),
-        );
-    }
-    html += "</table></div><p>eps_max and eps_rms are Eqs 17 and 18 of the paper: the difference to the same \
-             integration with an ideal actuator, relative to the largest ideal displacement.</p>";
-    html
-}
-
-fn test_file(e: &Experiment) -> String {
-    format!(
-        "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
-        escape(e.test.text.trim())
-    )
-}
-
-/// Who, when, with what: at the end of every report.
-fn origin(p: &Provenance) -> String {
-    let mut html = String::from("<div class=\"origin\"><dl>");
-    let mut line = |name: &str, value: &str| {
-        let _ = write!(html, "<dt>{name}</dt><dd>{}</dd>", escape(value));
-    };
-    line("date", &p.date);
-    line("operator", &format!("{} on {}", p.operator, p.machine));
-    line("command", &p.command);
-    line("in", &p.folder);
-    if let Some(seed) = p.seed {
-        line("seed", &seed.to_string());
-    }
-    for file in &p.files {
-        line(&escape(&file.file), &format!("SHA-256 {}", file.sha256));
-    }
-    line(
-        "program",
-        &format!("{}, SHA-256 {}", p.version, p.program_sha256),
-    );
-    html + "</dl></div>"
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
-}
-
-fn page(title: &str, lead: &str, body: &str) -> String {
-    let title = escape(title);
-    format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><title>{title}</title><style>{}</style></head><body>\
-         <h1>{title}</h1><p class=\"lead\">{lead}</p>{body}{}<script>{}</script></body></html>\n",
-        include_str!("style.css"),
-        origin(Provenance::of_this_run()),
-        include_str!("zoom.js"),
-    )
 }

@@ -1,9 +1,9 @@
 //! The report of one test on many rigs.
 
 use super::figures::{Figures, figure};
+use super::page::{Drawn, Section, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
-use super::{Drawn, Section, cannot, escape, page, test_file, tile};
 use crate::failure::Failure;
 use crate::numbers::{percent, three};
 use crate::stability::perturbed::Spread;

@@ -1,9 +1,9 @@
 //! The next test as a part of the report: its command, and what each possible cause predicts.
 
+use super::page::{Drawn, escape};
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, TESTED, THIRD, WIDE, WRONG, history, path, plot,
 };
-use super::{Drawn, escape};
 use crate::terminal::percent;
 use crate::wording::plan;
 use crate::wording::{digits, quantity};

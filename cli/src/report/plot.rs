@@ -3,7 +3,7 @@
 //! Colours are classes that the page's style sheet fills in, so that a plot follows dark mode and print. Each curve
 //! carries its points in 16 bits, so that the page's script can zoom into it; without the script the plot stands still.
 
-use super::escape;
+use super::page::escape;
 use super::scale::{self, Axis};
 use std::error::Error;
 use std::fmt::Write as _;

@@ -1,8 +1,10 @@
 //! The page of the benchmark problem of real-time hybrid simulation.
 
-use super::figures::{GROUND, figure, time_plot};
+use super::figures::{figure, time_plot};
+use super::page::{Drawn, cannot, escape, page};
+use super::plot;
+use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
-use super::{Drawn, cannot, escape, page, plot};
 use crate::failure::Failure;
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;

@@ -1,10 +1,10 @@
 //! The report of a session: a rig as an element of a model outside.
 
 use super::figures::figure;
+use super::page::{Drawn, cannot, escape, page};
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path,
 };
-use super::{Drawn, cannot, escape, page};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::numbers::{length, si};

@@ -1,9 +1,9 @@
 //! The report of a sweep: the error over the key, the fragility curves, every test.
 
 use super::figures::figure;
+use super::page::{Drawn, cannot, escape, page, test_file};
 use super::plot::{self, Colour, Curve, FIFTH, FOURTH, GROUND, TALL, TESTED, THIRD, WRONG};
 use super::rths::table;
-use super::{Drawn, cannot, escape, page, test_file};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{length, percent};
@@ -138,7 +138,7 @@ fn rows(s: &Swept<'_>) -> String {
         "peak",
         "ideal peak",
     ];
-    let line = |r: &sweep::Row| {
+    let line = |r: &sweep::swept_test::SweptTest| {
         vec![
             r.value.to_string(),
             escape(&r.summary.record),

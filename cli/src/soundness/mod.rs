@@ -94,7 +94,7 @@ impl Eigenvalues {
             law: Law::Learnt,
         };
         let frame = Frame::of(&test.config)?;
-        let row = stability::row(&question, &frame, &Variation::NONE)?;
+        let row = stability::linear_verdict::linear_verdict(&question, &frame, &Variation::NONE)?;
         let (late_s, _) = question.lateness(&frame, &Variation::NONE)?;
         Ok(Self {
             stable: row.stable,

@@ -2,9 +2,9 @@
 
 use super::closed_loop::Question;
 use super::frame::Frame;
+use super::linear_verdict::linear_verdict;
 use super::predictor::Law;
 use super::rig::Variation;
-use super::row;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::rig::{Departures, Quantity};
@@ -70,7 +70,7 @@ const BISECTIONS: usize = 20;
 /// # Errors
 /// A test that cannot be written down.
 pub fn of(question: &Question<'_>, frame: &Frame) -> Result<Limits, Failure> {
-    let stable = |vary: Variation| Ok(row(question, frame, &vary)?.stable);
+    let stable = |vary: Variation| Ok(linear_verdict(question, frame, &vary)?.stable);
     let late_ms = |vary: Variation| Ok(question.lateness(frame, &vary)?.0 * 1e3);
     let now = stable(Variation::NONE)?;
     let present_ms = late_ms(Variation::NONE)?;
@@ -143,7 +143,7 @@ pub fn over_delay(test: &TestFile, limits: &Limits) -> Result<Vec<(f64, f64)>, F
     rigs.into_par_iter()
         .map(|vary| {
             let (late_s, _) = question.lateness(&frame, &vary)?;
-            let row = row(&question, &frame, &vary)?;
+            let row = linear_verdict(&question, &frame, &vary)?;
             Ok((1e3 * late_s, row.growth_per_s))
         })
         .collect()
@@ -218,7 +218,7 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
             ..*question
         };
         let frame = Frame::of(&config)?;
-        Ok(row(&question, &frame, &Variation::NONE)?.stable)
+        Ok(linear_verdict(&question, &frame, &Variation::NONE)?.stable)
     };
     let present = question.config.timing.time_scale;
     if stable(present)? {

@@ -27,6 +27,7 @@ pub mod filter;
 pub mod frame;
 pub mod largest;
 pub mod limits;
+pub mod linear_verdict;
 pub mod perturbed;
 pub mod predictor;
 pub mod rig;
@@ -39,6 +40,7 @@ use crate::rig::Departures;
 use closed_loop::Question;
 use frame::Frame;
 use limits::{Limits, Part};
+use linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_core::Method;
 use outerloop_core::linear::LinearForce;
 use perturbed::{Perturbed, Spread};
@@ -48,32 +50,14 @@ use rig::Variation;
 use serde::Serialize;
 use spectrum::Mode;
 
-/// A growth of the largest eigenvalue by less than this in a step is rounding: of 1e-6 a second at 1 kHz.
-const ROUNDING: f64 = 1e-9;
-
-/// The same test under one compensation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
-    /// Its name.
-    pub compensation: &'static str,
-    /// Whether it is stable.
-    pub stable: bool,
-    /// Largest magnitude of an eigenvalue over an integration step.
-    pub spectral_radius: f64,
-    /// What the fastest growing motion grows by, 1/s of model time; negative: all decays.
-    pub growth_per_s: f64,
-    /// Damping ratio of the first mode in the loop.
-    pub damping_ratio: f64,
-}
-
 /// What is found out about a test.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stability {
     /// The compensation that was asked about, and its eigenvalues.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: LinearVerdict,
     /// The same before an adaptive predictor has learnt anything; null: it does not learn.
-    pub at_start: Option<Row>,
+    pub at_start: Option<LinearVerdict>,
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// Laboratory time per model time.
@@ -94,30 +78,12 @@ pub struct Stability {
     /// The worst of many rigs.
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
-    pub alternatives: Vec<Row>,
+    pub alternatives: Vec<LinearVerdict>,
     /// Why it cannot be stable by its eigenvalues; `None` where it can.
     #[serde(skip)]
     pub reason: Option<String>,
     /// What else is to be known.
     pub notes: Vec<String>,
-}
-
-/// Eigenvalues of `question` on its rig with `vary`.
-///
-/// # Errors
-/// A test that cannot be written down.
-pub fn row(question: &Question<'_>, frame: &Frame, vary: &Variation) -> Result<Row, Failure> {
-    let step_s = question.config.model_step_s();
-    let z = question.eigenvalues(frame, vary)?;
-    let radius = z.iter().map(|z| z.norm()).fold(0.0, f64::max);
-    let first = spectrum::modes(&z, &frame.omega[..1], step_s);
-    Ok(Row {
-        compensation: question.config.compensation.kind.name(),
-        stable: radius <= 1.0 + ROUNDING,
-        spectral_radius: radius,
-        growth_per_s: radius.ln() / step_s,
-        damping_ratio: first.first().map_or(f64::NAN, |m| m.damping_ratio),
-    })
 }
 
 /// Everything about `test` with its own compensation. `tell` hears of every perturbed rig.
@@ -141,7 +107,7 @@ pub fn answer(
     plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0)
         .map_err(|e| Failure::input(e.to_string()))?;
     let z = question.eigenvalues(&frame, &Variation::NONE)?;
-    let row = row(&question, &frame, &Variation::NONE)?;
+    let row = linear_verdict(&question, &frame, &Variation::NONE)?;
     // One after the other, and many at once.
     let (limits, perturbed) = rayon::join(
         || limits::of(&question, &frame),
@@ -158,7 +124,7 @@ pub fn answer(
                 law: Law::Told,
                 ..question
             };
-            self::row(&told, &frame, &Variation::NONE)
+            self::linear_verdict(&told, &frame, &Variation::NONE)
         })
         .transpose()?;
     let alternatives = Method::ALL
@@ -170,7 +136,7 @@ pub fn answer(
                 config: &config,
                 ..question
             };
-            self::row(&question, &frame, &Variation::NONE)
+            self::linear_verdict(&question, &frame, &Variation::NONE)
         })
         .filter(|other| !matches!(other, Ok(o) if o.compensation == row.compensation))
         .collect::<Result<Vec<_>, _>>()?;

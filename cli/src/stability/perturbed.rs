@@ -2,8 +2,8 @@
 
 use super::closed_loop::Question;
 use super::frame::Frame;
+use super::linear_verdict::linear_verdict;
 use super::rig::Variation;
-use super::row;
 use crate::failure::Failure;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -85,7 +85,7 @@ pub fn of(
         .draw()
         .into_par_iter()
         .map(|vary| {
-            let row = row(question, frame, &vary);
+            let row = linear_verdict(question, frame, &vary);
             tell();
             Ok((vary, row?))
         })

@@ -3,7 +3,7 @@
 //! A lognormal distribution function P = Phi(ln(x / median) / beta), fitted by greatest likelihood to how many of the tests
 //! at each value exceed the limit (Baker, Earthquake Spectra 31, 2015, Eq 11).
 
-use super::Row;
+use super::swept_test::SweptTest;
 use crate::numbers::three;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
@@ -42,7 +42,7 @@ pub struct Fragility {
 
 impl Fragility {
     /// Of the rows of one compensation.
-    pub fn of(name: &'static str, rows: &[Row], beyond: impl Fn(&Row) -> bool) -> Self {
+    pub fn of(name: &'static str, rows: &[SweptTest], beyond: impl Fn(&SweptTest) -> bool) -> Self {
         let mut shares: Vec<Share> = Vec::new();
         for row in rows {
             match shares.iter_mut().find(|s| s.value == row.value) {

@@ -2,6 +2,7 @@
 
 pub mod fragility;
 pub mod range;
+pub mod swept_test;
 
 pub use fragility::{Fragility, Share};
 pub use range::Range;
@@ -9,11 +10,11 @@ pub use range::Range;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::percent;
-use crate::summary::{Summary, Verdict};
 use crate::terminal::{Progress, interrupt};
 use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;
+use swept_test::SweptTest;
 
 /// What a sweep came to.
 #[derive(Debug, Serialize)]
@@ -21,32 +22,13 @@ pub struct Swept<'a> {
     /// Path of the key.
     pub path: &'a str,
     /// Each test.
-    pub rows: &'a [Row],
+    pub rows: &'a [SweptTest],
     /// The displacement whose exceedance is counted, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_mm: Option<f64>,
     /// The ideal rig's curve, then one for each compensation.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub fragility: &'a [Fragility],
-}
-
-/// One test of a sweep.
-#[derive(Clone, Debug, Serialize)]
-pub struct Row {
-    /// Value of the key.
-    pub value: f64,
-    /// Largest displacement of any floor on an ideal rig, m.
-    pub ideal_peak_m: f64,
-    /// The test.
-    #[serde(flatten)]
-    pub summary: Summary,
-}
-
-impl Row {
-    /// The displacement went beyond `limit_m`; what tripped or ran away did, wherever that was.
-    pub fn beyond(&self, limit_m: f64) -> bool {
-        self.summary.verdict != Verdict::Completed || self.summary.peak_displacement_m > limit_m
-    }
 }
 
 /// Runs every pair of experiment and method on all cores; fewer after Ctrl-C. In the order of the experiments.
@@ -57,11 +39,11 @@ pub fn run(
     experiments: &[(f64, Experiment)],
     methods: &[Method],
     seed: u64,
-) -> Result<Vec<Row>, Failure> {
+) -> Result<Vec<SweptTest>, Failure> {
     let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
     let progress = Progress::over("sweep", (steps * methods.len()) as u64);
     interrupt::watch();
-    let parts: Vec<Vec<Row>> = experiments
+    let parts: Vec<Vec<SweptTest>> = experiments
         .par_iter()
         .filter(|_| !interrupt::asked())
         .map(|(value, e)| {
@@ -69,7 +51,7 @@ pub fn run(
             let ideal_peak_m = ideal.peaks_m().into_iter().fold(0.0, f64::max);
             let row = |method: &Method| {
                 let run = e.run(*method, &ideal, seed, false, progress.witness())?;
-                Ok(Row {
+                Ok(SweptTest {
                     value: *value,
                     ideal_peak_m,
                     summary: run.summary,
@@ -91,7 +73,7 @@ pub fn told(error: f64) -> String {
 }
 
 /// The worst error of one compensation at one value, over the ground motions: eps_rms; infinite where one was lost.
-pub fn worst(rows: &[Row], compensation: &str, value: f64) -> Option<f64> {
+pub fn worst(rows: &[SweptTest], compensation: &str, value: f64) -> Option<f64> {
     let own = rows
         .iter()
         .filter(|r| r.summary.compensation == compensation && r.value == value);

@@ -1,6 +1,7 @@
 //! A diagnosis on the terminal.
 
-use super::{percent, table};
+use super::tables::table;
+use crate::numbers::percent;
 use crate::story::Story;
 use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,

@@ -1,6 +1,7 @@
 //! A designed test on the terminal.
 
-use super::{percent, table};
+use super::tables::table;
+use crate::numbers::percent;
 use crate::wording::{self, digits, quantity};
 use comfy_table::CellAlignment;
 use diagnosis::{Form, Next, Outlook};

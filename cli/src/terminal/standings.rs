@@ -1,8 +1,9 @@
 //! The standings of the bench as a table.
 
-use super::{percent, table};
+use super::tables::table;
 use crate::comparison::condition::Family;
 use crate::comparison::standing::Standing;
+use crate::numbers::percent;
 use comfy_table::Table;
 
 /// Heads of the columns.

@@ -12,8 +12,9 @@ use crate::files::test::TestFile;
 use crate::provenance::{Told, note_seed};
 use crate::report::{self, Checked, Section};
 use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
+use crate::stability::linear_verdict::LinearVerdict;
 use crate::stability::perturbed::Spread;
-use crate::stability::{self, Row, Stability};
+use crate::stability::{self, Stability};
 use crate::summary::GOOD_EPS_RMS;
 use crate::terminal::{Progress, percent, table};
 use serde::Serialize;
@@ -252,7 +253,7 @@ fn print(a: &Stability) {
         "growth a second",
         "damping, mode 1",
     ]);
-    let mut row = |r: &Row, here: &str| {
+    let mut row = |r: &LinearVerdict, here: &str| {
         t.add_row([
             format!("{}{here}", r.compensation),
             if r.stable { "yes" } else { "no" }.to_owned(),

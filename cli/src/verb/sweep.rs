@@ -7,7 +7,8 @@ use crate::files::output;
 use crate::numbers::length;
 use crate::provenance::Told;
 use crate::report;
-use crate::sweep::{self, Fragility, Range, Row, Swept, told};
+use crate::sweep::swept_test::SweptTest;
+use crate::sweep::{self, Fragility, Range, Swept, told};
 use crate::terminal::table;
 use outerloop_core::Method;
 use std::fmt::Write as _;
@@ -107,12 +108,12 @@ impl Sweep {
     }
 
     /// The curves, the ideal rig's first; none without a limit.
-    fn fragility(&self, rows: &[Row], methods: &[Method]) -> Vec<Fragility> {
+    fn fragility(&self, rows: &[SweptTest], methods: &[Method]) -> Vec<Fragility> {
         let (Some(mm), Some(first)) = (self.limit_mm, methods.first()) else {
             return Vec::new();
         };
         let limit_m = 1e-3 * mm;
-        let own = |m: &Method| -> Vec<Row> {
+        let own = |m: &Method| -> Vec<SweptTest> {
             let of_it = rows.iter().filter(|r| r.summary.compensation == m.name());
             of_it.cloned().collect()
         };
@@ -160,7 +161,7 @@ fn print(swept: &Swept<'_>, methods: &[Method]) {
     }
 }
 
-fn csv(rows: &[Row]) -> String {
+fn csv(rows: &[SweptTest]) -> String {
     let mut text = String::from(
         "value,ground_motion,compensation,verdict,eps_rms_1,eps_max_1,peak_displacement_m,ideal_peak_m\n",
     );

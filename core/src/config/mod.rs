@@ -1,15 +1,12 @@
-//! What a test is. A [`Config`] is written by people and checked once, whole; a [`Design`] is what the step uses.
+//! What a test is. A [`Config`] is written by people and checked once, whole; a [`Design`](crate::Design) is what the step uses.
 //!
 //! Everything here is f64 and runs before the test. Nothing of it is called in the step.
 
 mod check;
 mod compensation;
-mod design;
 mod rig;
 
 pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, Secant, Tangent};
-pub use design::Design;
-pub(crate) use design::StepConstants;
 pub use rig::{PerActuator, Rig};
 
 use heapless::Vec;
@@ -47,7 +44,7 @@ pub struct Config {
 impl Config {
     /// A shear frame of `N` storeys, listed from the ground up, masses in kg, stiffnesses in N/m, damping ratios as
     /// fractions of critical. All of it stands in the laboratory, and the rest is as where a test file leaves it out.
-    /// Numbers are checked by [`Design::new`].
+    /// Numbers are checked by [`Design::new`](crate::Design::new).
     pub fn shear_frame<const N: usize>(
         mass_kg: [f64; N],
         stiffness_n_per_m: [f64; N],

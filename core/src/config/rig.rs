@@ -41,7 +41,7 @@ pub struct Rig {
 
 impl Rig {
     /// Checks every parameter, for so many actuators.
-    pub(super) fn check(&self, actuators: usize, rate_hz: f64) -> Result<(), Refusal> {
+    pub(crate) fn check(&self, actuators: usize, rate_hz: f64) -> Result<(), Refusal> {
         let each = |name, list: &PerActuator, good: &dyn Fn(f64) -> bool, accepted| {
             let count = list.is_empty() || list.len() == actuators;
             accept(
@@ -113,12 +113,12 @@ impl Rig {
     }
 
     /// Whether the actuator is elsewhere than its command.
-    pub(super) fn moves_commands(&self) -> bool {
+    pub(crate) fn moves_commands(&self) -> bool {
         !(self.command_gain.is_empty() && self.command_offset_m.is_empty())
     }
 
     /// From command to true displacement.
-    pub(super) fn command<const N: usize>(&self) -> [rig::Command; N] {
+    pub(crate) fn command<const N: usize>(&self) -> [rig::Command; N] {
         core::array::from_fn(|j| {
             rig::Command::new(
                 at(&self.command_gain, j, 1.0),
@@ -129,7 +129,7 @@ impl Rig {
 
     /// The constants of the step; `None` where the samples are what they say. The displacement has a noise of
     /// `noise_m` rms.
-    pub(super) fn constants<const N: usize>(
+    pub(crate) fn constants<const N: usize>(
         &self,
         rate_hz: f64,
         noise_m: f64,

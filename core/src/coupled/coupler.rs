@@ -4,7 +4,7 @@
 //! `(p_x, p_y)` from the interface moves along x by `x + p_x (cos theta - 1) - p_y sin theta`. Sideways motion of a pin
 //! swings its actuator by an angle that is neglected.
 
-use super::Pair;
+use super::pair::Pair;
 
 /// Where the actuators hold the coupler, m from the interface point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,8 @@
 //! `P` is kept as `U D U^T` (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977): where a motion is a
 //! thousand times the noise, the plain form loses the sign of a variance in f32, and the parameters with it.
 
-use super::Pair;
 use super::forward::{Forward, Slopes};
+use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
 use crate::refusal::Refusal;
 

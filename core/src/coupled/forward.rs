@@ -5,8 +5,8 @@
 //! `v - LP_w v` per unit of `ln w`, for a zero by the negative of it, for the natural frequency by `v` behind
 //! `(2 s^2 + 2 zeta f s) / (s^2 + 2 zeta f s + f^2)`, for a gain by `v` itself.
 
-use super::Pair;
 use super::filter::{First, Second, SecondConstants};
+use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
 
 /// How each stroke changes with each parameter, m per unit of the parameter's logarithm.

@@ -5,7 +5,7 @@
 //! of each column, `1 / D_j`, is a power series in s, led by half a period for the held command:
 //! `u_j = sum c_jn w_j^(n)`.
 
-use super::Pair;
+use super::pair::Pair;
 use super::plant::Plant;
 
 /// A signal and its derivatives with time, the signal first.

@@ -34,6 +34,7 @@ mod forward;
 mod inverse;
 mod observer;
 mod outer_loop;
+mod pair;
 mod plant;
 mod response;
 mod tracker;
@@ -43,9 +44,7 @@ pub use estimate::EstimatorSettings;
 pub use forward::{Forward, Slopes};
 pub use observer::{MAX_MODES, ObserverSettings, VibrationMode};
 pub use outer_loop::{Bounds, CoupledLoop, CoupledSettings, CoupledStep};
+pub use pair::Pair;
 pub use plant::{MAX_PARAMETERS, Parameter, Plant, Spread, Spreads};
 pub use response::observed;
 pub use tracker::{Broken, Limit, Tracked, Tracker, TrackerConstants, TrackerSettings};
-
-/// A value for each of the two actuators, or for `x` and `theta`.
-pub type Pair = [f32; 2];

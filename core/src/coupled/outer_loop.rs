@@ -11,8 +11,8 @@
 //! Degrees of freedom 0 and 1 of the structure are x and rotation of the interface; what stands in the laboratory is the
 //! difference of its stiffness and its numerical stiffness. The integration is explicit: the target is a sample ahead.
 
-use super::Pair;
 use super::coupler::Coupler;
+use super::pair::Pair;
 use super::tracker::{Broken, Limit, Tracker, TrackerConstants, TrackerSettings};
 use crate::float::{larger, smaller};
 use crate::ground_motion::GroundMotion;

@@ -9,7 +9,7 @@
 //! Stroke `i`, command `j`. What a command has to pass (servo valve, oil, frame) stands in its column; what differs
 //! from stroke to stroke are a gain and at most one zero.
 
-use super::Pair;
+use super::pair::Pair;
 use crate::refusal::Refusal;
 use heapless::Vec;
 

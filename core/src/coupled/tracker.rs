@@ -1,10 +1,10 @@
 //! Everything for a pair of coupled actuators, one call a sample.
 
-use super::Pair;
 use super::coupler::{Coupler, LARGEST_ROTATION};
 use super::estimate::{Estimator, EstimatorSettings};
 use super::inverse::{Inverse, Jet};
 use super::observer::{Observer, ObserverConstants, ObserverSettings};
+use super::pair::Pair;
 use super::plant::Plant;
 use crate::refusal::Refusal;
 

@@ -13,8 +13,8 @@
 //! the clamp are for: the tangent force is better there. Its own error is a stiffness `omega^2 tau^2` too high: 1 % of
 //! the response to some 4 ms at half a second of period, useless beyond `omega tau` of .2.
 
+use super::interface::{Acting, Correction, ForceLaw, Reached};
 use super::sech_gain::SechGain;
-use super::{Acting, Correction, ForceLaw, Reached};
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
 use crate::float::{larger, out_of_the_way, smaller};

@@ -1,6 +1,6 @@
 //! A force correction as the damping that it amounts to, for the paper's plot and the watch for locked structures.
 
-use super::Correction;
+use super::interface::Correction;
 use crate::context::Context;
 use crate::energy::Observation;
 use crate::float::larger;

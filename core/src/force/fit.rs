@@ -14,7 +14,7 @@
 //! target; at a turning point, where no time belongs to a displacement, it does nothing. The fits are over 4 ms at
 //! 2 kHz, too short against noise: filter first.
 
-use super::Correct;
+use super::interface::Correct;
 use crate::context::Context;
 use crate::energy::Observation;
 use crate::float::{larger, smaller};

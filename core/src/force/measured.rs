@@ -5,7 +5,7 @@
 //! `omega tau / 2`, and a test whose structure has less runs away. It is what the others are compared with, and what
 //! stands behind a predictor alone.
 
-use super::{Acting, Correction, ForceLaw, Reached};
+use super::interface::{Acting, Correction, ForceLaw, Reached};
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::linear::LinearForce;

@@ -17,7 +17,7 @@
 //! is not known to some tens of per cent. The yielding of a specimen that is still ahead cannot be known: with 60 ms
 //! and no predictor in front it costs 9 %, behind one 1 %.
 
-use super::Correct;
+use super::interface::Correct;
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::energy::Observation;

@@ -4,22 +4,9 @@
 //! interlocks, signal generation. A target is answered with a force ([`OuterLoop::answer_n`]); the sum of the specimen's
 //! force and that of the added damping, so that the compensation acts in an integration that knows nothing of it.
 
-use super::OuterLoop;
+use super::{OuterLoop, Pace};
 use crate::energy::Observation;
 use crate::record::flag;
-
-/// How the actuator goes from one target to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Pace {
-    /// To each target at the speed of the approach, `loop.approach_m_per_s`; there it stands until the next one comes.
-    #[default]
-    StopAndGo,
-    /// A target every `loop.substeps` control steps: extrapolated while the next is worked out, interpolated once it is
-    /// there, slowed down and held where it is late.
-    Continuous,
-}
 
 impl<const N: usize> OuterLoop<N> {
     /// Takes the targets of the next test from outside, or from its own integration (`None`).

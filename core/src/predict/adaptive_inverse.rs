@@ -13,7 +13,8 @@
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. TI does not see a gain error, and does not mind one.
 
 use super::adaptation::{Gate, Learning};
-use super::{Ahead, Followed, PredictAxis, inverse};
+use super::interface::{Ahead, Followed, PredictAxis};
+use super::inverse;
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
 

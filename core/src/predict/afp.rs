@@ -15,7 +15,7 @@
 //! that is neither a delay nor a lag of second order [`super::ats`] fits more of it.
 
 use super::adaptation::{Gate, Learning};
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 

@@ -13,7 +13,7 @@
 //! The law is scaled by `1 + phi . phi` in SI units, where the square of the jerk rules: gains that were tuned for one
 //! size of motion are not those of another. It learns what the sensor's noise looks like where the test does not move.
 
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::float::larger;

@@ -17,7 +17,7 @@
 //! Where noise moves more than the test does: the regression has errors in its variables, and they bias it low.
 
 use super::adaptation::{Gate, Learning, learnt};
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};

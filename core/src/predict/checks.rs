@@ -1,7 +1,7 @@
 //! An actuator to check predictors on: a pure delay and a gain, outside of any loop.
 
 use super::adaptation::Learning;
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 
 /// Angular frequency of the motion, 1 per control step: 2 Hz at 2 kHz.
 pub(crate) const OMEGA: f32 = 0.006_283;

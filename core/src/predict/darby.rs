@@ -12,9 +12,9 @@
 //! A gain error looks like a delay half of the time, and biases it. Otherwise as [`super::lagrange`].
 
 use super::adaptation::{Gate, Learning};
+use super::interface::{Ahead, Followed, PredictAxis};
 use super::lagrange::{self, Extrapolation};
 use super::past::Past;
-use super::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::float::{larger, smaller};
 use crate::linear::{Linear, Setting};

@@ -12,7 +12,7 @@
 //! It knows what it was told: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
 //! theorem while its share times the actuator's largest gain stays below 1.
 
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};

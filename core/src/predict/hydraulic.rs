@@ -16,7 +16,7 @@
 //! It knows the structure of the actuator and that the specimen is linear. With another actuator the four parameters take
 //! what they can; see the benchmark's rows for a specimen that yields.
 
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::config::{self, Compensation, Timing};
 use crate::context::Context;
 use crate::float::{larger, smaller};

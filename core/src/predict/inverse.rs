@@ -8,7 +8,7 @@
 //! # When not to use it
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. It knows what it was told.
 
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 

@@ -9,8 +9,8 @@
 //! With order 3 the gain at `omega tau` = 1.57 is 15: a mode there is driven to instability, damping or none. Nothing
 //! tells it that the delay is not what it was said to be, and a gain error stays.
 
+use super::interface::{Ahead, Followed, PredictAxis};
 use super::past::{Past, REACH};
-use super::{Ahead, Followed, PredictAxis};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting};

@@ -19,7 +19,7 @@
 //! round the actuator; `K_x` is therefore kept within [`MOST`].
 
 use super::adaptation::{Gate, Learning, learnt};
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 

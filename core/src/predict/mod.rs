@@ -37,166 +37,17 @@ impl Prediction {
 
 #[cfg(test)]
 mod checks;
+mod interface;
 mod past;
+
+pub(crate) use interface::{Ahead, Followed};
+use interface::{Axes, Predict};
 
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 use crate::method::{Prediction, for_each_method};
 use crate::refusal::Refusal;
-use crate::structure::actuated;
-
-/// What has come of the last command of an axis.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Followed {
-    /// Target that was in force, u_c, m.
-    pub target_m: f32,
-    /// Command that was in force, m.
-    pub sent_m: f32,
-    /// Displacement as estimated from the sample, m.
-    pub measured_m: f32,
-    /// The sample is fresh and the test runs: it may be learnt from.
-    pub learn: bool,
-}
-
-/// Where the motion of an axis goes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead {
-    /// Next target, m.
-    pub displacement_m: f32,
-    /// Its velocity, m per control step.
-    pub velocity_m: f32,
-    /// Its acceleration, m per control step squared.
-    pub acceleration_m: f32,
-}
-
-impl Ahead {
-    /// The motion `steps` control steps later, at constant acceleration, m.
-    #[inline]
-    pub fn after(&self, steps: f32) -> f32 {
-        self.displacement_m + steps * (self.velocity_m + 0.5 * steps * self.acceleration_m)
-    }
-
-    /// The motion `steps` control steps later, at constant acceleration.
-    #[inline]
-    pub fn led_by(&self, steps: f32) -> Self {
-        Self {
-            displacement_m: self.after(steps),
-            velocity_m: self.velocity_m + steps * self.acceleration_m,
-            acceleration_m: self.acceleration_m,
-        }
-    }
-}
-
-/// A predictor that sees all axes.
-pub(crate) trait Predict<const N: usize>: Sized {
-    /// Constants, worked out once.
-    type Constants: Clone + core::fmt::Debug;
-
-    /// It learns while a test runs.
-    const LEARNS: bool = false;
-
-    /// Checks the parameters of the predictor.
-    ///
-    /// # Errors
-    /// The first that cannot be accepted.
-    fn check(_: &Compensation, _: &Timing) -> Result<(), Refusal> {
-        Ok(())
-    }
-
-    /// The constants for a test.
-    ///
-    /// # Errors
-    /// A structure for which there are none.
-    fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal>;
-
-    /// As a linear system; of an adaptive law, with what the setting says that it knows.
-    fn linear(setting: &mut Setting<'_>) -> Linear;
-
-    /// At rest at zero.
-    fn at_rest(k: &Self::Constants) -> Self;
-
-    /// One control step of the axes `0..physical`: learns from what was followed, and replaces the targets in
-    /// `command_m` by what is to be sent.
-    fn command(
-        &mut self,
-        k: &Self::Constants,
-        followed: &[Followed; N],
-        ahead: &[Ahead; N],
-        physical: usize,
-        command_m: &mut [f32; N],
-    );
-}
-
-/// A predictor that works axis by axis.
-pub(crate) trait PredictAxis: Sized {
-    /// Constants, worked out once; the same for every axis.
-    type Constants: Clone + core::fmt::Debug;
-
-    /// It learns while a test runs.
-    const LEARNS: bool = false;
-
-    /// Checks the parameters of the predictor.
-    ///
-    /// # Errors
-    /// The first that cannot be accepted.
-    fn check(_: &Compensation, _: &Timing) -> Result<(), Refusal> {
-        Ok(())
-    }
-
-    /// The constants for a test.
-    fn design<const N: usize>(context: &Context<'_, N>) -> Self::Constants;
-
-    /// As a linear system; of an adaptive law, with what the setting says that it knows.
-    fn linear(setting: &mut Setting<'_>) -> Linear;
-
-    /// At rest at zero.
-    fn at_rest(k: &Self::Constants) -> Self;
-
-    /// One control step: learns from what was followed and gives the command to send, m.
-    fn command(&mut self, k: &Self::Constants, followed: &Followed, ahead: &Ahead) -> f32;
-}
-
-/// The same predictor on every axis.
-#[derive(Clone, Debug)]
-pub(crate) struct Axes<P, const N: usize>([P; N]);
-
-impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
-    type Constants = P::Constants;
-
-    const LEARNS: bool = P::LEARNS;
-
-    fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {
-        P::check(c, t)
-    }
-
-    fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {
-        Ok(P::design(context))
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        P::linear(setting)
-    }
-
-    fn at_rest(k: &Self::Constants) -> Self {
-        Self(core::array::from_fn(|_| P::at_rest(k)))
-    }
-
-    // A function of its own: what only some predictors do is not spread over the step of all.
-    #[inline(never)]
-    fn command(
-        &mut self,
-        k: &Self::Constants,
-        followed: &[Followed; N],
-        ahead: &[Ahead; N],
-        physical: usize,
-        command_m: &mut [f32; N],
-    ) {
-        for j in 0..actuated::<N>(physical) {
-            command_m[j] = self.0[j].command(k, &followed[j], &ahead[j]);
-        }
-    }
-}
 
 macro_rules! predictors {
     (

@@ -12,7 +12,7 @@
 //! Where the specimen is not what was declared: a yielding one is predicted as an elastic one. The change of the ground
 //! motion within the delay is left out.
 
-use super::{Ahead, Followed, Predict};
+use super::interface::{Ahead, Followed, Predict};
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
 use crate::matrix::{self, Matrix};

@@ -9,7 +9,7 @@
 //! # When not to use it
 //! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
 
-use super::{Ahead, Followed, PredictAxis};
+use super::interface::{Ahead, Followed, PredictAxis};
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
 

@@ -1,7 +1,9 @@
 //! The last steps before a fault.
 
-use super::HISTORY;
 use crate::record::Record;
+
+/// Number of steps that are kept from before a fault.
+pub const HISTORY: usize = 14;
 
 /// One more than is kept: where the present step is written once a fault has closed the history.
 const SLOTS: usize = HISTORY + 1;

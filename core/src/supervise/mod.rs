@@ -4,16 +4,14 @@ mod fault;
 mod history;
 mod interlock;
 mod locked;
-mod mode;
+pub(crate) mod mode;
 mod stale;
 
 pub use fault::{Fault, Trip};
+pub use history::HISTORY;
 pub(crate) use history::History;
 pub use interlock::Limits;
 pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
 pub use mode::{Event, Mode, Rejected};
 pub(crate) use stale::StaleWatch;
-
-/// Number of steps that are kept from before a fault.
-pub const HISTORY: usize = 14;

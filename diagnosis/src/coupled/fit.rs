@@ -5,7 +5,7 @@
 
 use super::record::Moved;
 use super::specimen::CoupledSpecimen;
-use crate::Refusal;
+use crate::refusal::Refusal;
 use nalgebra::{DMatrix, DVector};
 
 /// The unknowns of a row and how sure they are.

@@ -18,13 +18,13 @@ mod fit;
 mod reciprocity;
 mod record;
 mod select;
-mod specimen;
+pub(crate) mod specimen;
 
 pub use answer::{CoordinateAnswer, CoupledDiagnosis, CoupledTraces, CoupledVerdict, WrongEntry};
 pub use record::CoupledRecord;
 pub use specimen::{CoupledSpecimen, MATRICES};
 
-use crate::Refusal;
+use crate::refusal::Refusal;
 use answer::Judge;
 use record::Moved;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Motion and forces of all coordinates, behind one low-pass without phase.
 
 use super::specimen::CoupledSpecimen;
-use crate::Refusal;
+use crate::refusal::Refusal;
 use crate::spectrum::{Density, Motion, bandwidth_hz, smooth};
 
 /// A record of a specimen of several coordinates; a column for each, all of one length.

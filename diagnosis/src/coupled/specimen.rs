@@ -1,7 +1,7 @@
 //! What is declared of a specimen of several coordinates.
 
-use crate::Refusal;
 use crate::declared::{Declared, LARGEST_TOLERANCE};
+use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
 
 /// The matrices, in the order of the unknowns of a row: what a displacement, a velocity and an acceleration is multiplied by.

@@ -175,23 +175,26 @@ fn nearest(name: Effect, before: &Left, after: &Left) -> Nearest {
 }
 
 fn effects(explained: &Explained) -> Vec<FoundEffect> {
-    let effect =
-        |(name, certificate, figures): &(Effect, Option<Certificate>, Vec<joint::Sure>)| {
-            FoundEffect {
-                name: *name,
-                family: name.entry().family,
-                q: certificate.map(|c| joint::q(c.rivals_leave)),
-                certificate: *certificate,
-                parameters: figures
-                    .iter()
-                    .map(|&(name, unit, value, ci90)| FoundParameter {
-                        name: name.into(),
-                        value,
-                        unit: unit.into(),
-                        ci90,
-                    })
-                    .collect(),
-            }
-        };
+    let effect = |(name, certificate, figures): &(
+        Effect,
+        Option<Certificate>,
+        Vec<crate::interval::Figure>,
+    )| {
+        FoundEffect {
+            name: *name,
+            family: name.entry().family,
+            q: certificate.map(|c| joint::q(c.rivals_leave)),
+            certificate: *certificate,
+            parameters: figures
+                .iter()
+                .map(|&(name, unit, value, ci90)| FoundParameter {
+                    name: name.into(),
+                    value,
+                    unit: unit.into(),
+                    ci90,
+                })
+                .collect(),
+        }
+    };
     explained.names.iter().map(effect).collect()
 }

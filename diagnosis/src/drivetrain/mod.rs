@@ -5,16 +5,14 @@
 //! block), [`search`], [`verdict`] (which of the names can be vouched for).
 
 mod fit;
-mod part;
+pub(crate) mod part;
 mod save;
 mod search;
 mod verdict;
-mod way;
+pub(crate) mod way;
 
 pub use fit::{Data, Fit};
-pub use part::{Kind, Part, Shapes, shapes};
 pub use verdict::Outcome;
-pub use way::Way;
 
 use crate::base::Base;
 use crate::recording::Recording;

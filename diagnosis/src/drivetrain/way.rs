@@ -192,7 +192,7 @@ fn flow(parts: &[Part], e: f64, lag_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drivetrain::shapes;
+    use crate::drivetrain::part::shapes;
 
     fn run(command: Vec<f64>) -> Run {
         Run {

@@ -11,8 +11,6 @@ use plant::{Channel, Effect};
 /// A parameter: name, unit, value.
 type Figure = (&'static str, &'static str, f64);
 
-pub use crate::interval::Figure as Sure;
-
 /// Blocks of the sandwich, from long to short: what is correlated over many samples shows in the long ones.
 const SANDWICH: [usize; 3] = [12, 40, 120];
 /// Step of a shape, relative, and of a strength.
@@ -156,7 +154,7 @@ pub fn with_intervals(
     library: &Library,
     fit: &Fit,
     names: &[(Effect, Vec<usize>)],
-) -> Vec<Vec<Sure>> {
+) -> Vec<Vec<interval::Figure>> {
     let declared = &std::array::from_fn(|i| library.declared_value(i));
     let unknowns = unknowns(library, fit);
     let covariance = covariance(library, fit, &unknowns);

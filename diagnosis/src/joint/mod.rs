@@ -13,9 +13,10 @@ mod dictionary;
 pub(crate) mod element;
 mod figures;
 mod fit;
+mod known;
 mod laws;
 mod one_each;
-mod outcome;
+pub(crate) mod outcome;
 mod polish;
 mod save;
 mod search;
@@ -23,20 +24,19 @@ mod separable;
 mod set;
 pub(crate) mod track;
 
-pub use figures::Sure;
 pub use fit::Fit;
+pub use known::without_known;
 pub use one_each::one_each;
-pub use outcome::{Explained, Outcome, commonness, q};
+pub use outcome::{Explained, Outcome, q};
 
 use crate::base::Base;
-use crate::criteria::{A_CYCLE, BAND_ROOM, MOST_SEARCHED, POLISHED, SEARCHED};
-use crate::problem::Problem;
+use crate::criteria::POLISHED;
 use crate::recording::Recording;
 use crate::rest;
 use plant::{Effect, Family};
 use rayon::prelude::*;
 use set::{Library, Set};
-use track::{Source, Track};
+use track::{Source, Track, thinning};
 
 /// Whether there is an element or a declared parameter of this name.
 pub fn can_say(name: Effect) -> bool {
@@ -80,47 +80,6 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
     Some(Found { declared, outcome })
 }
 
-/// Records without the force of effects and elements that the model has from before.
-pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
-    if base.known.is_empty() && base.elements.is_empty() {
-        return Some(records.to_vec());
-    }
-    records
-        .iter()
-        .map(|r| {
-            let force = known_force(base, r)?;
-            let measured = r.force_n.as_ref()?;
-            Some(Recording {
-                force_n: Some(measured.iter().zip(force).map(|(m, f)| m - f).collect()),
-                ..r.clone()
-            })
-        })
-        .collect()
-}
-
-/// The force of effects and elements that the model has from before, N.
-fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
-    let n = record.time_s.len();
-    if base.known.is_empty() && base.elements.is_empty() {
-        return Some(vec![0.0; n]);
-    }
-    let bare = Base {
-        known: Vec::new(),
-        elements: Vec::new(),
-        ..base.clone()
-    };
-    let cutoff_hz = Source::new(record)?.band_hz() * BAND_ROOM;
-    let one = std::slice::from_ref(record);
-    let with = Problem::new(base, one, cutoff_hz, &[])?;
-    let without = Problem::new(&bare, one, cutoff_hz, &[])?;
-    let pairs = with.stretches[0]
-        .signals
-        .base
-        .iter()
-        .zip(&without.stretches[0].signals.base);
-    Some(pairs.map(|(a, b)| a - b).collect())
-}
-
 /// The best set of a library, its shapes at their best.
 fn searched(library: &Library) -> Option<polish::Polished> {
     let leading = search::search(library);
@@ -129,13 +88,4 @@ fn searched(library: &Library) -> Option<polish::Polished> {
         .take(POLISHED)
         .map(|(set, score)| polish::polish(library, set, *score));
     polished.min_by(|a, b| a.score.total_cmp(&b.score))
-}
-
-/// Samples that are averaged into one: as many as leave enough samples a cycle of the cut-off.
-fn thinning(tracks: &[Track], cutoff_hz: f64) -> usize {
-    let n: usize = tracks.iter().map(Track::len).sum();
-    let rate_hz = 1.0 / tracks[0].interval_s;
-    let allowed = (rate_hz / (A_CYCLE * cutoff_hz)).floor().max(1.0) as usize;
-    let wanted = n.div_ceil(SEARCHED);
-    allowed.min(wanted).max(n.div_ceil(MOST_SEARCHED))
 }

@@ -1,12 +1,13 @@
 //! The best model with one element of each name: what a next test has to tell apart.
 
 use super::certificate::taken;
+use super::cutoff;
 use super::fit::Fit;
+use super::known::without_known;
 use super::polish::polish;
 use super::search::restrict;
 use super::set::{DECLARED, Library, Set};
-use super::track::{Source, Track};
-use super::{cutoff, thinning};
+use super::track::{Source, Track, thinning};
 use crate::base::Base;
 use crate::recording::Recording;
 use plant::{Channel, Effect};
@@ -22,7 +23,7 @@ pub fn one_each(
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
 ) -> Option<Vec<(Effect, Fit, f64)>> {
-    let bare = super::without_known(base, train)?;
+    let bare = without_known(base, train)?;
     let sources: Vec<Source> = bare.iter().map(Source::new).collect::<Option<_>>()?;
     let cutoff_hz = cutoff::choose(base, &sources, &sources, None)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();

@@ -2,7 +2,7 @@
 
 use super::certificate::{Candidate, Rival, groups, only, taken};
 use super::element::Kind;
-use super::figures::{Sure, with_intervals};
+use super::figures::with_intervals;
 use super::fit::Fit;
 use super::polish::polish;
 use super::search::restrict;
@@ -12,6 +12,7 @@ use crate::criteria::{
     CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
     WITHIN_A_KIND,
 };
+use crate::interval::Figure;
 use plant::{Effect, Family};
 
 /// A model with its names.
@@ -22,7 +23,7 @@ pub struct Explained {
     /// Whose each of its elements is.
     pub owners: Vec<Effect>,
     /// Each name, its certificate where it has one, and its parameters.
-    pub names: Vec<(Effect, Option<Certificate>, Vec<Sure>)>,
+    pub names: Vec<(Effect, Option<Certificate>, Vec<Figure>)>,
 }
 
 /// A name, its elements in the library, and what speaks for it.

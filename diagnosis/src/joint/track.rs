@@ -1,6 +1,7 @@
 //! A span as its elements feel it: with what was before it.
 
 use super::band::Band;
+use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, range};
 use crate::signals::averaged;
 use crate::spectrum::motion_band_hz;
@@ -188,4 +189,13 @@ impl Sizes {
             travel,
         }
     }
+}
+
+/// Samples that are averaged into one: as many as leave enough samples a cycle of the cut-off.
+pub fn thinning(tracks: &[Track], cutoff_hz: f64) -> usize {
+    let n: usize = tracks.iter().map(Track::len).sum();
+    let rate_hz = 1.0 / tracks[0].interval_s;
+    let allowed = (rate_hz / (A_CYCLE * cutoff_hz)).floor().max(1.0) as usize;
+    let wanted = n.div_ceil(SEARCHED);
+    allowed.min(wanted).max(n.div_ceil(MOST_SEARCHED))
 }

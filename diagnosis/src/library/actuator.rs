@@ -5,7 +5,8 @@ use super::candidate::{
     rest_ratio, settling, stribeck,
 };
 use super::operators as op;
-use crate::drivetrain::{Kind, Part, Shapes, Way, shapes};
+use crate::drivetrain::part::{Kind, Part, Shapes, shapes};
+use crate::drivetrain::way::Way;
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
 use plant::{Channel, Effect};

@@ -2,13 +2,13 @@
 //! that are searched.
 
 mod actuator;
-mod candidate;
+pub(crate) mod candidate;
 pub mod operators;
-mod saved;
+pub(crate) mod saved;
 mod specimen;
 
-pub use candidate::{Candidate, Shape};
-pub use saved::{fit_of, form_names};
+pub use candidate::Candidate;
+pub use saved::form_names;
 
 use plant::{Channel, EffectSpec};
 
@@ -33,6 +33,7 @@ pub fn form(channel: Channel, effect: &EffectSpec) -> Option<Candidate> {
 
 #[cfg(test)]
 mod tests {
+    use super::saved::fit_of;
     use super::*;
     use crate::signals::{Scales, Transfer};
     use plant::Effect;

@@ -14,12 +14,12 @@ mod view;
 pub use phase::{Form, Phase};
 pub use room::{Origin, Room};
 
-use crate::Refusal;
 use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::{CERTAIN, INSEPARABLE, NOISE};
 use crate::diagnose::Diagnosis;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::refusal::Refusal;
 use phase::Played;
 use plant::{Channel, Effect};
 use predict::Planned;

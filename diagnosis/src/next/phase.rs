@@ -1,6 +1,6 @@
 //! What a test is put together from: motions around a middle that begin and end at rest there.
 
-use super::Room;
+use super::room::Room;
 use serde::Serialize;
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! What the next test may use of the rig.
 
-use crate::Refusal;
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::refusal::Refusal;
 use crate::spectrum;
 use serde::Serialize;
 

@@ -9,9 +9,10 @@ pub use lines::lines;
 
 use crate::answer::{Correction, DependsOn, Range, Remainder, Share};
 use crate::linear::{dot, gram};
+use crate::model::Model;
 use crate::recording::Recording;
+use crate::refusal::Refusal;
 use crate::signals::{add_scaled, rms};
-use crate::{Model, Refusal};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
 use plant::Channel;

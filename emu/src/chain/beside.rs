@@ -1,7 +1,7 @@
 //! The chip's second converter, which looks at what is recorded beside the control path. The emulator's converters have no
 //! trigger but software's: where the registers say that the timer's update starts them, it is given.
 
-use super::{Instant, TOP};
+use super::shown::{Instant, TOP};
 use crate::nucleo::Nucleo;
 use crate::registers::ADC2_CR2;
 use rigless::emulator::{Access, AccessKind, Host};

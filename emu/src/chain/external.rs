@@ -4,8 +4,9 @@
 use super::ad5754r::Ad5754r;
 use super::ad5761r::Ad5761r;
 use super::ad7606::Ad7606;
+use super::beside;
 use super::output::{OnBus, Output};
-use super::{Shown, beside};
+use super::shown::Shown;
 use crate::nucleo::Nucleo;
 use crate::registers::external::OUTPUT;
 use crate::registers::{

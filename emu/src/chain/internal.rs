@@ -2,7 +2,8 @@
 //! as the chip has it. A code waits in the holding register for its trigger, and the pin shows the output register, or
 //! floats.
 
-use super::{Instant, Shown, TOP, beside};
+use super::beside;
+use super::shown::{Instant, Shown, TOP};
 use crate::nucleo::Nucleo;
 use crate::registers::internal::OUTPUT;
 use crate::registers::{ADC1_CR2, DAC_CR, DAC_DHR12R1, GPIOA_MODER, Registers, TIM4_CCR1};

@@ -8,20 +8,21 @@ pub mod external;
 pub mod internal;
 mod output;
 mod shift;
+mod shown;
+
+pub use shown::{Instant, Shown};
 
 use crate::nucleo::Nucleo;
 use crate::registers::{Demand, Registers};
 use external::External;
 use internal::Internal;
+use link::CodeRange;
 use link::channel::{Calibration, Line};
-use link::{CodeRange, MAX_ACTUATORS};
 use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 use serde::Deserialize;
-
-/// The highest code of the chip's own converters.
-const TOP: u16 = 4095;
+use shown::TOP;
 
 /// Which converters an image is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -70,26 +71,6 @@ impl Nucleo {
         }
         self
     }
-}
-
-/// An instant of the emulator.
-#[derive(Clone, Copy, Debug)]
-pub struct Instant {
-    /// When.
-    pub at: VirtualNanos,
-    /// Instructions so far.
-    pub instructions: u64,
-}
-
-/// What the rig shows the inputs, in codes of the sensors with their fractions.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Shown {
-    /// Displacement of each actuator.
-    pub displacement: [f64; MAX_ACTUATORS],
-    /// Force of each.
-    pub force: [f64; MAX_ACTUATORS],
-    /// Acceleration of the first one's head, m/s^2.
-    pub acceleration_m_per_s2: f64,
 }
 
 /// The converters and what they show.

@@ -1,6 +1,6 @@
 //! Friction, play, dead zones, bolts.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::DT;
 use crate::rig::Scene;

@@ -1,6 +1,6 @@
 //! Springs that are not straight.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 
 pub(super) fn draw(

@@ -1,6 +1,6 @@
 //! What comes from the mains, and what the converter takes away.
 
-use super::{Acts, Channel, Physics, Scale, plus};
+use super::physics::{Acts, Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::DT;
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! Ends of stroke, of scale and of flow; pistons that push and pull differently.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::{DT, lag};
 

@@ -1,6 +1,6 @@
 //! Wrong factors and wrong zeros.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::DT;
 

@@ -1,6 +1,6 @@
 //! Too late, too slow, ringing.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::{DT, delay, lag, second_order};
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! Dampers and mass.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 use crate::fine::{DT, second_order};
 use std::f64::consts::TAU;

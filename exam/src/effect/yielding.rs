@@ -1,6 +1,6 @@
 //! Specimens that yield.
 
-use super::{Channel, Physics, Scale, plus};
+use super::physics::{Channel, Physics, Scale, plus};
 use crate::dice::Dice;
 
 pub(super) fn draw(

@@ -1,6 +1,6 @@
 //! The two messages of a control period.
 
-use super::{Malformed, Message, Words, push};
+use super::words::{Malformed, Message, Words, push};
 use outerloop_core::{Fault, Record, Sample};
 
 /// What the PC wants of a control period.

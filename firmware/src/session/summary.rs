@@ -1,6 +1,6 @@
 //! What a session ends with.
 
-use super::{Malformed, Message, Words, push, push_long};
+use super::words::{Malformed, Message, Words, push, push_long};
 
 /// The account of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! A board with its tasks, all in one thread.
 
-use super::{CLOCK, CODES, Faulty, Plant, SimBoard};
+use super::board::{CLOCK, CODES, Plant, SimBoard};
+use super::faulty::Faulty;
 use crate::hardware::Hardware;
 use crate::station::{
     Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,

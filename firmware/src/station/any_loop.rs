@@ -22,9 +22,9 @@ pub enum AnyLoop {
 macro_rules! each_loop {
     ($any:expr, $outer:ident => $body:expr) => {
         match $any {
-            $crate::station::AnyLoop::One($outer) => $body,
-            $crate::station::AnyLoop::Two($outer) => $body,
-            $crate::station::AnyLoop::Three($outer) => $body,
+            $crate::station::any_loop::AnyLoop::One($outer) => $body,
+            $crate::station::any_loop::AnyLoop::Two($outer) => $body,
+            $crate::station::any_loop::AnyLoop::Three($outer) => $body,
         }
     };
 }

@@ -13,7 +13,7 @@ mod any_loop;
 mod carry_out;
 mod chain;
 mod commission;
-mod evidence;
+pub(crate) mod evidence;
 mod motion;
 mod order;
 mod period;

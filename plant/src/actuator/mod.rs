@@ -4,97 +4,14 @@
 //! exact for the held command is therefore half a period *ahead* of the same lag driven by the commands joined by
 //! straight lines: its low-frequency delay behind the sequence of commands is `delay_ms` less half a period.
 
+mod dynamics;
+mod load;
 mod random_multiplier;
 mod servo_hydraulic;
 mod spec;
 
+pub use dynamics::Actuator;
+pub use load::Load;
 pub use random_multiplier::RandomMultiplier;
 pub use servo_hydraulic::{ServoHydraulic, ServoSpec};
 pub use spec::{ActuatorKind, ActuatorSpec, DelayJump};
-
-use crate::delay_line::DelayLine;
-use crate::lag::{FirstOrder, SecondOrder};
-use crate::stage::Stages;
-
-/// What hangs on the piston: the specimen, linearised about the last sample.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Load {
-    /// Restoring force at the last sample, N, positive against positive displacement.
-    pub force_n: f64,
-    /// Change of that force with displacement, N/m.
-    pub stiffness_n_per_m: f64,
-}
-
-/// The dynamics of one actuator.
-#[derive(Clone, Debug)]
-enum Dynamics {
-    Ideal,
-    Delay(DelayLine),
-    FirstOrder(FirstOrder),
-    SecondOrder { lag: SecondOrder, zeta: f64 },
-    LagDelay { line: DelayLine, lag: FirstOrder },
-    RandomMultiplier(RandomMultiplier),
-    ServoHydraulic(Box<ServoHydraulic>),
-}
-
-/// One actuator with its controller.
-#[derive(Clone, Debug)]
-pub struct Actuator {
-    dynamics: Dynamics,
-    gain: f64,
-    /// What its motion goes through after its dynamics.
-    motion: Stages,
-    step_s: f64,
-    jump: Option<Jump>,
-    held_m: f64,
-}
-
-/// A change of delay that is still to come.
-#[derive(Clone, Copy, Debug)]
-struct Jump {
-    steps_left: u64,
-    delay_s: f64,
-}
-
-impl Actuator {
-    /// The displacement, m, at the end of the period in which `command_m` was held.
-    #[inline]
-    pub fn step(&mut self, command_m: f64, load: Load) -> f64 {
-        if let Some(jump) = &mut self.jump {
-            if jump.steps_left == 0 {
-                let delay_s = jump.delay_s;
-                self.jump = None;
-                self.set_delay(delay_s);
-            } else {
-                jump.steps_left -= 1;
-            }
-        }
-        // A converter cannot put out what is not a number: it keeps the last command.
-        if command_m.is_finite() {
-            self.held_m = command_m;
-        }
-        let target = self.gain * self.held_m;
-        let moved = match &mut self.dynamics {
-            Dynamics::Ideal => target,
-            Dynamics::Delay(line) => line.step(target),
-            Dynamics::FirstOrder(lag) => lag.step(target),
-            Dynamics::SecondOrder { lag, .. } => lag.step(target),
-            Dynamics::LagDelay { line, lag } => lag.step(line.step(target)),
-            Dynamics::RandomMultiplier(block) => block.step(target),
-            Dynamics::ServoHydraulic(servo) => servo.step(target, load),
-        };
-        self.motion.step(moved)
-    }
-
-    fn set_delay(&mut self, delay_s: f64) {
-        let h = self.step_s;
-        match &mut self.dynamics {
-            Dynamics::Ideal => {}
-            Dynamics::Delay(line) | Dynamics::LagDelay { line, .. } => line.set_delay(delay_s / h),
-            Dynamics::FirstOrder(lag) => lag.set_time_constant(delay_s, h),
-            Dynamics::SecondOrder { lag, zeta } => lag.set_delay(delay_s, *zeta, h),
-            Dynamics::RandomMultiplier(block) => block.set_delay(delay_s, h),
-            Dynamics::ServoHydraulic(servo) => servo.set_delay(delay_s),
-        }
-    }
-}

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::Load;
+use super::load::Load;
 use crate::error::{Accept, RigError};
 
 /// The `[plant.actuator.servo]` table.

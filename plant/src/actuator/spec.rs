@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Actuator, Dynamics, Jump, RandomMultiplier, ServoHydraulic, ServoSpec};
+use super::dynamics::{Actuator, Dynamics, Jump};
+use super::random_multiplier::RandomMultiplier;
+use super::servo_hydraulic::{ServoHydraulic, ServoSpec};
 use crate::delay_line::DelayLine;
 use crate::effect::Additions;
 use crate::error::{Accept, RigError};

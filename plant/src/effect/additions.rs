@@ -1,12 +1,16 @@
 //! What the effects of a rig add to each of its axes.
 
+use super::catalogue::Effect;
 use super::given::Given;
-use super::{Channel, Effect, EffectSpec};
+use super::row::Channel;
+use super::spec::EffectSpec;
 use crate::delay_line::DelayLine;
 use crate::error::{Accept, RigError};
 use crate::lag::{FirstOrder, SecondOrder};
 use crate::sensor::Hum;
-use crate::specimen::{Added, Bilinear, BoucWen, Maxwell, Power};
+use crate::specimen::added::{Added, Maxwell, Power};
+use crate::specimen::bilinear::Bilinear;
+use crate::specimen::bouc_wen::BoucWen;
 use crate::stage::{Drift, Friction, Play, SlipGap, Stage, Stages, WarmUp};
 
 /// The additions to one axis, in the order in which they were given.

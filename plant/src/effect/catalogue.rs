@@ -1,9 +1,31 @@
 //! The list of effects: one entry a name.
 
-use super::{Channel, Entry, Family, Parameter};
+use super::row::{Channel, Family, Parameter, named};
 use crate::error::Accept;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+
+/// What is known of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Its name.
+    pub effect: Effect,
+    /// Its family.
+    pub family: Family,
+    /// Where it can show; the first where the rig is not told otherwise.
+    pub channels: &'static [Channel],
+    /// What it is described by.
+    pub parameters: &'static [Parameter],
+    /// What happens, in a line.
+    pub physics: &'static str,
+}
+
+impl Effect {
+    /// What is known of it.
+    pub fn entry(self) -> &'static Entry {
+        &catalogue()[self as usize]
+    }
+}
 
 /// The least size of what divides.
 const TINY: f64 = 1e-6;

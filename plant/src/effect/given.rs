@@ -1,6 +1,7 @@
 //! The parameters of an effect as given, checked against the catalogue.
 
-use super::{Channel, EffectSpec};
+use super::row::Channel;
+use super::spec::EffectSpec;
 use crate::error::RigError;
 
 /// An effect whose parameters are complete and in range.
@@ -68,5 +69,15 @@ impl Given {
     /// A parameter in thousandths (mm, ms), in SI.
     pub(crate) fn milli(&self, name: &str) -> f64 {
         self.get(name) * 1e-3
+    }
+}
+
+impl EffectSpec {
+    /// Checks that name, channel and parameters fit each other; `path` is where this is in its file.
+    ///
+    /// # Errors
+    /// A parameter that is missing, unknown or out of its range, by its name.
+    pub fn check(&self, path: &str) -> Result<(), RigError> {
+        Given::new(self, path).map(drop)
     }
 }

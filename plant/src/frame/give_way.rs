@@ -4,7 +4,7 @@
 //! over a control period to be carried over from the last one. With a mass this is the mass on the spring `1 / g`,
 //! integrated by Houbolt's method.
 
-use super::Floor;
+use super::floor::Floor;
 
 /// Good to this, m.
 const TOLERANCE_M: f64 = 1e-13;

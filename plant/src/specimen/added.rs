@@ -1,6 +1,7 @@
 //! Forces beside the specimen's own: what a bearing, a guide or a neighbour adds to a storey.
 
-use super::{Bilinear, BoucWen};
+use super::bilinear::Bilinear;
+use super::bouc_wen::BoucWen;
 use crate::kinematics::Kinematics;
 use crate::stage::Friction;
 

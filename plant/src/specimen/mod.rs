@@ -1,91 +1,12 @@
 //! From deformation to restoring force: one element a storey.
 
-mod added;
-mod bilinear;
-mod bouc_wen;
+pub(crate) mod added;
+pub(crate) mod bilinear;
+pub(crate) mod bouc_wen;
 mod spec;
+mod storey;
 
-pub(crate) use added::{Added, Maxwell, Power};
 pub use bilinear::Bilinear;
 pub use bouc_wen::BoucWen;
 pub use spec::{SpecimenKind, SpecimenSpec};
-
-use crate::kinematics::Kinematics;
-use crate::stage::Stages;
-
-/// Restoring force of one storey against its drift.
-#[derive(Clone, Debug)]
-enum Restoring {
-    Linear { stiffness_n_per_m: f64 },
-    Bilinear(Bilinear),
-    BoucWen(BoucWen),
-}
-
-/// One storey of the specimen: a spring of some kind, a dashpot and whatever else acts beside it.
-#[derive(Clone, Debug)]
-pub struct Storey {
-    restoring: Restoring,
-    damping_n_s_per_m: f64,
-    /// What becomes of the drift before it reaches the spring.
-    deformation: Stages,
-    added: Vec<Added>,
-}
-
-impl Storey {
-    /// Storey shear, N, at the drift, m, and in the motion that `drift` holds.
-    #[inline]
-    pub fn step(&mut self, drift: &Kinematics) -> f64 {
-        match self.restoring {
-            Restoring::Linear { stiffness_n_per_m } if self.is_plain() => {
-                let spring = stiffness_n_per_m * drift.displacement_m();
-                spring + self.damping_n_s_per_m * drift.velocity_m_s()
-            }
-            _ => self.answer(drift),
-        }
-    }
-
-    /// Nothing but spring and dashpot.
-    #[inline]
-    fn is_plain(&self) -> bool {
-        self.deformation.is_empty() && self.added.is_empty()
-    }
-
-    /// Not inlined: most storeys are a spring, and what the others need in registers is dear.
-    #[inline(never)]
-    fn answer(&mut self, drift: &Kinematics) -> f64 {
-        let x = self.deformation.step(drift.displacement_m());
-        let spring = match &mut self.restoring {
-            Restoring::Linear { stiffness_n_per_m } => *stiffness_n_per_m * x,
-            Restoring::Bilinear(bilinear) => bilinear.step(x),
-            Restoring::BoucWen(bouc_wen) => bouc_wen.step(x),
-        };
-        let mut shear = spring + self.damping_n_s_per_m * drift.velocity_m_s();
-        for added in &mut self.added {
-            shear += added.step(drift);
-        }
-        shear
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plain_storey_answers_with_the_bits_of_the_whole_way() {
-        let mut storey = Storey {
-            restoring: Restoring::Linear {
-                stiffness_n_per_m: 158e3,
-            },
-            damping_n_s_per_m: 300.0,
-            deformation: Stages::default(),
-            added: Vec::new(),
-        };
-        let mut drift = Kinematics::new(2000.0);
-        for i in 0..500 {
-            drift.advance(0.01 * (0.05 * f64::from(i)).sin());
-            let whole = storey.clone().answer(&drift);
-            assert_eq!(storey.step(&drift).to_bits(), whole.to_bits());
-        }
-    }
-}
+pub use storey::Storey;

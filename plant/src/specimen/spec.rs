@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bilinear, BoucWen, Restoring, Storey};
-use crate::effect::Additions;
+use super::bilinear::Bilinear;
+use super::bouc_wen::BoucWen;
+use super::storey::{Restoring, Storey};
+use crate::effect::additions::Additions;
 use crate::error::{Accept, RigError};
 use crate::per_axis::PerAxis;
 

@@ -1,8 +1,8 @@
 //! The published controller: PI with phase lead.
 
-use super::{Controller, Declared, Seen};
+use super::interface::{Controller, Declared, Seen};
 use crate::linear::Section;
-use crate::rths::RATE_HZ;
+use crate::rths::size::RATE_HZ;
 
 /// `2 + 95 / s` on the error, the target led by `50.8 (s + 168.6) / (s + 8570)`.
 struct Baseline {

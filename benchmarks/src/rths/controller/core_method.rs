@@ -1,12 +1,13 @@
 //! Core's methods, in f32 as they fly: behind the problem's numerical part, or with core's own integration.
 
-use super::{Controller, Declared, Seen};
+use super::interface::{Controller, Declared, Seen};
 use crate::Refused;
 use crate::rths::case::Case;
+use crate::rths::channels;
 use crate::rths::parameters::Parameters;
 use crate::rths::shaking::Shaking;
+use crate::rths::size::{FLOORS, RATE_HZ};
 use crate::rths::trial::{Answers, Hybrid, Readings};
-use crate::rths::{FLOORS, RATE_HZ, channels};
 use nalgebra::Matrix3;
 use outerloop_core::{
     Config, Design, Event, Follower, GroundMotion, Method, Mode, OuterLoop, Prediction, Refusal,

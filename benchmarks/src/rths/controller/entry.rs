@@ -1,7 +1,9 @@
 //! Who is on trial, by name.
 
+use super::core_method::CoreLoops;
 use super::core_method::Setup;
-use super::{Controller, CoreLoops, Declared, OUTSIDE, Outside};
+use super::interface::{Controller, Declared};
+use super::outside::{OUTSIDE, Outside};
 use crate::Refused;
 use crate::rths::case::Case;
 use crate::rths::parameters::Parameters;

@@ -1,8 +1,8 @@
 //! The inverse of the declared plant to third order, fixed: `A_0 r + A_1 r' + A_2 r'' + A_3 r'''` over the numerator, with
 //! backward differences of the target.
 
-use super::{Controller, Declared, Seen};
-use crate::rths::RATE_HZ;
+use super::interface::{Controller, Declared, Seen};
+use crate::rths::size::RATE_HZ;
 
 struct FixedInverse {
     /// Factors of the target and its first three differences.

@@ -1,6 +1,7 @@
 //! PEER's AT2: lines of text, one of them with the unit, then NPTS and DT, then the values.
 
-use super::{Points, Unit, values};
+use super::points::Unit;
+use super::points::{Points, values};
 use crate::failure::Failure;
 use crate::files::table::number;
 

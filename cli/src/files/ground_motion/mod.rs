@@ -3,12 +3,15 @@
 mod at2;
 mod fortran;
 mod miniseed;
+mod points;
 mod strong_motion;
 
+pub use points::{Columns, Unit};
+
 use super::decode;
-use super::header::unit_named;
 use super::table::{NumberTable, number};
 use crate::failure::Failure;
+use points::{Points, SHOWN, refuse_line};
 use std::path::Path;
 
 /// A ground motion in SI units.
@@ -22,69 +25,8 @@ pub struct GroundMotionFile {
     pub interval_s: f64,
 }
 
-/// What is said on the command line about a file that does not say it itself.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Columns {
-    /// `--dt`, s.
-    pub interval_s: Option<f64>,
-    /// `--unit`.
-    pub unit: Option<Unit>,
-    /// `--sensitivity`: what one of that unit is in a recorder's counts.
-    pub sensitivity: Option<f64>,
-}
-
-/// Unit of an acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Unit {
-    /// Standard gravity, 9.80665 m/s^2.
-    #[value(name = "g")]
-    G,
-    /// m/s^2.
-    #[value(name = "m/s2")]
-    MetrePerSecondSquared,
-    /// cm/s^2.
-    #[value(name = "gal")]
-    Gal,
-}
-
-impl Unit {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::G => "g",
-            Self::MetrePerSecondSquared => "m/s2",
-            Self::Gal => "gal",
-        }
-    }
-
-    fn in_si(self) -> f64 {
-        match self {
-            Self::G => 9.80665,
-            Self::MetrePerSecondSquared => 1.0,
-            Self::Gal => 0.01,
-        }
-    }
-
-    /// By its name, in lower case.
-    fn named(name: &str) -> Option<Self> {
-        match unit_named(name)? {
-            "g" => Some(Self::G),
-            "m_per_s2" => Some(Self::MetrePerSecondSquared),
-            "gal" => Some(Self::Gal),
-            _ => None,
-        }
-    }
-}
-
 /// The strongest that was ever recorded is 4.4 g (Iwate-Miyagi 2008): beyond this the unit is not what the file says.
 const STRONGEST_M_PER_S2: f64 = 6.0 * 9.80665;
-
-/// What a file holds.
-struct Points {
-    interval_s: f64,
-    acc_m_per_s2: Vec<f64>,
-    /// The unit that the file itself says; `None`: it was said beside it.
-    unit: Option<Unit>,
-}
 
 impl GroundMotionFile {
     /// Reads a file by its ending and its first lines.
@@ -186,36 +128,6 @@ impl GroundMotionFile {
 
 fn is_comment(line: &str) -> bool {
     line.trim().is_empty() || line.trim_start().starts_with('#')
-}
-
-/// That something in a line, counted from 0, is not what it should be.
-fn refuse_line(file: &str, line: usize, text: &str, accepted: &str) -> Failure {
-    let shown: String = text.trim().chars().take(SHOWN).collect();
-    let line = line + 1;
-    Failure::input(format!(
-        "{file}, line {line}: `{shown}` is refused: accepted is {accepted}"
-    ))
-}
-
-/// Letters of a line that a message shows.
-const SHOWN: usize = 60;
-
-/// All numbers from line `from`, counted from 0, to the end, in m/s^2.
-fn values(
-    file: &str,
-    text: &str,
-    from: usize,
-    width: Option<usize>,
-    unit: Unit,
-) -> Result<Vec<f64>, Failure> {
-    let mut acc = Vec::new();
-    for (i, line) in text.lines().enumerate().skip(from) {
-        for value in fortran::numbers(line, width) {
-            let value = value.map_err(|word| refuse_line(file, i, word, "a finite number"))?;
-            acc.push(value * unit.in_si());
-        }
-    }
-    Ok(acc)
 }
 
 fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {

@@ -5,7 +5,8 @@
 
 use super::at2::checked;
 use super::fortran::{numbers, width_in};
-use super::{Points, Unit, refuse_line, values};
+use super::points::Unit;
+use super::points::{Points, refuse_line, values};
 use crate::failure::Failure;
 use crate::files::table::number;
 

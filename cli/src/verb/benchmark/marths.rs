@@ -1,6 +1,6 @@
 //! `outerloop benchmark marths`: the multi-axial benchmark problem of real-time hybrid simulation.
 
-use super::refused;
+use super::shared::refused;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
@@ -67,7 +67,7 @@ impl Marths {
                 .map(|n| Contestant::named(n).map_err(refused))
                 .collect::<Result<Vec<_>, _>>()?,
         };
-        let folder = super::data_folder(self.data.as_deref());
+        let folder = super::shared::data_folder(self.data.as_deref());
         let mut problem = load(&folder.join("marths"))?;
         if let Some(file) = &self.model {
             problem = problem.with(&physical_part::load(file)?);
@@ -197,7 +197,7 @@ fn print(rows: &[Row]) {
         let Some(first) = group.first() else { continue };
         println!("{}", floors(first));
         let cells = group.iter().map(cells);
-        println!("{}\n", super::named(table(&HEAD), 0, cells));
+        println!("{}\n", super::shared::named(table(&HEAD), 0, cells));
     }
     for (contestant, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == contestant.name()) {

@@ -1,6 +1,6 @@
 //! `outerloop benchmark rths`: the benchmark problem of real-time hybrid simulation.
 
-use super::{data_folder, named, refused};
+use super::shared::{data_folder, named, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;

@@ -4,15 +4,14 @@
 //! The file knows no unit. Physical values, such as ObsPy writes them once it has taken the instrument out, need `--unit`; the
 //! counts of a recorder need its sensitivity, too, and have its zero in them, which is taken off as their mean.
 
+mod piece;
 mod samples;
 mod version2;
 mod version3;
 
-use super::{Columns, Points};
+use super::points::{Columns, Points};
 use crate::failure::Failure;
-
-/// Samples may come this share of an interval before or after their time.
-const PUNCTUAL: f64 = 0.5;
+use piece::Piece;
 
 /// True for what begins as a record does.
 pub fn is_miniseed(bytes: &[u8]) -> bool {
@@ -31,7 +30,7 @@ pub fn parse(file: &str, bytes: &[u8], columns: Columns) -> Result<Points, Failu
     let mut whole: Option<Piece> = None;
     while !rest.is_empty() {
         number += 1;
-        let (piece, length) = Piece::read(rest).map_err(|why| refuse(number, &why))?;
+        let (piece, length) = read(rest).map_err(|why| refuse(number, &why))?;
         rest = rest.get(length..).unwrap_or_default();
         match &mut whole {
             None => whole = Some(piece),
@@ -73,70 +72,20 @@ pub fn parse(file: &str, bytes: &[u8], columns: Columns) -> Result<Points, Failu
     })
 }
 
-/// Samples of one channel without a gap.
-struct Piece {
-    /// Network, station, location and channel.
-    channel: String,
-    start_us: i64,
-    rate_hz: f64,
-    values: Vec<f64>,
-    /// Whether they are a converter's whole numbers.
-    counts: bool,
-}
-
-impl Piece {
-    /// The first record of `bytes`, and its length.
-    fn read(bytes: &[u8]) -> Result<(Self, usize), String> {
-        let (piece, length) = if version3::begins(bytes) {
-            version3::read(bytes)
-        } else if version2::begins(bytes) {
-            version2::read(bytes)
-        } else {
-            Err("does not begin as one of version 2 or 3: accepted are such records alone; ObsPy rewrites what else there is".into())
-        }?;
-        if !(piece.rate_hz.is_finite() && piece.rate_hz > 0.0) {
-            return Err(format!(
-                "has a rate of {} Hz: accepted are rates above 0",
-                piece.rate_hz
-            ));
-        }
-        Ok((piece, length))
+/// The first record of `bytes`, and its length.
+fn read(bytes: &[u8]) -> Result<(Piece, usize), String> {
+    let (piece, length) = if version3::begins(bytes) {
+        version3::read(bytes)
+    } else if version2::begins(bytes) {
+        version2::read(bytes)
+    } else {
+        Err("does not begin as one of version 2 or 3: accepted are such records alone; ObsPy rewrites what else there is".into())
+    }?;
+    if !(piece.rate_hz.is_finite() && piece.rate_hz > 0.0) {
+        return Err(format!(
+            "has a rate of {} Hz: accepted are rates above 0",
+            piece.rate_hz
+        ));
     }
-
-    /// What comes right after.
-    fn append(&mut self, next: Self) -> Result<(), String> {
-        if next.channel != self.channel {
-            return Err(format!(
-                "is of channel {} and those before it of {}: accepted is one channel; ObsPy selects it",
-                next.channel, self.channel
-            ));
-        }
-        if (next.rate_hz / self.rate_hz - 1.0).abs() > 1e-4 {
-            return Err(format!(
-                "has {} Hz, those before it {} Hz: accepted is one rate",
-                next.rate_hz, self.rate_hz
-            ));
-        }
-        let end_us = self.start_us as f64 + 1e6 * self.values.len() as f64 / self.rate_hz;
-        let late_s = 1e-6 * (next.start_us as f64 - end_us);
-        if late_s.abs() * self.rate_hz > PUNCTUAL {
-            return Err(format!(
-                "begins {late_s:.3} s after the end of what is before it: accepted are records without a gap"
-            ));
-        }
-        self.values.extend(next.values);
-        Ok(())
-    }
-}
-
-/// What is said of a record that ends too early.
-fn cut() -> String {
-    "is cut short: accepted are whole records".into()
-}
-
-/// Microseconds from the year 1 to the second that these name: year, day of the year from 1, hour, minute, second.
-fn seconds_us([year, day, hour, minute, second]: [i64; 5]) -> i64 {
-    let years = year - 1;
-    let days = 365 * years + years / 4 - years / 100 + years / 400 + day;
-    (((days * 24 + hour) * 60 + minute) * 60 + second) * 1_000_000
+    Ok((piece, length))
 }

@@ -1,8 +1,8 @@
 //! Records of version 2 (FDSN: SEED Reference Manual, version 2.4, chapter 8): a header of 48 bytes, blockettes, samples; in
 //! all a power of two.
 
+use super::piece::{Piece, cut, seconds_us};
 use super::samples::{Reader, is_counts};
-use super::{Piece, cut, seconds_us};
 
 /// Bytes of a record's header.
 const HEADER: usize = 48;

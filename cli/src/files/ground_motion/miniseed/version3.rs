@@ -1,8 +1,8 @@
 //! Records of version 3 (FDSN: miniSEED 3, 2023): a header of 40 bytes with a check sum, an identifier, extra headers, samples.
 //! Everything has its lowest byte first, but for Steim's frames.
 
+use super::piece::{Piece, cut, seconds_us};
 use super::samples::{Reader, is_counts};
-use super::{Piece, cut, seconds_us};
 use crc::{CRC_32_ISCSI, Crc};
 
 /// Bytes of a record's header before the identifier.

@@ -1,6 +1,6 @@
 //! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
 
-use super::{Config, Filter, PerFloor};
+use crate::config::{Config, Filter, PerFloor};
 use crate::context::Context;
 use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
 use crate::force::Law;

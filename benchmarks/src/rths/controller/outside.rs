@@ -1,0 +1,28 @@
+//! Controllers that are not core's methods.
+
+use super::interface::{Controller, Declared};
+use super::{baseline, fixed_inverse};
+
+/// A controller that is not one of core's methods.
+pub struct Outside {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is told.
+    pub told: &'static str,
+    /// Makes one, at rest.
+    pub make: fn(&Declared) -> Box<dyn Controller>,
+}
+
+/// All that are not core's.
+pub const OUTSIDE: [Outside; 2] = [
+    Outside {
+        name: "pi-phase-lead",
+        told: "tuned by hand, published",
+        make: baseline::make,
+    },
+    Outside {
+        name: "fixed-inverse",
+        told: "plant",
+        make: fixed_inverse::make,
+    },
+];

@@ -1,0 +1,140 @@
+//! What a bench is given, what it does, and how it ends.
+
+use crate::board::further::Further;
+use crate::failure::Failure;
+use crate::trace::Witness;
+use link::status::Timing;
+use outerloop_core::{Config, Design, Fault, GroundMotion, Mode, Trip};
+use serde::Serialize;
+
+/// A test, ready to run.
+#[derive(Clone, Debug)]
+pub struct Assignment<'a, const N: usize> {
+    /// The configuration, for a bench with a loop of its own.
+    pub config: &'a Config,
+    /// The same, worked out.
+    pub design: Design<N>,
+    /// What shakes the structure.
+    pub ground: GroundMotion<'a>,
+    /// The points of the ground motion, m/s^2, for a bench that has to be sent them.
+    pub points_m_per_s2: &'a [f32],
+    /// Their interval in model time, s.
+    pub interval_s: f64,
+    /// Control steps from the start to the end.
+    pub steps: usize,
+}
+
+/// How a test ended.
+#[derive(Clone, Debug)]
+pub struct Ending {
+    /// Where the loop stood.
+    pub state: Mode,
+    /// The first fault, if there was one.
+    pub trip: Option<Trip>,
+    /// The operator stopped it before its end.
+    pub by_hand: bool,
+    /// Seconds on the wall clock.
+    pub wall_s: f64,
+    /// What only a board has to tell.
+    pub board: Option<OnBoard>,
+}
+
+/// What a board has to tell beside the test.
+#[derive(Clone, Debug, Serialize)]
+pub struct OnBoard {
+    /// Its name.
+    pub board: String,
+    /// Commit of its firmware.
+    pub commit: String,
+    /// Control steps that were received since the test was in force on the board.
+    pub steps_received: u64,
+    /// Steps missing between those.
+    pub steps_lost: u64,
+    /// Steps that the board could not send since it has power.
+    pub steps_dropped: Option<u32>,
+    /// Received steps whose record the PC could not work out again with the same bits.
+    pub steps_different: u64,
+    /// Times of the control step on the board.
+    pub timing: Option<Timing>,
+    /// Cycles of its processor in a second.
+    pub clock_hz: u32,
+    /// Why the link was lost.
+    pub link: Option<String>,
+    /// What it records beside displacement and force, if it does.
+    pub further: Option<Further>,
+    /// What it tripped on.
+    #[serde(skip)]
+    pub trip: Option<Fault>,
+}
+
+impl OnBoard {
+    /// In a plain sentence.
+    pub fn sentence(&self) -> String {
+        let steps = match (self.steps_lost, self.steps_different) {
+            (0, 0) => format!(
+                "All {} control steps were received, and the PC worked each out again with the same bits.",
+                self.steps_received
+            ),
+            (lost, different) => format!(
+                "{} control steps were received and {lost} lost on the way; the records of {different} hold only what \
+                 the board itself reported.",
+                self.steps_received
+            ),
+        };
+        let us = |cycles: u32| f64::from(cycles) / f64::from(self.clock_hz) * 1e6;
+        let timing = self.timing.map_or_else(String::new, |t| {
+            format!(
+                " A step took {:.1} us at worst and {:.1} us on average of {:.0} us; the period was {} to {} cycles of \
+                 {}; {} overruns.",
+                us(t.worst_step_cycles),
+                us(t.mean_step_cycles),
+                us(t.period_cycles),
+                t.shortest_period_cycles,
+                t.longest_period_cycles,
+                t.period_cycles,
+                t.overruns
+            )
+        });
+        let link = self.link.as_ref().map_or_else(String::new, |why| {
+            format!(" What was received is kept; {why}.")
+        });
+        let further = self.further.as_ref().and_then(|f| f.sentence(self.trip));
+        let further = further.map_or_else(String::new, |said| format!(" {said}"));
+        format!(
+            "Ran on {} ({}). {steps}{timing}{further}{link}",
+            self.board, self.commit
+        )
+    }
+}
+
+/// Something that a test can run on.
+pub trait Bench {
+    /// Arms, approaches and runs; `witness` sees every control step of the running test.
+    ///
+    /// # Errors
+    /// A rig that cannot be set up, or a loop that refuses to arm. A trip is no error: it is in the ending.
+    fn run<const N: usize>(
+        &self,
+        assignment: &Assignment<'_, N>,
+        witness: &mut impl Witness,
+    ) -> Result<Ending, Failure>;
+}
+
+/// Evaluates an expression with the constant `$n` equal to the number of floors, 1 to 8.
+macro_rules! with_floors {
+    ($floors:expr, $n:ident => $body:expr) => {
+        with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
+    };
+    (@ $floors:expr, $n:ident, $body:expr, $($count:literal)*) => {
+        match $floors {
+            $($count => {
+                const $n: usize = $count;
+                $body
+            })*
+            other => Err($crate::failure::Failure::input(format!(
+                "structure.mass_kg has {other} values: accepted are 1 to 8"
+            ))),
+        }
+    };
+}
+pub(crate) use with_floors;

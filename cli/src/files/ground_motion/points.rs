@@ -1,0 +1,96 @@
+//! What every format comes to: points in m/s^2, and what is said of them.
+
+use super::fortran;
+use crate::failure::Failure;
+use crate::files::header::unit_named;
+
+/// What is said on the command line about a file that does not say it itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Columns {
+    /// `--dt`, s.
+    pub interval_s: Option<f64>,
+    /// `--unit`.
+    pub unit: Option<Unit>,
+    /// `--sensitivity`: what one of that unit is in a recorder's counts.
+    pub sensitivity: Option<f64>,
+}
+
+/// Unit of an acceleration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Unit {
+    /// Standard gravity, 9.80665 m/s^2.
+    #[value(name = "g")]
+    G,
+    /// m/s^2.
+    #[value(name = "m/s2")]
+    MetrePerSecondSquared,
+    /// cm/s^2.
+    #[value(name = "gal")]
+    Gal,
+}
+
+impl Unit {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::G => "g",
+            Self::MetrePerSecondSquared => "m/s2",
+            Self::Gal => "gal",
+        }
+    }
+
+    pub(super) fn in_si(self) -> f64 {
+        match self {
+            Self::G => 9.80665,
+            Self::MetrePerSecondSquared => 1.0,
+            Self::Gal => 0.01,
+        }
+    }
+
+    /// By its name, in lower case.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        match unit_named(name)? {
+            "g" => Some(Self::G),
+            "m_per_s2" => Some(Self::MetrePerSecondSquared),
+            "gal" => Some(Self::Gal),
+            _ => None,
+        }
+    }
+}
+
+/// What a file holds.
+pub(super) struct Points {
+    pub(super) interval_s: f64,
+    pub(super) acc_m_per_s2: Vec<f64>,
+    /// The unit that the file itself says; `None`: it was said beside it.
+    pub(super) unit: Option<Unit>,
+}
+
+/// That something in a line, counted from 0, is not what it should be.
+pub(super) fn refuse_line(file: &str, line: usize, text: &str, accepted: &str) -> Failure {
+    let shown: String = text.trim().chars().take(SHOWN).collect();
+    let line = line + 1;
+    Failure::input(format!(
+        "{file}, line {line}: `{shown}` is refused: accepted is {accepted}"
+    ))
+}
+
+/// Letters of a line that a message shows.
+pub(super) const SHOWN: usize = 60;
+
+/// All numbers from line `from`, counted from 0, to the end, in m/s^2.
+pub(super) fn values(
+    file: &str,
+    text: &str,
+    from: usize,
+    width: Option<usize>,
+    unit: Unit,
+) -> Result<Vec<f64>, Failure> {
+    let mut acc = Vec::new();
+    for (i, line) in text.lines().enumerate().skip(from) {
+        for value in fortran::numbers(line, width) {
+            let value = value.map_err(|word| refuse_line(file, i, word, "a finite number"))?;
+            acc.push(value * unit.in_si());
+        }
+    }
+    Ok(acc)
+}

@@ -1,0 +1,32 @@
+//! What is said of a key.
+
+use super::source::Kind;
+
+/// A key of the test file.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Key {
+    /// Its path, `loop.rate_hz`.
+    pub path: String,
+    /// Its unit; `1` for a ratio or count, empty for a text.
+    pub unit: &'static str,
+    /// What stands there where it is left out; `None`: it has to be given, or nothing is meant by leaving it out.
+    pub default: Option<String>,
+    /// What is accepted.
+    pub accepted: String,
+    /// What it means.
+    pub meaning: String,
+    /// What it holds.
+    #[serde(skip)]
+    pub(super) kind: Kind,
+}
+
+/// A table of the test file with its keys.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct Group {
+    /// Its path.
+    pub path: String,
+    /// What it is.
+    pub meaning: String,
+    /// Its keys.
+    pub keys: Vec<Key>,
+}

@@ -1,0 +1,112 @@
+//! The page of every report, and the pieces that several have.
+
+use crate::experiment::Experiment;
+use crate::failure::Failure;
+use crate::numbers::{joule, length, percent};
+use crate::provenance::Provenance;
+use crate::summary::{Summary, Worth};
+use crate::trace::{Response, Trace};
+use std::error::Error;
+use std::fmt::Write as _;
+
+/// A test as the report shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Section<'a> {
+    /// What was tested.
+    pub experiment: &'a Experiment,
+    /// Its figures.
+    pub summary: &'a Summary,
+    /// Its trace.
+    pub trace: &'a Trace,
+    /// The ideal it is compared with.
+    pub ideal: &'a Response,
+}
+
+pub(super) type Drawn = Result<String, Box<dyn Error>>;
+
+pub(super) fn cannot(e: Box<dyn Error>) -> Failure {
+    Failure::test(format!("the report cannot be drawn: {e}"))
+}
+
+pub(super) fn class(s: &Summary) -> &'static str {
+    match s.worth() {
+        Worth::Good => "good",
+        Worth::Fair => "fair",
+        Worth::Bad => "bad",
+    }
+}
+
+pub(super) fn tile(value: String, meaning: &str) -> String {
+    format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
+}
+
+pub(super) fn table(rows: &[Summary]) -> String {
+    let mut html = String::from(
+        "<div class=\"scroll\"><table><tr><th>compensation</th><th>verdict</th><th>eps_max</th><th>eps_rms</th>\
+         <th>peak</th><th>added damping, mean</th><th>energy error</th></tr>",
+    );
+    for s in rows {
+        let _ = write!(
+            html,
+            "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+             <td>{}</td><td>{}</td></tr>",
+            class(s),
+            s.compensation,
+            s.trip.unwrap_or(s.verdict.name()),
+            percent(s.eps_max),
+            percent(s.eps_rms),
+            length(s.peak_displacement_m),
+            percent(s.mean_added_damping_ratio),
+            joule(s.energy_error_j),
+        );
+    }
+    html += "</table></div><p>eps_max and eps_rms are Eqs 17 and 18 of the paper: the difference to the same \
+             integration with an ideal actuator, relative to the largest ideal displacement.</p>";
+    html
+}
+
+pub(super) fn test_file(e: &Experiment) -> String {
+    format!(
+        "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
+        escape(e.test.text.trim())
+    )
+}
+
+/// Who, when, with what: at the end of every report.
+fn origin(p: &Provenance) -> String {
+    let mut html = String::from("<div class=\"origin\"><dl>");
+    let mut line = |name: &str, value: &str| {
+        let _ = write!(html, "<dt>{name}</dt><dd>{}</dd>", escape(value));
+    };
+    line("date", &p.date);
+    line("operator", &format!("{} on {}", p.operator, p.machine));
+    line("command", &p.command);
+    line("in", &p.folder);
+    if let Some(seed) = p.seed {
+        line("seed", &seed.to_string());
+    }
+    for file in &p.files {
+        line(&escape(&file.file), &format!("SHA-256 {}", file.sha256));
+    }
+    line(
+        "program",
+        &format!("{}, SHA-256 {}", p.version, p.program_sha256),
+    );
+    html + "</dl></div>"
+}
+
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}
+
+pub(super) fn page(title: &str, lead: &str, body: &str) -> String {
+    let title = escape(title);
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+         content=\"width=device-width,initial-scale=1\"><title>{title}</title><style>{}</style></head><body>\
+         <h1>{title}</h1><p class=\"lead\">{lead}</p>{body}{}<script>{}</script></body></html>\n",
+        include_str!("style.css"),
+        origin(Provenance::of_this_run()),
+        include_str!("zoom.js"),
+    )
+}

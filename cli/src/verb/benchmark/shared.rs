@@ -1,0 +1,34 @@
+//! What both benchmarks need.
+
+use crate::failure::Failure;
+use comfy_table::{CellAlignment, Table, TableComponent};
+use std::path::{Path, PathBuf};
+
+/// A benchmark that cannot be run.
+pub(super) fn refused(why: benchmarks::Refused) -> Failure {
+    Failure::input(why.to_string())
+}
+
+/// The folder of third-party data: as given, else `OUTERLOOP_DATA`, else beside the checkout.
+pub(super) fn data_folder(given: Option<&Path>) -> PathBuf {
+    given.map(Path::to_owned).unwrap_or_else(|| {
+        std::env::var_os("OUTERLOOP_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from)
+    })
+}
+
+/// A table without lines between its rows, names in column `name`.
+pub(super) fn named(mut t: Table, name: usize, rows: impl Iterator<Item = Vec<String>>) -> Table {
+    for lines in [
+        TableComponent::HorizontalLines,
+        TableComponent::MiddleIntersections,
+        TableComponent::LeftBorderIntersections,
+        TableComponent::RightBorderIntersections,
+    ] {
+        t.remove_style(lines);
+    }
+    t.add_rows(rows);
+    if let Some(column) = t.column_mut(name) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    t
+}

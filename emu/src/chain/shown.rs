@@ -1,0 +1,27 @@
+//! What the converters are shown, and when.
+
+use link::MAX_ACTUATORS;
+use rigless::time::VirtualNanos;
+
+/// The highest code of the chip's own converters.
+pub(super) const TOP: u16 = 4095;
+
+/// An instant of the emulator.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant {
+    /// When.
+    pub at: VirtualNanos,
+    /// Instructions so far.
+    pub instructions: u64,
+}
+
+/// What the rig shows the inputs, in codes of the sensors with their fractions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shown {
+    /// Displacement of each actuator.
+    pub displacement: [f64; MAX_ACTUATORS],
+    /// Force of each.
+    pub force: [f64; MAX_ACTUATORS],
+    /// Acceleration of the first one's head, m/s^2.
+    pub acceleration_m_per_s2: f64,
+}

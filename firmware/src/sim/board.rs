@@ -1,0 +1,149 @@
+//! A board in memory.
+
+use crate::hardware::Hardware;
+use crate::station::{Clock, Sign};
+use link::channel::Line;
+use link::telemetry::MAX_INPUTS;
+use link::{Calibration, CodeRange, Input, MAX_ACTUATORS};
+use outerloop_core::Mode;
+
+/// The converters of the NUCLEO-F429ZI.
+pub const CODES: CodeRange = CodeRange {
+    sensor_top: 8190,
+    sensor_rail: 8,
+    sensor_spare: 600,
+    command_top: 4095,
+    command_spare: 300,
+};
+
+/// What is recorded beside displacement and force, of boards with up to three actuators: their commands read back.
+const INPUTS: [Input; MAX_ACTUATORS] = [
+    Input::CommandReadBack(0),
+    Input::CommandReadBack(1),
+    Input::CommandReadBack(2),
+];
+
+/// Its clocks, without a deadline: here a step takes no time.
+pub const CLOCK: Clock = Clock {
+    timer_hz: 84_000_000,
+    slowest_rate_hz: 100,
+    fastest_rate_hz: 3400,
+    deadline_ticks: u32::MAX,
+    around_step_ticks: 0,
+    stopwatch_hz: 168_000_000,
+};
+
+/// What stands behind the converters of a board with `A` actuators.
+pub trait Plant<const A: usize = 1> {
+    /// One control step under `command_m`; without `permit` nothing may move. Displacement, m, and force, N, of each
+    /// actuator.
+    fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A];
+}
+
+/// A board in memory.
+pub struct SimBoard<P, const A: usize = 1> {
+    /// What stands behind the converters.
+    pub plant: P,
+    /// What the sensors and the actuators are really wired for.
+    pub wired: [Calibration; A],
+    /// Codes of the output converters.
+    pub code: [u16; A],
+    /// The codes that the outputs showed when the sample was taken.
+    pub shown: [u16; A],
+    /// An output converter, from 0, that stays where it is.
+    pub dead_output: Option<usize>,
+    /// The PERMIT line.
+    pub permit: bool,
+    /// How often the watchdog was fed.
+    pub fed: u32,
+    /// The task that starved.
+    pub starving: Option<Sign>,
+    /// Ticks of the stopwatch, which stands unless somebody moves it.
+    pub ticks: u32,
+}
+
+impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
+    /// With `plant` behind converters of the placeholder's ranges.
+    pub fn new(plant: P) -> Self {
+        Self {
+            plant,
+            wired: [Calibration::placeholder(&CODES); A],
+            code: [CODES.command_top / 2; A],
+            shown: [CODES.command_top / 2; A],
+            dead_output: None,
+            permit: false,
+            fed: 0,
+            starving: None,
+            ticks: 0,
+        }
+    }
+}
+
+/// The code of a sensor: two conversions of the same voltage, added.
+fn code(line: Line, quantity: f64) -> u16 {
+    let one = (quantity / f64::from(line.per_code) + f64::from(line.zero_code)) / 2.0;
+    2 * one.round().clamp(0.0, f64::from(CODES.sensor_top / 2)) as u16
+}
+
+impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
+    const CODES: CodeRange = CODES;
+    const INPUTS: &'static [Input] = INPUTS.split_at(A).0;
+    const INPUT_SPAN_V: [f32; 2] = [-10.0, 10.0];
+
+    fn now(&self) -> u32 {
+        self.ticks
+    }
+
+    fn codes(&mut self) -> Option<[[u16; 2]; A]> {
+        self.shown = self.code;
+        let command_m = core::array::from_fn(|actuator| {
+            let line = self.wired[actuator].command;
+            (f64::from(self.code[actuator]) - f64::from(line.zero_code)) * f64::from(line.per_code)
+        });
+        let read = self.plant.step(command_m, self.permit);
+        Some(core::array::from_fn(|actuator| {
+            let ([m, n], wired) = (read[actuator], &self.wired[actuator]);
+            [code(wired.displacement, m), code(wired.force, n)]
+        }))
+    }
+
+    fn inputs(&self) -> [u16; MAX_INPUTS] {
+        core::array::from_fn(|input| self.shown.get(input).copied().unwrap_or(0))
+    }
+
+    fn began_late(&self) -> bool {
+        false
+    }
+
+    fn output(&mut self, actuator: usize, code: u16) {
+        if self.dead_output != Some(actuator) {
+            self.code[actuator] = code;
+        }
+    }
+
+    fn permit(&mut self, on: bool) {
+        self.permit = on;
+    }
+
+    fn permit_chain_closed(&self) -> bool {
+        self.permit
+    }
+
+    fn emergency_stop(&self) -> bool {
+        false
+    }
+
+    fn hold_pressed(&self) -> bool {
+        false
+    }
+
+    fn set_period(&mut self, _: u32) {}
+
+    fn feed(&mut self) {
+        self.fed += 1;
+    }
+
+    fn starving(&mut self, task: Sign, _: u32, _: Mode) {
+        self.starving = Some(task);
+    }
+}

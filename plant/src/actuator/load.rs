@@ -1,0 +1,10 @@
+//! What an actuator works against.
+
+/// What hangs on the piston: the specimen, linearised about the last sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Load {
+    /// Restoring force at the last sample, N, positive against positive displacement.
+    pub force_n: f64,
+    /// Change of that force with displacement, N/m.
+    pub stiffness_n_per_m: f64,
+}

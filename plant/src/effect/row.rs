@@ -1,0 +1,73 @@
+//! What a row of the catalogue is made of.
+
+use crate::error::Accept;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+macro_rules! named {
+    ($(#[$doc:meta])* $name:ident { $($variant:ident = $text:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        pub enum $name {
+            $(#[doc = concat!("`", $text, "`")] #[serde(rename = $text)] $variant,)*
+        }
+
+        impl $name {
+            /// The name in files and answers.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $text,)* }
+            }
+
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.name())
+            }
+        }
+    };
+}
+pub(super) use named;
+
+named! {
+    /// Effects of one kind.
+    Family {
+        Timing = "timing",
+        Calibration = "calibration",
+        Slow = "slow",
+        Friction = "friction",
+        Hysteresis = "hysteresis",
+        Gap = "gap",
+        Limit = "limit",
+        Damping = "damping",
+        Stiffness = "stiffness",
+        Asymmetry = "asymmetry",
+        Inertia = "inertia",
+        Interference = "interference",
+    }
+}
+
+named! {
+    /// Where an effect shows.
+    Channel {
+        Actuator = "actuator",
+        Specimen = "specimen",
+    }
+}
+
+/// A parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name, ending with the unit where it has one.
+    pub name: &'static str,
+    /// The channel that it belongs to; none: to every channel of the effect.
+    pub channel: Option<Channel>,
+    /// Taken where it is not given; none: it must be.
+    pub default: Option<f64>,
+    /// Accepted values and their unit.
+    pub accept: Accept,
+    /// What it is.
+    pub meaning: &'static str,
+}

@@ -1,0 +1,50 @@
+//! One floor of the specimen.
+
+use crate::kinematics::Kinematics;
+use crate::specimen::Storey;
+
+/// A floor, the storey below it and the mass on it.
+#[derive(Clone, Debug)]
+pub(crate) struct Floor {
+    pub(super) storey: Storey,
+    pub(super) drift: Kinematics,
+    pub(super) motion: Kinematics,
+    pub(super) mass_kg: f64,
+    /// By what the floor falls short of where the actuator's dynamics would put it, m/N.
+    pub(super) gives_m_per_n: f64,
+    pub(super) shear_n: f64,
+    pub(super) restoring_n: f64,
+}
+
+impl Floor {
+    /// At rest at zero, sampled `rate_hz` times a second.
+    pub(crate) fn new(storey: Storey, mass_kg: f64, gives_m_per_n: f64, rate_hz: f64) -> Self {
+        Self {
+            storey,
+            drift: Kinematics::new(rate_hz),
+            motion: Kinematics::new(rate_hz),
+            mass_kg,
+            gives_m_per_n,
+            shear_n: 0.0,
+            restoring_n: 0.0,
+        }
+    }
+
+    /// Displacement of the floor, m.
+    #[inline]
+    pub(crate) fn displacement_m(&self) -> f64 {
+        self.motion.displacement_m()
+    }
+
+    /// Force on the actuator without inertia, N.
+    #[inline]
+    pub(crate) fn restoring_n(&self) -> f64 {
+        self.restoring_n
+    }
+
+    /// Force on the load cell, N.
+    #[inline]
+    pub(crate) fn force_n(&self) -> f64 {
+        self.restoring_n + self.mass_kg * self.motion.acceleration_m_s2()
+    }
+}
