@@ -22,6 +22,7 @@ use plant::Rig;
 use rigless::emulator::{Access, AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use timer::{Sampling, UG};
@@ -40,7 +41,9 @@ pub struct Laboratory {
     wire: Wire,
     rig: Rig,
     wired: [Calibration; MAX_ACTUATORS],
-    plan: Option<Planned>,
+    /// What goes wrong, each after as many resets as there were before it.
+    plan: VecDeque<Planned>,
+    gone_wrong: usize,
     drill_address: u64,
     /// The board's time waits for the PC.
     patient: bool,
@@ -81,7 +84,8 @@ impl Laboratory {
             wire,
             rig,
             wired: [Calibration::over(0.05, 1e4, &converters.widths()); MAX_ACTUATORS],
-            plan: None,
+            plan: VecDeque::new(),
+            gone_wrong: 0,
             drill_address,
             patient: true,
             ends_at_ns: u64::MAX,
@@ -117,9 +121,9 @@ impl Laboratory {
         self
     }
 
-    /// With a fault to come.
-    pub fn with_plan(mut self, plan: Option<Planned>) -> Self {
-        self.plan = plan;
+    /// With faults to come, each behind the reset that the one before has ended in.
+    pub fn with_plan(mut self, plan: impl IntoIterator<Item = Planned>) -> Self {
+        self.plan = plan.into_iter().collect();
         self
     }
 

@@ -10,6 +10,8 @@
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
 //!  image        the ELF, its sizes and symbols
+//!  gaps         addresses at which the chip has nothing
+//!  run          power on
 //! ```
 //!
 //! # What is not as on the metal
@@ -21,12 +23,14 @@
 //! watchdog, resets.
 
 pub mod chain;
+mod gaps;
 pub mod image;
 pub mod laboratory;
 pub mod log;
 pub mod nucleo;
 pub mod permission;
 pub mod registers;
+mod run;
 pub mod servo;
 pub mod wire;
 
@@ -36,4 +40,5 @@ pub use laboratory::Laboratory;
 pub use log::{Fault, Log, Planned, Seen};
 pub use permission::Contact;
 pub use registers::{Mutant, Violation};
+pub use run::run;
 pub use wire::Wire;

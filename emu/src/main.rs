@@ -5,9 +5,6 @@ use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
 use emu::{Converters, Firmware, Laboratory, Wire};
 use link::Calibration;
 use plant::{Rig, RigSpec};
-use rigless::emulator::Start;
-use rigless::session::Session;
-use rigless::time::VirtualNanos;
 use serde::Deserialize;
 use std::io::{Read, Write};
 use std::path::PathBuf;
@@ -60,11 +57,9 @@ fn go(arguments: &Arguments) -> Result<(), String> {
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())
         .map_err(|e| e.to_string())?
         .with_converters(room.image);
-    let session = Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
-    let start = Start::new(&firmware.images);
-    let ended = rigless::emulator::run(session, &start, laboratory);
+    let ended = emu::run(board, &firmware.images, laboratory);
     wire.close();
-    ended.map(drop).map_err(|e| e.to_string())
+    ended
 }
 
 /// Standard input and output are the serial line.

@@ -216,6 +216,14 @@ impl CallGraph {
             .sum()
     }
 
+    /// The most that one function takes off the stack pointer, bytes, and its name.
+    pub fn largest_frame(&self) -> (u32, &str) {
+        let all = self.functions.iter();
+        all.map(|(begin, (_, name))| (self.frame(*begin), name.as_str()))
+            .max()
+            .unwrap_or_default()
+    }
+
     fn frame(&self, begin: u32) -> u32 {
         let end = self.functions[&begin].0;
         let (mut at, mut bytes) = (begin, 0);

@@ -134,6 +134,10 @@ fn depth(bytes: &[u8], interrupt: &str) {
     let room = address("_stack_start") - address("_stack_end");
     println!("stack: {worst} of {room} bytes at worst");
     assert!(worst + 1024 <= room, "{worst} of {room}");
+    let (largest, which) = graph.largest_frame();
+    println!("largest frame: {largest} bytes: {which}");
+    // No frame steps over the 32 KiB below the stack that nobody may touch: `stack_guard`.
+    assert!(largest < 16 * 1024, "{largest}: {which}");
 }
 
 /// On every way out PERMIT is low before a word of the reason is put together: four instructions that read no memory and call

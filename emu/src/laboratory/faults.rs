@@ -49,10 +49,12 @@ impl Laboratory {
         stop: Stop,
         host: &mut dyn Host,
     ) {
-        let due = |p: &Planned| self.permit_steps >= p.after_steps;
-        let Some(planned) = self.plan.take_if(|p| due(p)) else {
+        let due =
+            |p: &mut Planned| self.permit_steps >= p.after_steps && self.resets >= self.gone_wrong;
+        let Some(planned) = self.plan.pop_front_if(due) else {
             return;
         };
+        self.gone_wrong += 1;
         self.note(session, stop.at, Seen::Fault);
         self.active = Some(planned.fault);
         match planned.fault {

@@ -11,9 +11,6 @@ use link::{Calibration, CodeRange};
 use outerloop_cli::board::{Connection, Image, Patience, Port, calibrate, status};
 use outerloop_core::{Config, Event, Mode, config::Limits};
 use plant::{Rig, RigSpec};
-use rigless::emulator::Start;
-use rigless::session::Session;
-use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -108,6 +105,8 @@ pub struct Bench {
     pub crystal_hz: u64,
     pub lsi_hz: u64,
     pub plan: Option<Planned>,
+    /// What goes wrong after that, each behind a reset.
+    pub then: Vec<Planned>,
     pub mutant: Option<Mutant>,
     /// The rig, a TOML table; left out: 3 ms late, a linear specimen.
     pub rig: Option<RigSpec>,
@@ -124,6 +123,7 @@ impl Default for Bench {
             crystal_hz: RIGHT_CRYSTAL_HZ,
             lsi_hz: USUAL_LSI_HZ,
             plan: None,
+            then: Vec::new(),
             mutant: None,
             rig: None,
             sinks_m_per_s: 0.0,
@@ -184,7 +184,7 @@ impl Desk {
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
             .with_converters(CONVERTERS)
             .sinking(bench.sinks_m_per_s)
-            .with_plan(bench.plan)
+            .with_plan(bench.plan.into_iter().chain(bench.then))
             .at_actuator(bench.actuator)
             .mutated(bench.mutant)
             .until_ns(LONGEST_S * 1_000_000_000);
@@ -195,12 +195,7 @@ impl Desk {
                 let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
                     .map_err(|e| e.to_string())?
                     .with_converters(CONVERTERS);
-                let session =
-                    Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
-                let start = Start::new(&firmware.images);
-                rigless::emulator::run(session, &start, laboratory)
-                    .map(drop)
-                    .map_err(|e| e.to_string())
+                emu::run(board, &firmware.images, laboratory)
             };
             let ended = run();
             theirs.close();

@@ -8,7 +8,7 @@ use super::converters::{Begun, Converters, Resources};
 use super::metal::{Metal, WATCHDOG_US, cycles};
 use super::store::{Memory, Store};
 use super::tasks::{lights, listen, report};
-use super::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities};
+use super::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities, stack_guard};
 use crate::board::stack::HighWater;
 use crate::station::{
     Board, Clock, Ends, Evidence, Order, Outcome, Parts, Points, Report, Service, Setup, Station,
@@ -62,6 +62,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
     let last_words = kept::last_words(started);
     if let Some(mut core) = Peripherals::take() {
         clocks::start_cycle_counter(&mut core);
+        stack_guard::close(&mut core.MPU);
     }
     let crystal_ok = clocks::external_clock_is_right();
     lower_priorities();

@@ -17,27 +17,34 @@ pub static DRILL: AtomicU32 = AtomicU32::new(0);
 /// Added to a drill's number.
 pub const MAGIC: u32 = 0x4452_4c00;
 
+/// Drills of the stack by where its recursion begins.
+const FIRST_STACK: u32 = 0x30;
+const LAST_STACK: u32 = 0x3f;
+
 /// A fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drill {
     /// None.
-    None = 0,
+    None,
     /// A panic.
-    Panic = 1,
+    Panic,
     /// An undefined instruction.
-    HardFault = 2,
+    HardFault,
     /// A recursion without end.
-    Stack = 3,
+    Stack {
+        /// It begins so many times eight bytes lower than it could.
+        eights: u32,
+    },
     /// A task that never gives up the processor.
-    Starve = 4,
+    Starve,
     /// Interrupts off, for good.
-    Hang = 5,
+    Hang,
     /// One step that takes too long.
-    Overrun = 6,
+    Overrun,
     /// The external clock's guard.
-    ClockStopped = 7,
+    ClockStopped,
     /// The supply's guard.
-    LowSupply = 8,
+    LowSupply,
 }
 
 /// NMIPENDSET of the interrupt control and state register.
@@ -52,12 +59,15 @@ pub fn asked() -> Drill {
     match DRILL.load(Relaxed).wrapping_sub(MAGIC) {
         1 => Drill::Panic,
         2 => Drill::HardFault,
-        3 => Drill::Stack,
+        3 => Drill::Stack { eights: 0 },
         4 => Drill::Starve,
         5 => Drill::Hang,
         6 => Drill::Overrun,
         7 => Drill::ClockStopped,
         8 => Drill::LowSupply,
+        number @ FIRST_STACK..=LAST_STACK => Drill::Stack {
+            eights: number - FIRST_STACK,
+        },
         _ => Drill::None,
     }
 }
@@ -73,8 +83,8 @@ pub fn background() {
         Drill::LowSupply => interrupt::PVD.pend(),
         Drill::Panic => panic!("a drill"),
         Drill::HardFault => cortex_m::asm::udf(),
-        Drill::Stack => {
-            black_box(deeper(1));
+        Drill::Stack { eights } => {
+            black_box(lower(eights));
         }
         Drill::Starve => loop {
             cortex_m::asm::nop();
@@ -91,20 +101,29 @@ pub fn background() {
 /// Holds one step up.
 #[cold]
 pub fn overrun() {
-    DRILL.store(Drill::None as u32, Relaxed);
+    DRILL.store(0, Relaxed);
     let begin = DWT::cycle_count();
     while DWT::cycle_count().wrapping_sub(begin) < OVERRUN_CYCLES {}
 }
 
+/// Begins the recursion a multiple of eight bytes lower: one of these tries each place of a frame at the end of the stack.
+#[inline(never)]
+fn lower(eights: u32) -> u32 {
+    match eights {
+        0 => deeper(1),
+        _ => black_box(lower(eights - 1)),
+    }
+}
+
+/// Without end as long as the drill is asked for. That stands in a static: what lies on a stack that has left the memory
+/// decides nothing.
 #[inline(never)]
 fn deeper(depth: u32) -> u32 {
-    // 18 words: with 16, frames of 80 bytes, the emulated chip passed the end of one image's stack unseen; why is not known.
-    let mut room = [depth; 18];
+    let mut room = [depth; 16];
     black_box(&mut room);
-    let below = if black_box(true) {
-        deeper(depth + 1)
-    } else {
-        0
+    let below = match asked() {
+        Drill::Stack { .. } => deeper(depth + 1),
+        _ => 0,
     };
     below + room.iter().sum::<u32>()
 }

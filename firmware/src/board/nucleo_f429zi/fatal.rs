@@ -2,11 +2,11 @@
 //! kept, and the watchdog resets the chip.
 //!
 //! # Stack
-//! The stack lies below all other memory (`memory.x`), so one that overflows runs into addresses where nothing is, and
-//! that is a bus fault. The fault's handler cannot use such a stack; it takes the place of the oldest frames, to which
+//! The stack lies below all other memory (`memory.x`), so one that overflows runs into addresses that nobody may touch
+//! (`stack_guard`), and that is a fault. The fault's handler cannot use such a stack; it takes the place of the oldest frames, to which
 //! nobody will return.
 
-use super::kept;
+use super::{kept, stack_guard};
 use crate::station::Evidence;
 use core::arch::{asm, naked_asm};
 use core::fmt::Write;
@@ -18,6 +18,9 @@ use link::status::{Cause, LastWords};
 
 /// Bytes at the end of the stack that a fault's frame and its floating-point registers need.
 const FRAME: u32 = 104 + 8;
+
+/// MMARVALID of the fault status: the address that the memory protection unit has refused is known.
+const ADDRESS_IS_KNOWN: u32 = 1 << 7;
 
 static EVIDENCE: AtomicPtr<Evidence> = AtomicPtr::new(core::ptr::null_mut());
 
@@ -125,11 +128,15 @@ unsafe extern "C" fn HardFault() -> ! {
 extern "C" fn faulted(frame: u32) -> ! {
     let end = (&raw const _stack_end).addr() as u32;
     // SAFETY: reading the fault status has no effect.
-    let (status, at) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).bfar.read()) };
+    let (status, at) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).mmfar.read()) };
     let mut text = Cut(String::new());
+    let touched_guard = status & ADDRESS_IS_KNOWN != 0 && stack_guard::RANGE.contains(&at);
     // The fault's own frame no longer fitted, or something was pushed below the end.
-    if frame < end + FRAME || (at < end && at >= end.wrapping_sub(4096)) {
-        let _ = write!(text, "the stack grew beyond {end:#010x}");
+    if frame < end + FRAME || touched_guard {
+        let _ = write!(
+            text,
+            "the stack grew beyond {end:#010x}, CFSR {status:#010x}"
+        );
         die(Cause::StackOverflow, text.0)
     }
     // SAFETY: the frame lies in the stack; its seventh word is the program counter.

@@ -56,6 +56,7 @@ pub mod internal;
 pub mod kept;
 pub mod metal;
 pub mod period;
+mod stack_guard;
 pub mod store;
 pub mod tasks;
 

@@ -1,0 +1,26 @@
+//! Power on, until somebody ends it.
+
+use crate::gaps::Guarded;
+use crate::nucleo::Nucleo;
+use rigless::emulator::{Driver, Start};
+use rigless::image::Image;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+
+/// Runs what is flashed on a board until `driver`, the laboratory around it, ends it.
+///
+/// # Errors
+/// A sentence: the board's description or the image does not hold together.
+pub fn run(
+    board: Nucleo,
+    flashed: &[Image],
+    driver: impl Driver<Nucleo> + 'static,
+) -> Result<(), String> {
+    let mut session =
+        Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
+    let driver = Guarded::new(&mut session, driver);
+    let start = Start::new(flashed);
+    rigless::emulator::run(session, &start, driver)
+        .map(drop)
+        .map_err(|e| e.to_string())
+}
