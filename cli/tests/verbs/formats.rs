@@ -1,0 +1,147 @@
+//! Records as laboratories have them: every dialect of CSV, MAT and HDF5, told apart and read the same.
+
+use crate::common::{json, outerloop, refused};
+
+/// A motion and what a first-order actuator makes of it, 1 kHz.
+fn rows() -> Vec<[f64; 3]> {
+    let mut moved = 0.0;
+    (0..4000)
+        .map(|i| {
+            let t = f64::from(i) * 1e-3;
+            let command = 10.0 * (1.7 * t).sin() + 4.0 * (7.3 * t).sin() + (23.0 * t).sin();
+            moved += (command - moved) * (1.0 - (-1e-3_f64 / 0.02).exp());
+            [t, command, moved]
+        })
+        .collect()
+}
+
+fn lag_ms(arguments: &[&str]) -> f64 {
+    let found = json(&[&["identify", "--json"][..], arguments].concat());
+    found["lag_ms"].as_f64().unwrap()
+}
+
+#[test]
+fn one_record_in_every_dialect_is_one_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: Vec<u8>| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.display().to_string()
+    };
+    let table = |head: &str, separator: &str, comma: bool| {
+        let lines = rows().into_iter().map(|row| {
+            let cells = row.map(|x| format!("{x:.6}"));
+            let line = cells.join(separator);
+            if comma { line.replace('.', ",") } else { line }
+        });
+        let lines: Vec<String> = lines.collect();
+        format!("{head}\n{}\n", lines.join("\n"))
+    };
+    let plain = table("time_s,command_mm,displacement_mm", ",", false);
+    let expected = lag_ms(&[&file("plain.csv", plain.into())]);
+    assert!((expected - 20.0).abs() < 1.0, "{expected}");
+    let wide: Vec<u8> = table("Time (s)\tCommand (mm)\tDisplacement (mm)", "\t", true)
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for (name, bytes, more) in [
+        (
+            "tabs.txt",
+            table("Time (s)\tCmd [mm]\tDisp (mm)", "\t", false).into_bytes(),
+            vec![],
+        ),
+        (
+            "german.csv",
+            table("Zeit;Soll;Weg\ns;mm;mm", ";", true).into_bytes(),
+            vec![],
+        ),
+        ("excel.txt", wide, vec![]),
+        (
+            "labview.lvm",
+            table(
+                "LabVIEW Measurement\t\nRate\t1000\n\nTime\tRef\tPosition\nsec\tmm\tmm",
+                "\t",
+                false,
+            )
+            .into_bytes(),
+            vec![],
+        ),
+        (
+            "named.csv",
+            table("T,A,B", ",", false).into_bytes(),
+            vec![
+                "--column",
+                "time=T:s",
+                "--column",
+                "command=A:mm",
+                "--column",
+                "displacement=3:mm",
+            ],
+        ),
+    ] {
+        let path = file(name, bytes);
+        let found = lag_ms(&[&[path.as_str()][..], &more].concat());
+        assert!(
+            (found - expected).abs() < 1e-3,
+            "{name}: {found}, not {expected}"
+        );
+    }
+    let long = file("long.csv", b"time_s,command_mm\n0,1\n0.1,1e12\n".to_vec());
+    refused(
+        &["identify", &long],
+        &["line 3", "1.000e9 m", "is the unit right?"],
+    );
+    let unnamed = file(
+        "unnamed.csv",
+        table("Time,Cmd,Disp", ",", false).into_bytes(),
+    );
+    refused(
+        &["identify", &unnamed],
+        &["`Time`", "time_s", "--column time=Time:UNIT"],
+    );
+    refused(
+        &["identify", &unnamed, "--column", "time=Zeit:s"],
+        &["no column `Zeit`", "Time, Cmd, Disp"],
+    );
+}
+
+/// Data that others published, if they are on this machine.
+fn outside(name: &str) -> Option<String> {
+    test_data::file(&format!("outside/{name}")).map(|path| path.display().to_string())
+}
+
+#[test]
+fn published_mat_and_hdf5_files_are_read_as_they_are() {
+    // EMPS: position reference and measured position of a drive (MAT 5), beside the same as CSV.
+    if let (Some(mat), Some(csv)) = (outside("DATA_EMPS.mat"), outside("emps.csv")) {
+        let columns = ["time=t:s", "command=qg:m", "displacement=qm:m"];
+        let columns = columns.map(|c| ["--column", c]).concat();
+        let (mat, csv) = (format!("{mat}@0..20"), format!("{csv}@0..20"));
+        let of_mat = json(&[&["identify", "--json", &mat][..], &columns].concat());
+        let of_csv = json(&["identify", "--json", &csv]);
+        for key in ["gain", "delay_ms", "lag_ms", "offset_mm"] {
+            let [a, b] = [&of_mat, &of_csv].map(|r| r[key].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-3 * a.abs().max(1.0), "{key}: {a} {b}");
+        }
+    }
+    // Bouc-Wen: force in and displacement out (HDF5), without times.
+    if let Some(h5) = outside("bouc_wen_train.h5") {
+        refused(
+            &["identify", &h5],
+            &["has no time", "--rate", "multisine/u"],
+        );
+    }
+}
+
+#[test]
+fn counts_of_a_recorder_shake_a_test_once_their_unit_is_said() {
+    let file = "cli/tests/miniseed/steim2.mseed";
+    for verb in ["run", "check"] {
+        let test = [verb, "examples/table1.toml", "--record", file];
+        refused(&test, &["steim2.mseed", "--unit", "--sensitivity"]);
+        let said = ["--unit", "m/s2", "--sensitivity", "1e6", "--json"];
+        let output = outerloop(&[&test[..], &said].concat());
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["provenance"]["files"][1]["file"], file);
+    }
+}

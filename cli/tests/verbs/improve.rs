@@ -1,0 +1,235 @@
+//! `outerloop improve`: what a diagnosis finds makes the next test better, by the error of the test itself.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+fn improve(arguments: &[&str]) -> Vec<Value> {
+    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .arg("improve")
+        .args(arguments)
+        .arg("--json")
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    answer["rows"].as_array().unwrap().clone()
+}
+
+/// The rig of the examples, with something in it that nobody declares.
+fn rig(sensors: &str, effect: &str) -> String {
+    let example = include_str!("../../../examples/undeclared/friction.toml");
+    let (common, _) = example.split_once("[[plant.effects]]").unwrap();
+    let common = common.replace("[plant.sensors]", &format!("[plant.sensors]\n{sensors}"));
+    format!("{common}\n{effect}")
+}
+
+fn effect(name: &str, channel: &str, parameters: &str) -> String {
+    let text = format!("[[plant.effects]]\nname = '{name}'\nchannel = '{channel}'\n{parameters}");
+    rig("", &text)
+}
+
+#[test]
+fn what_is_taken_out_comes_back_to_the_error_without_it_and_never_gets_worse() {
+    // True motion, reading, force, time: each where it is.
+    let taken_out = [
+        (
+            "motion-offset",
+            effect("offset", "actuator", "offset_mm = 2"),
+        ),
+        (
+            "motion-gain",
+            effect("gain_error", "actuator", "error = 0.05"),
+        ),
+        ("reading-offset", rig("displacement_offset_mm = 2", "")),
+        ("reading-gain", rig("displacement_gain = 1.05", "")),
+        (
+            "force-offset",
+            effect("offset", "specimen", "offset_n = 300"),
+        ),
+        (
+            "force-gain",
+            effect("gain_error", "specimen", "error = 0.05"),
+        ),
+        ("mass", effect("inertia_force", "specimen", "mass_kg = 60")),
+        (
+            "bearing",
+            effect(
+                "coulomb_friction",
+                "specimen",
+                "force_n = 300\npresliding_mm = 0.2",
+            ),
+        ),
+        (
+            "force-late",
+            effect("channel_skew", "specimen", "skew_ms = 2"),
+        ),
+        (
+            "reading-late",
+            effect("channel_skew", "specimen", "skew_ms = -2"),
+        ),
+        ("delay", effect("delay_error", "actuator", "delay_ms = 4")),
+        ("lag", effect("lag_error", "actuator", "lag_ms = 4")),
+        ("second-lag", effect("second_lag", "actuator", "lag_ms = 4")),
+        (
+            "oil",
+            effect(
+                "oil_column",
+                "actuator",
+                "frequency_hz = 20\ndamping_ratio = 0.3",
+            ),
+        ),
+    ];
+    // What stays is said to stay.
+    let stays = [
+        ("backlash", effect("backlash", "actuator", "width_mm = 1")),
+        (
+            "held-back",
+            effect(
+                "coulomb_friction",
+                "actuator",
+                "error_mm = 0.5\npresliding_mm = 0.2",
+            ),
+        ),
+        ("drift", effect("drift", "specimen", "rate_n_per_s = 10")),
+        (
+            "specimen",
+            effect("viscous_damping", "specimen", "damping_n_s_per_mm = 0.3"),
+        ),
+        (
+            "stiffening",
+            effect("hardening", "specimen", "reference_mm = 100"),
+        ),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let paths: Vec<String> = taken_out
+        .iter()
+        .chain(&stays)
+        .map(|(name, text)| {
+            let path = folder.path().join(format!("{name}.toml"));
+            std::fs::write(&path, text).unwrap();
+            path.display().to_string()
+        })
+        .collect();
+    let rows = improve(&paths.iter().map(String::as_str).collect::<Vec<_>>());
+    for row in &rows {
+        println!(
+            "{} {} -> {}, without {}",
+            row["test"], row["eps_rms_before"], row["eps_rms_after"], row["eps_rms_without"]
+        );
+    }
+    let (taken_out, stays) = rows.split_at(taken_out.len());
+    for row in taken_out {
+        let eps = |key: &str| row[key].as_f64().unwrap();
+        assert!(
+            eps("eps_rms_after") < 1.1 * eps("eps_rms_without"),
+            "{row:#}"
+        );
+        assert_ne!(row["outcome"], "worse", "{row:#}");
+    }
+    for row in stays {
+        let changes = row["changes"].as_array().unwrap().iter();
+        let mut said = changes.filter_map(Value::as_str);
+        assert!(said.any(|s| s.contains("is not taken out: ")), "{row:#}");
+        assert_eq!(row["outcome"], "same", "{row:#}");
+    }
+}
+
+#[test]
+fn what_a_small_earthquake_cannot_tell_apart_is_settled_by_a_designed_test() {
+    // 2 mm: a lag of 4 ms looks like a delay. The rig may do more than the earthquake asks of it.
+    let limits = "[limits]\ndisplacement_m = 0.03\nvelocity_m_per_s = 0.6\nforce_n = 8000\n[[plant.effects]]";
+    let text = effect("lag_error", "actuator", "lag_ms = 4")
+        .replace("[excitation]", "[excitation]\npeak_response_mm = 2")
+        .replace("[[plant.effects]]", limits);
+    let folder = tempfile::tempdir().unwrap();
+    let (test, out) = (folder.path().join("small.toml"), folder.path().join("out"));
+    std::fs::write(&test, text).unwrap();
+    let rows = improve(&[
+        &test.display().to_string(),
+        "--out",
+        &out.display().to_string(),
+    ]);
+    let row = &rows[0];
+    assert_eq!(row["found_first"], "lag_error (or one like it)", "{row:#}");
+    let designed = row["designed"].as_array().unwrap();
+    assert_eq!(designed.len(), 1, "{row:#}");
+    assert_eq!(designed[0]["limits"]["velocity_from"], "declared");
+    assert_eq!(row["found"], "lag_error", "{row:#}");
+    assert_eq!(row["outcome"], "better");
+    let eps = |key: &str| row[key].as_f64().unwrap();
+    assert!(
+        eps("eps_rms_after") < 0.3 * eps("eps_rms_before"),
+        "{row:#}"
+    );
+    assert!(out.join("small-next-1.csv").exists() && out.join("small-designed-1.csv").exists());
+}
+
+#[test]
+fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
+    // The specimen is stiffer than was declared. The force channel cannot tell that from a load cell that reads too
+    // much; the test that follows can.
+    let folder = tempfile::tempdir().unwrap();
+    let test = folder.path().join("stiffer.toml");
+    let text = rig("", "").replace(
+        "[plant.sensors]",
+        "[plant.specimen]\nstiffness_n_per_m = 168e3\n[plant.sensors]",
+    );
+    std::fs::write(&test, text).unwrap();
+    let out = folder.path().join("out");
+    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
+        .args(["improve", "--json", "--out"])
+        .args([&out, &test])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let row = &answer["rows"][0];
+    assert_eq!(row["outcome"], "worse", "{row:#}");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("worse than the first"), "{said}");
+    assert!(out.join("report.html").exists());
+    assert!(!out.join("stiffer-model.toml").exists());
+}
+
+#[test]
+fn the_next_test_is_nearly_as_good_as_without_the_effect() {
+    for (name, effect) in [
+        ("inertia", "inertia_force"),
+        ("calibration", "gain_error"),
+        ("friction", "coulomb_friction"),
+        ("lag", "lag_error"),
+    ] {
+        let rows = improve(&[&format!("examples/undeclared/{name}.toml")]);
+        let row = &rows[0];
+        let eps = |key: &str| row[key].as_f64().unwrap();
+        // Found, or said to be as good as what is preferred: a lag behind none that is declared is a second lag too.
+        let channels = row["diagnosis"]["channels"].as_array().unwrap();
+        let named = |c: &Value| {
+            let alternatives = c["alternatives"].as_array().unwrap();
+            c["effects"][0]["name"] == effect || alternatives.contains(&effect.into())
+        };
+        assert!(channels.iter().any(named), "{name}: {}", row["found"]);
+        assert_eq!(row["undeclared"], effect);
+        assert!(eps("eps_rms_before") > 0.15, "{name}");
+        assert!(eps("eps_rms_after") < 0.3 * eps("eps_rms_before"), "{name}");
+        assert!(
+            eps("eps_rms_after") < 1.1 * eps("eps_rms_without"),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_rig_that_is_as_declared_is_left_alone() {
+    let rows = improve(&[
+        "examples/undeclared/inertia.toml",
+        "--set",
+        "plant.effects=[]",
+    ]);
+    assert_eq!(rows[0]["found"], "nothing");
+    assert!(rows[0]["changes"].as_array().unwrap().is_empty());
+    assert_eq!(rows[0]["eps_rms_before"], rows[0]["eps_rms_after"]);
+}

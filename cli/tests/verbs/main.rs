@@ -1,0 +1,22 @@
+//! Each verb as people and scripts call it. One binary: those that keep up with a clock are beside it.
+#![allow(missing_docs)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod archive;
+mod benchmark_marths;
+mod benchmark_rths;
+mod check;
+mod command_line;
+mod diagnose;
+mod exit_status;
+mod formats;
+mod identify;
+mod improve;
+mod keys;
+mod refusals;
+mod reports;
+mod shell;
+mod sweep;
+mod tutorial;

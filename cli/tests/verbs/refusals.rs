@@ -1,0 +1,201 @@
+//! What a command line or a file that cannot be used is told: one sentence each, exit status 2, nothing half written.
+
+use crate::common::{json, outerloop, refused};
+
+const TABLE1: &str = "examples/table1.toml";
+
+#[test]
+fn bad_input_gets_one_sentence() {
+    refused(
+        &["run", "nowhere.toml"],
+        &["nowhere.toml", "cannot be read"],
+    );
+    refused(
+        &["run", TABLE1, "--compensation", "magic"],
+        &["magic", "eq14", "paper"],
+    );
+    refused(
+        &["run", TABLE1, "--record", "nowhere.csv"],
+        &["nowhere.csv"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.actuator.delay_msec=4"],
+        &["delay_msec"],
+    );
+    refused(&["run", TABLE1, "--set", "loop.rate=4"], &["rate"]);
+    refused(&["run", TABLE1, "--set", "loop.rate_hz"], &["PATH=VALUE"]);
+    refused(&["run", TABLE1, "--set", "loop.rate_hz=fast"], &["fast"]);
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=-1"],
+        &["loop.rate_hz", "-1", "10 to 100000"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=nan"],
+        &["loop.rate_hz"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "loop.rate_hz=12"],
+        &["loop.rate_hz", "natural frequency"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "structure.mass_kg=0"],
+        &["structure.mass_kg", "above 0"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "structure.mass_kg=[1,2]"],
+        &["as many values as masses"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "compensation.gamma=2"],
+        &["compensation.gamma", "2"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.actuator.delay_ms=-3"],
+        &["plant.actuator.delay_ms", "-3"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "plant.sensors.bits=99"],
+        &["bits", "99"],
+    );
+    refused(&["run", TABLE1, "--duration", "-1"], &["-1"]);
+    refused(&["run", TABLE1, "--duration", "1e9"], &["3600"]);
+    refused(&["run", TABLE1, "--duration", "1e-9"], &["floor 1", "0 m"]);
+    refused(
+        &["run", TABLE1, "--set", "excitation.scale=0"],
+        &["excitation.scale", "0"],
+    );
+    refused(
+        &["compare", TABLE1, "--compensations", "paper,magic"],
+        &["magic", "eq14"],
+    );
+    refused(
+        &["run", TABLE1, "--out", "/dev/null/x"],
+        &["/dev/null/x", "cannot be written"],
+    );
+}
+
+#[test]
+fn a_bad_ground_motion_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let uneven = file("a.csv", "time_s,acc_g\n0,0\n0.01,0.1\n0.02,0\n0.05,0\n");
+    refused(
+        &["run", TABLE1, "--record", &uneven],
+        &["a.csv, line 5", "constant interval"],
+    );
+    let nan = file("b.csv", "# b\ntime_s,acc_g\n0,0\n0.01,nan\n");
+    refused(
+        &["run", TABLE1, "--record", &nan],
+        &["b.csv, line 4", "nan"],
+    );
+    let unit = file("c.csv", "time_s,acc_ft\n0,0\n0.01,1\n");
+    refused(
+        &["run", TABLE1, "--record", &unit],
+        &["c.csv, line 1", "acc_gal"],
+    );
+    let head = "PEER\nx\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 5, DT= .01 SEC\n";
+    let short = file("d.AT2", &format!("{head}.1 .2 .3\n"));
+    refused(
+        &["run", TABLE1, "--record", &short],
+        &["d.AT2", "NPTS = 5", "3 points"],
+    );
+    let column = file("e.txt", "0.1\n0.2\n");
+    refused(
+        &["run", TABLE1, "--record", &column],
+        &["e.txt", "--dt", "--unit"],
+    );
+    let gal = file("f.csv", "time_s,acc_g\n0,0\n0.01,341.7\n");
+    refused(
+        &["compare", TABLE1, "--record", &gal],
+        &["f.csv", "is the unit right?"],
+    );
+    let rest = file("g.csv", "time_s,acc_g\n0,0\n0.01,0\n");
+    refused(
+        &["run", TABLE1, "--record", &rest],
+        &["g", "every floor moves"],
+    );
+}
+
+#[test]
+fn a_broken_file_leaves_no_folder_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new");
+    refused(
+        &[
+            "run",
+            TABLE1,
+            "--set",
+            "structure.mass_kg=-1",
+            "--out",
+            out.to_str().unwrap(),
+        ],
+        &["mass_kg"],
+    );
+    assert!(!out.exists());
+}
+
+#[test]
+fn a_misspelt_command_line_gets_one_sentence() {
+    refused(
+        &["run", TABLE1, "--unit", "furlong"],
+        &["--unit", "`furlong`", "g, m/s2, gal"],
+    );
+    refused(
+        &["run", TABLE1, "--recrod", "x"],
+        &["`--recrod`", "(`--record`?)", "outerloop run"],
+    );
+    refused(&["comapre", TABLE1], &["`comapre`", "(`compare`?)"]);
+    refused(&["run"], &["<TEST>", "missing"]);
+    refused(
+        &["run", TABLE1, "--seed", "x"],
+        &["--seed", "whole numbers"],
+    );
+    refused(&["run", TABLE1, "--seed", "-3"], &["--seed", "`-3`"]);
+    refused(
+        &["run", TABLE1, "--duration", "long"],
+        &["--duration", "`long`", "numbers"],
+    );
+    refused(&["run", TABLE1, "--seed"], &["--seed", "no value"]);
+    refused(
+        &["run", TABLE1, "--seed", "1", "--seed", "2"],
+        &["--seed", "twice"],
+    );
+    refused(
+        &["run", TABLE1, "--port", "x", "--emulated"],
+        &["--port", "--emulated", "exclude"],
+    );
+    refused(
+        &["benchmark", "rths", "--case", "9"],
+        &["--case", "`9`", "1 to 4"],
+    );
+}
+
+#[test]
+fn quiet_prints_what_was_asked_for_and_what_went_wrong() {
+    let short = ["run", TABLE1, "--duration", "2", "--quiet"];
+    let output = outerloop(&short);
+    assert!(output.status.success());
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let r = json(&["-q", "run", TABLE1, "--duration", "2", "--json"]);
+    assert_eq!(r["verdict"], "completed");
+    let tripped = outerloop(&["run", TABLE1, "-q", "--set", "limits.force_n=3000"]);
+    assert_eq!(tripped.status.code(), Some(1));
+    assert!(tripped.stdout.is_empty());
+    let said = String::from_utf8_lossy(&tripped.stderr);
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_under_standard_error_is_no_panic() {
+    let full = std::fs::File::create("/dev/full").unwrap();
+    let status = crate::common::command(&["run", "nowhere.toml"])
+        .stderr(full)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(2));
+}

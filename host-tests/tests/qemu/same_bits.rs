@@ -1,0 +1,131 @@
+//! The image in QEMU does what core does on this machine, bit for bit, whatever happens in a test.
+
+use host_tests::qemu::bench::{self, emulated, first_difference, here, rig, shaking};
+use host_tests::qemu::image::image;
+use host_tests::qemu::machine::{Clock, Test};
+use host_tests::{Scenario, table1};
+use outerloop_core::{Config, Event, Fault, Mode, config::Filter};
+
+/// The whole pipeline at work: noise, the two-stage filter, Eq 20, every interlock.
+fn noisy(mut scenario: Scenario) -> Scenario {
+    let config = &mut scenario.config;
+    config.estimation.kind = Filter::Kalman;
+    config.estimation.delay_ms = 4.0;
+    config.estimation.lag_ms = 0.5;
+    config.estimation.displacement_noise_m = 2e-5;
+    config.timing.approach_m_per_s = 0.1;
+    config.limits.displacement_m = Some(0.2);
+    config.limits.increment_m = Some(2e-3);
+    config.limits.velocity_m_per_s = Some(3.0);
+    config.limits.force_n = Some(1e5);
+    config.limits.tracking_m = Some(0.05);
+    config.limits.energy_trip = Some(10.0);
+    config.limits.stale_steps = Some(5);
+    scenario.sensors = "displacement_noise_mm = 0.02\nforce_noise_n = 10.0\nbits = 16".into();
+    scenario
+}
+
+/// An operator who holds and goes on, and later clears the fault of the board and begins again.
+fn busy(tick: u32, state: Mode) -> (Option<Event>, Option<Fault>) {
+    let event = match (tick, state) {
+        (3000, _) => Some(Event::Hold),
+        (3500, _) => Some(Event::Start),
+        (200.., Mode::Idle) => Some(Event::Arm),
+        (_, Mode::Armed) => Some(Event::Start),
+        (7100, Mode::Tripped) => Some(Event::Clear),
+        (11_000, _) => Some(Event::Stop),
+        _ => None,
+    };
+    (event, (tick == 7000).then_some(Fault::AdcRail))
+}
+
+fn same<const N: usize>(
+    scenario: &Scenario,
+    ticks: u32,
+    script: bench::Script<'_>,
+) -> Option<Vec<u32>> {
+    let image = image("qemu", "qemu")?;
+    let shaking = shaking(8.0);
+    let test = Test {
+        config: &scenario.config,
+        shaking: &shaking,
+    };
+    let (here, hash) = here::<N>(&test, ticks, script, rig(scenario, 1)).unwrap();
+    let (there, summary) =
+        emulated::<N>(&image, Clock::Free, &test, ticks, script, rig(scenario, 1)).unwrap();
+    assert_eq!(
+        first_difference(&here, &there),
+        None,
+        "control period and word of the record"
+    );
+    assert_eq!((summary.hash, summary.steps), (hash, ticks));
+    println!("{N} DOF, {ticks} control periods: hash {hash:016x} in QEMU and here");
+    let mut states: Vec<u32> = here.iter().map(|words| words[2] & 0xf).collect();
+    states.dedup();
+    Some(states)
+}
+
+const STATES: [Mode; 12] = [
+    Mode::Idle,
+    Mode::Armed,
+    Mode::Running,
+    Mode::Holding,
+    Mode::Returning,
+    Mode::Running,
+    Mode::Tripped,
+    Mode::Idle,
+    Mode::Approaching,
+    Mode::Armed,
+    Mode::Running,
+    Mode::Finished,
+];
+
+#[test]
+fn one_degree_of_freedom() {
+    let scenario = noisy(Scenario::delayed(table1(), 4.0));
+    if let Some(states) = same::<1>(&scenario, 12_000, &busy) {
+        assert_eq!(states, STATES.map(|s| s as u32));
+    }
+}
+
+#[test]
+fn three_degrees_of_freedom() {
+    let scenario = noisy(Scenario::delayed(
+        Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
+        4.0,
+    ));
+    if let Some(states) = same::<3>(&scenario, 12_000, &busy) {
+        assert_eq!(states, STATES.map(|s| s as u32));
+    }
+}
+
+/// The designs are worked out in f64 on both sides, on the target in software: the whole record must come to an end.
+#[test]
+fn a_whole_test_to_its_end() {
+    let scenario = Scenario::delayed(table1(), 4.0);
+    if let Some(states) = same::<1>(&scenario, 17_000, &bench::plain) {
+        let to_the_end = [Mode::Idle, Mode::Armed, Mode::Running, Mode::Finished];
+        assert_eq!(states, to_the_end.map(|s| s as u32));
+    }
+}
+
+#[test]
+fn a_refusal_has_the_same_words() {
+    let Some(image) = image("qemu", "qemu") else {
+        return;
+    };
+    let mut scenario = Scenario::delayed(table1(), 4.0);
+    scenario.config.structure.damping_ratio[0] = -7.5;
+    let shaking = shaking(1.0);
+    let test = Test {
+        config: &scenario.config,
+        shaking: &shaking,
+    };
+    let good = Scenario::delayed(table1(), 4.0);
+    let here = here::<1>(&test, 1, &bench::plain, rig(&good, 1))
+        .unwrap_err()
+        .to_string();
+    let there = emulated::<1>(&image, Clock::Free, &test, 1, &bench::plain, rig(&good, 1));
+    assert_eq!(there.unwrap_err().to_string(), here);
+    assert!(here.contains("structure.damping_ratio = -7.5"), "{here}");
+}

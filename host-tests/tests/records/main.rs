@@ -1,0 +1,8 @@
+//! Diagnoses of whole sets of records: of exams, and from outside.
+#![allow(missing_docs)]
+
+mod exam_quick;
+mod exam_scorer;
+mod next_errors;
+mod outside_records;
+mod real_records;

@@ -1,0 +1,70 @@
+//! The diagnosis on records that other people made, with known causes (`outside/cases.toml` says which names are right).
+#![cfg(not(debug_assertions))] // Minutes without optimisation.
+
+use diagnosis::{ChannelAnswer, Verdict};
+use host_tests::outside::{Case, cases};
+
+fn specimens() -> Vec<(Case, ChannelAnswer)> {
+    let all = cases().unwrap_or_default().into_iter();
+    let specimens = all.filter(|c| c.channel == "specimen");
+    specimens
+        .map(|case| {
+            let answer = case.diagnose();
+            let (answer, _) = answer.unwrap_or_else(|why| panic!("{}: {why}", case.id));
+            (case, answer)
+        })
+        .collect()
+}
+
+#[test]
+fn specimens_are_answered_as_their_causes_say() {
+    for (case, a) in specimens() {
+        let named: Vec<&str> = a.effects.iter().map(|e| e.name.name()).collect();
+        println!(
+            "{} {:?} {named:?} {:.3}",
+            case.id, a.verdict, a.error_after.test_nrmse
+        );
+        // Right names or a set that holds one, none that is never right, an error near a textbook fit's.
+        assert_eq!(
+            case.points(&a),
+            1.0,
+            "{}: {:?} {named:?}",
+            case.id,
+            a.verdict
+        );
+        match a.verdict {
+            Verdict::Ambiguous => {
+                assert!((2..=5).contains(&a.members.len()));
+                let whole: f64 = a.members.iter().map(|m| m.probability).sum();
+                assert!(whole > 0.85 && whole < 1.0 + 1e-9, "{}: {whole}", case.id);
+            }
+            // A name of the single search, where the noise is known, stands by its significance and has no q.
+            _ => assert!(a.effects.iter().all(|e| e.q.is_none_or(|q| q <= 0.05))),
+        }
+        assert!(a.noise_floor_rms <= a.error_after.test_rms * (1.0 + 1e-9));
+    }
+}
+
+#[test]
+fn the_robot_axis_has_its_published_parameters() {
+    let Some((case, a)) = specimens().into_iter().find(|(c, _)| c.id == "emps") else {
+        return;
+    };
+    let refitted = |name: &str| a.refitted.iter().find(|r| r.name == name).map(|r| r.value);
+    let found = a.effects[0].parameters.iter();
+    let force = found.clone().find(|p| p.name == "force_n").map(|p| p.value);
+    for (name, value) in [
+        ("mass_kg", refitted("mass_kg")),
+        ("damping_n_s_per_mm", refitted("damping_n_s_per_mm")),
+        ("offset_n", refitted("offset_n")),
+        ("coulomb_force_n", force),
+    ] {
+        let published = case.published[name];
+        let value = value.unwrap_or_else(|| panic!("{name} is missing"));
+        let off = (value - published.value).abs();
+        assert!(
+            off <= published.tolerance,
+            "{name} = {value}, published {published:?}"
+        );
+    }
+}

@@ -1,0 +1,457 @@
+//! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
+
+use host_tests::loopback::{Loopback, Mishap};
+use link::command::{Shape, Signal};
+use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::{self, BoardBench, Connection, Course, Operator, Patience, Port};
+use outerloop_cli::experiment::Experiment;
+use outerloop_cli::failure::Failure;
+use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::files::recording::Recording;
+use outerloop_cli::files::signal::Signal as PointsOfSignal;
+use outerloop_cli::files::test::TestFile;
+use outerloop_cli::judged::Run;
+use outerloop_cli::summary::Verdict;
+use plant::Rig;
+use std::io;
+use std::path::Path;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+const QUICK: Patience = Patience {
+    answer: Duration::from_millis(200),
+    stop: Duration::from_millis(40),
+    silence: Duration::from_millis(200),
+};
+
+fn test(overrides: &[&str]) -> TestFile {
+    let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
+    let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
+                [plant.actuator]\nkind = \"delay\"\ndelay_ms = 4\n[plant.specimen]\nkind = \"linear\"\n\
+                [excitation]\npeak_response_mm = 20\nduration_s = 6\n";
+    TestFile::parse(text, "t.toml", Path::new(""), &overrides).unwrap()
+}
+
+fn loopback(t: &TestFile) -> Loopback {
+    let storeys = &t.config.structure.stiffness_n_per_m;
+    Loopback::new(Rig::new(&t.plant, storeys, t.config.timing.rate_hz, 1).unwrap())
+}
+
+/// A connection to a board that has been calibrated as it is wired.
+fn connect(board: Loopback) -> Connection<Loopback> {
+    let [wired] = board.board.hardware.board.wired;
+    let mut connection = Connection::new(board, QUICK);
+    board::calibrate(&mut connection, wired).unwrap();
+    connection
+}
+
+fn run_on(t: &TestFile, board: Loopback) -> Result<Run, Failure> {
+    run_over(t, connect(board))
+}
+
+fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<Run, Failure> {
+    run_by(t, connection, Operator::nobody())
+}
+
+fn run_by(
+    t: &TestFile,
+    connection: Connection<impl Port>,
+    operator: Operator,
+) -> Result<Run, Failure> {
+    let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let plan = Plan::of(&experiment, &ideal);
+    let bench = BoardBench::new(connection, plan, operator).expecting(t.board.calibration.clone());
+    let method = t.config.compensation.kind;
+    experiment.run_on(
+        &bench,
+        method,
+        &ideal,
+        true,
+        None::<outerloop_cli::trace::Trace>,
+    )
+}
+
+#[test]
+fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_plant() {
+    let t = test(&[]);
+    let run = run_on(&t, loopback(&t)).unwrap();
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!(
+        run.summary.verdict,
+        Verdict::Completed,
+        "{}",
+        run.summary.sentence()
+    );
+    assert_eq!(run.summary.steps, 12_000);
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    assert_eq!(board.steps_dropped, Some(0));
+    assert!(board.steps_received > 12_000);
+    let trace = run.trace.unwrap();
+    assert_eq!(trace.len(), 12_000);
+    assert!(trace.energy_input_j.last().unwrap().abs() > 0.0);
+
+    let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let method = t.config.compensation.kind;
+    let on_plant = experiment
+        .run(
+            method,
+            &ideal,
+            1,
+            false,
+            None::<outerloop_cli::trace::Trace>,
+        )
+        .unwrap();
+    // 12 bits over 100 mm are 24 um, 0.12 % of the peak: no more than that may separate the two.
+    let apart = (run.summary.eps_rms - on_plant.summary.eps_rms).abs();
+    println!(
+        "eps_rms {} on the board, {} on the plant",
+        run.summary.eps_rms, on_plant.summary.eps_rms
+    );
+    assert!(apart < 0.0024, "{apart}");
+}
+
+#[test]
+fn a_cut_link_keeps_what_was_received_and_says_so() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    board.mishaps.push_back((9000, Box::new(|b| b.cut = true)));
+    let run = run_on(&t, board).unwrap();
+    assert_eq!(run.summary.trip, Some("link_lost"));
+    let kept = run.trace.unwrap().len();
+    assert!(kept > 3000 && kept < 9000, "{kept}");
+    let said = run.summary.board.unwrap().sentence();
+    assert!(
+        said.contains("What was received is kept; the link to the board is lost"),
+        "{said}"
+    );
+}
+
+#[test]
+fn lost_steps_are_counted_and_the_rest_is_kept() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    board
+        .mishaps
+        .push_back((9000, Box::new(|b| b.drop_frames = 3)));
+    let run = run_on(&t, board).unwrap();
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!(board.steps_lost, 24);
+    assert_eq!(run.summary.verdict, Verdict::Completed);
+    assert_eq!(run.trace.unwrap().len(), 12_000 - 24);
+    assert!(
+        board.sentence().contains("24 lost on the way"),
+        "{}",
+        board.sentence()
+    );
+}
+
+#[test]
+fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit() {
+    type Case = (
+        &'static str,
+        &'static [&'static str],
+        Option<fn(&mut Loopback)>,
+    );
+    let cases: [Case; 6] = [
+        (
+            "emergency_stop",
+            &[],
+            Some(|b| b.board.hardware.broken.stop_pressed = true),
+        ),
+        (
+            "adc_rail",
+            &[],
+            Some(|b| b.board.hardware.broken.codes = Some([8190, 4095])),
+        ),
+        (
+            "permit_chain",
+            &[],
+            Some(|b| b.board.hardware.broken.chain = Some(false)),
+        ),
+        ("displacement", &["limits.displacement_m=0.012"], None),
+        ("force", &["limits.force_n=1500"], None),
+        ("tracking", &["limits.tracking_m=0.0005"], None),
+    ];
+    for (name, overrides, mishap) in cases {
+        let t = test(overrides);
+        let mut board = loopback(&t);
+        if let Some(happen) = mishap {
+            board.mishaps.push_back((9000, Box::new(happen)));
+        }
+        let run = run_on(&t, board).unwrap();
+        assert_eq!(run.summary.trip, Some(name), "{}", run.summary.sentence());
+        let board = run.summary.board.as_ref().unwrap();
+        assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{name}");
+        assert!(run.summary.sentence().contains(name));
+        assert!(!run.trace.unwrap().is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_test_that_the_board_refuses_says_what_it_would_accept() {
+    for (overrides, words) in [
+        (
+            &["loop.rate_hz=1999"][..],
+            &["loop.rate_hz = 1999", "whole divisors"][..],
+        ),
+        (
+            &["loop.rate_hz=10000"],
+            &["loop.rate_hz = 10000", "carries"],
+        ),
+    ] {
+        let t = test(overrides);
+        let Err(Failure::Input(said)) = run_on(&t, loopback(&t)) else {
+            panic!("{overrides:?} is accepted");
+        };
+        for word in words {
+            assert!(said.contains(word), "{word} is not in: {said}");
+        }
+    }
+}
+
+/// A board that sends one frame of another version, over and over, or nothing at all.
+struct Stranger(Vec<u8>);
+
+impl Port for Stranger {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        bytes[..self.0.len()].copy_from_slice(&self.0);
+        Ok(self.0.len())
+    }
+    fn write(&mut self, _: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn another_version_and_silence_are_told_apart() {
+    // COBS of version 99, kind 3, number 1, no body, and its check sum.
+    let plain = [99_u8, 3, 1, 2];
+    let mut wire: Vec<u8> = plain.to_vec();
+    wire.extend(link::frame::checksum(plain).to_le_bytes());
+    assert!(
+        !wire.contains(&0),
+        "a check sum without a zero keeps the coding this simple"
+    );
+    wire.insert(0, wire.len() as u8 + 1);
+    wire.push(0);
+    let t = test(&[]);
+    let Err(Failure::Input(said)) = run_over(&t, Connection::new(Stranger(wire), QUICK)) else {
+        panic!("accepted");
+    };
+    assert!(
+        said.contains(&format!(
+            "another version of the link (99, this program {})",
+            link::VERSION
+        )),
+        "{said}"
+    );
+    let Err(Failure::Test(said)) = run_over(&t, Connection::new(Stranger(Vec::new()), QUICK))
+    else {
+        panic!("accepted");
+    };
+    assert!(
+        said.contains("the board does not answer") || said.contains("nothing came"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_tripped_board_is_refused_until_it_is_cleared() {
+    let t = test(&["limits.displacement_m=0.012"]);
+    let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
+    let ideal = experiment.ideal().unwrap();
+    let plan = Plan::of(&experiment, &ideal);
+    let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::nobody());
+    let method = t.config.compensation.kind;
+    let none = || None::<outerloop_cli::trace::Trace>;
+    let first = experiment
+        .run_on(&bench, method, &ideal, false, none())
+        .unwrap();
+    assert_eq!(first.summary.verdict, Verdict::Tripped);
+    let Err(Failure::Test(said)) = experiment.run_on(&bench, method, &ideal, false, none()) else {
+        panic!("accepted");
+    };
+    assert!(said.contains("stands tripped on displacement"), "{said}");
+    let mut connection = bench.into_connection();
+    board::clear(&mut connection).unwrap();
+    let bench = BoardBench::new(connection, plan, Operator::nobody());
+    let again = experiment.run_on(&bench, method, &ideal, false, none());
+    assert_eq!(again.unwrap().summary.trip, Some("displacement"));
+}
+
+#[test]
+fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_anything_moves() {
+    let t = test(&[]);
+    // Half a second of rest, a turn, half a second of rest, at a rate of its own.
+    let command_m: Vec<f64> = (0..=300)
+        .map(|i| match i {
+            50..250 => 0.004 * (1.0 - (std::f64::consts::TAU * f64::from(i - 50) / 200.0).cos()),
+            _ => 0.0,
+        })
+        .collect();
+    let course = Course::Points(PointsOfSignal {
+        interval_s: 0.01,
+        command_m: command_m.clone(),
+    });
+    let mut connection = connect(loopback(&t));
+    let played = board::commission(
+        &mut connection,
+        &t,
+        (&course, 0),
+        &Operator::nobody(),
+        &mut (),
+    )
+    .unwrap();
+    assert_eq!(played.early, None);
+    let recording = Recording::parse("signal.csv", &played.text).unwrap();
+    let command = recording.command_m().unwrap();
+    assert!((6000..6003).contains(&command.len()), "{}", command.len());
+    for (i, wanted) in command_m.iter().enumerate() {
+        let sent = command[20 * i];
+        // A record's command is a step or two behind what is sent: at 12.6 mm/s up to 13 um.
+        assert!((sent - wanted).abs() < 2e-5, "{i}: {sent} {wanted}");
+    }
+    for (limit, said) in [
+        (
+            "limits.displacement_m=0.007",
+            "limits.displacement_m = 0.007",
+        ),
+        (
+            "limits.velocity_m_per_s=0.01",
+            "limits.velocity_m_per_s = 0.01",
+        ),
+    ] {
+        let t = test(&[limit]);
+        let mut connection = connect(loopback(&t));
+        let refused = board::commission(
+            &mut connection,
+            &t,
+            (&course, 0),
+            &Operator::nobody(),
+            &mut (),
+        );
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains(said), "{refused}");
+    }
+}
+
+#[test]
+fn a_commissioning_chirp_is_recorded_and_reads_back() {
+    let t = test(&[]);
+    let mut connection = connect(loopback(&t));
+    let signal = Signal {
+        actuator: 0,
+        shape: Shape::Chirp {
+            from_hz: 0.5,
+            to_hz: 10.0,
+        },
+        amplitude_m: 0.01,
+        seconds: 10.0,
+    };
+    let course = Course::Formula(signal);
+    let played = board::commission(
+        &mut connection,
+        &t,
+        (&course, 0),
+        &Operator::nobody(),
+        &mut (),
+    )
+    .unwrap();
+    assert_eq!(played.early, None);
+    let recording = Recording::parse("chirp.csv", &played.text).unwrap();
+    let command = recording.command_m().unwrap();
+    let measured = recording.displacement_m().unwrap();
+    assert!(
+        (20_000..20_003).contains(&command.len()),
+        "{}",
+        command.len()
+    );
+    let peak = command.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    assert!((peak - 0.01).abs() < 1e-4, "{peak}");
+    // The delay of the rig: 4 ms are 8 samples, and one for the converter's step.
+    let error = |shift: usize| -> f64 {
+        (shift..command.len())
+            .map(|i| (measured[i] - command[i - shift]).powi(2))
+            .sum()
+    };
+    let best = (0..20)
+        .min_by(|a, b| error(*a).total_cmp(&error(*b)))
+        .unwrap();
+    assert!((8..=9).contains(&best), "{best}");
+}
+
+#[test]
+fn a_board_that_nobody_has_calibrated_runs_nothing_and_one_calibrated_otherwise_runs_no_test_that_names_it()
+ {
+    let t = test(&[]);
+    let Err(Failure::Test(said)) = run_over(&t, Connection::new(loopback(&t), QUICK)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("arm: nobody has calibrated the board"),
+        "{said}"
+    );
+
+    let number = format!(
+        "{:08x}",
+        loopback(&t).board.hardware.board.wired[0].number()
+    );
+    let named = test(&[&format!("board.calibration='{number}'")]);
+    assert_eq!(
+        run_on(&named, loopback(&named)).unwrap().summary.verdict,
+        Verdict::Completed
+    );
+    let other = test(&["board.calibration='00c0ffee'"]);
+    let Err(Failure::Input(said)) = run_on(&other, loopback(&other)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("00c0ffee") && said.contains(&number),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_limit_that_the_calibration_cannot_show_is_refused_with_what_it_can() {
+    let t = test(&["limits.displacement_m=0.049"]);
+    let Err(Failure::Input(said)) = run_on(&t, loopback(&t)) else {
+        panic!("armed");
+    };
+    assert!(
+        said.contains("limits.displacement_m = 0.0490") && said.contains("+-42.7 mm"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
+    let t = test(&[]);
+    let mut board = loopback(&t);
+    let (person, go) = channel();
+    let enter = || -> Mishap {
+        let person = person.clone();
+        Box::new(move |_| person.send(()).unwrap())
+    };
+    let press = |down| -> Mishap { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
+    // Steps of the board: nothing begins before the first Enter, nothing goes on before the second.
+    board.mishaps.extend([
+        (3000, enter()),
+        (8000, press(true)),
+        (8200, press(false)),
+        (9000, enter()),
+    ]);
+    let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
+    assert_eq!(
+        run.summary.verdict,
+        Verdict::Completed,
+        "{}",
+        run.summary.sentence()
+    );
+    assert_eq!(run.summary.steps, 12_000);
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!((board.steps_lost, board.steps_different), (0, 0));
+    // 3000 before the start, the test, and the hold.
+    assert!(board.steps_received > 15_700, "{}", board.steps_received);
+}

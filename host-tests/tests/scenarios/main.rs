@@ -1,0 +1,16 @@
+//! Whole tests across crates. One binary: each one links everything.
+#![allow(missing_docs)]
+
+mod board_link;
+mod board_of_three;
+mod board_served;
+mod comparison_table;
+mod energy_balance;
+mod methods;
+mod noise;
+mod paper_figures;
+mod recipes;
+mod rths_baseline;
+mod stability;
+mod storeys;
+mod tangent_force;
