@@ -26,6 +26,16 @@ impl Delay {
             fraction: (steps - libm::floor(steps)) as f32,
         }
     }
+
+    /// The same in single precision, for a step.
+    #[inline]
+    pub fn of_steps(steps: f32) -> Self {
+        let whole = steps as usize;
+        Self {
+            whole,
+            fraction: steps - whole as f32,
+        }
+    }
 }
 
 impl<const LENGTH: usize> DelayLine<LENGTH> {

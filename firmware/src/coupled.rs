@@ -29,6 +29,7 @@ const PLANT: Plant = Plant {
     path_lead_s: [[0.0, 1.0 / (3.0 * TURN)], [0.0, 1.0 / (5.0 * TURN)]],
     natural_rad_per_s: 80.43 * TURN,
     damping_ratio: 0.6217,
+    delay_s: [0.0; 2],
 };
 
 /// What the tracker gets at a sample.
@@ -88,6 +89,7 @@ impl Scenario {
                 noise_m: 12e-6,
                 period_s: PERIOD_S,
             },
+            inverse: true,
             target: [target(SHOWN[0], 2e-8), target(SHOWN[1], 1.2e-7)],
             ahead_s: 0.0,
             trust_reading_hz: 5.0,

@@ -19,6 +19,7 @@
 //! | `frame` | storeys to floors, and floors that give way |
 //! | [`measurement`] | what the loop gets to see of both: sampling skew, [`sensor`], [`converter`] |
 //! | `parameters` | what a laboratory declares of a rig: one row a parameter |
+//! | [`coupled`] | two actuators on one coupler, in place of the above: x and rotation |
 //! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
 //! | `stage` | what an effect puts into the way of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
@@ -28,12 +29,14 @@
 
 pub mod actuator;
 pub mod converter;
+pub mod coupled;
 pub mod delay_line;
 pub mod effect;
 mod error;
 mod frame;
 pub mod kinematics;
 pub mod lag;
+pub mod linear;
 pub mod measurement;
 mod parameters;
 mod per_axis;

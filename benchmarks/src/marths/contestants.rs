@@ -117,6 +117,7 @@ impl Calibration {
                     noise_m: noise_m() as f32,
                     period_s: PERIOD_S as f32,
                 },
+                inverse: true,
                 target: [target(reference, X, 0), target(reference, ROTATION, 1)],
                 ahead_s: 0.0,
                 trust_reading_hz: TRUST_READING_HZ as f32,
@@ -163,6 +164,7 @@ fn nominal() -> Plant {
         path_lead_s: [pair(0.0, 1.0 / p.z2[0]), pair(0.0, 1.0 / p.z2[1])],
         natural_rad_per_s: p.f as f32,
         damping_ratio: FRAME_RATIO as f32,
+        delay_s: [0.0; 2],
     }
 }
 

@@ -3,10 +3,9 @@
 //! Command `j` passes the poles of its column; a gain and a zero make of it what stroke `i` shows.
 
 use super::{PERIOD_S, RATE_HZ};
-use crate::linear::Linear;
 use crate::noise::{Normal, Purpose};
-use nalgebra::{SMatrix, Vector1};
 use outerloop_core::coupled::Coupler;
+use plant::coupled::{ActuatorPair, ActuatorPairSpec};
 use std::f64::consts::TAU;
 
 /// Pins of the coupler, as published.
@@ -81,103 +80,27 @@ impl Parameters {
         plant.z2[1] *= off(0.03);
         plant
     }
-}
 
-/// Time is scaled by this angular frequency, so that the states of a column are of one size.
-const SCALE_RAD_PER_S: f64 = 100.0;
-
-/// One command's way to both strokes, with the command held over a sample.
-#[derive(Clone, Debug)]
-struct Column {
-    system: Linear<4, 1>,
-    outputs: [[f64; 3]; 2],
-}
-
-impl Column {
-    /// `1 / ((1 + s/a) (1 + s/b) (1 + 2 zeta s/f + s^2/f^2))` in scaled time, with a numerator for each stroke.
-    fn new(poles: [f64; 2], f: f64, numerators: [[f64; 3]; 2]) -> Self {
-        let scaled = |w: f64| SCALE_RAD_PER_S / w;
-        let factors = [
-            [1.0, scaled(poles[0]), 0.0],
-            [1.0, scaled(poles[1]), 0.0],
-            [1.0, 2.0 * FRAME_RATIO * scaled(f), scaled(f).powi(2)],
-        ];
-        let mut d = [1.0, 0.0, 0.0, 0.0, 0.0];
-        for factor in factors {
-            let mut product = [0.0; 5];
-            for (i, x) in d.iter().enumerate() {
-                for (j, y) in factor.iter().enumerate() {
-                    if i + j < 5 {
-                        product[i + j] += x * y;
-                    }
-                }
-            }
-            d = product;
+    /// The same as a pair of actuators of the crate `plant`.
+    fn actuators(&self) -> ActuatorPairSpec {
+        let hz = |w: f64| w / TAU;
+        let lead_ms = |w: f64| 1e3 / w;
+        ActuatorPairSpec {
+            gain: self.gain,
+            slow_pole_hz: [hz(self.p[0]), hz(self.q[0])],
+            fast_pole_hz: [hz(self.p[1]), hz(self.q[1])],
+            lead_ms: [self.z.map(lead_ms), [0.0; 2]],
+            path_lead_ms: self.z2.map(|z| [0.0, lead_ms(z)]),
+            natural_hz: hz(self.f),
+            damping_ratio: FRAME_RATIO,
+            delay_ms: [0.0; 2],
         }
-        let mut a = SMatrix::<f64, 4, 4>::zeros();
-        for i in 0..3 {
-            a[(i, i + 1)] = SCALE_RAD_PER_S;
-        }
-        for i in 0..4 {
-            a[(3, i)] = -SCALE_RAD_PER_S * d[i] / d[4];
-        }
-        let mut b = SMatrix::<f64, 4, 1>::zeros();
-        b[3] = SCALE_RAD_PER_S / d[4];
-        Self {
-            system: Linear::new(&a, &b, PERIOD_S),
-            outputs: numerators.map(|n| {
-                [
-                    n[0],
-                    n[1] * SCALE_RAD_PER_S,
-                    n[2] * SCALE_RAD_PER_S * SCALE_RAD_PER_S,
-                ]
-            }),
-        }
-    }
-
-    fn stroke(&self, i: usize) -> f64 {
-        (0..3)
-            .map(|n| self.outputs[i][n] * self.system.state[n])
-            .sum()
     }
 }
 
-/// The plant in motion.
-#[derive(Clone, Debug)]
-pub struct Rig {
-    columns: [Column; 2],
-}
-
-impl Rig {
-    /// At rest.
-    pub fn new(p: &Parameters) -> Self {
-        let (a, b) = (1.0 / p.z[0], 1.0 / p.z[1]);
-        let first = |gain: f64| [gain, gain * (a + b), gain * a * b];
-        let second = |gain: f64, zero: f64| [gain, gain / zero, 0.0];
-        Self {
-            columns: [
-                Column::new(p.p, p.f, [first(p.gain[0][0]), first(p.gain[1][0])]),
-                Column::new(
-                    p.q,
-                    p.f,
-                    [second(p.gain[0][1], p.z2[0]), second(p.gain[1][1], p.z2[1])],
-                ),
-            ],
-        }
-    }
-
-    /// Strokes, m.
-    pub fn strokes_m(&self) -> [f64; 2] {
-        [0, 1].map(|i| self.columns[0].stroke(i) + self.columns[1].stroke(i))
-    }
-
-    /// One sample under held commands, m.
-    pub fn step(&mut self, command_m: [f64; 2]) {
-        for (column, command) in self.columns.iter_mut().zip(command_m) {
-            let held = Vector1::new(command);
-            column.system.step(&held, &held);
-        }
-    }
+/// The plant at rest.
+pub fn at_rest(p: &Parameters) -> ActuatorPair {
+    ActuatorPair::new(&p.actuators(), PERIOD_S)
 }
 
 /// Stroke per volt, m/V, of each actuator.
@@ -238,7 +161,7 @@ mod tests {
 
     /// |H_ii| and delay in ms at `hz`, from the strokes themselves.
     fn response(i: usize, hz: f64) -> (f64, f64) {
-        let mut rig = Rig::new(&Parameters::nominal());
+        let mut rig = at_rest(&Parameters::nominal());
         let w = TAU * hz * PERIOD_S;
         let (mut re, mut im) = (0.0, 0.0);
         let n = 8192;

@@ -8,7 +8,7 @@
 use super::contestants::{Calibration, Contestant};
 use super::controller::Target;
 use super::frame::{Frame, Resistance};
-use super::rig::{COUPLER, Channels, Parameters, Rig};
+use super::rig::{COUPLER, Channels, Parameters, at_rest};
 use super::structure::{FREE_ROTATION, Matrices, Newmark, Part, ROTATION, STOREYS, X};
 use super::{RATE_HZ, SIGN};
 use crate::Refused;
@@ -93,7 +93,7 @@ pub fn run(
     let mut controller = calibration.controller(contestant);
     let mut newmark = Newmark::new(numerical)?;
     let mut resistance = Resistance::new(Frame::published());
-    let (mut rig, mut channels) = (Rig::new(plant), Channels::new(seed, noise));
+    let (mut rig, mut channels) = (at_rest(plant), Channels::new(seed, noise));
     let mut trace = Trace::default();
     let mut limited = 0;
     for &g in ground {

@@ -2,8 +2,9 @@
 
 use super::parameters::Specimen;
 use super::size::{FLOORS, RATE_HZ};
-use crate::linear::{Lanes, Linear};
+use crate::linear::Lanes;
 use nalgebra::{Cholesky, Matrix3, SMatrix, SymmetricEigen, Vector3};
+use plant::linear::Linear;
 
 /// Stiffness of the whole structure, 1e7 N/m.
 const STIFFNESS_1E7: Matrix3<f64> = Matrix3::new(

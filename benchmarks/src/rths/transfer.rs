@@ -2,8 +2,9 @@
 
 use super::parameters::{OUTPUT_GAIN, Parameters};
 use super::size::RATE_HZ;
-use crate::linear::{Lanes, Linear};
+use crate::linear::Lanes;
 use nalgebra::SMatrix;
+use plant::linear::Linear;
 
 /// Angular frequency that derivatives are scaled by, so that the states are of one size.
 const SCALE_RAD_PER_S: f64 = 300.0;

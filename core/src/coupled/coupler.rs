@@ -56,11 +56,14 @@ impl Coupler {
         [x, theta]
     }
 
-    /// Force (N) along x and moment (N m) about the interface of two actuator forces, linearised.
-    pub fn resultant(&self, force_n: &Pair) -> Pair {
+    /// Force (N) along x and moment (N m) about the interface of two actuator forces, at a rotation of `theta_rad`: the
+    /// arm of an actuator is how its stroke changes with the rotation.
+    pub fn resultant(&self, force_n: &Pair, theta_rad: f32) -> Pair {
+        let (sine, cosine) = (sine(theta_rad), 1.0 + cosine_less_one(theta_rad));
+        let arm_m = |i: usize| -self.pin_x_m[i] * sine - self.pin_y_m[i] * cosine;
         [
             force_n[0] + force_n[1],
-            -self.pin_y_m[0] * force_n[0] - self.pin_y_m[1] * force_n[1],
+            arm_m(0) * force_n[0] + arm_m(1) * force_n[1],
         ]
     }
 }
@@ -123,10 +126,23 @@ mod tests {
         }
         // F . ds = N dx + M dtheta for any forces and motions.
         let force = [120.0, -70.0];
-        let [n, m] = COUPLER.resultant(&force);
+        let [n, m] = COUPLER.resultant(&force, 0.0);
         let d = COUPLER.linear_m(2e-3, -3e-3);
         let (strokes, interface) = (force[0] * d[0] + force[1] * d[1], n * 2e-3 - m * 3e-3);
         assert!((strokes - interface).abs() < 1e-6 * strokes.abs());
+    }
+
+    #[test]
+    fn virtual_work_agrees_at_a_large_rotation() {
+        let (force, at, by) = ([120.0, -70.0], 0.3, 1e-3);
+        let [n, m] = COUPLER.resultant(&force, at);
+        let (after, before) = (
+            COUPLER.strokes_m(by, at + by),
+            COUPLER.strokes_m(-by, at - by),
+        );
+        let work: f32 = (0..2).map(|i| force[i] * (after[i] - before[i])).sum();
+        let exact = 2.0 * by * (n + m);
+        assert!((work - exact).abs() < 2e-4 * exact.abs(), "{work} {exact}");
     }
 
     #[test]

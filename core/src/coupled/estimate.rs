@@ -7,7 +7,7 @@
 //! `P` is kept as `U D U^T` (Bierman, Factorization Methods for Discrete Sequential Estimation, 1977): where a motion is a
 //! thousand times the noise, the plain form loses the sign of a variance in f32, and the parameters with it.
 
-use super::forward::{Forward, Slopes};
+use super::forward::{Forward, MAX_DELAY_PERIODS, Slopes};
 use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
 use crate::refusal::Refusal;
@@ -50,6 +50,14 @@ impl EstimatorSettings {
                     accepted: "a number above 0, below 1",
                 });
             }
+        }
+        let most = MAX_DELAY_PERIODS * self.period_s;
+        if let Some(&delay) = self.plant.delay_s.iter().find(|d| !(**d <= most)) {
+            return Err(Refusal {
+                name: "plant.delay_s",
+                value: f64::from(delay),
+                accepted: "at most 60 sampling periods",
+            });
         }
         for &(parameter, spread) in &self.spreads {
             let value = self.plant.value(parameter).unwrap_or(0.0);

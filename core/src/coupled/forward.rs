@@ -8,13 +8,21 @@
 use super::filter::{First, Second, SecondConstants};
 use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
+use crate::delay_line::{Delay, DelayLine};
 
 /// How each stroke changes with each parameter, m per unit of the parameter's logarithm.
 pub type Slopes = [[f32; MAX_PARAMETERS]; 2];
 
+/// The longest transport delay of a command, in periods, with the two places that its fraction needs.
+const LONGEST: usize = 62;
+/// The same without them.
+pub const MAX_DELAY_PERIODS: f32 = (LONGEST - 2) as f32;
+
 /// The plant in motion.
 #[derive(Clone, Debug)]
 pub struct Forward {
+    /// Commands on their way.
+    late: [DelayLine<LONGEST>; 2],
     /// Behind the slow pole, for each command.
     slow: Pair,
     common: [Second; 2],
@@ -27,6 +35,7 @@ impl Forward {
     /// At rest at zero.
     pub fn at_rest() -> Self {
         Self {
+            late: [const { DelayLine::filled(0.0) }; 2],
             slow: [0.0; 2],
             common: [Second::default(); 2],
             path: [[First::default(); 2]; 2],
@@ -49,7 +58,12 @@ impl Forward {
         let mut v = [[0.0_f32; 2]; 2];
         for j in 0..2 {
             let kept = libm::expf(-plant.slow_pole_rad_per_s[j] * period_s);
-            self.slow[j] = sent_m[j] + kept * (self.slow[j] - sent_m[j]);
+            let arrives_m = if plant.delay_s[j] > 0.0 {
+                self.late[j].pass(Delay::of_steps(plant.delay_s[j] / period_s), sent_m[j])
+            } else {
+                sent_m[j]
+            };
+            self.slow[j] = arrives_m + kept * (self.slow[j] - arrives_m);
             let [a, b] = plant.lead_s[j];
             let k = SecondConstants::new(
                 [1.0, a + b, a * b],

@@ -13,6 +13,7 @@
 
 use super::coupler::Coupler;
 use super::pair::Pair;
+use super::plant::Plant;
 use super::tracker::{Broken, Limit, Tracker, TrackerConstants, TrackerSettings};
 use crate::float::{larger, smaller};
 use crate::ground_motion::GroundMotion;
@@ -184,6 +185,16 @@ impl<const N: usize> CoupledLoop<N> {
         self.trip
     }
 
+    /// Where every degree of freedom of the structure is to be, m and rad.
+    pub fn displacement(&self) -> [f32; N] {
+        self.newmark.displacement_m()
+    }
+
+    /// The plant as known now.
+    pub fn plant(&self) -> &Plant {
+        self.tracker.plant()
+    }
+
     /// Takes an event from the operator or the link.
     ///
     /// # Errors
@@ -222,7 +233,7 @@ impl<const N: usize> CoupledLoop<N> {
             self.stale
                 .update(sample.fresh, &sample.displacement_m, &wanted_m, watched);
         let (_, interface) = self.tracker.observe(&sample.displacement_m);
-        let force = self.coupler.resultant(&sample.force_n);
+        let force = self.coupler.resultant(&sample.force_n, interface[1]);
         let change = if self.mode.integrates() {
             SHARE_STEP
         } else {

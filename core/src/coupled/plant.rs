@@ -6,8 +6,8 @@
 //!        (1 + s / a_j) (1 + s / b_j) (1 + 2 zeta s / f + s^2 / f^2)
 //! ```
 //!
-//! Stroke `i`, command `j`. What a command has to pass (servo valve, oil, frame) stands in its column; what differs
-//! from stroke to stroke are a gain and at most one zero.
+//! Stroke `i`, command `j`, with `e^(-s d_j)` for the transport delay of command `j`. What a command has to pass (servo
+//! valve, oil, frame) stands in its column; what differs from stroke to stroke are a gain and at most one zero.
 
 use super::pair::Pair;
 use crate::refusal::Refusal;
@@ -30,6 +30,8 @@ pub struct Plant {
     pub natural_rad_per_s: f32,
     /// `zeta`.
     pub damping_ratio: f32,
+    /// `d_j`, s: by how much later than sent command `j` arrives, 0 to 60 periods.
+    pub delay_s: Pair,
 }
 
 /// A number of the plant that is not known exactly.
@@ -84,6 +86,11 @@ impl Plant {
         for &lead in leads {
             if !(0.0..1e3).contains(&lead) {
                 return refused("plant.lead_s", lead, "0 or a number up to 1000 s");
+            }
+        }
+        for &delay in &self.delay_s {
+            if !(0.0..1.0).contains(&delay) {
+                return refused("plant.delay_s", delay, "0 or a number below 1 s");
             }
         }
         let n = &self.path_lead_s;
@@ -168,6 +175,7 @@ pub(super) mod tests {
         path_lead_s: [[0.0, 1.0 / (3.0 * TURN)], [0.0, 1.0 / (5.0 * TURN)]],
         natural_rad_per_s: 80.43 * TURN,
         damping_ratio: 0.6217,
+        delay_s: [0.0; 2],
     };
 
     #[test]

@@ -15,6 +15,9 @@ pub struct TrackerSettings {
     pub coupler: Coupler,
     /// The plant and what of it is to be estimated.
     pub estimate: EstimatorSettings,
+    /// Whether commands are those of the inverse. Where not, the strokes of the target itself are sent: for actuators that
+    /// follow by themselves, and to see what the inverse is worth.
+    pub inverse: bool,
     /// How the target moves, x and theta.
     pub target: [ObserverSettings; 2],
     /// The target is given so many seconds ahead of its time, 0 to 0.1; it is held back by them.
@@ -173,6 +176,11 @@ impl Tracker {
 
     /// Commands that bring the interface to `target` (x in m, theta in rad), and the first limit that was broken.
     pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<Broken>) {
+        if !self.constants.settings.inverse {
+            let [x, theta] = *target;
+            let strokes_m = self.constants.settings.coupler.strokes_m(x, theta);
+            return self.send(target, strokes_m);
+        }
         let k = &self.constants;
         let x = self.observers[0].update(&k.observers[0], target[0], ground_m_per_s2);
         let theta = self.observers[1].update(&k.observers[1], target[1], ground_m_per_s2);
@@ -187,7 +195,12 @@ impl Tracker {
         let command_m = self
             .inverse
             .commands(self.estimator.plant(), period_s, &strokes);
-        let broken = k.settings.broken(target, &command_m);
+        self.send(target, command_m)
+    }
+
+    /// Sends the commands, or those before where a limit is broken.
+    fn send(&mut self, target: &Pair, command_m: Pair) -> (Pair, Option<Broken>) {
+        let broken = self.constants.settings.broken(target, &command_m);
         if broken.is_none() {
             self.sent_m = command_m;
         }

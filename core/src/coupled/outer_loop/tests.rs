@@ -51,6 +51,7 @@ fn settings() -> CoupledSettings<2> {
                 noise_m: 1e-5,
                 period_s: PERIOD_S,
             },
+            inverse: true,
             target: [
                 observed(&structure, 0, 1e-6, 0.2).unwrap(),
                 observed(&structure, 1, 1e-5, 0.2).unwrap(),
@@ -195,7 +196,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
     for (i, target) in targets.iter_mut().enumerate() {
         let [x, theta] = newmark.displacement_m();
         let (_, sample) = laboratory.step(&COUPLER.strokes_m(x, theta));
-        let force_n = COUPLER.resultant(&sample.force_n);
+        let force_n = COUPLER.resultant(&sample.force_n, theta);
         newmark.advance(&k, &k.load_n(ground.at(i as u32)), &force_n, &[0.0; 2]);
         *target = newmark.displacement_m();
     }
