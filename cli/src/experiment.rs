@@ -4,7 +4,7 @@ use crate::bench::ideal;
 use crate::bench::interface::{Assignment, Bench, Ending, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
-use crate::files::test::TestFile;
+use crate::files::test::{Excitation, TestFile};
 use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
 use crate::trace::{Response, Witness};
@@ -47,6 +47,53 @@ const USUAL_DAMPING: f64 = 0.2;
 /// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
 const LONGEST_S: f64 = 3600.0;
 
+/// A ground motion as it is laid under a test, before its factor.
+#[derive(Clone, Debug)]
+pub struct Shaken {
+    /// Ground acceleration, m/s^2.
+    pub acc_m_per_s2: Vec<f32>,
+    /// Interval of the points, s of model time.
+    pub interval_s: f64,
+    /// Length of the test, rest and all, s of model time.
+    pub seconds: f64,
+    /// Length of the ground motion itself, s of model time.
+    pub shaken_s: f64,
+}
+
+/// Lays `shaking` out: the whole of it, or so many seconds, after the rest that the excitation wants.
+///
+/// # Errors
+/// A duration that is no positive number.
+pub fn shaken(
+    excitation: &Excitation,
+    shaking: &GroundMotionFile,
+    duration_s: Option<f64>,
+) -> Result<Shaken, Failure> {
+    let whole = (shaking.acc_m_per_s2.len() - 1) as f64 * shaking.interval_s;
+    let seconds = match duration_s.or(excitation.duration_s) {
+        None => whole,
+        Some(s) if s > 0.0 && s <= LONGEST_S => s,
+        Some(s) => {
+            return Err(Failure::input(format!(
+                "a duration of {s} s is refused: accepted are seconds above 0, up to {LONGEST_S}"
+            )));
+        }
+    };
+    // Rest is whole intervals of the record, so that its points stay what they are.
+    let still = (excitation.rest_s / shaking.interval_s).round() as usize;
+    let seconds = seconds + still as f64 * shaking.interval_s;
+    let mut acc_m_per_s2 = vec![0.0; still];
+    acc_m_per_s2.extend_from_slice(&shaking.acc_m_per_s2);
+    let points = (seconds / shaking.interval_s).ceil() as usize + 1;
+    acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
+    Ok(Shaken {
+        acc_m_per_s2,
+        interval_s: shaking.interval_s,
+        seconds,
+        shaken_s: whole,
+    })
+}
+
 impl Experiment {
     /// Lays `test` over `shaking`: the whole of it, or `duration_s`; what goes on after its end is at rest.
     ///
@@ -58,31 +105,15 @@ impl Experiment {
         shaking: &GroundMotionFile,
         duration_s: Option<f64>,
     ) -> Result<Self, Failure> {
-        let whole = (shaking.acc_m_per_s2.len() - 1) as f64 * shaking.interval_s;
-        let seconds = match duration_s.or(test.excitation.duration_s) {
-            None => whole,
-            Some(s) if s > 0.0 && s <= LONGEST_S => s,
-            Some(s) => {
-                return Err(Failure::input(format!(
-                    "a duration of {s} s is refused: accepted are seconds above 0, up to {LONGEST_S}"
-                )));
-            }
-        };
-        // Rest is whole intervals of the record, so that its points stay what they are.
-        let still = (test.excitation.rest_s / shaking.interval_s).round() as usize;
-        let seconds = seconds + still as f64 * shaking.interval_s;
-        let mut acc_m_per_s2 = vec![0.0; still];
-        acc_m_per_s2.extend_from_slice(&shaking.acc_m_per_s2);
-        let points = (seconds / shaking.interval_s).ceil() as usize + 1;
-        acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
+        let laid = shaken(&test.excitation, shaking, duration_s)?;
         let mut experiment = Self {
             test,
             record: shaking.name.clone(),
-            seconds,
+            seconds: laid.seconds,
             scale: 1.0,
-            shaken_s: whole,
-            acc_m_per_s2,
-            interval_s: shaking.interval_s,
+            shaken_s: laid.shaken_s,
+            acc_m_per_s2: laid.acc_m_per_s2,
+            interval_s: laid.interval_s,
         };
         experiment.scale = experiment.wanted_scale()?;
         let factor = experiment.scale as f32;

@@ -10,6 +10,7 @@
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`comparison`] | one bench for every compensation |
+//! | [`coupled`](mod@coupled) | tests of two coupled actuators: file, trial, record, figures |
 //! | [`sweep`] | a test over the values of one key, and fragility curves |
 //! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
@@ -46,6 +47,7 @@ macro_rules! eprintln {
 pub mod bench;
 pub mod board;
 pub mod comparison;
+pub mod coupled;
 pub mod experiment;
 pub mod failure;
 pub mod files;

@@ -93,7 +93,7 @@ impl Default for Excitation {
 }
 
 impl Excitation {
-    fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let strong = |x: f64| x.is_finite() && x != 0.0 && x.abs() <= 1e3;
         if !strong(self.scale) {
             return Err(format!(
@@ -140,28 +140,8 @@ impl TestFile {
         folder: &Path,
         overrides: &[String],
     ) -> Result<Self, Failure> {
-        let plain: Table = text.parse().map_err(|e: toml::de::Error| {
-            let line = e
-                .span()
-                .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
-            Failure::input(format!(
-                "{file}, line {line}: {}",
-                plain::sentence(e.message())
-            ))
-        })?;
-        let mut table = plain.clone();
-        for assignment in overrides {
-            set(&mut table, assignment)?;
-        }
-        Self::from_table(table, folder).map_err(|mistake| {
-            // Whose mistake it is: the file's own, or that of what was set from outside.
-            let own = overrides.is_empty() || Self::from_table(plain, folder).is_err();
-            let set = if own {
-                String::new()
-            } else {
-                format!(" with --set {}", overrides.join(" --set "))
-            };
-            Failure::input(format!("{file}{set}: {mistake}"))
+        parse(text, file, overrides, |table| {
+            Self::from_table(table, folder)
         })
     }
 
@@ -185,6 +165,13 @@ impl TestFile {
     }
 
     fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
+        if table.contains_key("coupled") {
+            return Err(
+                "coupled is a test of two coupled actuators: accepted are the commands run, compare and check, on the simulated \
+                 rig"
+                .into(),
+            );
+        }
         let text = toml::to_string(&table).unwrap_or_default();
         units::convert(&mut table)?;
         let plant: RigSpec = part("plant", table.remove("plant"))?;
@@ -240,12 +227,50 @@ impl TestFile {
     }
 }
 
-fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
+/// The table of `text`, which came from `file`, with the overrides `PATH=VALUE`, as `build` makes a test of it.
+///
+/// # Errors
+/// A line that is no TOML; an override that cannot be set; what `build` refuses.
+pub(crate) fn parse<T>(
+    text: &str,
+    file: &str,
+    overrides: &[String],
+    build: impl Fn(Table) -> Result<T, String>,
+) -> Result<T, Failure> {
+    let plain: Table = text.parse().map_err(|e: toml::de::Error| {
+        let line = e
+            .span()
+            .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
+        Failure::input(format!(
+            "{file}, line {line}: {}",
+            plain::sentence(e.message())
+        ))
+    })?;
+    let mut table = plain.clone();
+    for assignment in overrides {
+        set(&mut table, assignment)?;
+    }
+    build(table).map_err(|mistake| {
+        // Whose mistake it is: the file's own, or that of what was set from outside.
+        let own = overrides.is_empty() || build(plain).is_err();
+        let set = if own {
+            String::new()
+        } else {
+            format!(" with --set {}", overrides.join(" --set "))
+        };
+        Failure::input(format!("{file}{set}: {mistake}"))
+    })
+}
+
+pub(crate) fn part<T: DeserializeOwned + Default>(
+    name: &str,
+    value: Option<Value>,
+) -> Result<T, String> {
     value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
 }
 
 /// A table as what it should be, or where in it the mistake is.
-fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
+pub(crate) fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
     serde_path_to_error::deserialize(value).map_err(|e| {
         let path = match (root, e.path().to_string()) {
             (root, inner) if inner == "." => root.to_owned(),

@@ -4,7 +4,7 @@
 use toml::{Table, Value};
 
 /// Endings of keys and the units that they name, the longest first.
-const ENDINGS: [(&str, &str); 21] = [
+const ENDINGS: [(&str, &str); 24] = [
     ("_n_s_per_mm", "N s/mm"),
     ("_n_s_per_m", "N s/m"),
     ("_n_per_mm", "N/mm"),
@@ -12,10 +12,13 @@ const ENDINGS: [(&str, &str); 21] = [
     ("_mm_per_s", "mm/s"),
     ("_m_per_s2", "m/s²"),
     ("_m_per_s", "m/s"),
+    ("_rad_per_s", "rad/s"),
     ("_ms_per_s", "ms/s"),
     ("_walk_per_s", "1/s"),
     ("_steps", "steps"),
     ("_bits", "bit"),
+    ("_rad", "rad"),
+    ("_n_m", "N m"),
     ("_hz", "Hz"),
     ("_kg", "kg"),
     ("_ms", "ms"),

@@ -11,6 +11,7 @@ mod source;
 pub use key::{Group, Key};
 pub use render::{markdown, schema};
 
+use crate::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable};
 use crate::files::test::Excitation;
 use crate::files::units;
 use crate::serve::settings::Settings;
@@ -21,13 +22,15 @@ use source::{Kind, Structure};
 use std::collections::HashMap;
 
 /// The tables at the top, and the structures behind them.
-const TOP: [(&str, &str); 6] = [
+const TOP: [(&str, &str); 8] = [
     ("", "Config"),
     ("excitation", "Excitation"),
     ("plant", "RigSpec"),
     ("declared", "Model"),
     ("board", "BoardWanted"),
     ("serve", "Settings"),
+    ("coupled", "CoupledTable"),
+    ("plant.coupled", "CoupledRigSpec"),
 ];
 
 /// Every table in the order of the test file.
@@ -39,12 +42,32 @@ pub fn all() -> Vec<Group> {
     defaults["excitation"] = serde_json::to_value(Excitation::default()).unwrap_or(Value::Null);
     defaults["serve"] = serde_json::to_value(Settings::default()).unwrap_or(Value::Null);
     defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
+    defaults["coupled"] = coupled_defaults();
     // What a test file has to say has no default.
     defaults["structure"] = json!({});
     for (path, name) in TOP {
         walk(path, name, &structures, &defaults, &mut groups);
     }
     groups
+}
+
+/// What a table of coupled actuators has where it says nothing.
+fn coupled_defaults() -> Value {
+    let actuators = json!({
+        "gain": [[1.0, 0.0], [0.0, 1.0]], "lead_ms": [[0.0, 0.0], [0.0, 0.0]],
+        "path_lead_ms": [[0.0, 0.0], [0.0, 0.0]], "delay_ms": [0.0, 0.0],
+    });
+    let zeros = json!([[0.0, 0.0], [0.0, 0.0]]);
+    json!({
+        "compensation": CoupledCompensation::default(),
+        "trust_reading_hz": 5.0,
+        "structure": { "coordinates": ["x_m", "rotation_rad"] },
+        "specimen": { "damping": zeros, "mass": zeros },
+        "actuators": actuators,
+        "spread": SpreadTable::default(),
+        "limits": { "stale_steps": 5, "frozen_m": 1e-4 },
+        "observer": ObserverTable::default(),
+    })
 }
 
 fn walk(
@@ -127,7 +150,13 @@ fn written(value: &Value) -> Option<String> {
 
 fn unit(name: &str, kind: &Kind) -> &'static str {
     match kind {
-        Kind::Text | Kind::Flag | Kind::Name | Kind::Tables | Kind::Table(_) => "",
+        Kind::Text
+        | Kind::Texts
+        | Kind::Flag
+        | Kind::Name
+        | Kind::Tables
+        | Kind::Matrix(_)
+        | Kind::Table(_) => "",
         _ => units::of_key(name).unwrap_or("1"),
     }
 }

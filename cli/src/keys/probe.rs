@@ -1,12 +1,15 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
 use super::source::Kind;
+use crate::coupled::CoupledTest;
 use crate::files::test::TestFile;
 use std::path::Path;
 
 /// A test file that is accepted.
 const PLAIN: &str =
     "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n";
+/// A test of coupled actuators that is accepted.
+const COUPLED: &str = include_str!("../../../examples/coupled-frame.toml");
 /// Kinds under which a key of the rig is looked at, where another kind would refuse it for being there at all.
 const KINDS: [&str; 13] = [
     "",
@@ -33,10 +36,16 @@ pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
             list = format!("[{}]", vec!["nan"; *count].join(","));
             &[&list]
         }
+        Kind::Matrix(Some(rows)) => {
+            return format!("{rows} rows of {rows} numbers");
+        }
+        Kind::Matrix(None) => return "rows of numbers, as many as coordinates".into(),
+        Kind::Texts => return "a list of texts".into(),
         Kind::Integer => &["0", "255", "65535"],
         Kind::Name => &["\"no such name\""],
         Kind::Text => return "a text".into(),
         Kind::Flag => return "true, false".into(),
+        Kind::Tables if path.ends_with(".springs") => return "tables".into(),
         Kind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
         Kind::Table(_) => return String::new(),
     };
@@ -75,8 +84,13 @@ fn refusal(overrides: &[&str]) -> Option<String> {
         .filter(|o| !o.is_empty())
         .map(|o| (*o).to_owned())
         .collect();
-    let test = TestFile::parse(PLAIN, "test", Path::new(""), &overrides);
-    let said = test.err()?.to_string();
+    let coupled = |o: &&String| o.starts_with("coupled") || o.starts_with("plant.coupled");
+    let refused = if overrides.iter().any(|o| coupled(&o)) {
+        CoupledTest::parse(COUPLED, "test", Path::new(""), &overrides).err()
+    } else {
+        TestFile::parse(PLAIN, "test", Path::new(""), &overrides).err()
+    };
+    let said = refused?.to_string();
     // What was set stands in front: a key there is not the one that is refused.
     let set = format!("test with --set {}: ", overrides.join(" --set "));
     Some(said.strip_prefix(&set).unwrap_or(&said).to_owned())

@@ -53,7 +53,7 @@ pub fn schema(groups: &[Group]) -> Value {
             place["properties"][name] = property(key);
         }
     }
-    root["required"] = json!(["structure"]);
+    root["anyOf"] = json!([{ "required": ["structure"] }, { "required": ["coupled"] }]);
     root
 }
 
@@ -90,6 +90,10 @@ fn property(key: &Key) -> Value {
             json!({ "anyOf": [number, { "type": "array", "items": number, "maxItems": 8 }] })
         }
         Kind::List(n) => json!({ "type": "array", "items": number, "minItems": n, "maxItems": n }),
+        Kind::Matrix(_) => {
+            json!({ "type": "array", "items": { "type": "array", "items": number } })
+        }
+        Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Name => json!({ "type": "string", "enum": names(&key.accepted) }),

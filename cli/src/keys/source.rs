@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use syn::{Attribute, Expr, Fields, GenericArgument, Item, Lit, Meta, PathArguments, Type};
 
 /// The files that define what a test file holds.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 16] = [
     include_str!("../../../core/src/config/mod.rs"),
     include_str!("../../../core/src/config/compensation.rs"),
     include_str!("../../../core/src/config/rig.rs"),
@@ -13,6 +13,11 @@ const SOURCES: [&str; 11] = [
     include_str!("../../../plant/src/actuator/servo_hydraulic.rs"),
     include_str!("../../../plant/src/measurement.rs"),
     include_str!("../../../plant/src/specimen/spec.rs"),
+    include_str!("../../../plant/src/coupled/actuators.rs"),
+    include_str!("../../../plant/src/coupled/coupler.rs"),
+    include_str!("../../../plant/src/coupled/rig.rs"),
+    include_str!("../../../plant/src/coupled/specimen.rs"),
+    include_str!("../coupled/table.rs"),
     include_str!("../../../diagnosis/src/model.rs"),
     include_str!("../files/test.rs"),
     include_str!("../serve/settings.rs"),
@@ -29,6 +34,10 @@ pub enum Kind {
     Numbers,
     /// A list of so many numbers.
     List(usize),
+    /// Rows of numbers; of how many rows, where that is fixed.
+    Matrix(Option<usize>),
+    /// A list of texts.
+    Texts,
     /// A text, for example a path.
     Text,
     /// True or false.
@@ -105,6 +114,9 @@ fn kind(ty: &Type) -> Kind {
     match ty {
         Type::Array(list) => match &list.len {
             Expr::Lit(n) => match &n.lit {
+                Lit::Int(n) if matches!(*list.elem, Type::Array(_)) => {
+                    Kind::Matrix(n.base10_parse().ok())
+                }
                 Lit::Int(n) => Kind::List(n.base10_parse().unwrap_or(0)),
                 _ => Kind::Numbers,
             },
@@ -123,7 +135,12 @@ fn kind(ty: &Type) -> Kind {
             };
             match (last.ident.to_string().as_str(), inner) {
                 ("Option", Some(inner)) => kind(inner),
-                ("Vec", Some(_)) => Kind::Tables,
+                ("Vec", Some(inner)) => match kind(inner) {
+                    Kind::Number => Kind::Numbers,
+                    Kind::Numbers => Kind::Matrix(None),
+                    Kind::Text => Kind::Texts,
+                    _ => Kind::Tables,
+                },
                 ("f64" | "f32", _) => Kind::Number,
                 ("u8" | "u16" | "u32" | "u64" | "usize", _) => Kind::Integer,
                 ("PerFloor" | "PerActuator" | "PerAxis", _) => Kind::Numbers,

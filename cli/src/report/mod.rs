@@ -3,6 +3,7 @@
 mod check;
 mod comparison;
 mod coupled;
+mod coupled_test;
 mod diagnosis;
 mod figures;
 mod marths;
@@ -18,6 +19,7 @@ mod sweep;
 pub use check::{Checked, of_check};
 pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
+pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};
 pub use marths::of_marths;
 pub use monte_carlo::{Many, of_monte_carlo};
 pub use page::Section;

@@ -100,6 +100,11 @@ pub struct Scoped {
 }
 
 impl Scoped {
+    /// Whether one was asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.scope.is_some()
+    }
+
     /// The scope, where one was asked for.
     ///
     /// # Errors

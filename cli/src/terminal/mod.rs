@@ -1,6 +1,7 @@
 //! Tables and progress on the terminal.
 
 pub mod coupled;
+pub mod coupled_test;
 mod diagnosis;
 pub mod interrupt;
 pub mod misspelt;

@@ -2,7 +2,9 @@
 
 mod many;
 
+use super::coupled::AskedCheck;
 use super::{Motion, json, method};
+use crate::coupled::CoupledTest;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
@@ -90,6 +92,17 @@ impl Check {
         // Clap has seen to it that there is one.
         let path = self.test.as_deref().unwrap_or(Path::new(""));
         let spread = self.spread()?;
+        note_seed(self.seed);
+        if let Some(test) = CoupledTest::of(path, &self.overrides)? {
+            let asked = AskedCheck {
+                shaking: self.shaking(test.excitation.record.as_deref())?,
+                compensation: self.compensation.as_deref(),
+                spread,
+                out: self.out.as_deref(),
+                json: self.json,
+            };
+            return super::coupled::check(&test, &asked);
+        }
         let mut test = TestFile::load(path, &self.overrides)?;
         if let Some(name) = &self.compensation {
             test.config.compensation.kind = method(name)?;
@@ -104,7 +117,6 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        note_seed(self.seed);
         let told = Told::of(&whole);
         if let Some(folder) = &self.out {
             write(folder, &experiment, &whole, json(&told)?)?;
@@ -134,11 +146,16 @@ impl Check {
 
     /// The planned motion.
     fn experiment(&self, test: &TestFile) -> Result<Experiment, Failure> {
-        let shaking = match self.record.as_deref().or(test.excitation.record.as_deref()) {
-            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
-            None => near_fault(),
-        };
+        let shaking = self.shaking(test.excitation.record.as_deref())?;
         Experiment::new(test.clone(), &shaking, None)
+    }
+
+    /// The ground motion: the one named here, else the test's, else the built-in one.
+    fn shaking(&self, of_test: Option<&Path>) -> Result<GroundMotionFile, Failure> {
+        match self.record.as_deref().or(of_test) {
+            Some(path) => GroundMotionFile::load(path, self.motion.columns()),
+            None => Ok(near_fault()),
+        }
     }
 
     fn spread(&self) -> Result<Spread, Failure> {

@@ -43,6 +43,11 @@ impl Compare {
     /// # Errors
     /// Bad input; no row that is the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
+        if let Some(test) = self.common.coupled()? {
+            super::coupled::refuse(&[("--bench", self.bench)])?;
+            let asked = (&self.record[..], &self.compensations[..]);
+            return super::coupled::compare(&test, &self.common, asked, self.out.as_deref());
+        }
         let test = self.common.load()?;
         if self.bench {
             return self.on_the_bench();

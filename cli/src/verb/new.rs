@@ -30,6 +30,8 @@ enum Example {
     ThreeStorey,
     /// Three storeys, of which the lowest stands in the laboratory
     Hybrid,
+    /// A frame on two coupled actuators: displacement and rotation
+    CoupledFrame,
 }
 
 impl Example {
@@ -39,6 +41,7 @@ impl Example {
             Self::SteelFrame => include_str!("../../../examples/steel-frame.toml"),
             Self::ThreeStorey => include_str!("../../../examples/three-storey.toml"),
             Self::Hybrid => include_str!("../../../examples/hybrid.toml"),
+            Self::CoupledFrame => include_str!("../../../examples/coupled-frame.toml"),
         }
     }
 }
@@ -57,9 +60,12 @@ impl New {
         }
         let text = match self.from {
             Some(example) => example.text().to_owned(),
-            None => asked(&mut stdin().lock())?,
+            None => {
+                let text = asked(&mut stdin().lock())?;
+                TestFile::parse(&text, &file.to_string(), Path::new(""), &[])?;
+                text
+            }
         };
-        TestFile::parse(&text, &file.to_string(), Path::new(""), &[])?;
         output::write(&self.file, &text)?;
         println!(
             "{file} is written. Next: outerloop check {file}; outerloop run {file} --out out; outerloop keys lists all \

@@ -61,6 +61,26 @@ impl Run {
     /// # Errors
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn go(&self) -> Result<(), Failure> {
+        if let Some(test) = self.common.coupled()? {
+            super::coupled::refuse(&[
+                ("--signal", self.signal.is_some()),
+                ("--archive", self.archive.is_some()),
+                ("--model", self.model.is_some()),
+                ("--emulated", self.place.kind() == Where::Emulated),
+                ("--port", self.place.kind() == Where::Board),
+                ("--scope", self.scope.is_wanted()),
+            ])?;
+            return super::coupled::run(
+                &test,
+                &super::coupled::Asked {
+                    common: &self.common,
+                    record: self.record.as_deref(),
+                    compensation: self.compensation.as_deref(),
+                    out: self.out.as_deref(),
+                    plot: self.plot,
+                },
+            );
+        }
         let mut test = self.common.load()?;
         if let Some(path) = &self.signal {
             return self.play(&test, path);

@@ -32,7 +32,13 @@ fn every_key_of_every_example_is_listed_and_in_the_schema() {
         }
     }
     let schema = json(&["keys", "--schema"]);
-    for example in ["table1", "steel-frame", "three-storey", "hybrid"] {
+    for example in [
+        "table1",
+        "steel-frame",
+        "three-storey",
+        "hybrid",
+        "coupled-frame",
+    ] {
         let text =
             std::fs::read_to_string(root().join(format!("examples/{example}.toml"))).unwrap();
         let table: toml::Table = text.parse().unwrap();

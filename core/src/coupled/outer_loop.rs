@@ -233,7 +233,9 @@ impl<const N: usize> CoupledLoop<N> {
             self.stale
                 .update(sample.fresh, &sample.displacement_m, &wanted_m, watched);
         let (_, interface) = self.tracker.observe(&sample.displacement_m);
-        let force = self.coupler.resultant(&sample.force_n, interface[1]);
+        // The arms are those of the reading: a model of the actuators that is wrong must not turn forces.
+        let [_, turned] = self.coupler.interface(&sample.displacement_m);
+        let force = self.coupler.resultant(&sample.force_n, turned);
         let change = if self.mode.integrates() {
             SHARE_STEP
         } else {

@@ -18,7 +18,7 @@ pub struct CoupledSpecimenSpec {
     /// Mass whose inertia the load cells feel, kg, kg m; kg m, kg m^2. Symmetric.
     #[serde(default)]
     pub mass: [[f64; 2]; 2],
-    /// Springs that yield, beside the stiffness.
+    /// Springs that yield, beside the stiffness: `arm_m`, `stiffness_n_per_m`, `yield_mm`, `hardening_ratio`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<SpringSpec>,
 }

@@ -1,0 +1,21 @@
+//! Tests of a rig whose interface two coupled actuators move in x and in rotation: `[coupled]` of a test file.
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`table`] | what the table holds |
+//! | [`CoupledTest`] | a whole test file of this kind, and how it is laid over a ground motion |
+//! | [`settings`] | the same as core's loop wants it |
+//! | [`trial`] | the test on the simulated rig, and its ideal |
+//! | [`record`] | what it leaves: every quantity in both systems of coordinates |
+//! | [`summary`] | the figures and the verdict |
+//! | [`planned`] | whether it may be run: limits, and rigs that differ |
+
+mod file;
+pub mod planned;
+pub mod record;
+pub mod settings;
+pub mod summary;
+pub mod table;
+pub mod trial;
+
+pub use file::{CoupledExperiment, CoupledTest};

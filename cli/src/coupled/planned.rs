@@ -1,0 +1,294 @@
+//! Whether a test of two coupled actuators may be run: the declared rig, rigs that differ from it, and the limits.
+
+use super::file::CoupledExperiment;
+use super::summary::CoupledSummary;
+use super::table::CoupledCompensation;
+use super::trial::{self, Ideal, Trial};
+use crate::failure::Failure;
+use crate::numbers::percent;
+use crate::soundness::Verdict;
+use crate::stability::perturbed::Spread;
+use crate::summary::{POOR_EPS_RMS, Worth};
+use plant::coupled::CoupledRigSpec;
+use rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A limit, and how much of it the planned motion takes.
+#[derive(Clone, Debug, Serialize)]
+pub struct LimitUse {
+    /// Its key in `[coupled.limits]`.
+    pub name: &'static str,
+    /// What it is of.
+    pub of: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Largest value of the planned motion.
+    pub planned: f64,
+    /// The limit.
+    pub limit: f64,
+    /// The first over the second.
+    pub share: f64,
+}
+
+/// What the check says. The keys that other checks have, too, mean the same.
+#[derive(Clone, Debug, Serialize)]
+pub struct CoupledCheck {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+    /// eps_rms on the rig as declared, worst coordinate.
+    pub expected_eps_rms: f64,
+    /// The same, worst of the rigs that differ and went to their end.
+    pub expected_eps_rms_differing: f64,
+    /// Rigs that differ.
+    pub plants: usize,
+    /// Of those, tests that tripped or ran away.
+    pub lost: usize,
+    /// The limits.
+    pub limits: Vec<LimitUse>,
+    /// The test on the rig as declared.
+    pub planned: CoupledSummary,
+}
+
+/// A check, and the trial on the rig as declared.
+pub type CheckedTrial = (CoupledCheck, Ideal, Trial);
+
+/// From this share of a limit on, a planned motion is near it.
+const NEAR: f64 = 0.9;
+
+/// Plans the test on the rig that the test file declares, with its sensors, and on rigs that differ from it by `spread`: poles,
+/// zeros and delays by the spread of the delay, gains and the specimen's stiffness and damping by theirs.
+///
+/// # Errors
+/// A test that cannot be laid out.
+pub fn check(
+    experiment: &CoupledExperiment,
+    kind: CoupledCompensation,
+    spread: &Spread,
+    tell: impl Fn() + Sync,
+) -> Result<CheckedTrial, Failure> {
+    let mut declared = experiment.clone();
+    let d = &experiment.test.coupled;
+    let rig = &mut declared.test.rig;
+    rig.ideal = false;
+    (rig.actuators, rig.specimen.stiffness) = (d.actuators.clone(), d.specimen.stiffness);
+    (rig.specimen.damping, rig.specimen.mass) = (d.specimen.damping, d.specimen.mass);
+    let ideal = trial::ideal(&declared)?;
+    let run = trial::run(&declared, kind, &ideal, spread.seed)?;
+    let planned = CoupledSummary::of(&declared, kind, &ideal, &run)?;
+    let others = (0..spread.plants)
+        .into_par_iter()
+        .map(|i| {
+            let mut other = declared.clone();
+            other.test.rig = differing(&declared.test.rig, spread, i as u64);
+            let ideal = trial::ideal(&other)?;
+            let run = trial::run(&other, kind, &ideal, spread.seed)?;
+            tell();
+            CoupledSummary::of(&other, kind, &ideal, &run)
+        })
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let went = |s: &&CoupledSummary| s.verdict == crate::summary::Verdict::Completed;
+    let lost = others.iter().filter(|s| !went(s)).count();
+    let worst = others.iter().filter(went).map(|s| s.eps_rms);
+    let worst = worst.fold(planned.eps_rms, f64::max);
+    let limits = limits(&declared, &run);
+    let (verdict, reason) = judge(&planned, (lost, spread.plants), worst, &limits);
+    let check = CoupledCheck {
+        verdict,
+        reason,
+        expected_eps_rms: planned.eps_rms,
+        expected_eps_rms_differing: worst,
+        plants: spread.plants,
+        lost,
+        limits,
+        planned,
+    };
+    Ok((check, ideal, run))
+}
+
+fn judge(
+    planned: &CoupledSummary,
+    (lost, plants): (usize, usize),
+    worst: f64,
+    limits: &[LimitUse],
+) -> (Verdict, String) {
+    if planned.worth() == Worth::Bad {
+        return (
+            Verdict::Unstable,
+            format!(
+                "the planned motion on the rig as declared: {}",
+                planned.sentence()
+            ),
+        );
+    }
+    if lost > 0 {
+        return (
+            Verdict::Doubtful,
+            format!(
+                "{lost} of {plants} rigs that differ from the declared one tripped or ran away"
+            ),
+        );
+    }
+    if worst > POOR_EPS_RMS {
+        return (
+            Verdict::Doubtful,
+            format!("on a rig that differs the error is {}", percent(worst)),
+        );
+    }
+    if let Some(near) = limits.iter().find(|l| l.share > NEAR) {
+        return (
+            Verdict::Doubtful,
+            format!(
+                "the planned motion takes {} of coupled.limits.{} ({})",
+                percent(near.share),
+                near.name,
+                near.of
+            ),
+        );
+    }
+    (
+        Verdict::Stable,
+        format!(
+            "the planned motion stays inside the limits, on the rig as declared and on {plants} that differ"
+        ),
+    )
+}
+
+/// A rig that differs; `index` draws it.
+fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledRigSpec {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(
+        spread.seed ^ (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15),
+    );
+    let mut factor = |share: f64| {
+        let normal: f64 = StandardNormal.sample(&mut random);
+        // Farther than three deviations would be another machine; a time is not below a twentieth of itself.
+        (1.0 + share * normal.clamp(-3.0, 3.0)).max(0.05)
+    };
+    let mut rig = declared.clone();
+    let a = &mut rig.actuators;
+    for pole in a.slow_pole_hz.iter_mut().chain(&mut a.fast_pole_hz) {
+        *pole *= factor(spread.delay);
+    }
+    for time in a
+        .lead_ms
+        .as_flattened_mut()
+        .iter_mut()
+        .chain(a.path_lead_ms.as_flattened_mut())
+        .chain(&mut a.delay_ms)
+    {
+        *time *= factor(spread.delay);
+    }
+    a.natural_hz *= factor(spread.delay);
+    for gain in a.gain.as_flattened_mut() {
+        *gain *= factor(spread.gain);
+    }
+    let scale =
+        |m: &mut [[f64; 2]; 2], by: f64| m.as_flattened_mut().iter_mut().for_each(|x| *x *= by);
+    scale(&mut rig.specimen.stiffness, factor(spread.stiffness));
+    scale(&mut rig.specimen.damping, factor(spread.damping));
+    rig
+}
+
+/// How much of each limit a trial took.
+fn limits(e: &CoupledExperiment, trial: &Trial) -> Vec<LimitUse> {
+    let (r, l) = (&trial.record, &e.test.coupled.limits);
+    let rate = r.rate_hz;
+    let most = |x: &[f32]| x.iter().fold(0.0, |m, u| f64::from(u.abs()).max(m));
+    let fastest = |x: &[f32]| {
+        x.windows(2)
+            .fold(0.0, |m, w| (rate * f64::from((w[1] - w[0]).abs())).max(m))
+    };
+    let farthest = |a: &[f32], b: &[f32]| {
+        a.iter()
+            .zip(b)
+            .fold(0.0, |m, (a, b)| f64::from((a - b).abs()).max(m))
+    };
+    let worse = |of: &dyn Fn(usize) -> f64| of(0).max(of(1));
+    let row = |name, of, unit, planned: f64, limit: f64| LimitUse {
+        name,
+        of,
+        unit,
+        planned,
+        limit,
+        share: planned / limit,
+    };
+    let actuator = "worse actuator";
+    vec![
+        row(
+            "stroke_m",
+            actuator,
+            "m",
+            worse(&|i| most(&r.command_m[i])),
+            l.stroke_m,
+        ),
+        row(
+            "velocity_m_per_s",
+            actuator,
+            "m/s",
+            worse(&|i| fastest(&r.command_m[i])),
+            l.velocity_m_per_s,
+        ),
+        row(
+            "force_n",
+            actuator,
+            "N",
+            worse(&|i| most(&r.actuator_n[i])),
+            l.force_n,
+        ),
+        row(
+            "tracking_m",
+            actuator,
+            "m",
+            worse(&|i| farthest(&r.stroke_m[i], &r.wanted_m[i])),
+            l.tracking_m,
+        ),
+        row("x_m", "x", "m", most(&r.target[0]), l.x_m),
+        row(
+            "x_velocity_m_per_s",
+            "x",
+            "m/s",
+            fastest(&r.target[0]),
+            l.x_velocity_m_per_s,
+        ),
+        row("x_force_n", "x", "N", most(&r.force[0]), l.x_force_n),
+        row(
+            "x_tracking_m",
+            "x",
+            "m",
+            farthest(&r.estimated[0], &r.target[0]),
+            l.x_tracking_m,
+        ),
+        row(
+            "rotation_rad",
+            "rotation",
+            "rad",
+            most(&r.target[1]),
+            l.rotation_rad,
+        ),
+        row(
+            "rotation_velocity_rad_per_s",
+            "rotation",
+            "rad/s",
+            fastest(&r.target[1]),
+            l.rotation_velocity_rad_per_s,
+        ),
+        row(
+            "moment_n_m",
+            "rotation",
+            "N m",
+            most(&r.force[1]),
+            l.moment_n_m,
+        ),
+        row(
+            "rotation_tracking_rad",
+            "rotation",
+            "rad",
+            farthest(&r.estimated[1], &r.target[1]),
+            l.rotation_tracking_rad,
+        ),
+    ]
+}

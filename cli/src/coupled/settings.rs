@@ -1,0 +1,387 @@
+//! What a test file declares, as core's loop wants it.
+
+use super::CoupledTest;
+use super::table::{CoupledCompensation, CoupledStructure, CoupledTable, SpreadTable};
+use crate::bench::with_floors;
+use crate::failure::Failure;
+use outerloop_core::coupled::{
+    Bounds, CoupledLoop, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
+    TrackerSettings, observed,
+};
+use outerloop_core::{Structure, modes};
+use plant::coupled::ActuatorPairSpec;
+use std::f64::consts::TAU;
+
+/// That the test can be run at all, whatever its compensation.
+///
+/// # Errors
+/// The first value that is refused, with what would be accepted.
+pub fn check(test: &CoupledTest) -> Result<(), String> {
+    structure_shape(&test.coupled.structure)?;
+    let physical = &test.coupled.specimen;
+    for (name, m) in [
+        ("stiffness", &physical.stiffness),
+        ("damping", &physical.damping),
+        ("mass", &physical.mass),
+    ] {
+        let crossed = name == "mass" && m[0][1] != 0.0;
+        if m[0][1] != m[1][0] || crossed || !m.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(format!(
+                "coupled.specimen.{name} = {m:?} is refused: accepted is a symmetric matrix{}",
+                if name == "mass" {
+                    " without cross terms"
+                } else {
+                    ""
+                }
+            ));
+        }
+    }
+    let actuators = &test.coupled.actuators;
+    actuators
+        .check("coupled.actuators")
+        .map_err(|e| e.to_string())?;
+    let spread = test.coupled.spread;
+    for (name, ratio) in [
+        ("slow_pole_ratio", spread.slow_pole_ratio),
+        ("fast_pole_ratio", spread.fast_pole_ratio),
+        ("lead_ratio", spread.lead_ratio),
+        ("path_lead_ratio", spread.path_lead_ratio),
+        ("natural_ratio", spread.natural_ratio),
+        ("gain_ratio", spread.gain_ratio),
+    ] {
+        if !(0.0..=0.5).contains(&ratio) {
+            return Err(format!(
+                "coupled.spread.{name} = {ratio} is refused: accepted are 0 to 0.5"
+            ));
+        }
+    }
+    let limits = &test.coupled.limits;
+    for (name, value) in limits.named() {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(format!(
+                "coupled.limits.{name} = {value} is refused: accepted are numbers above 0"
+            ));
+        }
+    }
+    let noise_mm = test.coupled.noise_mm;
+    if !(noise_mm > 0.0 && noise_mm < 1e3) {
+        return Err(format!(
+            "coupled.noise_mm = {noise_mm} is refused: accepted are numbers above 0, below 1000"
+        ));
+    }
+    let observer = test.coupled.observer;
+    if !(observer.noise_ratio > 0.0 && observer.noise_ratio < 1.0) {
+        return Err(format!(
+            "coupled.observer.noise_ratio = {} is refused: accepted are numbers above 0, below 1",
+            observer.noise_ratio
+        ));
+    }
+    if let Some(p) = observer.process.iter().find(|p| !(**p > 0.0)) {
+        return Err(format!(
+            "coupled.observer.process = {p} is refused: accepted are numbers above 0"
+        ));
+    }
+    for kind in CoupledCompensation::ALL {
+        with_floors!(test.coordinates(), N => of::<N>(test, kind).map(drop))
+            .map_err(|e| e.to_string())?;
+    }
+    Ok(())
+}
+
+impl super::table::CoupledLimits {
+    /// Every limit that is a magnitude, by its key.
+    fn named(&self) -> [(&'static str, f64); 13] {
+        [
+            ("stroke_m", self.stroke_m),
+            ("velocity_m_per_s", self.velocity_m_per_s),
+            ("force_n", self.force_n),
+            ("tracking_m", self.tracking_m),
+            ("x_m", self.x_m),
+            ("x_velocity_m_per_s", self.x_velocity_m_per_s),
+            ("x_force_n", self.x_force_n),
+            ("x_tracking_m", self.x_tracking_m),
+            ("rotation_rad", self.rotation_rad),
+            (
+                "rotation_velocity_rad_per_s",
+                self.rotation_velocity_rad_per_s,
+            ),
+            ("moment_n_m", self.moment_n_m),
+            ("rotation_tracking_rad", self.rotation_tracking_rad),
+            ("frozen_m", self.frozen_m),
+        ]
+    }
+}
+
+/// That every list has a value for every coordinate.
+fn structure_shape(s: &CoupledStructure) -> Result<(), String> {
+    let n = s.coordinates.len();
+    if !(2..=8).contains(&n) {
+        return Err(format!(
+            "coupled.structure.coordinates has {n} names: accepted are 2 to 8"
+        ));
+    }
+    for (i, name) in s.coordinates.iter().enumerate() {
+        let wanted = match i {
+            0 => name.ends_with("_m"),
+            1 => name.ends_with("_rad"),
+            _ => name.ends_with("_m") || name.ends_with("_rad"),
+        };
+        if !wanted || name.contains([',', ' ', '"']) {
+            return Err(format!(
+                "coupled.structure.coordinates has \"{name}\" at place {}: accepted are names that end with _m or _rad, first a \
+                 displacement (_m), then a rotation (_rad)",
+                i + 1
+            ));
+        }
+    }
+    for (name, m) in [("mass", &s.mass), ("stiffness", &s.stiffness)] {
+        let square = m.len() == n && m.iter().all(|row| row.len() == n);
+        let fine =
+            square && (0..n).all(|i| (0..n).all(|j| m[i][j].is_finite() && m[i][j] == m[j][i]));
+        if !fine {
+            return Err(format!(
+                "coupled.structure.{name} = {m:?} is refused: accepted is a symmetric matrix of {n} rows and {n} columns, as \
+                 many as coordinates"
+            ));
+        }
+    }
+    for j in 0..n {
+        let moved = s.influence.as_ref().map_or(0.0, |list| list.at(j));
+        if !(moved.abs() <= 1e3) {
+            return Err(format!(
+                "coupled.structure.influence is {moved} for {}: accepted are numbers from -1000 to 1000: one, or {n}",
+                s.coordinates[j]
+            ));
+        }
+        let ratio = s.damping_ratio.at(j);
+        if !(0.0..1.0).contains(&ratio) {
+            return Err(format!(
+                "coupled.structure.damping_ratio is {ratio} for mode {}: accepted are numbers from 0, below 1: one, or {n}",
+                j + 1
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The settings of the loop under a compensation.
+///
+/// # Errors
+/// The first value that core refuses.
+pub fn of<const N: usize>(
+    test: &CoupledTest,
+    kind: CoupledCompensation,
+) -> Result<CoupledSettings<N>, Failure> {
+    let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
+    let c = &test.coupled;
+    let limits = &c.limits;
+    let whole = structure::<N>(c)?;
+    let noise = |limit: f64| c.observer.noise_ratio * limit;
+    let target = [
+        observed(&whole, 0, noise(limits.x_m), c.observer.process[0]).map_err(refused)?,
+        observed(&whole, 1, noise(limits.rotation_rad), c.observer.process[1]).map_err(refused)?,
+    ];
+    let mut numerical = whole;
+    for (row, k) in numerical
+        .numerical_stiffness
+        .iter_mut()
+        .zip(&c.specimen.stiffness)
+    {
+        row.iter_mut().zip(k).for_each(|(all, part)| *all -= part);
+    }
+    for (row, k) in numerical.damping.iter_mut().zip(&c.specimen.damping) {
+        row.iter_mut().zip(k).for_each(|(all, part)| *all -= part);
+    }
+    for j in 0..2 {
+        numerical.physical_mass_kg[j] = c.specimen.mass[j][j];
+    }
+    // A rotation is as fast as what moves the pins, on the mean.
+    let arm_m = 0.5 * (c.coupler.pin_y_m[1] - c.coupler.pin_y_m[0]).abs();
+    let both = |x: f64| [x as f32, (x / arm_m) as f32];
+    let estimated = kind == CoupledCompensation::Coupled;
+    let settings = CoupledSettings {
+        structure: numerical,
+        tracker: TrackerSettings {
+            coupler: Coupler {
+                pin_x_m: c.coupler.pin_x_m.map(|x| x as f32),
+                pin_y_m: c.coupler.pin_y_m.map(|x| x as f32),
+            },
+            estimate: EstimatorSettings {
+                plant: plant(&c.actuators, kind == CoupledCompensation::Uncoupled),
+                spreads: if estimated {
+                    spreads(&c.actuators, &c.spread)
+                } else {
+                    Spreads::new()
+                },
+                noise_m: (1e-3 * c.noise_mm) as f32,
+                period_s: test.period_s() as f32,
+            },
+            inverse: kind != CoupledCompensation::None,
+            target,
+            ahead_s: 0.0,
+            trust_reading_hz: c.trust_reading_hz as f32,
+            stroke_limit_m: limits.stroke_m as f32,
+            interface_limit: [limits.x_m as f32, limits.rotation_rad as f32],
+        },
+        actuator: Bounds {
+            speed_per_s: limits.velocity_m_per_s as f32,
+            force: limits.force_n as f32,
+            tracking: limits.tracking_m as f32,
+        },
+        interface: [
+            Bounds {
+                speed_per_s: limits.x_velocity_m_per_s as f32,
+                force: limits.x_force_n as f32,
+                tracking: limits.x_tracking_m as f32,
+            },
+            Bounds {
+                speed_per_s: limits.rotation_velocity_rad_per_s as f32,
+                force: limits.moment_n_m as f32,
+                tracking: limits.rotation_tracking_rad as f32,
+            },
+        ],
+        approach_per_s: both(test.timing.approach_m_per_s),
+        hold_per_s2: both(test.timing.hold_deceleration_m_per_s2),
+        stale_steps: limits.stale_steps,
+        frozen_m: limits.frozen_m as f32,
+    };
+    CoupledLoop::new(&settings).map_err(refused)?;
+    Ok(settings)
+}
+
+/// The structure, laboratory and computer together.
+fn structure<const N: usize>(c: &CoupledTable) -> Result<Structure<N>, Failure> {
+    let s = &c.structure;
+    let square = |m: &[Vec<f64>]| std::array::from_fn(|i| std::array::from_fn(|j| m[i][j]));
+    let (mass, stiffness) = (square(&s.mass), square(&s.stiffness));
+    let (omegas, shapes) = modes::<N>(&mass, &stiffness).ok_or_else(|| {
+        Failure::input(
+            "coupled.structure.mass is refused: accepted is a positive definite matrix, and one with which the stiffness has \
+             frequencies",
+        )
+    })?;
+    if let Some(mode) = omegas.iter().position(|w| !(*w > 0.0)) {
+        return Err(Failure::input(format!(
+            "coupled.structure.stiffness leaves mode {} without a frequency: accepted is a positive definite matrix",
+            mode + 1
+        )));
+    }
+    // C = sum of 2 zeta omega (M phi) (M phi)^T: Chopra, Dynamics of Structures, section 11.4.
+    let mut damping = [[0.0; N]; N];
+    for r in 0..N {
+        let pushed: [f64; N] =
+            std::array::from_fn(|i| (0..N).map(|j| mass[i][j] * shapes[j][r]).sum());
+        let twice = 2.0 * s.damping_ratio.at(r) * omegas[r];
+        for (row, left) in damping.iter_mut().zip(pushed) {
+            row.iter_mut()
+                .zip(pushed)
+                .for_each(|(c, right)| *c += twice * left * right);
+        }
+    }
+    let influence = std::array::from_fn(|i| match &s.influence {
+        Some(list) => list.at(i),
+        None => f64::from(u8::from(s.coordinates[i].ends_with("_m"))),
+    });
+    Ok(Structure {
+        mass,
+        damping,
+        stiffness,
+        numerical_stiffness: stiffness,
+        influence,
+        physical: 2,
+        physical_mass_kg: [0.0; N],
+    })
+}
+
+/// Natural frequencies of the whole structure, Hz, from the lowest.
+///
+/// # Errors
+/// A structure that is refused.
+pub fn natural_frequencies_hz(test: &CoupledTest) -> Result<Vec<f64>, Failure> {
+    with_floors!(test.coordinates(), N => {
+        let whole = structure::<N>(&test.coupled)?;
+        let w = whole
+            .natural_frequencies_rad_per_s()
+            .map_err(|e| Failure::input(e.to_string()))?;
+        Ok(w.iter().map(|w| w / TAU).collect())
+    })
+}
+
+/// The actuators as core has them; `alone`: without what one feels of the other.
+fn plant(a: &ActuatorPairSpec, alone: bool) -> Plant {
+    let single = |m: &[[f64; 2]; 2], factor: f64| m.map(|row| row.map(|x| (factor * x) as f32));
+    let (mut gain, mut path_lead_s) = (single(&a.gain, 1.0), single(&a.path_lead_ms, 1e-3));
+    if alone {
+        for m in [&mut gain, &mut path_lead_s] {
+            (m[0][1], m[1][0]) = (0.0, 0.0);
+        }
+    }
+    Plant {
+        gain,
+        slow_pole_rad_per_s: a.slow_pole_hz.map(|hz| (TAU * hz) as f32),
+        fast_pole_rad_per_s: a.fast_pole_hz.map(|hz| (TAU * hz) as f32),
+        lead_s: single(&a.lead_ms, 1e-3),
+        path_lead_s,
+        natural_rad_per_s: (TAU * a.natural_hz) as f32,
+        damping_ratio: a.damping_ratio as f32,
+        delay_s: a.delay_ms.map(|ms| (1e-3 * ms) as f32),
+    }
+}
+
+/// What is estimated: every number that is there and has a spread.
+fn spreads(a: &ActuatorPairSpec, s: &SpreadTable) -> Spreads {
+    use Parameter::{FastPole, Gain, Lead, NaturalFrequency, PathLead, SlowPole};
+    let pairs = [(0, 0), (0, 1), (1, 0), (1, 1)];
+    let mut all: Vec<(Parameter, f64)> = Vec::new();
+    for j in 0..2 {
+        all.push((SlowPole(j), s.slow_pole_ratio));
+        all.push((FastPole(j), s.fast_pole_ratio));
+    }
+    all.push((NaturalFrequency, s.natural_ratio));
+    for (i, j) in pairs {
+        if a.lead_ms[i][j] != 0.0 {
+            all.push((Lead(i, j), s.lead_ratio));
+        }
+        if a.path_lead_ms[i][j] != 0.0 {
+            all.push((PathLead(i, j), s.path_lead_ratio));
+        }
+        if a.gain[i][j] != 0.0 {
+            all.push((Gain(i, j), s.gain_ratio));
+        }
+    }
+    all.into_iter()
+        .filter(|(_, spread)| *spread > 0.0)
+        .map(|(p, spread)| (p, spread as f32))
+        .collect()
+}
+
+/// A number of the actuators: its key, its unit, and its value in a plant of core.
+type Named = (&'static str, &'static str, fn(&Plant) -> f32);
+
+/// The numbers of the actuators that a test may find out.
+pub const NAMED: [Named; 17] = [
+    ("slow_pole_hz.0", "Hz", |p| p.slow_pole_rad_per_s[0] / HZ),
+    ("slow_pole_hz.1", "Hz", |p| p.slow_pole_rad_per_s[1] / HZ),
+    ("fast_pole_hz.0", "Hz", |p| p.fast_pole_rad_per_s[0] / HZ),
+    ("fast_pole_hz.1", "Hz", |p| p.fast_pole_rad_per_s[1] / HZ),
+    ("natural_hz", "Hz", |p| p.natural_rad_per_s / HZ),
+    ("lead_ms.0.0", "ms", |p| 1e3 * p.lead_s[0][0]),
+    ("lead_ms.0.1", "ms", |p| 1e3 * p.lead_s[0][1]),
+    ("lead_ms.1.0", "ms", |p| 1e3 * p.lead_s[1][0]),
+    ("lead_ms.1.1", "ms", |p| 1e3 * p.lead_s[1][1]),
+    ("path_lead_ms.0.0", "ms", |p| 1e3 * p.path_lead_s[0][0]),
+    ("path_lead_ms.0.1", "ms", |p| 1e3 * p.path_lead_s[0][1]),
+    ("path_lead_ms.1.0", "ms", |p| 1e3 * p.path_lead_s[1][0]),
+    ("path_lead_ms.1.1", "ms", |p| 1e3 * p.path_lead_s[1][1]),
+    ("gain.0.0", "1", |p| p.gain[0][0]),
+    ("gain.0.1", "1", |p| p.gain[0][1]),
+    ("gain.1.0", "1", |p| p.gain[1][0]),
+    ("gain.1.1", "1", |p| p.gain[1][1]),
+];
+
+const HZ: f32 = std::f32::consts::TAU;
+
+/// The actuators as the file has them, as core would.
+pub fn plant_of(a: &ActuatorPairSpec) -> Plant {
+    plant(a, false)
+}

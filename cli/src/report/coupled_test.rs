@@ -1,0 +1,378 @@
+//! The pages of tests of two coupled actuators.
+
+use super::figures::{figure, time_plot};
+use super::plot::{
+    Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history,
+    path, plot,
+};
+use super::rths::table;
+use super::{Drawn, cannot, escape, page, tile};
+use crate::coupled::CoupledExperiment;
+use crate::coupled::planned::CoupledCheck;
+use crate::coupled::record::CoupledRecord;
+use crate::coupled::summary::CoupledSummary;
+use crate::coupled::trial::Ideal;
+use crate::failure::Failure;
+use crate::numbers::{length, three};
+use crate::soundness::Verdict as Soundness;
+use crate::summary::{Verdict, Worth};
+use crate::terminal::coupled_test::{
+    FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
+};
+use crate::terminal::{joule, percent};
+use std::fmt::Write as _;
+use std::ops::Range;
+
+/// A test as the page shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct CoupledSection<'a> {
+    /// What was tested.
+    pub experiment: &'a CoupledExperiment,
+    /// Its figures.
+    pub summary: &'a CoupledSummary,
+    /// Its record.
+    pub record: &'a CoupledRecord,
+    /// The ideal that it is compared with.
+    pub ideal: &'a Ideal,
+}
+
+/// The page of one test.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_coupled_run(s: &CoupledSection<'_>) -> Result<String, Failure> {
+    let body = || -> Drawn {
+        let found = s.summary.found.iter().map(found_row);
+        let numbers = if s.summary.found.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "<h2>What the test found out about the actuators</h2>{}",
+                table(&FOUND_HEAD, found)
+            )
+        };
+        Ok([
+            verdict(s.summary),
+            tiles(s.summary),
+            motion(s)?,
+            actuators(s)?,
+            loops(s)?,
+            numbers,
+            test_file(s.experiment),
+        ]
+        .concat())
+    };
+    let title = format!("Two coupled actuators under {}", s.summary.record);
+    Ok(page(&title, &lead(s), &body().map_err(cannot)?))
+}
+
+/// The page of a comparison: the interface and what is left of it under each compensation, then a row each.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_coupled_compare(sections: &[CoupledSection<'_>]) -> Result<String, Failure> {
+    let body = || -> Drawn {
+        let mut html = String::new();
+        for group in sections.chunk_by(|a, b| a.summary.record == b.summary.record) {
+            let Some(first) = group.first() else { continue };
+            let _ = write!(html, "<h2>{}</h2>", escape(&first.summary.record));
+            html += &beside(group)?;
+            let rows = group.iter().map(|s| summary_row(s.summary));
+            html += &table(&SUMMARY_HEAD, rows);
+        }
+        if let Some(first) = sections.first() {
+            html += &test_file(first.experiment);
+        }
+        Ok(html)
+    };
+    let lead = sections
+        .first()
+        .map_or_else(String::new, |s| setting(s) + ".");
+    let lead = format!("{lead} A simulated rig: a real one is less kind.");
+    let title = "Two coupled actuators under several compensations";
+    Ok(page(title, &lead, &body().map_err(cannot)?))
+}
+
+/// The page of a check.
+///
+/// # Errors
+/// The drawing library's.
+pub fn of_coupled_check(c: &CoupledCheck, planned: &CoupledSection<'_>) -> Result<String, Failure> {
+    let body = || -> Drawn {
+        let class = match c.verdict {
+            Soundness::Stable => "good",
+            Soundness::Doubtful => "fair",
+            Soundness::Unstable => "bad",
+        };
+        let says = format!(
+            "<p class=\"verdict {class}\"><b>{}</b>: {}.</p>",
+            c.verdict.name().to_uppercase(),
+            escape(c.reason.trim_end_matches('.'))
+        );
+        let tiles = [
+            tile(
+                percent(c.expected_eps_rms),
+                "expected rms error, worst coordinate (Eq 18)",
+            ),
+            tile(
+                percent(c.expected_eps_rms_differing),
+                "the same, worst of the rigs that differ",
+            ),
+            tile(
+                format!("{} of {}", c.lost, c.plants),
+                "rigs that differ on which the test is lost",
+            ),
+        ];
+        Ok([
+            says,
+            format!("<div class=\"tiles\">{}</div>", tiles.concat()),
+            "<h2>The limits, and what the planned motion takes of them</h2>".into(),
+            table(&LIMIT_HEAD, c.limits.iter().map(limit_row)),
+            motion(planned)?,
+            test_file(planned.experiment),
+        ]
+        .concat())
+    };
+    let title = format!("May this test be run? {}", planned.summary.record);
+    Ok(page(&title, &lead(planned), &body().map_err(cannot)?))
+}
+
+fn lead(s: &CoupledSection<'_>) -> String {
+    format!(
+        "{}, compensation <b>{}</b>. A simulated rig: a real one is less kind.",
+        setting(s),
+        s.summary.compensation,
+    )
+}
+
+/// What is tested, and how long.
+fn setting(s: &CoupledSection<'_>) -> String {
+    format!(
+        "Two coupled actuators move the interface of {} degrees of freedom in x and in rotation, {} Hz, in real time. {:.1} s of \
+         {}{}",
+        s.summary.coordinates.len(),
+        s.summary.rate_hz,
+        s.experiment.shaken.seconds,
+        escape(&s.summary.record),
+        match s.summary.record_scale {
+            1.0 => String::new(),
+            scale => format!(" times {scale:.3}"),
+        },
+    )
+}
+
+fn verdict(s: &CoupledSummary) -> String {
+    let class = match s.worth() {
+        Worth::Good => "good",
+        Worth::Fair => "fair",
+        Worth::Bad => "bad",
+    };
+    format!("<p class=\"verdict {class}\">{}</p>", escape(&s.sentence()))
+}
+
+fn tiles(s: &CoupledSummary) -> String {
+    let [first, second] = s.tracking_rms_by_actuator;
+    let tiles = [
+        tile(
+            percent(s.eps_rms),
+            "rms error, of the largest ideal motion of the worst coordinate (Eq 18)",
+        ),
+        tile(percent(s.eps_max), "largest error (Eq 17)"),
+        tile(length(s.peak_displacement_m), "largest displacement in x"),
+        tile(
+            format!("{} mrad", three(1e3 * s.peak_rotation_rad)),
+            "largest rotation",
+        ),
+        tile(
+            format!("{} / {}", percent(first), percent(second)),
+            "true strokes less targets, rms of the targets', actuator 1 / 2",
+        ),
+        tile(
+            joule(s.energy_error_j),
+            "energy error of the actuators (Eq 12); negative: put in",
+        ),
+    ];
+    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+}
+
+/// Half of the closer look, s.
+const HALF_LOOK_S: f64 = 1.5;
+/// A test that ran away is shown up to so many times the ideal peak.
+const SHOWN_BEYOND: f64 = 3.0;
+
+/// The samples around the largest ideal displacement in x.
+fn look(s: &CoupledSection<'_>) -> Range<usize> {
+    let x = &s.ideal.motion[0];
+    let peak = (0..x.len())
+        .max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs()))
+        .unwrap_or(0);
+    let (half, n) = ((HALF_LOOK_S * s.record.rate_hz) as usize, s.record.len());
+    peak.saturating_sub(half).min(n)..(peak + half).min(n)
+}
+
+fn over(
+    s: &CoupledSection<'_>,
+    range: Range<usize>,
+    value: impl Fn(usize) -> f64,
+) -> Vec<(f64, f64)> {
+    let rate = s.record.rate_hz;
+    history(range.len(), |k| {
+        let i = range.start + k;
+        (i as f64 / rate, value(i) * 1e3)
+    })
+}
+
+/// A coordinate's name without its unit, and the unit as it is drawn.
+fn axis(name: &str) -> (String, &'static str) {
+    match name.strip_suffix("_rad") {
+        Some(name) => (name.replace('_', " "), "mrad"),
+        None => (name.trim_end_matches("_m").replace('_', " "), "mm"),
+    }
+}
+
+fn shape(s: &CoupledSection<'_>, shape: Shape, j: usize) -> Shape {
+    match s.summary.verdict {
+        Verdict::Diverged | Verdict::Tripped => shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peak(j)),
+        Verdict::Completed | Verdict::Stopped => shape,
+    }
+}
+
+/// Every coordinate over its ideal; of the interface a closer look and the error, too.
+fn motion(s: &CoupledSection<'_>) -> Drawn {
+    let mut html = String::from("<h2>Where the structure went</h2>");
+    let whole = 0..s.record.len();
+    for (j, name) in s.summary.coordinates.iter().enumerate() {
+        let (name, unit) = axis(name);
+        let (target, ideal) = (&s.record.target[j], &s.ideal.motion[j]);
+        let both = |range: Range<usize>| {
+            [
+                Curve::new(IDEAL, over(s, range.clone(), |i| f64::from(ideal[i])))
+                    .named("ideal actuators")
+                    .broad(),
+                Curve::new(TESTED, over(s, range, |i| f64::from(target[i]))).named("test"),
+            ]
+        };
+        let label = format!("{name} [{unit}]");
+        let caption = format!("{name}: the test, over the response with ideal actuators.");
+        html += &time_plot(
+            shape(s, if j == 0 { TALL } else { WIDE }, j),
+            &label,
+            &both(whole.clone()),
+            &caption,
+        )?;
+        if j < 2 {
+            let caption = format!("{name}: three seconds around the largest displacement.");
+            html += &time_plot(shape(s, WIDE, j), &label, &both(look(s)), &caption)?;
+            let left = over(s, whole.clone(), |i| f64::from(target[i] - ideal[i]));
+            let label = format!("error [{unit}]");
+            let caption = format!("{name}: what is left, test less ideal.");
+            html += &time_plot(
+                shape(s, WIDE, j),
+                &label,
+                &[Curve::new(WRONG, left)],
+                &caption,
+            )?;
+        }
+    }
+    Ok(html)
+}
+
+/// Each actuator around the largest displacement: where it is to be, what it was sent, where it was.
+fn actuators(s: &CoupledSection<'_>) -> Drawn {
+    let mut html = String::from("<h2>What the actuators did</h2>");
+    for i in 0..2 {
+        let of = |x: &[f32]| over(s, look(s), |k| f64::from(x[k]));
+        let curves = [
+            Curve::new(IDEAL, of(&s.record.wanted_m[i]))
+                .named("target")
+                .broad(),
+            Curve::new(WRONG, of(&s.record.command_m[i])).named("command"),
+            Curve::new(TESTED, of(&s.record.true_stroke_m[i])).named("true stroke"),
+        ];
+        let caption = format!(
+            "Actuator {}: the command leads, so that the stroke is on its target. Three seconds around the largest displacement.",
+            i + 1
+        );
+        html += &time_plot(shape(s, WIDE, 0), "stroke [mm]", &curves, &caption)?;
+    }
+    Ok(html)
+}
+
+/// Force over displacement and moment over rotation, as measured.
+fn loops(s: &CoupledSection<'_>) -> Drawn {
+    let mut html = String::from("<h2>What the specimen answered</h2><div class=\"pair\">");
+    for (i, (x, y, caption)) in [
+        ("x [mm]", "force [kN]", "Force along x over x, as measured."),
+        (
+            "rotation [mrad]",
+            "moment [kN m]",
+            "Moment over rotation, as measured.",
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (at, force) = (&s.record.displacement[i], &s.record.force[i]);
+        let points = path(at.len(), |k| {
+            (1e3 * f64::from(at[k]), 1e-3 * f64::from(force[k]))
+        });
+        let svg = plot(HALF, x, y, &[Curve::new(TESTED, points)])?;
+        html += &figure(&svg, caption);
+    }
+    Ok(html + "</div>")
+}
+
+/// The curves of a comparison.
+const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
+
+/// x and rotation of several tests of one ground motion around the largest displacement, the best first.
+fn beside(group: &[CoupledSection<'_>]) -> Drawn {
+    let mut ranked: Vec<&CoupledSection<'_>> = group.iter().collect();
+    let wrong =
+        |s: &CoupledSection<'_>| (s.summary.verdict != Verdict::Completed, s.summary.eps_rms);
+    ranked.sort_by(|a, b| {
+        let (a, b) = (wrong(a), wrong(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let Some(best) = ranked.first() else {
+        return Ok(String::new());
+    };
+    let mut html = format!(
+        "<p class=\"verdict {}\"><b>{}</b> is nearest to ideal actuators: {}</p>",
+        if best.summary.worth() == Worth::Bad {
+            "bad"
+        } else {
+            "good"
+        },
+        best.summary.compensation,
+        escape(&best.summary.sentence())
+    );
+    for j in 0..2 {
+        let (name, unit) = axis(&best.summary.coordinates[j]);
+        let ideal = &best.ideal.motion[j];
+        let mut curves = vec![
+            Curve::new(IDEAL, over(best, look(best), |i| f64::from(ideal[i])))
+                .named("ideal actuators")
+                .broad(),
+        ];
+        // The best last, on top of the others.
+        for (s, colour) in ranked.iter().zip(BESIDE).rev() {
+            let range = look(best);
+            let range = range.start.min(s.record.len())..range.end.min(s.record.len());
+            let target = &s.record.target[j];
+            let points = over(s, range, |i| f64::from(target[i]));
+            curves.push(Curve::new(colour, points).named(s.summary.compensation));
+        }
+        let within = WIDE.within(SHOWN_BEYOND * 1e3 * best.ideal.peak(j));
+        let caption = format!("{name}: three seconds around the largest displacement.");
+        html += &time_plot(within, &format!("{name} [{unit}]"), &curves, &caption)?;
+    }
+    Ok(html)
+}
+
+fn test_file(e: &CoupledExperiment) -> String {
+    format!(
+        "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
+        escape(e.test.text.trim())
+    )
+}

@@ -1,0 +1,327 @@
+//! `run`, `compare` and `check` of a test of two coupled actuators.
+
+use super::{Common, json};
+use crate::coupled::planned::{self, CoupledCheck};
+use crate::coupled::record::CoupledRecord;
+use crate::coupled::summary::CoupledSummary;
+use crate::coupled::table::CoupledCompensation;
+use crate::coupled::trial::{self, Ideal, Trial};
+use crate::coupled::{CoupledExperiment, CoupledTest};
+use crate::failure::Failure;
+use crate::files::ground_motion::GroundMotionFile;
+use crate::files::near_fault::near_fault;
+use crate::files::output;
+use crate::numbers::{percent, si};
+use crate::provenance::{Told, note_seed};
+use crate::report::{self, CoupledSection};
+use crate::soundness::Verdict;
+use crate::stability::perturbed::Spread;
+use crate::summary::Worth;
+use crate::terminal::coupled_test::{
+    FOUND_HEAD, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
+};
+use crate::terminal::{self, Progress, plot, table};
+use crate::trace::Response;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+impl Common {
+    /// The test, where it is one of two coupled actuators.
+    pub(super) fn coupled(&self) -> Result<Option<CoupledTest>, Failure> {
+        note_seed(self.seed);
+        CoupledTest::of(&self.test, &self.overrides)
+    }
+
+    fn coupled_on(
+        &self,
+        test: &CoupledTest,
+        named: Option<&Path>,
+    ) -> Result<CoupledExperiment, Failure> {
+        let shaking = match named.or(test.excitation.record.as_deref()) {
+            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
+            None => near_fault(),
+        };
+        CoupledExperiment::new(test.clone(), &shaking, self.duration)
+    }
+}
+
+/// That nothing was asked for that such a test does not have.
+///
+/// # Errors
+/// The first that was.
+pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
+    match asked.iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((option, _)) => Err(Failure::input(format!(
+            "{option} has no meaning for a test of two coupled actuators, [coupled]: accepted are run, compare and check on the \
+             simulated rig; no board has their loop yet, and no archive keeps them"
+        ))),
+    }
+}
+
+/// A compensation by its name.
+fn kind(name: &str) -> Result<CoupledCompensation, Failure> {
+    CoupledCompensation::named(name).ok_or_else(|| {
+        let names: Vec<&str> = CoupledCompensation::ALL.iter().map(|c| c.name()).collect();
+        Failure::input(format!(
+            "the compensation `{name}` is unknown to coupled actuators: accepted are {}",
+            names.join(", ")
+        ))
+    })
+}
+
+/// What is asked of one test.
+pub(super) struct Asked<'a> {
+    /// What all verbs have in common.
+    pub common: &'a Common,
+    /// The ground motion.
+    pub record: Option<&'a Path>,
+    /// The compensation, instead of the file's.
+    pub compensation: Option<&'a str>,
+    /// Where results go.
+    pub out: Option<&'a Path>,
+    /// Whether the picture is wanted, terminal or not.
+    pub plot: bool,
+}
+
+/// One test.
+///
+/// # Errors
+/// Bad input, or a test that tripped, ran away, or is not the structure's response.
+pub(super) fn run(test: &CoupledTest, asked: &Asked<'_>) -> Result<(), Failure> {
+    let kind = asked
+        .compensation
+        .map_or(Ok(test.coupled.compensation), kind)?;
+    let common = asked.common;
+    let experiment = common.coupled_on(test, asked.record)?;
+    let (ideal, trial) = terminal::while_waiting(&experiment.record, || {
+        let ideal = trial::ideal(&experiment)?;
+        let trial = trial::run(&experiment, kind, &ideal, common.seed)?;
+        Ok::<_, Failure>((ideal, trial))
+    })?;
+    let summary = CoupledSummary::of(&experiment, kind, &ideal, &trial)?;
+    let told = Told::seeded(&summary, common.seed);
+    if let Some(folder) = asked.out {
+        let page = report::of_coupled_run(&CoupledSection {
+            experiment: &experiment,
+            summary: &summary,
+            record: &trial.record,
+            ideal: &ideal,
+        })?;
+        output::write_all(
+            folder,
+            &[
+                ("report.html", page),
+                ("record.csv", trial.record.to_csv()),
+                ("summary.json", json(&told)?),
+            ],
+        )?;
+    }
+    if common.json {
+        answer!("{}", json(&told)?);
+        return summary.outcome();
+    }
+    println!("{}", in_words(&experiment, &summary));
+    print(std::slice::from_ref(&summary));
+    if !summary.found.is_empty() {
+        let mut found = table(&FOUND_HEAD);
+        found.add_rows(summary.found.iter().map(found_row));
+        println!("{found}\n");
+    }
+    if asked.plot || plot::columns().is_some() {
+        println!("{}\n", picture(&experiment, &ideal, &trial.record));
+    }
+    if summary.outcome().is_ok() {
+        println!("{}", summary.sentence());
+    }
+    if let Some(folder) = asked.out {
+        println!("Look at {}", folder.join("report.html").display());
+    }
+    summary.outcome()
+}
+
+fn in_words(e: &CoupledExperiment, s: &CoupledSummary) -> String {
+    let hz: Vec<String> = s
+        .natural_frequencies_hz
+        .iter()
+        .map(|hz| crate::numbers::three(*hz))
+        .collect();
+    format!(
+        "{} of {}, on a structure of {} Hz that two coupled actuators move in x and in rotation (a simulated rig).",
+        si(e.shaken.seconds, "s"),
+        e.record,
+        hz.join(", ")
+    )
+}
+
+fn print(rows: &[CoupledSummary]) {
+    for group in rows.chunk_by(|a, b| a.record == b.record) {
+        if group.len() < rows.len() {
+            println!("{}", group[0].record);
+        }
+        let mut t = table(&SUMMARY_HEAD);
+        t.add_rows(group.iter().map(summary_row));
+        println!("{t}");
+    }
+    println!("{LEGEND}\n");
+}
+
+/// x of the interface in the terminal.
+fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledRecord) -> String {
+    let of = |x: &[f32]| {
+        let mut response = Response::new(1);
+        x.iter().for_each(|u| response.push(&[*u]));
+        response
+    };
+    plot::response(
+        &of(&ideal.motion[0]),
+        &of(&record.target[0]),
+        e.test.period_s(),
+    )
+}
+
+/// The same test under several compensations.
+///
+/// # Errors
+/// Bad input; no row that is the structure's response.
+pub(super) fn compare(
+    test: &CoupledTest,
+    common: &Common,
+    (records, names): (&[PathBuf], &[String]),
+    out: Option<&Path>,
+) -> Result<(), Failure> {
+    let kinds = match names {
+        [] => CoupledCompensation::ALL.to_vec(),
+        names => names.iter().map(|n| kind(n)).collect::<Result<_, _>>()?,
+    };
+    let experiments = match records {
+        [] => vec![common.coupled_on(test, None)?],
+        files => files
+            .iter()
+            .map(|f| common.coupled_on(test, Some(f)))
+            .collect::<Result<_, _>>()?,
+    };
+    let ideals = experiments
+        .iter()
+        .map(trial::ideal)
+        .collect::<Result<Vec<_>, _>>()?;
+    let pairs: Vec<(usize, CoupledCompensation)> = (0..experiments.len())
+        .flat_map(|e| kinds.iter().map(move |k| (e, *k)))
+        .collect();
+    let progress = Progress::over("compare", pairs.len() as u64);
+    let runs: Vec<(usize, CoupledSummary, Trial)> = pairs
+        .into_par_iter()
+        .map(|(e, kind)| {
+            let trial = trial::run(&experiments[e], kind, &ideals[e], common.seed)?;
+            let summary = CoupledSummary::of(&experiments[e], kind, &ideals[e], &trial)?;
+            progress.add(1);
+            Ok((e, summary, trial))
+        })
+        .collect::<Result<_, Failure>>()?;
+    drop(progress);
+    let rows: Vec<CoupledSummary> = runs.iter().map(|(_, s, _)| s.clone()).collect();
+    let all = serde_json::json!({ "rows": rows });
+    let told = Told::seeded(&all, common.seed);
+    if let Some(folder) = out {
+        let sections: Vec<CoupledSection<'_>> = runs
+            .iter()
+            .map(|(e, summary, trial)| CoupledSection {
+                experiment: &experiments[*e],
+                summary,
+                record: &trial.record,
+                ideal: &ideals[*e],
+            })
+            .collect();
+        let page = report::of_coupled_compare(&sections)?;
+        output::write_all(
+            folder,
+            &[("report.html", page), ("compare.json", json(&told)?)],
+        )?;
+    }
+    if common.json {
+        answer!("{}", json(&told)?);
+    } else {
+        print(&rows);
+        if let Some(folder) = out {
+            println!("Look at {}", folder.join("report.html").display());
+        }
+    }
+    if rows.iter().all(|r| r.worth() == Worth::Bad) {
+        return Err(Failure::test(
+            "no compensation gave the structure's response in this test",
+        ));
+    }
+    Ok(())
+}
+
+/// What is asked of a check.
+pub(super) struct AskedCheck<'a> {
+    /// The ground motion.
+    pub shaking: GroundMotionFile,
+    /// The compensation, instead of the file's.
+    pub compensation: Option<&'a str>,
+    /// How rigs differ.
+    pub spread: Spread,
+    /// Where results go.
+    pub out: Option<&'a Path>,
+    /// JSON alone.
+    pub json: bool,
+}
+
+/// Whether the test may be run.
+///
+/// # Errors
+/// Bad input; a test that may not be run.
+pub(super) fn check(test: &CoupledTest, asked: &AskedCheck<'_>) -> Result<(), Failure> {
+    let kind = asked
+        .compensation
+        .map_or(Ok(test.coupled.compensation), kind)?;
+    let experiment = CoupledExperiment::new(test.clone(), &asked.shaking, None)?;
+    let (check, ideal, trial) = {
+        let progress = Progress::over("rigs", asked.spread.plants as u64);
+        planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
+    };
+    let told = Told::seeded(&check, asked.spread.seed);
+    if let Some(folder) = asked.out {
+        let section = CoupledSection {
+            experiment: &experiment,
+            summary: &check.planned,
+            record: &trial.record,
+            ideal: &ideal,
+        };
+        let page = report::of_coupled_check(&check, &section)?;
+        output::write_all(
+            folder,
+            &[("report.html", page), ("check.json", json(&told)?)],
+        )?;
+    }
+    if asked.json {
+        answer!("{}", json(&told)?);
+    } else {
+        say(&experiment, &check);
+        if let Some(folder) = asked.out {
+            println!("Look at {}", folder.join("report.html").display());
+        }
+    }
+    let said = check.reason.clone();
+    match check.verdict {
+        Verdict::Stable => Ok(()),
+        Verdict::Doubtful => Err(Failure::test(said)),
+        Verdict::Unstable => Err(Failure::input(said)),
+    }
+}
+
+fn say(experiment: &CoupledExperiment, check: &CoupledCheck) {
+    println!("{}", in_words(experiment, &check.planned));
+    let mut limits = table(&LIMIT_HEAD);
+    limits.add_rows(check.limits.iter().map(limit_row));
+    println!(
+        "{limits}\n\n{} of {} rigs that differ are lost.\n{}: {}.\nExpected error: {} rms; at worst {} on a rig that differs.",
+        check.lost,
+        check.plants,
+        check.verdict.name().to_uppercase(),
+        check.reason.trim_end_matches('.'),
+        percent(check.expected_eps_rms),
+        percent(check.expected_eps_rms_differing),
+    );
+}

@@ -1,0 +1,341 @@
+//! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{command, json, json_with, outerloop, refused, root};
+use nalgebra::{SMatrix, SVector};
+use outerloop_cli::coupled::record::CoupledRecord;
+use outerloop_cli::coupled::summary::CoupledSummary;
+use outerloop_cli::coupled::table::CoupledCompensation;
+use outerloop_cli::coupled::trial::{self, Ideal};
+use outerloop_cli::coupled::{CoupledExperiment, CoupledTest};
+use outerloop_cli::files::near_fault::near_fault;
+use outerloop_cli::summary::Verdict;
+use plant::linear::Linear;
+
+const EXAMPLE: &str = "examples/coupled-frame.toml";
+/// A rig without noise, without the brace and with actuators that are where they are sent.
+const EXACT: [&str; 5] = [
+    "plant.coupled.ideal=true",
+    "plant.coupled.specimen.springs=[]",
+    "plant.sensors.displacement_noise_mm=0",
+    "plant.sensors.force_noise_n=0",
+    "coupled.compensation=none",
+];
+
+fn experiment(overrides: &[&str]) -> CoupledExperiment {
+    let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
+    let test = CoupledTest::of(&root().join(EXAMPLE), &overrides);
+    CoupledExperiment::new(test.unwrap().unwrap(), &near_fault(), Some(12.0)).unwrap()
+}
+
+fn run(overrides: &[&str]) -> (CoupledExperiment, Ideal, CoupledRecord, CoupledSummary) {
+    let e = experiment(overrides);
+    let kind = e.test.coupled.compensation;
+    let ideal = trial::ideal(&e).unwrap();
+    let trial = trial::run(&e, kind, &ideal, 1).unwrap();
+    let summary = CoupledSummary::of(&e, kind, &ideal, &trial).unwrap();
+    (e, ideal, trial.record, summary)
+}
+
+#[test]
+fn without_actuator_error_it_is_the_exact_solution() {
+    let (e, ideal, record, summary) = run(&EXACT);
+    assert!(summary.eps_max < 1e-5, "{}", summary.eps_max);
+    // u'' = M^-1 (-K u - C u') - iota a_g, the ground along straight lines between the samples.
+    let s = &e.test.coupled.structure;
+    let square = |m: &[Vec<f64>]| SMatrix::<f64, 2, 2>::from_fn(|i, j| m[i][j]);
+    let (mass, stiffness) = (square(&s.mass), square(&s.stiffness));
+    let (m, k) = ([[1000.0, 0.0], [0.0, 60.0]], stiffness);
+    assert_eq!(mass, SMatrix::from_fn(|i, j| m[i][j]));
+    // The same damping ratio in both modes: C = 2 zeta M sqrt(M^-1 K).
+    let root_m = SMatrix::<f64, 2, 2>::from_diagonal(&mass.diagonal().map(f64::sqrt));
+    let per_root = SMatrix::<f64, 2, 2>::from_diagonal(&mass.diagonal().map(|x| 1.0 / x.sqrt()));
+    let modes = (per_root * k * per_root).symmetric_eigen();
+    let w = SMatrix::<f64, 2, 2>::from_diagonal(&modes.eigenvalues.map(f64::sqrt));
+    let c = root_m * modes.eigenvectors * w * modes.eigenvectors.transpose() * root_m * 0.08;
+    let inverse = mass.try_inverse().unwrap();
+    let mut a = SMatrix::<f64, 4, 4>::zeros();
+    a.fixed_view_mut::<2, 2>(0, 2).fill_with_identity();
+    a.fixed_view_mut::<2, 2>(2, 0).copy_from(&(-inverse * k));
+    a.fixed_view_mut::<2, 2>(2, 2).copy_from(&(-inverse * c));
+    let mut b = SMatrix::<f64, 4, 1>::zeros();
+    b[2] = -1.0;
+    let mut exact = Linear::new(&a, &b, e.test.period_s());
+    for n in 0..record.len() {
+        for j in 0..2 {
+            let off = (exact.state[j] - f64::from(record.target[j][n])).abs();
+            assert!(off < 4e-3 * ideal.peak(j), "{n} {j}: {off}");
+        }
+        let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
+        let next = (n + 1).min(record.len() - 1);
+        exact.step(&at(n), &at(next));
+    }
+}
+
+#[test]
+fn a_shaking_turned_round_turns_everything_round() {
+    // With pins beside the interface point a rotation of either sign moves them alike.
+    let quiet = [
+        "coupled.coupler.pin_x_m=[0,0]",
+        "plant.sensors.displacement_noise_mm=0",
+        "plant.sensors.force_noise_n=0",
+    ];
+    let plus = run(&quiet).2;
+    let mut e = experiment(&quiet);
+    e.shaken.acc_m_per_s2.iter_mut().for_each(|a| *a = -*a);
+    let kind = CoupledCompensation::Coupled;
+    let minus = trial::run(&e, kind, &trial::ideal(&e).unwrap(), 1)
+        .unwrap()
+        .record;
+    for (a, b) in [
+        (&plus.target[0], &minus.target[0]),
+        (&plus.target[1], &minus.target[1]),
+        (&plus.command_m[1], &minus.command_m[1]),
+        (&plus.force[1], &minus.force[1]),
+    ] {
+        assert!(a.len() > 12_000 && a.len() == b.len());
+        let peak = a.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
+        let off = a
+            .iter()
+            .zip(b)
+            .fold(0.0_f32, |m, (x, y)| m.max((x + y).abs()));
+        assert!(off < 1e-4 * peak, "{off} of {peak}");
+    }
+}
+
+#[test]
+fn energies_balance_over_the_interface() {
+    let (_, _, record, summary) = run(&["coupled.compensation=coupled-fixed"]);
+    // Eq 12 less HSEM is what is left of R (u_m - u_c) at the end: its increments add up to it.
+    let last = record.len() - 1;
+    let left: f64 = (0..2)
+        .map(|i| {
+            let error =
+                |n: usize| f64::from(record.displacement[i][n]) - f64::from(record.target[i][n]);
+            f64::from(record.force[i][last]) * error(last)
+                - f64::from(record.force[i][0]) * error(0)
+        })
+        .sum();
+    let balance = summary.energy_error_j - summary.energy_error_hsem_j - left;
+    assert!(
+        balance.abs() < 1e-6 * summary.energy_error_j.abs(),
+        "{balance}"
+    );
+    // The actuators do the work on their strokes that force and moment do on x and rotation.
+    let (mut strokes, mut interface, mut turned) = (0.0, 0.0, 0.0);
+    for n in 1..record.len() {
+        let work = |force: &[f32], at: &[f32]| {
+            0.5 * (f64::from(force[n]) + f64::from(force[n - 1]))
+                * (f64::from(at[n]) - f64::from(at[n - 1]))
+        };
+        for i in 0..2 {
+            strokes += work(&record.actuator_n[i], &record.true_stroke_m[i]);
+            interface += work(&record.force[i], &record.truth[i]);
+            turned += work(&record.force[i], &record.truth[i]).abs();
+        }
+    }
+    assert!(
+        (strokes - interface).abs() < 2e-3 * turned,
+        "{strokes} {interface} of {turned}"
+    );
+}
+
+#[test]
+fn with_a_coupling_that_vanishes_x_moves_as_one_degree_of_freedom() {
+    let stiffness = [
+        "coupled.structure.stiffness=[[208e3,1],[1,192e3]]",
+        "coupled.specimen.stiffness=[[104e3,0],[0,96e3]]",
+    ];
+    let overrides = [&EXACT[..], &stiffness[..]].concat();
+    let (e, ideal, record, _) = run(&overrides);
+    assert!(ideal.peak(1) < 1e-3 * ideal.peak(0));
+    let w: f64 = 208.0_f64.sqrt();
+    let a = SMatrix::<f64, 2, 2>::new(0.0, 1.0, -w * w, -0.08 * w);
+    let b = SMatrix::<f64, 2, 1>::new(0.0, -1.0);
+    let mut exact = Linear::new(&a, &b, e.test.period_s());
+    for n in 0..record.len() - 1 {
+        let off = (exact.state[0] - f64::from(record.target[0][n])).abs();
+        assert!(off < 2e-3 * ideal.peak(0), "{n}: {off}");
+        let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
+        exact.step(&at(n), &at(n + 1));
+    }
+}
+
+#[test]
+fn knowing_the_coupling_is_worth_what_the_comparison_says() {
+    let eps = |kind: &str| run(&[&format!("coupled.compensation={kind}")]).3;
+    let [none, uncoupled, fixed, coupled] =
+        ["none", "uncoupled", "coupled-fixed", "coupled"].map(eps);
+    assert_ne!(none.verdict, Verdict::Completed);
+    assert!(coupled.eps_rms < 0.01, "{}", coupled.eps_rms);
+    assert!(fixed.eps_rms > 2.0 * coupled.eps_rms || fixed.verdict != Verdict::Completed);
+    assert!(uncoupled.verdict != Verdict::Completed || uncoupled.eps_rms > fixed.eps_rms);
+    // What is estimated comes nearer to the rig than what was declared.
+    for name in ["slow_pole_hz.0", "slow_pole_hz.1"] {
+        let f = coupled.found.iter().find(|f| f.name == name).unwrap();
+        let (before, after) = (
+            (f.declared - f.simulated).abs(),
+            (f.found - f.simulated).abs(),
+        );
+        assert!(after < 0.5 * before, "{f:?}");
+    }
+}
+
+#[test]
+fn interlocks_act_in_both_systems_of_coordinates_and_say_which() {
+    for (limit, fault, axis) in [
+        ("stroke_m=0.02", "displacement", "actuator"),
+        ("velocity_m_per_s=0.2", "velocity", "actuator"),
+        ("force_n=500", "force", "actuator"),
+        ("x_m=0.01", "displacement", "x"),
+        ("x_velocity_m_per_s=0.1", "velocity", "x"),
+        ("x_force_n=500", "force", "x"),
+        ("x_tracking_m=0.00005", "tracking", "x"),
+        ("rotation_rad=0.003", "displacement", "rotation"),
+        ("rotation_velocity_rad_per_s=0.03", "velocity", "rotation"),
+        ("moment_n_m=40", "force", "rotation"),
+    ] {
+        let set = format!("coupled.limits.{limit}");
+        let said = json_with(1, &["run", EXAMPLE, "--json", "--set", &set]);
+        assert_eq!(said["verdict"], "tripped", "{limit}");
+        assert_eq!(said["trip"], fault, "{limit}");
+        let of = said["trip_axis"].as_str().unwrap();
+        assert!(of.starts_with(axis), "{limit}: {of}");
+    }
+}
+
+#[test]
+fn results_have_the_keys_of_other_tests_and_the_record_both_systems() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let said = json(&["run", EXAMPLE, "--json", "--duration", "5", "--out", out]);
+    for key in [
+        "record",
+        "compensation",
+        "steps",
+        "rate_hz",
+        "verdict",
+        "trip",
+        "eps_max",
+        "eps_rms",
+        "peak_displacement_m",
+        "mean_added_damping_ratio",
+        "energy_error_j",
+        "energy_error_hsem_j",
+        "energy_error_stiffness_j",
+        "wall_s",
+        "provenance",
+        "seed",
+    ] {
+        assert!(said.get(key).is_some(), "{key}");
+    }
+    let record = std::fs::read_to_string(folder.path().join("record.csv")).unwrap();
+    let head = record.lines().next().unwrap();
+    for name in [
+        "target_m",
+        "displacement_m",
+        "force_n",
+        "target2_rad",
+        "displacement2_rad",
+        "force2_n_m",
+        "actuator_command_m",
+        "actuator_displacement2_m",
+        "actuator_force2_n",
+    ] {
+        assert!(head.split(',').any(|c| c == name), "{name} in {head}");
+    }
+    assert_eq!(record.lines().count(), 1 + 5 * 1024);
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("What the actuators did") && !page.contains("NaN"));
+
+    let model = folder.path().join("model.toml");
+    let declared = "[coupled]\ncoordinates = [\"x_m\", \"rotation_rad\"]\n\
+         mass = [[{ value = 0, tolerance = 1 }, { value = 0, tolerance = 0.1 }], [{ value = 0, tolerance = 0.1 }, { value = 0, tolerance = 0.1 }]]\n\
+         damping = [[{ value = 0, tolerance = 50 }, { value = 0, tolerance = 50 }], [{ value = 0, tolerance = 50 }, { value = 0, tolerance = 50 }]]\n\
+         stiffness = [[{ value = 104e3, tolerance = 2e3 }, { value = 30e3, tolerance = 1e3 }], [{ value = 30e3, tolerance = 1e3 }, { value = 96e3, tolerance = 2e3 }]]\n";
+    std::fs::write(&model, declared).unwrap();
+    let record = folder.path().join("record.csv");
+    let record = record.to_str().unwrap();
+    let (train, test) = (format!("{record}@0..2.5"), format!("{record}@2.5.."));
+    let model = model.to_str().unwrap();
+    let found = json(&[
+        "diagnose", "--model", model, "--train", &train, "--test", &test, "--json",
+    ]);
+    assert_eq!(found["coordinates"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn compare_ranks_and_check_says_what_the_limits_leave() {
+    let rows = json(&["compare", EXAMPLE, "--json", "--duration", "8"]);
+    assert_eq!(rows["rows"].as_array().unwrap().len(), 4);
+    let arguments = ["check", EXAMPLE, "--plants", "4", "--json"];
+    let said = json(&arguments);
+    assert_eq!(said["verdict"], "stable", "{}", said["reason"]);
+    assert!(said["expected_eps_rms"].as_f64().unwrap() < 0.02);
+    let tight = [&arguments[..], &["--set", "coupled.limits.x_m=0.021"]].concat();
+    let said = json_with(1, &tight);
+    assert_eq!(said["verdict"], "doubtful", "{}", said["reason"]);
+    let wrong = [&arguments[..], &["--compensation", "none"]].concat();
+    assert_eq!(json_with(2, &wrong)["verdict"], "unstable");
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_sentence() {
+    let set = |assignment: &str, words: &[&str]| {
+        refused(&["run", EXAMPLE, "--set", assignment], words);
+    };
+    set(
+        "coupled.structure.stiffness=[[1,2],[3,4]]",
+        &["coupled.structure.stiffness", "symmetric"],
+    );
+    set(
+        "coupled.structure.coordinates=[\"a_rad\",\"b_m\"]",
+        &["coordinates", "first a displacement"],
+    );
+    set(
+        "coupled.limits.force_n=0",
+        &["coupled.limits.force_n = 0", "above 0"],
+    );
+    set(
+        "coupled.coupler.pin_y_m=[0.1,0.1]",
+        &["coupled.coupler.pin_y_m", "apart"],
+    );
+    set(
+        "coupled.actuators.gain=[[1,1],[1,1]]",
+        &["gain", "inverted"],
+    );
+    set(
+        "coupled.actuators.delay_ms=[90,0]",
+        &["delay", "60 sampling periods"],
+    );
+    set(
+        "coupled.compensation=paper",
+        &["compensation", "coupled-fixed"],
+    );
+    set(
+        "plant.coupled.specimen.mass=[[1,2],[3,4]]",
+        &["plant.coupled.specimen.mass", "symmetric"],
+    );
+    set("loop.time_scale=2", &["loop.time_scale", "real time"]);
+    set("structure.mass_kg=1", &["structure", "beside [coupled]"]);
+    let none = "two coupled actuators";
+    refused(&["run", EXAMPLE, "--emulated"], &["--emulated", none]);
+    refused(&["run", EXAMPLE, "--archive", "a.h5"], &["--archive", none]);
+    refused(&["compare", EXAMPLE, "--bench"], &["--bench", none]);
+    refused(&["monte-carlo", EXAMPLE], &["run, compare and check"]);
+    refused(
+        &["run", EXAMPLE, "--compensation", "paper"],
+        &["paper", "coupled-fixed"],
+    );
+    let output = command(&["new", "--from", "coupled-frame", "/dev/null"])
+        .output()
+        .unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(2),
+        "what is there is not overwritten"
+    );
+    assert!(String::from_utf8_lossy(&outerloop(&["keys"]).stdout).contains("coupled.limits"));
+}
