@@ -1,13 +1,8 @@
-//! A test file with a table `[coupled]`, and its test on a ground motion.
+//! A test file with a table `[coupled]`.
 
-use super::settings;
 use super::table::CoupledTable;
-use crate::experiment::{self, Shaken};
-use crate::failure::Failure;
-use crate::files::ground_motion::GroundMotionFile;
-use crate::files::test::{Excitation, parse, part, typed};
+use crate::files::test::{Excitation, part, typed};
 use crate::files::units;
-use outerloop_core::GroundMotion;
 use outerloop_core::config::Timing;
 use plant::coupled::{CoupledRig, CoupledRigSpec};
 use plant::measurement::SensorsSpec;
@@ -42,40 +37,11 @@ struct PlantTable {
 }
 
 impl CoupledTest {
-    /// Reads `path` with the overrides `PATH=VALUE`; `None` where it is a test of another kind, or cannot be read at all.
+    /// The test of a table; records that it names are relative to `folder`.
     ///
     /// # Errors
     /// A key or value that cannot be used.
-    pub fn of(path: &Path, overrides: &[String]) -> Result<Option<Self>, Failure> {
-        let Ok(text) = std::fs::read_to_string(path) else {
-            return Ok(None);
-        };
-        if !text
-            .parse::<Table>()
-            .is_ok_and(|t| t.contains_key("coupled"))
-        {
-            return Ok(None);
-        }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&text, &path.display().to_string(), folder, overrides).map(Some)
-    }
-
-    /// Reads `text`, which came from `file`; records that it names are relative to `folder`.
-    ///
-    /// # Errors
-    /// A key or value that cannot be used.
-    pub fn parse(
-        text: &str,
-        file: &str,
-        folder: &Path,
-        overrides: &[String],
-    ) -> Result<Self, Failure> {
-        parse(text, file, overrides, |table| {
-            Self::from_table(table, folder)
-        })
-    }
-
-    fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
+    pub(super) fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
         let text = toml::to_string(&table).unwrap_or_default();
         units::convert(&mut table)?;
         let declared = table
@@ -116,7 +82,6 @@ impl CoupledTest {
             0,
         )
         .map_err(|e| e.to_string())?;
-        settings::check(&test)?;
         Ok(test)
     }
 
@@ -153,67 +118,4 @@ fn as_declared(plant: Option<Value>, declared: &Value) -> Value {
         }
     }
     Value::Table(plant)
-}
-
-/// A test and what shakes it.
-#[derive(Clone, Debug)]
-pub struct CoupledExperiment {
-    /// What is tested.
-    pub test: CoupledTest,
-    /// Name of the ground motion.
-    pub record: String,
-    /// What is laid under the test.
-    pub shaken: Shaken,
-    /// Factor on the ground motion.
-    pub scale: f64,
-}
-
-impl CoupledExperiment {
-    /// Lays `test` over `shaking`.
-    ///
-    /// # Errors
-    /// A duration that is refused; a ground motion that cannot be laid out, or that moves nothing where its factor is sought.
-    pub fn new(
-        test: CoupledTest,
-        shaking: &GroundMotionFile,
-        duration_s: Option<f64>,
-    ) -> Result<Self, Failure> {
-        let mut experiment = Self {
-            shaken: experiment::shaken(&test.excitation, shaking, duration_s)?,
-            record: shaking.name.clone(),
-            scale: test.excitation.scale,
-            test,
-        };
-        if let Some(peak_mm) = experiment.test.excitation.peak_response_mm {
-            let mut linear = experiment.clone();
-            linear.test.rig.specimen.springs.clear();
-            let peak_m = super::trial::ideal(&linear)?.peak(0);
-            experiment.scale = 1e-3 * peak_mm / peak_m;
-        }
-        let factor = experiment.scale as f32;
-        for point in &mut experiment.shaken.acc_m_per_s2 {
-            *point *= factor;
-        }
-        Ok(experiment)
-    }
-
-    /// Control steps of the running test.
-    pub fn steps(&self) -> usize {
-        (self.shaken.seconds * self.test.timing.rate_hz).round() as usize
-    }
-
-    /// What shakes the structure, step by step.
-    ///
-    /// # Errors
-    /// An interval that cannot be laid over the steps.
-    pub fn ground(&self) -> Result<GroundMotion<'_>, Failure> {
-        let period_s = self.test.period_s();
-        let interval_s = self.shaken.interval_s;
-        GroundMotion::new(&self.shaken.acc_m_per_s2, interval_s, period_s).ok_or_else(|| {
-            Failure::input(format!(
-                "{}: an interval of {interval_s} s cannot be laid over steps of {period_s} s",
-                self.record
-            ))
-        })
-    }
 }

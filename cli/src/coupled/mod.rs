@@ -3,19 +3,21 @@
 //! | look in | for |
 //! |---|---|
 //! | [`table`] | what the table holds |
-//! | [`CoupledTest`] | a whole test file of this kind, and how it is laid over a ground motion |
+//! | [`load`] | from a file to a test, and to a test on a ground motion |
+//! | [`file`](mod@file) | a whole test file of this kind |
+//! | [`experiment`] | a test on a ground motion |
 //! | [`settings`] | the same as core's loop wants it |
 //! | [`trial`] | the test on the simulated rig, and its ideal |
 //! | [`record`] | what it leaves: every quantity in both systems of coordinates |
 //! | [`summary`] | the figures and the verdict |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 
-mod file;
+pub mod experiment;
+pub mod file;
+pub mod load;
 pub mod planned;
 pub mod record;
 pub mod settings;
 pub mod summary;
 pub mod table;
 pub mod trial;
-
-pub use file::{CoupledExperiment, CoupledTest};

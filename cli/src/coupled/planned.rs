@@ -1,6 +1,6 @@
 //! Whether a test of two coupled actuators may be run: the declared rig, rigs that differ from it, and the limits.
 
-use super::file::CoupledExperiment;
+use super::experiment::CoupledExperiment;
 use super::summary::CoupledSummary;
 use super::table::CoupledCompensation;
 use super::trial::{self, Ideal, Trial};

@@ -1,8 +1,10 @@
 //! What a test file declares, as core's loop wants it.
 
-use super::CoupledTest;
-use super::table::{CoupledCompensation, CoupledStructure, CoupledTable, SpreadTable};
-use crate::bench::with_floors;
+use super::file::CoupledTest;
+use super::table::{
+    CoupledCompensation, CoupledLimits, CoupledStructure, CoupledTable, SpreadTable,
+};
+use crate::bench::interface::with_floors;
 use crate::failure::Failure;
 use outerloop_core::coupled::{
     Bounds, CoupledLoop, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
@@ -88,7 +90,7 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
     Ok(())
 }
 
-impl super::table::CoupledLimits {
+impl CoupledLimits {
     /// Every limit that is a magnitude, by its key.
     fn named(&self) -> [(&'static str, f64); 13] {
         [

@@ -1,6 +1,6 @@
 //! What a test of two coupled actuators is judged by, in figures and in words.
 
-use super::file::CoupledExperiment;
+use super::experiment::CoupledExperiment;
 use super::settings::{NAMED, natural_frequencies_hz, plant_of};
 use super::table::CoupledCompensation;
 use super::trial::{Ideal, Trial};

@@ -1,10 +1,10 @@
 //! A test of two coupled actuators on the simulated rig, and the ideal that it is compared with.
 
-use super::file::CoupledExperiment;
+use super::experiment::CoupledExperiment;
 use super::record::CoupledRecord;
 use super::settings;
 use super::table::CoupledCompensation;
-use crate::bench::with_floors;
+use crate::bench::interface::with_floors;
 use crate::failure::Failure;
 use outerloop_core::coupled::{CoupledLoop, Plant};
 use outerloop_core::{Coefficients, Event, Fault, GroundMotion, Mode, Newmark, Sample, Trip};

@@ -1,7 +1,7 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
 use super::source::Kind;
-use crate::coupled::CoupledTest;
+use crate::coupled::load;
 use crate::files::test::TestFile;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ fn refusal(overrides: &[&str]) -> Option<String> {
         .collect();
     let coupled = |o: &&String| o.starts_with("coupled") || o.starts_with("plant.coupled");
     let refused = if overrides.iter().any(|o| coupled(&o)) {
-        CoupledTest::parse(COUPLED, "test", Path::new(""), &overrides).err()
+        load::parse(COUPLED, "test", Path::new(""), &overrides).err()
     } else {
         TestFile::parse(PLAIN, "test", Path::new(""), &overrides).err()
     };

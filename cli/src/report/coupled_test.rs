@@ -1,25 +1,24 @@
 //! The pages of tests of two coupled actuators.
 
 use super::figures::{figure, time_plot};
+use super::page::{Drawn, cannot, escape, page, tile};
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history,
     path, plot,
 };
 use super::rths::table;
-use super::{Drawn, cannot, escape, page, tile};
-use crate::coupled::CoupledExperiment;
+use crate::coupled::experiment::CoupledExperiment;
 use crate::coupled::planned::CoupledCheck;
 use crate::coupled::record::CoupledRecord;
 use crate::coupled::summary::CoupledSummary;
 use crate::coupled::trial::Ideal;
 use crate::failure::Failure;
-use crate::numbers::{length, three};
+use crate::numbers::{joule, length, percent, three};
 use crate::soundness::Verdict as Soundness;
 use crate::summary::{Verdict, Worth};
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
-use crate::terminal::{joule, percent};
 use std::fmt::Write as _;
 use std::ops::Range;
 

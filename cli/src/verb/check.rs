@@ -4,7 +4,7 @@ mod many;
 
 use super::coupled::AskedCheck;
 use super::{Motion, json, method};
-use crate::coupled::CoupledTest;
+use crate::coupled::load;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
@@ -93,7 +93,7 @@ impl Check {
         let path = self.test.as_deref().unwrap_or(Path::new(""));
         let spread = self.spread()?;
         note_seed(self.seed);
-        if let Some(test) = CoupledTest::of(path, &self.overrides)? {
+        if let Some(test) = load::test(path, &self.overrides)? {
             let asked = AskedCheck {
                 shaking: self.shaking(test.excitation.record.as_deref())?,
                 compensation: self.compensation.as_deref(),

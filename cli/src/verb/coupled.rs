@@ -1,12 +1,14 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
 use super::{Common, json};
+use crate::coupled::experiment::CoupledExperiment;
+use crate::coupled::file::CoupledTest;
+use crate::coupled::load;
 use crate::coupled::planned::{self, CoupledCheck};
 use crate::coupled::record::CoupledRecord;
 use crate::coupled::summary::CoupledSummary;
 use crate::coupled::table::CoupledCompensation;
 use crate::coupled::trial::{self, Ideal, Trial};
-use crate::coupled::{CoupledExperiment, CoupledTest};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::near_fault::near_fault;
@@ -29,7 +31,7 @@ impl Common {
     /// The test, where it is one of two coupled actuators.
     pub(super) fn coupled(&self) -> Result<Option<CoupledTest>, Failure> {
         note_seed(self.seed);
-        CoupledTest::of(&self.test, &self.overrides)
+        load::test(&self.test, &self.overrides)
     }
 
     fn coupled_on(
@@ -41,7 +43,7 @@ impl Common {
             Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
             None => near_fault(),
         };
-        CoupledExperiment::new(test.clone(), &shaking, self.duration)
+        load::experiment(test.clone(), &shaking, self.duration)
     }
 }
 
@@ -276,7 +278,7 @@ pub(super) fn check(test: &CoupledTest, asked: &AskedCheck<'_>) -> Result<(), Fa
     let kind = asked
         .compensation
         .map_or(Ok(test.coupled.compensation), kind)?;
-    let experiment = CoupledExperiment::new(test.clone(), &asked.shaking, None)?;
+    let experiment = load::experiment(test.clone(), &asked.shaking, None)?;
     let (check, ideal, trial) = {
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?

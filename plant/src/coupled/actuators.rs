@@ -1,6 +1,6 @@
 //! Two actuators that feel each other: a 2 x 2 transfer function from commands to strokes.
 
-use super::{Pair, within};
+use super::pair::{Pair, within};
 use crate::delay_line::DelayLine;
 use crate::error::RigError;
 use crate::linear::Linear;

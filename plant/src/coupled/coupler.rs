@@ -1,6 +1,6 @@
 //! The geometry of a coupler that two actuators move in x and in rotation, in f64 and without linearisation.
 
-use super::{Pair, within};
+use super::pair::{Pair, within};
 use crate::error::RigError;
 use serde::{Deserialize, Serialize};
 

@@ -18,29 +18,12 @@
 
 mod actuators;
 mod coupler;
+mod pair;
 mod rig;
 mod specimen;
 
 pub use actuators::{ActuatorPair, ActuatorPairSpec};
 pub use coupler::CouplerSpec;
+pub use pair::Pair;
 pub use rig::{CoupledReading, CoupledRig, CoupledRigSpec};
 pub use specimen::{CoupledSpecimen, CoupledSpecimenSpec, SpringSpec};
-
-/// A value for each actuator, or for x and rotation.
-pub type Pair = [f64; 2];
-
-use crate::error::RigError;
-
-/// That `value` is finite and in `range`.
-fn within(
-    path: String,
-    value: f64,
-    range: std::ops::RangeInclusive<f64>,
-    accepted: &str,
-) -> Result<(), RigError> {
-    if range.contains(&value) {
-        Ok(())
-    } else {
-        Err(RigError::new(path, value, accepted))
-    }
-}

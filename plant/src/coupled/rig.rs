@@ -2,8 +2,8 @@
 
 use super::actuators::{ActuatorPair, ActuatorPairSpec};
 use super::coupler::CouplerSpec;
+use super::pair::{Pair, within};
 use super::specimen::{CoupledSpecimen, CoupledSpecimenSpec};
-use super::{Pair, within};
 use crate::effect::additions;
 use crate::error::RigError;
 use crate::measurement::{Channels, SensorsSpec};

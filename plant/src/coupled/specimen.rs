@@ -1,6 +1,6 @@
 //! What two coupled actuators move: mass, damping and stiffness for x and rotation, and springs that yield.
 
-use super::{Pair, within};
+use super::pair::{Pair, within};
 use crate::error::RigError;
 use crate::kinematics::Kinematics;
 use crate::specimen::Bilinear;

@@ -1,0 +1,20 @@
+//! A value for each of the two, and that a value is in its range.
+
+use crate::error::RigError;
+
+/// A value for each actuator, or for x and rotation.
+pub type Pair = [f64; 2];
+
+/// That `value` is finite and in `range`.
+pub(super) fn within(
+    path: String,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    accepted: &str,
+) -> Result<(), RigError> {
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        Err(RigError::new(path, value, accepted))
+    }
+}
