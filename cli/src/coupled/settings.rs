@@ -78,7 +78,7 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
             observer.noise_ratio
         ));
     }
-    if let Some(p) = observer.process.iter().find(|p| !(**p > 0.0)) {
+    if let Some(p) = observer.process.iter().find(|p| p.is_nan() || **p <= 0.0) {
         return Err(format!(
             "coupled.observer.process = {p} is refused: accepted are numbers above 0"
         ));
@@ -149,7 +149,7 @@ fn structure_shape(s: &CoupledStructure) -> Result<(), String> {
     }
     for j in 0..n {
         let moved = s.influence.as_ref().map_or(0.0, |list| list.at(j));
-        if !(moved.abs() <= 1e3) {
+        if moved.is_nan() || moved.abs() > 1e3 {
             return Err(format!(
                 "coupled.structure.influence is {moved} for {}: accepted are numbers from -1000 to 1000: one, or {n}",
                 s.coordinates[j]
@@ -262,7 +262,7 @@ fn structure<const N: usize>(c: &CoupledTable) -> Result<Structure<N>, Failure> 
              frequencies",
         )
     })?;
-    if let Some(mode) = omegas.iter().position(|w| !(*w > 0.0)) {
+    if let Some(mode) = omegas.iter().position(|w| w.is_nan() || *w <= 0.0) {
         return Err(Failure::input(format!(
             "coupled.structure.stiffness leaves mode {} without a frequency: accepted is a positive definite matrix",
             mode + 1

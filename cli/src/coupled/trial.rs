@@ -168,7 +168,7 @@ fn run_of<const N: usize>(
             .displacement()
             .iter()
             .zip(&most)
-            .any(|(u, most)| !(f64::from(u.abs()) <= *most));
+            .any(|(u, most)| u.is_nan() || f64::from(u.abs()) > *most);
         if beyond && outer.state() != Mode::Tripped {
             ran_away = true;
             break;

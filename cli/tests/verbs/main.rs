@@ -9,6 +9,7 @@ mod benchmark_marths;
 mod benchmark_rths;
 mod check;
 mod command_line;
+mod coupled;
 mod diagnose;
 mod exit_status;
 mod formats;

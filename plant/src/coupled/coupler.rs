@@ -59,7 +59,7 @@ impl CouplerSpec {
             theta += turn;
             x += e0 - arms[0] * turn;
             // Strokes that no rotation has never settle: the loop that sees them trips on its tracking.
-            if !(turn.abs() > 1e-15) {
+            if turn.is_nan() || turn.abs() <= 1e-15 {
                 break;
             }
         }

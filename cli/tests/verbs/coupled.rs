@@ -1,9 +1,5 @@
 //! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
-#![allow(missing_docs)]
-
-mod common;
-
-use common::{command, json, json_with, outerloop, refused, root};
+use crate::common::{command, json, json_with, outerloop, refused, root};
 use nalgebra::{SMatrix, SVector};
 use outerloop_cli::coupled::experiment::CoupledExperiment;
 use outerloop_cli::coupled::load;
