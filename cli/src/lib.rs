@@ -11,6 +11,7 @@
 //! | [`summary`] | the figures and the verdict |
 //! | [`comparison`] | one bench for every compensation |
 //! | [`coupled`](mod@coupled) | tests of two coupled actuators: file, trial, record, figures |
+//! | [`orders`] | what an operator asked of a running test, for its replay |
 //! | [`sweep`] | a test over the values of one key, and fragility curves |
 //! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
@@ -54,6 +55,7 @@ pub mod files;
 pub mod judged;
 pub mod keys;
 pub mod numbers;
+pub mod orders;
 pub mod physical_part;
 pub mod provenance;
 pub mod report;

@@ -226,6 +226,10 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["verdict"], "stopped");
+    let archive = out.join("record.h5");
+    let found = common::json(&["replay", archive.to_str().unwrap(), "--json"]);
+    assert_eq!(found["values_different"], 0, "hold and all: {found}");
+    assert_eq!(found["steps"], summary["steps"]);
     let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
     let rows = record.lines().filter(|l| !l.starts_with('#')).count() - 1;
     assert_eq!(summary["steps"].as_u64().unwrap(), rows as u64, "kept");

@@ -9,6 +9,7 @@ use super::channels;
 use crate::experiment::{Experiment, Shaking};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::orders::Order;
 use crate::provenance::Provenance;
 use crate::summary::{Summary, Verdict};
 use crate::trace::Trace;
@@ -16,7 +17,7 @@ use crate::verb::place::Where;
 use hdf5_pure::File;
 use hdf5_pure::mat::builder::MatBuilder;
 use hdf5_pure::mat::{MatError, Options};
-use outerloop_core::{Config, Method};
+use outerloop_core::{Config, Event, Method};
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -44,6 +45,9 @@ pub struct Repeat {
     pub scale: f64,
     /// Interval of the points, s.
     pub interval_s: f64,
+    /// What the operator asked for, but for the stop that ended it: the length says that.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub orders: Vec<Order>,
 }
 
 /// Version of [`Repeat`].
@@ -60,6 +64,8 @@ pub struct Ran<'a> {
     pub place: Where,
     /// With which seed.
     pub seed: u64,
+    /// What the operator asked for.
+    pub orders: &'a [Order],
     /// Its figures.
     pub summary: &'a Summary,
     /// Its channels.
@@ -91,6 +97,9 @@ pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
         seconds,
         scale: ran.experiment.scale,
         interval_s: shaking.interval_s,
+        orders: (ran.orders.iter().copied())
+            .filter(|order| order.event != Event::Stop)
+            .collect(),
     };
     let text = json(&repeat)?;
     // An archive that could not be read back would be found out when it is too late.

@@ -3,6 +3,7 @@
 use super::place::{Place, Where};
 use crate::failure::Failure;
 use crate::files::{archive, channels};
+use crate::orders::Again;
 use crate::provenance::{self, Told};
 use crate::story::Site;
 use crate::terminal::Progress;
@@ -46,13 +47,23 @@ impl Replay {
                  with what result"
             )));
         }
+        let orders = &archived.repeat.orders;
+        if archived.repeat.place == Where::Emulated && !orders.is_empty() {
+            return Err(Failure::input(format!(
+                "{file}: was held or resumed by hand {} times on an emulated board, where an order travels over the link \
+                 and does not come at the same instant again: accepted are emulated tests that ran by themselves; the \
+                 summary in the file says whether the steps were the same when it ran",
+                orders.len()
+            )));
+        }
         let experiment = &archived.experiment;
         let place = Place::at(archived.repeat.place);
         let run = {
             let progress = Progress::over("replay", experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
             let (method, seed) = (archived.repeat.method, archived.repeat.seed);
-            place.run(experiment, method, &ideal, seed, true, progress.witness())?
+            let tell = (progress.witness(), Again::new(orders));
+            place.run(experiment, method, &ideal, seed, true, tell)?
         };
         let trace = run
             .trace

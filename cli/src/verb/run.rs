@@ -9,6 +9,7 @@ use crate::files::signal::Signal;
 use crate::files::test::TestFile;
 use crate::files::{model, output, record_csv};
 use crate::numbers::{length, three};
+use crate::orders::Noted;
 use crate::provenance::Told;
 use crate::report::{self, Section};
 use crate::rig::improvement;
@@ -117,11 +118,13 @@ impl Run {
             let simulated = self.place.kind() == Where::Simulated;
             let scope = self.scope.open(&title, rate_hz, simulated)?;
             let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
-            let tell = (progress.witness(), scope, &mut response);
+            let mut noted = Noted::new(scope);
+            let tell = (progress.witness(), &mut noted, &mut response);
             let seed = self.common.seed;
             let run = self
                 .place
                 .run(&experiment, kind, &ideal, seed, keep, tell)?;
+            let orders = noted.orders();
             if let Some(trace) = &run.trace {
                 self.write(
                     &Ran {
@@ -129,6 +132,7 @@ impl Run {
                         method: kind,
                         place: self.place.kind(),
                         seed,
+                        orders: &orders,
                         summary: &run.summary,
                         trace,
                     },
