@@ -12,6 +12,7 @@
 //! | [`comparison`] | one bench for every compensation |
 //! | [`coupled`](mod@coupled) | tests of two coupled actuators: file, trial, record, figures |
 //! | [`orders`] | what an operator asked of a running test, for its replay |
+//! | [`difference`] | two tests that ran, side by side |
 //! | [`sweep`] | a test over the values of one key, and fragility curves |
 //! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
 //! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
@@ -49,6 +50,7 @@ pub mod bench;
 pub mod board;
 pub mod comparison;
 pub mod coupled;
+pub mod difference;
 pub mod experiment;
 pub mod failure;
 pub mod files;

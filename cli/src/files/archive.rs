@@ -163,15 +163,21 @@ pub struct Archived {
     pub channels: Vec<(String, Vec<f32>)>,
     /// Control steps.
     pub steps: usize,
+    /// Flags of every control step.
+    pub flags: Vec<u32>,
+    /// Its figures, as `summary.json` has them.
+    pub summary: serde_json::Value,
     /// The version that wrote it.
     pub version: String,
 }
 
-/// Reads an archive.
+/// Reads an archive, or the `record.h5` of a folder that `run --out` wrote.
 ///
 /// # Errors
 /// A file that cannot be read or is none.
 pub fn load(path: &Path) -> Result<Archived, Failure> {
+    let within = path.join("record.h5");
+    let path = if path.is_dir() { &within } else { path };
     let bytes = super::decode::bytes(path)?;
     let file = path.display().to_string();
     if !hdf5_pure::is_hdf5_bytes(&bytes) {
@@ -217,7 +223,13 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
         plant: repeat.plant.clone(),
         ..test
     };
-    let mut trace = Trace::new(
+    let numbers = |name: &str| -> Result<Vec<u32>, String> {
+        h5.dataset(name)
+            .and_then(|d| d.read::<u32>())
+            .map_err(|e| format!("{name}: {e}"))
+    };
+    let summary = serde_json::from_str(&text("summary")?).map_err(|e| format!("summary: {e}"))?;
+    let trace = Trace::new(
         repeat.config.degrees_of_freedom(),
         repeat.config.timing.rate_hz,
     );
@@ -226,10 +238,6 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
         .into_iter()
         .map(|name| Ok((name.clone(), singles(&name)?)))
         .collect::<Result<Vec<_>, String>>()?;
-    trace.tick = h5
-        .dataset("tick_1")
-        .and_then(|d| d.read::<u32>())
-        .map_err(|e| format!("tick_1: {e}"))?;
     Ok(Archived {
         experiment: Experiment::again(
             test,
@@ -242,7 +250,9 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
             },
         ),
         repeat,
-        steps: trace.tick.len(),
+        steps: numbers("tick_1")?.len(),
+        flags: numbers("flags_1")?,
+        summary,
         channels,
         version: provenance["version"]
             .as_str()

@@ -7,6 +7,7 @@ pub mod compare;
 mod coupled;
 pub mod demo;
 pub mod diagnose;
+pub mod diff;
 pub mod effects;
 pub mod help;
 pub mod identify;
