@@ -1,9 +1,10 @@
 //! The declared model: what the laboratory believes of its rig, and what a diagnosis made of it.
 
-use super::{plain, read};
+use super::{plain, read, units};
 use crate::failure::Failure;
 use diagnosis::Model;
 use std::path::Path;
+use toml::{Table, Value};
 
 /// Reads and checks a model.
 ///
@@ -19,7 +20,11 @@ pub fn load(path: &Path) -> Result<Model, Failure> {
 /// As [`load`], but for the file.
 pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
     let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
-    let model: Model = toml::from_str(text).map_err(|e| {
+    let read = match with_units(text).map_err(|why| Failure::input(format!("{file}: {why}")))? {
+        Some(model) => Ok(model),
+        None => toml::from_str(text),
+    };
+    let model: Model = read.map_err(|e| {
         let at = e.span().map_or(1, |s| line(s.start));
         let said = match fit_vectors(text) {
             true => "its effects are amplitudes and shapes, as an earlier version wrote them: accepted are the parameters \
@@ -33,6 +38,20 @@ pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
         .check()
         .map_err(|e| Failure::input(format!("{file}: {e}")))?;
     Ok(model)
+}
+
+/// The model, where a value of it says its unit.
+fn with_units(text: &str) -> Result<Option<Model>, String> {
+    // What is no TOML is refused with its line by whoever reads it without units.
+    let Ok(table) = text.parse::<Table>() else {
+        return Ok(None);
+    };
+    let mut converted = table.clone();
+    units::convert(&mut converted)?;
+    if converted == table {
+        return Ok(None);
+    }
+    plain::typed("", Value::Table(converted)).map(Some)
 }
 
 /// True for a file whose effects are the inner numbers of a fit.
@@ -75,6 +94,28 @@ mod tests {
         let old = text.replace("force_n = 300.0", "amplitudes = [300.0]");
         let e = parse("m.toml", &old).unwrap_err().to_string();
         assert!(e.contains("as an earlier version wrote them"), "{e}");
+    }
+
+    #[test]
+    fn values_may_say_their_unit() {
+        let said = TEXT
+            .replace("158.0", "\"158 kN/m\"")
+            .replace("tolerance = 3", "tolerance = \"3000 N/m\"");
+        assert_eq!(
+            parse("m.toml", &said).unwrap(),
+            parse("m.toml", TEXT).unwrap()
+        );
+        for (unit, why) in [
+            ("\"158 kN\"", "kN is a force, and the key is a stiffness"),
+            ("\"158 furlong\"", "`furlong` is unknown"),
+        ] {
+            let e = parse("m.toml", &TEXT.replace("158.0", unit)).unwrap_err();
+            let e = e.to_string();
+            assert!(
+                e.contains("specimen.stiffness_n_per_mm.value") && e.contains(why),
+                "{e}"
+            );
+        }
     }
 
     #[test]

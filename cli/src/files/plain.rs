@@ -1,5 +1,8 @@
 //! What readers of files say, in words for who has never seen the code: a number, not `f64`.
 
+use serde::de::DeserializeOwned;
+use toml::Value;
+
 /// Rust's words and an engineer's.
 const WORDS: [(&str, &str); 10] = [
     ("expected f64", "expected a number"),
@@ -44,4 +47,24 @@ pub fn reason(e: &std::io::Error) -> String {
         Some((plain, _)) => plain.to_owned(),
         None => text,
     }
+}
+
+/// A table as what it should be, or where in it the mistake is.
+///
+/// # Errors
+/// A key or value that cannot be used, with its path.
+pub fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
+    serde_path_to_error::deserialize(value).map_err(|e| {
+        let path = match (root, e.path().to_string()) {
+            (root, inner) if inner == "." => root.to_owned(),
+            ("", inner) => inner,
+            (root, inner) => format!("{root}.{inner}"),
+        };
+        let said = sentence(e.inner().message());
+        if path.is_empty() {
+            said
+        } else {
+            format!("{path}: {said}")
+        }
+    })
 }

@@ -1,6 +1,7 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
-use super::{plain, read, units};
+use super::plain::{self, typed};
+use super::{read, units};
 use crate::failure::Failure;
 use crate::rig::declared::{self, Expected};
 use crate::serve::settings::Settings;
