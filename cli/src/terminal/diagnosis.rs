@@ -1,6 +1,6 @@
 //! A diagnosis on the terminal.
 
-use super::tables::table;
+use super::tables::{Table, table};
 use crate::numbers::percent;
 use crate::story::Story;
 use crate::wording::{
@@ -57,7 +57,7 @@ pub fn diagnosis(d: &Diagnosis) -> String {
 }
 
 /// One row a story.
-pub fn stories(stories: &[(String, &Story)]) -> comfy_table::Table {
+pub fn stories(stories: &[(String, &Story)]) -> Table {
     let mut t = table(&[
         "test",
         "undeclared",
@@ -88,7 +88,7 @@ pub fn stories(stories: &[(String, &Story)]) -> comfy_table::Table {
     t
 }
 
-fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {
+fn errors(channels: &[ChannelAnswer]) -> Table {
     let mut t = table(&[
         "channel",
         "verdict",
@@ -132,7 +132,7 @@ fn errors(channels: &[ChannelAnswer]) -> comfy_table::Table {
 }
 
 /// What the rest depends on.
-fn shares(a: &ChannelAnswer) -> Option<comfy_table::Table> {
+fn shares(a: &ChannelAnswer) -> Option<Table> {
     let r = a.remainder.as_ref()?;
     if r.shares.is_empty() && r.lines.is_empty() {
         return None;
@@ -162,7 +162,7 @@ fn shares(a: &ChannelAnswer) -> Option<comfy_table::Table> {
     Some(t)
 }
 
-fn tried(a: &ChannelAnswer) -> comfy_table::Table {
+fn tried(a: &ChannelAnswer) -> Table {
     let mut t = table(&[
         &format!("tried in the {}", a.channel.name()),
         "left, rms",

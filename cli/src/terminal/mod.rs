@@ -17,4 +17,4 @@ pub use diagnosis::{diagnosis, stories};
 pub use next::next;
 pub use progress::{Progress, Steps, while_waiting};
 pub use standings::{standings, standings_head, standings_row};
-pub use tables::{LEGEND, summaries, table};
+pub use tables::{LEGEND, Table, summaries, table};

@@ -1,6 +1,6 @@
 //! A designed test on the terminal.
 
-use super::tables::table;
+use super::tables::{Table, table};
 use crate::numbers::percent;
 use crate::wording::{self, digits, quantity};
 use comfy_table::CellAlignment;
@@ -26,7 +26,7 @@ pub fn next(n: &Next) -> String {
     text
 }
 
-fn phases(n: &Next) -> comfy_table::Table {
+fn phases(n: &Next) -> Table {
     let mut t = table(&[
         "phase of the next test",
         "amplitude",
@@ -54,7 +54,7 @@ fn phases(n: &Next) -> comfy_table::Table {
     t
 }
 
-fn predictions(o: &Outlook) -> comfy_table::Table {
+fn predictions(o: &Outlook) -> Table {
     let mut t = table(&[
         &format!("if it is, in the {},", o.channel.name()),
         "probability",
@@ -82,7 +82,7 @@ fn predictions(o: &Outlook) -> comfy_table::Table {
     t
 }
 
-fn narrowed(o: &Outlook) -> comfy_table::Table {
+fn narrowed(o: &Outlook) -> Table {
     let mut t = table(&[
         &format!("number of the {}", o.channel.name()),
         "value",

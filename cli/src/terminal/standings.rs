@@ -1,10 +1,9 @@
 //! The standings of the bench as a table.
 
-use super::tables::table;
+use super::tables::{Table, table};
 use crate::comparison::condition::Family;
 use crate::comparison::standing::Standing;
 use crate::numbers::percent;
-use comfy_table::Table;
 
 /// Heads of the columns.
 pub fn standings_head() -> Vec<&'static str> {

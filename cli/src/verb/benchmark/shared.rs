@@ -1,7 +1,8 @@
 //! What both benchmarks need.
 
 use crate::failure::Failure;
-use comfy_table::{CellAlignment, Table, TableComponent};
+use crate::terminal::Table;
+use comfy_table::{CellAlignment, TableComponent};
 use std::path::{Path, PathBuf};
 
 /// A benchmark that cannot be run.
