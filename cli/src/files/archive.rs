@@ -10,7 +10,7 @@ use crate::experiment::{Experiment, Shaking};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::orders::Order;
-use crate::provenance::Provenance;
+use crate::provenance::{Provenance, hash};
 use crate::summary::{Summary, Verdict};
 use crate::trace::Trace;
 use crate::verb::place::Where;
@@ -20,6 +20,7 @@ use hdf5_pure::mat::{MatError, Options};
 use outerloop_core::{Config, Event, Method};
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What has to be given to a test to repeat it, beside the points of its ground motion.
@@ -107,12 +108,15 @@ pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
     if back != repeat {
         return Err(cannot("its configuration does not read back as it is"));
     }
-    let texts = [
+    let mut texts = vec![
         ("test_file", ran.experiment.test.text.clone()),
         ("summary", json(ran.summary)?),
         ("provenance", json(Provenance::of_this_run())?),
         ("repeat", text),
     ];
+    let mut sums = sums_of_texts(&texts);
+    sums.extend(sums_of_numbers(ran.trace, shaking));
+    texts.push(("sha256", json(&sums)?));
     write(ran.trace, shaking, &texts).map_err(|e| cannot(&e.to_string()))
 }
 
@@ -152,6 +156,48 @@ fn write(
     file.finish()
 }
 
+/// SHA-256 of everything in an archive, by its name.
+type Sums = BTreeMap<String, String>;
+
+fn sums_of_texts(texts: &[(&str, String)]) -> Sums {
+    let sum = |(name, text): &(&str, String)| ((*name).to_owned(), hash(text.as_bytes()));
+    texts.iter().map(sum).collect()
+}
+
+fn sums_of_numbers(trace: &Trace, shaking: Shaking<'_>) -> Sums {
+    let time_s: Vec<u8> = (0..trace.len())
+        .flat_map(|i| trace.time_s(i).to_le_bytes())
+        .collect();
+    let mut sums = Sums::from([
+        ("time_s".to_owned(), hash(&time_s)),
+        (
+            "ground_motion_m_per_s2".to_owned(),
+            sum_of_singles(shaking.acc_m_per_s2),
+        ),
+    ]);
+    for channel in channels::of(trace) {
+        sums.insert(channel.name, sum_of_singles(channel.values));
+    }
+    for (name, values) in [
+        ("tick_1", &trace.tick),
+        ("step_1", &trace.step),
+        ("flags_1", &trace.flags),
+    ] {
+        sums.insert(name.to_owned(), sum_of_counts(values));
+    }
+    sums
+}
+
+fn sum_of_singles(values: &[f32]) -> String {
+    let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+    hash(&bytes)
+}
+
+fn sum_of_counts(values: &[u32]) -> String {
+    let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+    hash(&bytes)
+}
+
 /// A test as an archive holds it.
 #[derive(Clone, Debug)]
 pub struct Archived {
@@ -167,6 +213,8 @@ pub struct Archived {
     pub flags: Vec<u32>,
     /// Its figures, as `summary.json` has them.
     pub summary: serde_json::Value,
+    /// What is no longer as it was written, by its name.
+    pub changed: Vec<String>,
     /// The version that wrote it.
     pub version: String,
 }
@@ -194,13 +242,7 @@ pub fn load(path: &Path) -> Result<Archived, Failure> {
 
 fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
     let h5 = File::from_bytes(bytes).map_err(|e| e.to_string())?;
-    let text = |name: &str| -> Result<String, String> {
-        let units: Vec<u16> = h5
-            .dataset(name)
-            .and_then(|d| d.read::<u16>())
-            .map_err(|e| format!("{name}: {e}"))?;
-        String::from_utf16(&units).map_err(|e| format!("{name}: {e}"))
-    };
+    let text = |name: &str| text_of(&h5, name);
     let singles = |name: &str| -> Result<Vec<f32>, String> {
         h5.dataset(name)
             .and_then(|d| d.read::<f32>())
@@ -250,6 +292,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
             },
         ),
         repeat,
+        changed: changed(&h5, &channels)?,
         steps: numbers("tick_1")?.len(),
         flags: numbers("flags_1")?,
         summary,
@@ -259,6 +302,44 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
             .unwrap_or("not known")
             .to_owned(),
     })
+}
+
+/// What is no longer as it was written; nothing where an archive of an earlier version says no sums.
+fn changed(h5: &File, channels: &[(String, Vec<f32>)]) -> Result<Vec<String>, String> {
+    let Ok(written) = text_of(h5, "sha256") else {
+        return Ok(Vec::new());
+    };
+    let written: Sums = serde_json::from_str(&written).map_err(|e| format!("sha256: {e}"))?;
+    let same = |(name, sum): &(&String, &String)| {
+        let now = match name.as_str() {
+            "time_s" => {
+                let time_s = h5.dataset(name).and_then(|d| d.read::<f64>()).ok()?;
+                let bytes: Vec<u8> = time_s.iter().flat_map(|x| x.to_le_bytes()).collect();
+                hash(&bytes)
+            }
+            "tick_1" | "step_1" | "flags_1" => {
+                sum_of_counts(&h5.dataset(name).and_then(|d| d.read::<u32>()).ok()?)
+            }
+            "test_file" | "summary" | "provenance" | "repeat" => {
+                hash(text_of(h5, name).ok()?.as_bytes())
+            }
+            name => match channels.iter().find(|(own, _)| own == name) {
+                Some((_, values)) => sum_of_singles(values),
+                None => sum_of_singles(&h5.dataset(name).and_then(|d| d.read::<f32>()).ok()?),
+            },
+        };
+        (now == **sum).then_some(())
+    };
+    let others = written.iter().filter(|entry| same(entry).is_none());
+    Ok(others.map(|(name, _)| name.clone()).collect())
+}
+
+fn text_of(h5: &File, name: &str) -> Result<String, String> {
+    let units: Vec<u16> = h5
+        .dataset(name)
+        .and_then(|d| d.read::<u16>())
+        .map_err(|e| format!("{name}: {e}"))?;
+    String::from_utf16(&units).map_err(|e| format!("{name}: {e}"))
 }
 
 fn json(value: &impl Serialize) -> Result<String, Failure> {

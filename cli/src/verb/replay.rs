@@ -27,6 +27,8 @@ struct Found {
     steps: usize,
     channels: usize,
     values_different: usize,
+    /// What is no longer as it was written.
+    changed: Vec<String>,
     first_difference: Option<String>,
     archived_by: String,
     replayed_by: String,
@@ -73,6 +75,10 @@ impl Replay {
             answer!("{}", super::json(&Told::of(&found))?);
         }
         match &found.first_difference {
+            None if !found.changed.is_empty() => Err(Failure::test(format!(
+                "{file}: the steps are the same to the bit, and yet the file was changed after it was written: {}",
+                found.changed.join(", ")
+            ))),
             None => {
                 if !self.json {
                     println!(
@@ -117,6 +123,7 @@ fn compare(archived: &archive::Archived, trace: &Trace) -> Found {
         steps: archived.steps,
         channels: again.len(),
         values_different: different,
+        changed: archived.changed.clone(),
         first_difference: first.map(|(_, said)| said),
         archived_by: archived.version.clone(),
         replayed_by: provenance::version(),

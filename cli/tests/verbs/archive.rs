@@ -59,6 +59,29 @@ fn an_archived_test_is_worked_out_again_to_the_bit() {
     let first = found["first_difference"].as_str().unwrap();
     assert!(first.starts_with("force_n at step 1234"), "{first}");
 
+    // What no step depends on is held as well: a time, or a word of the summary.
+    let whole = std::fs::read(folder.path().join("out/record.h5")).unwrap();
+    let text = |word: &str| -> Vec<u8> { word.encode_utf16().flat_map(u16::to_le_bytes).collect() };
+    for (name, pattern, other) in [
+        (
+            "time_s",
+            0.0625_f64.to_le_bytes().to_vec(),
+            0.0626_f64.to_le_bytes().to_vec(),
+        ),
+        ("summary", text("\"completed\""), text("\"complxted\"")),
+    ] {
+        let mut forged = whole.clone();
+        let place = forged
+            .windows(pattern.len())
+            .position(|w| w == pattern)
+            .unwrap();
+        forged[place..place + other.len()].copy_from_slice(&other);
+        std::fs::write(&file, &forged).unwrap();
+        let found = json_with(1, &["replay", &file, "--json"]);
+        assert_eq!(found["values_different"], 0);
+        assert_eq!(found["changed"], serde_json::json!([name]));
+    }
+
     refused(&["replay", FRAME], &["steel-frame.toml", "is no archive"]);
     std::fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
     refused(&["replay", &file], &["cannot be replayed"]);
