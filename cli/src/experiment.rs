@@ -43,6 +43,8 @@ const USUAL_HZ: std::ops::RangeInclusive<f64> = 0.1..=50.0;
 
 /// Damping ratios above it are no structure's.
 const USUAL_DAMPING: f64 = 0.2;
+/// A mean above this share of the peak is no earthquake's.
+const MOST_OFFSET: f64 = 0.1;
 
 /// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
 const LONGEST_S: f64 = 3600.0;
@@ -329,6 +331,17 @@ impl Experiment {
                 "A damping ratio of {} is {} of critical: structures have 0.5 to 10 %; is it a fraction of critical?",
                 three(*ratio),
                 percent(*ratio)
+            ));
+        }
+        let acc = &self.acc_m_per_s2;
+        let mean = acc.iter().map(|a| f64::from(*a)).sum::<f64>() / acc.len().max(1) as f64;
+        let peak = acc.iter().fold(0.0_f64, |p, a| p.max(f64::from(a.abs())));
+        if mean.abs() > MOST_OFFSET * peak {
+            remarks.push(format!(
+                "The ground motion {} has a mean of {}, {} of its peak: is its zero right? A structure stands aside by it.",
+                self.record,
+                si(mean, "m/s²"),
+                percent(mean.abs() / peak)
             ));
         }
         let shaken_s = self.shaken_s;

@@ -225,7 +225,7 @@ fn diagnose<'py>(
 /// The columns of a table of numbers: text in any dialect, MAT or HDF5.
 #[pyfunction]
 fn read_record(py: Python<'_>, file: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let table = py.detach(|| any_table::read(&file)).map_err(refused)?;
+    let table = py.detach(|| any_table::read(&file, false)).map_err(refused)?;
     let columns = PyDict::new(py);
     for (header, values) in table.headers.iter().zip(table.columns) {
         columns.set_item(&header.text, PyArray1::from_vec(py, values))?;

@@ -77,11 +77,11 @@ pub fn catch_ctrl_c() {
                 std::process::exit(130);
             }
             eprintln!(
-                "\nouterloop: stopping on the deceleration ramp; Ctrl-C again gives up the link, and the board trips"
+                "\nouterloop: stopping on the deceleration ramp; Ctrl-C again gives up the link, and a board trips"
             );
         });
         if let Err(e) = caught {
-            eprintln!("outerloop: note: Ctrl-C cannot be caught ({e}): it ends the program, and the board trips by itself");
+            eprintln!("outerloop: note: Ctrl-C cannot be caught ({e}): it ends the program, and a board trips by itself");
         }
     });
 }

@@ -5,15 +5,20 @@ use super::{binary, decode};
 use crate::failure::Failure;
 use std::path::Path;
 
-/// Reads a file: text in any dialect, MAT or HDF5.
+/// Reads a file: text in any dialect, MAT or HDF5. `by_number`: a text without a header is a table whose columns are called 1,
+/// 2, ...
 ///
 /// # Errors
 /// A file that cannot be read, or that holds no table of numbers.
-pub fn read(path: &Path) -> Result<NumberTable, Failure> {
+pub fn read(path: &Path, by_number: bool) -> Result<NumberTable, Failure> {
     let (file, bytes) = (path.display().to_string(), decode::bytes(path)?);
     if binary::is_binary(&bytes) {
         binary::parse(&file, bytes)
     } else {
-        NumberTable::parse(&file, &decode::text(&file, bytes)?)
+        let text = decode::text(&file, bytes)?;
+        match by_number {
+            true => NumberTable::parse_by_number(&file, &text),
+            false => NumberTable::parse(&file, &text),
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! Recorded data in binary files: MAT (version 5 and 7.3) and HDF5.
 
+use super::header::Header;
 use super::table::NumberTable;
 use crate::failure::Failure;
-use hdf5_pure::{File, Group};
+use hdf5_pure::{DType, File, Group};
 use matfile::{MatFile, NumericData};
 
 /// Beyond so many columns a matrix is a picture and no record.
@@ -23,6 +24,11 @@ fn is_mat5(bytes: &[u8]) -> bool {
 /// A file that cannot be read, or in which nothing is a series.
 pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
     let all = if is_mat5(&bytes) {
+        if is_cut_off(&bytes) {
+            return Err(Failure::input(format!(
+                "{file}: ends in the middle of a variable: accepted is the whole file; was it copied to its end?"
+            )));
+        }
         mat5(&bytes)
     } else {
         hdf5(bytes)
@@ -38,11 +44,36 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
             }
         ))
     })?;
+    // A single number or a table of settings is no channel; a channel of another length would go missing unsaid.
+    let odd = all.iter().find(|(name, values)| {
+        values.len() > 1 && values.len() != length && Header::of(name, None).likely().is_some()
+    });
+    if let Some((name, values)) = odd {
+        return Err(Failure::input(format!(
+            "{file}: {name} has {} values and the other series {length}: accepted are channels of one length",
+            values.len()
+        )));
+    }
     let (names, columns): (Vec<String>, Vec<Vec<f64>>) = all
         .into_iter()
         .filter(|(_, values)| values.len() == length)
         .unzip();
     NumberTable::of_columns(file, "its variables", &names, columns)
+}
+
+/// Whether a MAT file of version 5 is shorter than its parts say: each begins with its kind and its length.
+fn is_cut_off(bytes: &[u8]) -> bool {
+    let little = bytes.get(126..128) == Some(b"IM");
+    let mut at = 128;
+    while let Some(length) = bytes.get(at + 4..at + 8).and_then(|b| b.try_into().ok()) {
+        let length = if little {
+            u32::from_le_bytes(length)
+        } else {
+            u32::from_be_bytes(length)
+        };
+        at += 8 + length as usize;
+    }
+    at > bytes.len()
 }
 
 /// The length that most series have; of two that are as frequent, the longer one.
@@ -119,6 +150,14 @@ fn without_structure(mut all: Series) -> Series {
     all
 }
 
+const fn is_number(kind: &DType) -> bool {
+    use DType as D;
+    matches!(
+        kind,
+        D::F32 | D::F64 | D::I8 | D::I16 | D::I32 | D::I64 | D::U8 | D::U16 | D::U32 | D::U64
+    )
+}
+
 fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Result<(), String> {
     for name in group.datasets().map_err(|e| e.to_string())? {
         let data = group.dataset(&name).map_err(|e| e.to_string())?;
@@ -131,10 +170,14 @@ fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Resu
             _ => continue,
         };
         // What is no number, such as text, is no series.
-        if let Ok(values) = data.read_f64() {
-            let (rows, columns) = (rows as usize, columns as usize);
-            add(all, &whole, &values, rows, columns, !of_matlab);
+        if !data.dtype().is_ok_and(|kind| is_number(&kind)) {
+            continue;
         }
+        let values = data.read_f64().map_err(|e| {
+            format!("{whole}: {e}; is the file whole? h5repack writes what the newest HDF5 stores in an older form")
+        })?;
+        let (rows, columns) = (rows as usize, columns as usize);
+        add(all, &whole, &values, rows, columns, !of_matlab);
     }
     for name in group.groups().map_err(|e| e.to_string())? {
         // MATLAB keeps its bookkeeping in groups of such names.

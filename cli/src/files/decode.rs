@@ -31,12 +31,21 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 /// # Errors
 /// Bytes that are no text.
 pub fn text(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
+    let text = decoded(file, bytes)?;
+    // Lines of an old Macintosh, which some plotting programs still write.
+    Ok(match text.contains('\r') && !text.contains('\n') {
+        true => text.replace('\r', "\n"),
+        false => text,
+    })
+}
+
+fn decoded(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
     if let Some(encoding) = wide(&bytes) {
         return Ok(encoding.decode(&bytes).0.into_owned());
     }
     if bytes.contains(&0) {
         return Err(Failure::input(format!(
-            "{file}: is a binary file{}: accepted are CSV and other text, MAT and HDF5",
+            "{file}: is a binary file{}: accepted are CSV and other text, MAT (5 and 7.3) and HDF5",
             kind(&bytes)
         )));
     }
@@ -126,6 +135,8 @@ mod tests {
         ] {
             assert_eq!(text("f", bytes).unwrap(), said);
         }
+        let mac = said.replace('\n', "\r").into_bytes();
+        assert_eq!(text("f", mac).unwrap(), said);
     }
 
     #[test]

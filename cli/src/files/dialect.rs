@@ -10,7 +10,7 @@ pub struct Dialect {
 }
 
 /// Every dialect, the likeliest first.
-const DIALECTS: [Dialect; 7] = [
+const DIALECTS: [Dialect; 8] = [
     Dialect::new(Some(','), false),
     Dialect::new(Some('\t'), false),
     Dialect::new(Some(';'), false),
@@ -18,6 +18,8 @@ const DIALECTS: [Dialect; 7] = [
     Dialect::new(Some('\t'), true),
     Dialect::new(None, false),
     Dialect::new(None, true),
+    // With every cell in quotes.
+    Dialect::new(Some(','), true),
 ];
 
 /// Lines that are looked at to tell the dialect.
@@ -71,7 +73,7 @@ impl Dialect {
                 .then(|| cell.replace(',', ".").parse().ok())
                 .flatten();
         }
-        cell.parse().ok()
+        cell.parse().ok().or_else(|| fortran(cell))
     }
 
     /// A cell as a finite number.
@@ -80,11 +82,17 @@ impl Dialect {
     }
 
     /// Whether a line has at least two cells, all numbers. A line that ends with its separator has one cell less.
-    fn is_row(&self, line: &str) -> bool {
+    pub fn is_row(&self, line: &str) -> bool {
         let cells = self.cells(line);
         let cells = without_end(&cells);
         cells.len() > 1 && cells.iter().all(|c| self.number(c).is_some())
     }
+}
+
+/// A number of Fortran's double precision, `1.5D-03`.
+fn fortran(cell: &str) -> Option<f64> {
+    let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    begins.then(|| cell.replace(['D', 'd'], "e").parse().ok())?
 }
 
 /// The cells of a row without the empty one behind a last separator.
@@ -112,6 +120,7 @@ mod tests {
             ("t x\n 0,0  1,5\n", None, true),
             ("t;x\noops;no\n", Some(';'), false),
             ("\"t\",\"x\"\n\"0\",\"1\"\n", Some(','), false),
+            ("t,x\n\"0,0\",\"1,5\"\n", Some(','), true),
         ] {
             let d = Dialect::of(text.lines());
             assert_eq!(
@@ -129,5 +138,7 @@ mod tests {
         let comma = Dialect::new(Some(';'), true);
         assert_eq!(comma.number("-1,5e-3"), Some(-1.5e-3));
         assert_eq!(comma.number("1.234,5"), None);
+        assert_eq!(d.number("-1.5D-03"), Some(-1.5e-3));
+        assert_eq!(d.number("Disp"), None);
     }
 }

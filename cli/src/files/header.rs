@@ -84,6 +84,8 @@ const ALIASES: &[(&str, &[&str])] = &[
             "demand",
             "soll",
             "axial_command",
+            "sollweg",
+            "weg_soll",
         ],
     ),
     (
@@ -99,6 +101,8 @@ const ALIASES: &[(&str, &[&str])] = &[
             "weg",
             "axial_displacement",
             "measured_displacement",
+            "istweg",
+            "weg_ist",
         ],
     ),
     (
@@ -120,8 +124,32 @@ const ALIASES: &[(&str, &[&str])] = &[
             "ground_acceleration",
             "acc_x",
             "accel",
+            "ag",
+            "a_g",
+            "beschleunigung",
         ],
     ),
+];
+
+/// Words that suggest a quantity, the stronger first: the command of a displacement is a command.
+const WORDS: &[(&str, &[&str])] = &[
+    (
+        "command",
+        &[
+            "command",
+            "cmd",
+            "setpoint",
+            "reference",
+            "demand",
+            "desired",
+            "soll",
+        ],
+    ),
+    (
+        "displacement",
+        &["disp", "position", "stroke", "lvdt", "weg"],
+    ),
+    ("force", &["force", "load", "kraft"]),
 ];
 
 impl Header {
@@ -153,6 +181,19 @@ impl Header {
     pub fn likely(&self) -> Option<&'static str> {
         alias(&self.base)
     }
+
+    /// The quantity that a word in the name suggests, as in `Ch 1 Displacement Command`: worth asking, not enough to take it.
+    pub fn suggested(&self) -> Option<&'static str> {
+        let found = WORDS
+            .iter()
+            .find(|(_, words)| words.iter().any(|w| self.base.contains(w)));
+        found.map(|(quantity, _)| *quantity)
+    }
+
+    /// Whether its values are accelerations by their unit.
+    pub fn is_acceleration(&self) -> bool {
+        ["g", "m_per_s2", "gal"].contains(&self.unit.as_str())
+    }
 }
 
 /// The unit that a text names, if it does.
@@ -182,10 +223,10 @@ fn split(text: &str) -> (&str, String) {
         }
     }
     for mark in [" in ", "/", ",", " ", "_"] {
-        if let Some(at) = text.find(mark)
-            && let Some(unit) = unit_named(&text[at + mark.len()..])
-        {
-            return (&text[..at], unit.to_owned());
+        for (at, _) in text.match_indices(mark) {
+            if let Some(unit) = unit_named(&text[at + mark.len()..]) {
+                return (&text[..at], unit.to_owned());
+            }
         }
     }
     (text, String::new())
@@ -227,10 +268,21 @@ mod tests {
             ("Oil temperature", None, "oil_temperature"),
             ("oil_c", None, "oil_c"),
             ("energy_error_hsem_j", None, "energy_error_hsem_j"),
+            ("acc_x_g", None, "acc_g"),
+            ("Beschleunigung [m/s²]", None, "acc_m_per_s2"),
+            ("Sollweg [mm]", None, "command_mm"),
         ] {
             assert_eq!(Header::of(text, beneath).name(known), name, "{text}");
         }
         assert_eq!(Header::of("Cmd", None).likely(), Some("command"));
         assert_eq!(Header::of("Oil", None).likely(), None);
+        for (text, quantity) in [
+            ("Ch 1 Displacement Command (mm)", Some("command")),
+            ("LVDT 2 Displacement (mm)", Some("displacement")),
+            ("Ch 1 Force (kN)", Some("force")),
+            ("Oil (C)", None),
+        ] {
+            assert_eq!(Header::of(text, None).suggested(), quantity, "{text}");
+        }
     }
 }

@@ -99,6 +99,9 @@ impl Library {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
             let recording = Recording::load_with_any_time(path, &self.columns)?;
+            for note in &recording.notes {
+                eprintln!("outerloop: note: {note}");
+            }
             self.read.insert(same.clone(), recording);
         }
         Ok(&self.read[&same])

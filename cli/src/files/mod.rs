@@ -10,6 +10,7 @@ pub mod decode;
 pub mod dialect;
 pub mod ground_motion;
 pub mod header;
+mod labview;
 pub mod measured;
 pub mod model;
 pub mod near_fault;

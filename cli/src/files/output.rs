@@ -13,6 +13,12 @@ use std::path::{Path, PathBuf};
 /// A folder or file that cannot be written; what was there before is left as it was.
 pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
     let new = !folder.exists();
+    if !new && !folder.is_dir() {
+        return Err(Failure::input(format!(
+            "{}: is no folder: accepted is a folder, or a name that is free",
+            folder.display()
+        )));
+    }
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
     write_into(folder, files).inspect_err(|_| {
         // Nothing of a result that could not be written; a folder with something in it stays.

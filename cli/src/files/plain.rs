@@ -4,7 +4,15 @@ use serde::de::DeserializeOwned;
 use toml::Value;
 
 /// Rust's words and an engineer's.
-const WORDS: [(&str, &str); 10] = [
+const WORDS: [(&str, &str); 12] = [
+    (
+        "invalid mantissa, expected digits",
+        "a number needs a digit before its point, as in 0.02",
+    ),
+    (
+        "floating-point number overflowed",
+        "a number is beyond 1.8e308",
+    ),
     ("expected f64", "expected a number"),
     ("expected f32", "expected a number"),
     ("expected u8", "expected a whole number to 255"),

@@ -2,6 +2,7 @@
 
 use super::dialect::{Dialect, without_end};
 use super::header::{Header, unit_named};
+use super::labview;
 use crate::failure::Failure;
 use std::collections::HashMap;
 
@@ -35,6 +36,20 @@ impl NumberTable {
     /// # Errors
     /// No header, a name that stands twice, a row of another length than the header, or a cell that is no finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
+        Self::parse_as(file, text, false)
+    }
+
+    /// The same; where the file has no header its columns are called 1, 2, ...
+    ///
+    /// # Errors
+    /// As [`NumberTable::parse`], but for the header.
+    pub fn parse_by_number(file: &str, text: &str) -> Result<Self, Failure> {
+        Self::parse_as(file, text, true)
+    }
+
+    fn parse_as(file: &str, text: &str, by_number: bool) -> Result<Self, Failure> {
+        let of_labview = labview::as_table(text);
+        let text = of_labview.as_deref().unwrap_or(text);
         let lines: Vec<Line<'_>> = text
             .lines()
             .zip(1..)
@@ -47,6 +62,11 @@ impl NumberTable {
         let dialect = Dialect::of(lines.iter().map(|l| l.text));
         let refuse =
             |line: u64, what: String| Failure::input(format!("{file}, line {line}: {what}"));
+        if by_number && dialect.is_row(lines[0].text) {
+            let width = without_end(&dialect.cells(lines[0].text)).len();
+            let headers = (1..=width).map(|n| Header::of(&n.to_string(), None));
+            return Self::of_rows(file, headers.collect(), &lines, lines[0].number, &dialect);
+        }
         let head = Head::of(&lines, &dialect);
         let header = lines[head.header];
         let cells = dialect.cells(header.text);
@@ -55,7 +75,8 @@ impl NumberTable {
             return Err(refuse(
                 header.number,
                 format!(
-                    "`{number}` stands where the header should be: accepted are names such as time_s or `Time (s)`"
+                    "`{number}` stands where the header should be: accepted are names such as time_s or `Time (s)`; of \
+                     a record without names, --column time=1:s and the like for its columns"
                 ),
             ));
         }
@@ -74,7 +95,24 @@ impl NumberTable {
                 ));
             }
         }
-        let rows = &lines[head.first_row..];
+        Self::of_rows(
+            file,
+            headers,
+            &lines[head.first_row..],
+            header.number,
+            &dialect,
+        )
+    }
+
+    fn of_rows(
+        file: &str,
+        headers: Vec<Header>,
+        rows: &[Line<'_>],
+        header_line: u64,
+        dialect: &Dialect,
+    ) -> Result<Self, Failure> {
+        let refuse =
+            |line: u64, what: String| Failure::input(format!("{file}, line {line}: {what}"));
         let mut columns = vec![Vec::with_capacity(rows.len()); headers.len()];
         for line in rows {
             let cells = dialect.cells(line.text);
@@ -113,7 +151,7 @@ impl NumberTable {
         }
         Ok(Self {
             file: file.to_owned(),
-            header_place: format!("line {}", header.number),
+            header_place: format!("line {header_line}"),
             headers,
             lines: rows.iter().map(|l| l.number).collect(),
             columns,
@@ -258,6 +296,18 @@ mod tests {
             let e = NumberTable::parse("f.csv", text).unwrap_err().to_string();
             assert!(e.contains(said) && !e.contains('\n'), "{e}");
         }
+    }
+
+    #[test]
+    fn a_file_without_names_has_numbers_for_them() {
+        let t = NumberTable::parse_by_number("f.csv", "0,1\n2,3\n").unwrap();
+        let names: Vec<&str> = t.headers.iter().map(|h| h.text.as_str()).collect();
+        assert_eq!(
+            (names, t.columns),
+            (vec!["1", "2"], vec![vec![0.0, 2.0], vec![1.0, 3.0]])
+        );
+        let named = NumberTable::parse_by_number("f.csv", "a,b\n2,3\n").unwrap();
+        assert_eq!(named.headers[0].text, "a");
     }
 
     #[test]

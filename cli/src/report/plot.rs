@@ -185,7 +185,13 @@ pub fn plot(
 ) -> Result<String, Box<dyn Error>> {
     let finite: Vec<Curve> = curves.iter().map(finite).collect();
     let (width, height) = (f64::from(shape.width), f64::from(shape.height));
-    let x = Axis::new(span(&finite, |p| p.0, 0.0), LEFT..width - RIGHT);
+    // A dot on the frame would be cut in half.
+    let margin = if finite.iter().any(|c| c.dots) {
+        0.02
+    } else {
+        0.0
+    };
+    let x = Axis::new(span(&finite, |p| p.0, margin), LEFT..width - RIGHT);
     let mut tall = span(&finite, |p| p.1, 0.06);
     if let Some(reach) = shape.reach {
         tall = tall.start.max(-reach)..tall.end.min(reach);

@@ -26,12 +26,14 @@ pub fn sentence(error: &Error) -> Option<String> {
                 ),
             }
         }
-        ErrorKind::ValueValidation => {
-            format!(
+        ErrorKind::ValueValidation => match std::error::Error::source(error) {
+            // A sentence of our own says the value, what is wrong with it, and what would do.
+            Some(own) if own.to_string().starts_with('`') => format!("{argument} {own}"),
+            _ => format!(
                 "{argument}: `{value}` is refused: accepted are {}",
                 told.accepted()
-            )
-        }
+            ),
+        },
         ErrorKind::UnknownArgument => format!(
             "`{argument}` is unknown here{}: accepted is {}, and `--help` explains each part",
             told.near(ContextKind::SuggestedArg),

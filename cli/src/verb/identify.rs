@@ -81,6 +81,8 @@ impl Identify {
 
 /// A model of an actuator leaves less than this share of a displacement that follows its command.
 const GOOD_NRMSE: f64 = 0.25;
+/// Delay and lag of an actuator, ms: beyond it no test can be run.
+const LONGEST_MS: f64 = 1000.0;
 /// Gains that a rig has whose channels are what their names say.
 const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 
@@ -92,6 +94,20 @@ pub fn doubt(recording: &Recording, found: &Identified) -> Option<String> {
             "{file}: the polarity is reversed: the displacement moves against its command (gain {}); exchange the wires \
              of one of them, or its sign, before anything else",
             three(found.gain)
+        ));
+    }
+    if recording.command_mm.is_some() && recording.command_mm == recording.displacement_mm {
+        return Some(format!(
+            "{file}: the displacement is the command to the last bit: no transducer reads that; was the command recorded \
+             twice?"
+        ));
+    }
+    let late_ms = found.delay_ms + found.lag_ms;
+    if late_ms > LONGEST_MS {
+        return Some(format!(
+            "{file}: delay and lag are {} ms together, and actuators have up to {LONGEST_MS} ms: is the time in \
+             milliseconds under a name that says seconds?",
+            three(late_ms)
         ));
     }
     if let Some(lead_ms) = lead_ms(recording) {
@@ -204,4 +220,41 @@ fn set(table: &mut Table, key: &str, mut new: Item) {
         *new.decor_mut() = old.decor().clone();
     }
     table[key] = new;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(delay_ms: f64, copied: bool) -> Option<String> {
+        let moved = |at: usize| (at as f64 * 0.01).sin();
+        let command: Vec<f64> = (0..2000).map(|i| moved(i + 4)).collect();
+        let recording = Recording {
+            name: "r.csv".into(),
+            time_s: (0..2000).map(|i| f64::from(i) * 1e-3).collect(),
+            displacement_mm: Some(if copied {
+                command.clone()
+            } else {
+                (0..2000).map(moved).collect()
+            }),
+            command_mm: Some(command),
+            ..Recording::default()
+        };
+        let found = Identified {
+            delay_ms,
+            ..diagnosis::identify(&recording).unwrap()
+        };
+        doubt(&recording, &found)
+    }
+
+    #[test]
+    fn what_no_actuator_does_is_asked_about() {
+        assert_eq!(of(4.0, false), None);
+        assert!(
+            of(5068.0, false)
+                .unwrap()
+                .contains("is the time in milliseconds")
+        );
+        assert!(of(0.0, true).unwrap().contains("to the last bit"));
+    }
 }

@@ -164,8 +164,14 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
 fn line(question: &str, from: &mut dyn BufRead) -> Result<String, Failure> {
     println!("{question}:");
     let mut answer = String::new();
-    from.read_line(&mut answer)
+    let read = from
+        .read_line(&mut answer)
         .map_err(|e| Failure::input(format!("the answer cannot be read: {e}")))?;
+    if read == 0 {
+        return Err(Failure::input(format!(
+            "standard input ended before `{question}` was answered: accepted are answers, or --from EXAMPLE; nothing is written"
+        )));
+    }
     Ok(answer.trim().to_owned())
 }
 
@@ -260,7 +266,7 @@ mod tests {
     #[test]
     fn any_answers_give_a_file_that_is_accepted() {
         for (answers, said) in [
-            ("", "158000"),
+            ("\n\n\n\n\n\n\n\n\n", "158000"),
             (
                 "3\n500\n200\n5\n8\n22,5\n40\n10\nKOBE.AT2\n",
                 "lag_ms = 22.5",
@@ -270,6 +276,8 @@ mod tests {
             assert!(text.contains(said), "{text}");
             TestFile::parse(&text, "new", Path::new(""), &[]).unwrap();
         }
+        let e = answered("3\n").unwrap_err();
+        assert!(e.contains("ended before `Mass of a floor"), "{e}");
         let e = answered("1\nheavy\n").unwrap_err();
         assert!(
             e.contains("`heavy`") && e.contains("Mass of a floor"),

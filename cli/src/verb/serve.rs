@@ -132,6 +132,10 @@ impl Serve {
             let mut folder = folder.clone().into_os_string();
             if number > 1 {
                 folder.push(format!("-{number}"));
+                eprintln!(
+                    "outerloop: note: what client {number} left is in {}",
+                    folder.display()
+                );
             }
             let report = report::of_served(&Session {
                 test,

@@ -253,10 +253,9 @@ impl ActuatorSpec {
         let (more_delay, more_lag) = (additions.delay_ms, additions.lag_ms);
         let own_delay = matches!(self.kind, Kind::Delay | Kind::LagDelay);
         let check = |effect: &str, sum: f64| {
-            TIME_MS.check(
-                &format!("plant.actuator with the {effect} of plant.effects"),
-                sum,
-            )
+            let of = effect.trim_end_matches("_error");
+            let name = format!("plant.actuator.{of}_ms with the {effect} of plant.effects");
+            TIME_MS.check(&name, sum)
         };
         let (delay_ms, rest_delay) = if own_delay {
             (check("delay_error", delay_ms + more_delay)?, 0.0)

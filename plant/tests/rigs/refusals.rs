@@ -149,7 +149,7 @@ fn a_value_out_of_range_is_refused_by_its_path() {
         ),
         (
             "actuator = { kind = 'delay', delay_ms = 4 }\neffects = [{ name = 'delay_error', delay_ms = -5 }]",
-            "plant.actuator with the delay_error of plant.effects is -1, accepted is a number from 0 to 1000 ms",
+            "plant.actuator.delay_ms with the delay_error of plant.effects is -1, accepted is a number from 0 to 1000 ms",
         ),
         (
             "specimen = { kind = 'viscous', damping_n_s_per_mm = 1 }\neffects = [{ name = 'slip_gap', gap_mm = 1, slip_n = 0 }]",

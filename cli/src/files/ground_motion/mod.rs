@@ -8,8 +8,9 @@ mod strong_motion;
 
 pub use points::{Columns, Unit};
 
-use super::decode;
+use super::header::Header;
 use super::table::{NumberTable, number};
+use super::{binary, decode};
 use crate::failure::Failure;
 use points::{Points, SHOWN, refuse_line};
 use std::path::Path;
@@ -75,6 +76,9 @@ impl GroundMotionFile {
                 "{file}: is no MiniSEED, and --sensitivity is for the counts in such a file: accepted is the file without it"
             )));
         }
+        if binary::is_binary(&bytes) {
+            return of_variables(&binary::parse(file, bytes)?, columns);
+        }
         let text = decode::text(file, bytes)?;
         let at2 = path
             .extension()
@@ -137,28 +141,56 @@ fn read_csv(file: &str, text: &str) -> Result<Points, Failure> {
 /// A table with times and accelerations.
 fn points_of(table: &NumberTable) -> Result<Points, Failure> {
     let names: Vec<String> = table.headers.iter().map(|h| h.name(|_| false)).collect();
-    let unit = match &names[..] {
-        [time, acc] if time == "time_s" => acc.strip_prefix("acc_").and_then(Unit::named),
-        _ => None,
+    let time = names.iter().position(|name| name == "time_s");
+    let is_acceleration =
+        |(at, header): &(usize, &Header)| header.is_acceleration() && names[*at].starts_with("acc");
+    let accelerations = || table.headers.iter().enumerate().filter(is_acceleration);
+    if accelerations().count() > 1 {
+        let all: Vec<&str> = accelerations().map(|(_, h)| h.text.as_str()).collect();
+        return Err(table.refuse_header(format!(
+            "has {} accelerations, {}: accepted is a file with one",
+            all.len(),
+            all.join(", ")
+        )));
     }
-    .ok_or_else(|| {
+    let found = accelerations()
+        .next()
+        .and_then(|(at, header)| Some((time?, at, Unit::named(&header.unit)?)));
+    let (time, acc, unit) = found.ok_or_else(|| {
         let header: String = names.join(",").chars().take(SHOWN).collect();
         table.refuse_header(format!(
             "the header `{header}` is refused: accepted are time_s and one of acc_g, acc_m_per_s2 and acc_gal; read too \
              are PEER AT2, COSMOS, CSMIP, SMC and ESM files, and plain numbers with --dt and --unit"
         ))
     })?;
-    let interval = interval_s(table)?;
+    let interval = interval_s(table, &table.columns[time])?;
     Ok(Points {
         interval_s: interval,
-        acc_m_per_s2: table.columns[1].iter().map(|a| a * unit.in_si()).collect(),
+        acc_m_per_s2: table.columns[acc]
+            .iter()
+            .map(|a| a * unit.in_si())
+            .collect(),
         unit: Some(unit),
     })
 }
 
+/// The variables of a MAT or HDF5 file: a table with times, or one series with what is said beside it.
+fn of_variables(table: &NumberTable, columns: Columns) -> Result<Points, Failure> {
+    match (&table.columns[..], columns.interval_s, columns.unit) {
+        ([acc], Some(interval_s), Some(unit)) if interval_s > 0.0 && interval_s < 10.0 => Ok(Points {
+            interval_s,
+            acc_m_per_s2: acc.iter().map(|a| a * unit.in_si()).collect(),
+            unit: None,
+        }),
+        ([_], ..) => Err(table.refuse_header(
+            "one series and no times: accepted with --dt S (above 0 and below 10) and --unit g|m/s2|gal",
+        )),
+        _ => points_of(table),
+    }
+}
+
 /// The constant interval of a time column, s.
-fn interval_s(table: &NumberTable) -> Result<f64, Failure> {
-    let time = &table.columns[0];
+fn interval_s(table: &NumberTable, time: &[f64]) -> Result<f64, Failure> {
     let mut steps: Vec<f64> = time.windows(2).map(|t| t[1] - t[0]).collect();
     let given = steps.clone();
     steps.sort_by(f64::total_cmp);
@@ -226,7 +258,10 @@ fn read_numbers(file: &str, text: &str, columns: Columns) -> Result<Points, Fail
                 .map(|r| format!("{},{}\n", r[0], r[1]))
                 .collect();
             let table = NumberTable::parse(file, &format!("time_s,acc\n{named}"))?;
-            Ok(points(interval_s(&table)?, &table.columns[1]))
+            Ok(points(
+                interval_s(&table, &table.columns[0])?,
+                &table.columns[1],
+            ))
         }
         None => Err(Failure::input(format!(
             "{file}: has numbers and no times: accepted with --dt S"

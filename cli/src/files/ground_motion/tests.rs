@@ -233,6 +233,51 @@ fn the_networks_formats_hold_the_same_motion() {
     assert!(e.contains("is in g and --unit says gal"), "{e}");
 }
 
+/// A MAT file of version 7.3, which is HDF5, with these vectors.
+fn variables(named: &[(&str, &[f64])], columns: Columns) -> Result<GroundMotionFile, String> {
+    use hdf5_pure::mat::{Options, builder::MatBuilder};
+    let mut file = MatBuilder::new(Options::default());
+    for (name, values) in named {
+        file.write_f64(name, &[values.len(), 1], values).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gm.mat");
+    std::fs::write(&path, file.finish().unwrap()).unwrap();
+    GroundMotionFile::load(&path, columns).map_err(|e| e.to_string())
+}
+
+#[test]
+fn variables_of_a_binary_file_are_columns() {
+    let (time_s, acc) = ([0.0, 0.01, 0.02], [0.0, 0.1, -0.2]);
+    let g = |acc: &[f64]| -> Vec<f32> { acc.iter().map(|a| (a * 9.80665) as f32).collect() };
+    let one = variables(
+        &[("time_s", &time_s), ("acc_g", &acc), ("vel_x", &acc)],
+        Columns::default(),
+    );
+    assert_eq!(one.as_ref().unwrap().acc_m_per_s2, g(&acc));
+    assert_eq!(one.unwrap().interval_s, 0.01);
+    let alone = variables(&[("ag", &acc), ("dt", &[0.01])], plain(0.01, Unit::G)).unwrap();
+    assert_eq!((alone.acc_m_per_s2, alone.interval_s), (g(&acc), 0.01));
+    for (named, said) in [
+        (&[("ag", &acc[..])][..], "--dt S"),
+        (
+            &[
+                ("time_s", &time_s[..]),
+                ("acc_x_g", &acc),
+                ("acc_y_g", &acc),
+            ],
+            "has 2 accelerations, acc_x_g, acc_y_g",
+        ),
+        (
+            &[("time_s", &time_s), ("acc_g", &acc[..2]), ("b", &acc)],
+            "acc_g has 2 values",
+        ),
+    ] {
+        let e = variables(named, Columns::default()).unwrap_err();
+        assert!(e.contains(said) && !e.contains('\n'), "{e}");
+    }
+}
+
 #[test]
 fn rounded_times_are_a_constant_interval() {
     let mut text = "time_s,acc_g\n".to_owned();

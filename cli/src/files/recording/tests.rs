@@ -75,6 +75,30 @@ fn what_the_header_does_not_say_is_said_beside_it() {
 }
 
 #[test]
+fn what_is_not_understood_is_said() {
+    let r = parse("time_s,Ch 1 Command (mm),LVDT 1 disp (mm),LVDT 2 disp (mm),force_n\n0,1,2,3,4\n1,2,3,4,5\n").unwrap();
+    assert_eq!(r.notes.len(), 2, "{:?}", r.notes);
+    assert!(
+        r.notes[0].contains("--column 'command=Ch 1 Command (mm)'"),
+        "{}",
+        r.notes[0]
+    );
+    assert!(
+        r.notes[1].contains("LVDT 1 disp (mm), LVDT 2 disp (mm) may be it"),
+        "{}",
+        r.notes[1]
+    );
+    let times = (0..50).chain(90..140).map(|i| f64::from(i) * 0.01);
+    let rows: String = times.map(|t| format!("{t:.2},1,2\n")).collect();
+    let r = parse(&format!("time_s,command_mm,displacement_mm\n{rows}")).unwrap();
+    assert!(
+        r.notes[0].contains("between 0.49 s and 0.9 s, 41 samples"),
+        "{:?}",
+        r.notes
+    );
+}
+
+#[test]
 fn each_mistake_is_refused_with_its_line() {
     for (text, said) in [
         (
