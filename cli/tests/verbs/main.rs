@@ -11,6 +11,7 @@ mod check;
 mod command_line;
 mod coupled;
 mod diagnose;
+mod diff;
 mod exit_status;
 mod formats;
 mod identify;

@@ -1,9 +1,6 @@
 //! `outerloop diff`: two tests that ran, side by side.
-#![allow(missing_docs)]
 
-mod common;
-
-use common::{json, json_with, outerloop, refused};
+use crate::common::{json, json_with, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
