@@ -51,7 +51,7 @@ fn against_an_ideal_rig_the_difference_is_equation_18() {
         .collect();
     assert_eq!(keys, ["method", "plant.actuator.delay_ms"]);
     let page = std::fs::read_to_string(Path::new(&out).join("report.html")).unwrap();
-    assert!(page.contains("Two tests side by side") && !page.contains("NaN"));
+    assert!(page.contains("Two tests side by side") && !page.contains(">NaN"));
 }
 
 #[test]
