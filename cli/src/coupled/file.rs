@@ -1,7 +1,8 @@
 //! A test file with a table `[coupled]`.
 
 use super::table::CoupledTable;
-use crate::files::test::{Excitation, part, typed};
+use crate::files::plain::typed;
+use crate::files::test::{Excitation, part};
 use crate::files::units;
 use outerloop_core::config::Timing;
 use plant::coupled::{CoupledRig, CoupledRigSpec};

@@ -270,23 +270,6 @@ pub(crate) fn part<T: DeserializeOwned + Default>(
     value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
 }
 
-/// A table as what it should be, or where in it the mistake is.
-pub(crate) fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String> {
-    serde_path_to_error::deserialize(value).map_err(|e| {
-        let path = match (root, e.path().to_string()) {
-            (root, inner) if inner == "." => root.to_owned(),
-            ("", inner) => inner,
-            (root, inner) => format!("{root}.{inner}"),
-        };
-        let said = plain::sentence(e.inner().message());
-        if path.is_empty() {
-            said
-        } else {
-            format!("{path}: {said}")
-        }
-    })
-}
-
 /// One degree of freedom is written as numbers: core takes lists.
 fn lists_of_one(table: &mut Table) {
     let tables = ["structure", "rig"];

@@ -1,9 +1,9 @@
 //! The report of two tests side by side.
 
 use super::figures::figure;
+use super::page::{Drawn, cannot, escape, page};
 use super::plot::{self, Curve, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path};
 use super::rths::table;
-use super::{Drawn, cannot, escape, page};
 use crate::difference::{Difference, Motion, shown};
 use crate::failure::Failure;
 use crate::files::archive::Archived;
