@@ -7,6 +7,7 @@ use common::command;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
@@ -34,7 +35,11 @@ impl Running {
             .unwrap();
         let mut said = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
-        said.read_line(&mut line).unwrap();
+        // A board that has to be built first says so before.
+        while !line.contains("http://") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "there is no scope");
+        }
         let url = line.split("http://").nth(1).expect(&line).trim();
         let (host, token) = url.split_once('/').unwrap();
         let (host, token) = (host.to_owned(), token.trim_end_matches('/').to_owned());
@@ -223,6 +228,11 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
         Some(1),
         "stopped by hand"
     );
+    is_kept(&out);
+}
+
+/// The record of a test that was stopped by hand, and its verdict.
+fn is_kept(out: &Path) -> Value {
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["verdict"], "stopped");
@@ -233,6 +243,37 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
     let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
     let rows = record.lines().filter(|l| !l.starts_with('#')).count() - 1;
     assert_eq!(summary["steps"].as_u64().unwrap(), rows as u64, "kept");
+    summary
+}
+
+/// Ctrl-C, on the flashed image: every step until then is there. What the board does meanwhile: `emu/tests/rig/stopped.rs`.
+#[test]
+#[cfg(unix)]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn ctrl_c_stops_the_emulated_board_and_keeps_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let more = [
+        "--emulated",
+        "--duration",
+        "40",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let mut running = Running::start_with(&more);
+    let mut socket = running.own_socket();
+    while next(&mut socket).expect("the test goes on")["mode"] != "running" {}
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &running.child.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    while next(&mut socket).is_some() {}
+    assert_eq!(running.child.wait().unwrap().code(), Some(1));
+    let board = &is_kept(&out)["board"];
+    assert_eq!(
+        (&board["steps_lost"], &board["steps_different"]),
+        (&0.into(), &0.into())
+    );
 }
 
 #[test]

@@ -24,8 +24,13 @@ pub struct Server {
 
 impl Server {
     pub fn start(arguments: &[&str]) -> Self {
+        Self::of("examples/opensees.toml", arguments)
+    }
+
+    /// Of another test file.
+    pub fn of(test: &str, arguments: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
-            .args(["serve", "examples/opensees.toml", "--json"])
+            .args(["serve", test, "--json"])
             .args(["--listen", "127.0.0.1:0"])
             .args(arguments)
             .current_dir(root())
@@ -53,10 +58,13 @@ impl Server {
     }
 
     pub fn client(&self) -> Client {
-        Client::connect(
-            &self.address,
-            &[1, 1, 1, 0, 1, 0, 0, 0, 1, 0, LENGTH as i32],
-        )
+        self.client_of(1)
+    }
+
+    /// With an element of so many degrees of freedom.
+    pub fn client_of(&self, n: i32) -> Client {
+        let header = [n, n, n, 0, 1, 0, 0, 0, n, 0, LENGTH as i32];
+        Client::connect(&self.address, &header)
     }
 
     /// What it says of a client that has gone.
@@ -97,9 +105,15 @@ impl Client {
     }
 
     pub fn hear(&mut self) -> Option<f64> {
+        self.hear_all().map(|[first, ..]| first)
+    }
+
+    /// All numbers of an answer.
+    pub fn hear_all(&mut self) -> Option<[f64; LENGTH]> {
         let mut bytes = [0; 8 * LENGTH];
         self.0.read_exact(&mut bytes).ok()?;
-        Some(f64::from_le_bytes(bytes[..8].try_into().unwrap()))
+        let (numbers, _) = bytes.as_chunks();
+        Some(std::array::from_fn(|i| f64::from_le_bytes(numbers[i])))
     }
 
     pub fn ask(&mut self, action: f64) -> Option<f64> {
@@ -109,10 +123,17 @@ impl Client {
 
     /// A step: trial, force, commit.
     pub fn step(&mut self, displacement: f64, time_s: f64) -> Option<f64> {
-        self.say(&[3.0, displacement, 0.0, 0.0, time_s]);
-        let force = self.ask(10.0)?;
+        self.step_all([displacement], time_s).map(|[force]| force)
+    }
+
+    /// The same with several degrees of freedom.
+    pub fn step_all<const N: usize>(&mut self, to_m: [f64; N], time_s: f64) -> Option<[f64; N]> {
+        let still = [0.0; N];
+        self.say(&[&[3.0], &to_m[..], &still, &still, &[time_s]].concat());
+        self.say(&[10.0]);
+        let answer = self.hear_all()?;
         self.say(&[5.0]);
-        Some(force)
+        Some(std::array::from_fn(|j| answer[j]))
     }
 }
 

@@ -98,3 +98,62 @@ fn a_specimen_behind_the_emulated_board_that_passes_its_force_limit_trips_it() {
     ]);
     passes_its_force_limit(&mut server);
 }
+
+/// Of a storey of `examples/three-storey.toml`, N/m.
+const STOREY: f64 = 797.3e3;
+
+/// The image for three actuators: a model of three degrees of freedom is answered by the frame behind it, by all three load
+/// cells; a target that one floor may not go to moves none of them, and the next client is served.
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn three_actuators_of_the_emulated_board_answer_a_model_of_three_degrees_of_freedom() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("frame.toml");
+    let text = format!(
+        "[structure]\nmass_kg = [1000, 1000, 1000]\nstiffness_n_per_m = [{STOREY}, {STOREY}, {STOREY}]\n\
+         damping_ratio = [0.02, 0.02, 0.02]\n\
+         [loop]\nrate_hz = 1000\napproach_m_per_s = 0.2\n\
+         [serve]\npace = 'stop_and_go'\nsettle_ms = 10\naverage_ms = 2\npatience_s = 60\n\
+         [limits]\ndisplacement_m = 0.03\nforce_n = 20e3\n\
+         [plant.actuator]\nkind = 'delay'\ndelay_ms = [3, 4, 5]\n"
+    );
+    std::fs::write(&file, text).unwrap();
+    let mut server = Server::of(file.to_str().unwrap(), &["--emulated"]);
+    let mut client = server.client_of(3);
+    for i in 1..=6 {
+        let t = 0.01 * f64::from(i);
+        let u = [4e-3, 7e-3, -2e-3].map(|most: f64| most * (9.0 * t).sin());
+        let force = client.step_all(u, t).unwrap();
+        let ways = [u[0], u[1] - u[0], u[2] - u[1], 0.0];
+        for (j, force) in force.into_iter().enumerate() {
+            let own = STOREY * (ways[j] - ways[j + 1]);
+            // Codes of 16 bits over 100 mm and 100 kN are 1.5 um and 1.5 N.
+            assert!(
+                (force - own).abs() < 15.0,
+                "{force} of {own} N at floor {j}"
+            );
+        }
+    }
+    // Nobody moves where one floor may not go.
+    let answer = client.step_all([1e-3, 1e9, 1e-3], 0.1).unwrap();
+    assert!(answer.iter().all(|force| force.is_nan()), "{answer:?}");
+    client.say(&[99.0]);
+    let account = server.account();
+    let said = account["reason"].as_str().unwrap_or_default();
+    assert_eq!(account["verdict"], "refused", "{account}");
+    assert!(said.contains("displacement 2 = 1000000000"), "{said}");
+    let mut next = server.client_of(3);
+    assert!(next.step_all([1e-3, 2e-3, 3e-3], 0.01).is_some());
+    next.say(&[99.0]);
+    let second = server.account();
+    assert_eq!(second["verdict"], "completed", "{second}");
+    for (account, targets) in [(account, 6), (second, 1)] {
+        assert_eq!(
+            (&account["targets"], &account["permit"]),
+            (&targets.into(), &false.into())
+        );
+        let board = &account["board"];
+        let lost = (&board["steps_lost"], &board["steps_different"]);
+        assert_eq!(lost, (&0.into(), &0.into()));
+    }
+}

@@ -14,4 +14,5 @@ mod monitor;
 mod mutant;
 mod mutants;
 mod settings;
+mod stopped;
 mod whole_test;

@@ -19,6 +19,8 @@ mod limits_and_link;
 mod mutant;
 mod mutants;
 mod silent;
+#[path = "../rig/stopped.rs"]
+mod stopped;
 mod stroke;
 #[path = "../rig/whole_test.rs"]
 mod whole_test;

@@ -54,7 +54,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     pub fn of(mut hardware: H, name: &'static str, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
-        let (reports_in, reports) = leak(Queue::<Report, 128>::new()).split();
+        let (reports_in, reports) = leak(Queue::<Report, 256>::new()).split();
         let evidence = leak(Evidence::new());
         // The clock allows 2 kHz.
         let setup = || leak(Setup::unconfigured(&CLOCK, A).unwrap_or_else(|r| panic!("{r}")));

@@ -49,7 +49,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
     static EVIDENCE: Evidence = Evidence::new();
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
-    static REPORTS: StaticCell<Queue<Report, 128>> = StaticCell::new();
+    static REPORTS: StaticCell<Queue<Report, 256>> = StaticCell::new();
     static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
     static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
     static ANSWERS: StaticCell<report::Answers> = StaticCell::new();
