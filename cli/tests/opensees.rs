@@ -1,14 +1,13 @@
 //! `outerloop serve` with OpenSees itself: OpenSeesPy from PyPI, which `scripts/setup` installs under `target`.
 #![allow(missing_docs)]
 
-use serde_json::Value;
-use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+mod common;
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
+use common::{command, root, started};
+use serde_json::Value;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
 
 /// The Python that has OpenSees; `None`, and a line that says so, where it is missing.
 fn python() -> Option<PathBuf> {
@@ -25,21 +24,10 @@ struct Server(Child, String);
 
 impl Server {
     fn start(test: &str, arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
-            .args(["serve", test, "--once", "--json", "--listen", "127.0.0.1:0"])
-            .args(arguments)
-            .current_dir(root())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
         // A board that has to be built first says so before.
-        while !line.contains("outerloop: serves") {
-            line.clear();
-            assert!(said.read_line(&mut line).unwrap() > 0, "it never serves");
-        }
+        let mut serve = command(&["serve", test, "--once", "--json"]);
+        serve.args(["--listen", "127.0.0.1:0"]).args(arguments);
+        let (child, mut said, line) = started(serve, "outerloop: serves");
         let port = line
             .rsplit_once(';')
             .expect(&line)

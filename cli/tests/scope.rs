@@ -3,12 +3,12 @@
 
 mod common;
 
-use common::command;
+use common::{command, started};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::Child;
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
@@ -27,19 +27,9 @@ impl Running {
     }
 
     fn start_with(more: &[&str]) -> Self {
-        let mut child = command(&["run", "examples/table1.toml", "--json", "--scope"])
-            .args(more)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
-        // A board that has to be built first says so before.
-        while !line.contains("http://") {
-            line.clear();
-            assert!(said.read_line(&mut line).unwrap() > 0, "there is no scope");
-        }
+        let mut run = command(&["run", "examples/table1.toml", "--json", "--scope"]);
+        run.args(more);
+        let (child, mut said, line) = started(run, "http://");
         let url = line.split("http://").nth(1).expect(&line).trim();
         let (host, token) = url.split_once('/').unwrap();
         let (host, token) = (host.to_owned(), token.trim_end_matches('/').to_owned());

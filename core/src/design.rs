@@ -184,7 +184,7 @@ fn estimation<const N: usize>(
 
 fn limits(config: &Config) -> supervise::Limits {
     let l = &config.limits;
-    // Off is the largest number, so that a value that is none passes no limit.
+    // Off is the largest number, so that NaN passes no limit.
     let or_off = |limit: Option<f64>| limit.map_or(f32::MAX, |x| x as f32);
     let increment_m = or_off(l.increment_m);
     let velocity_step_m = or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz));

@@ -4,13 +4,11 @@
 #[path = "common/example.rs"]
 mod example;
 
-use example::bench;
 use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::summary::{Summary, Verdict};
-use outerloop_cli::trace::Trace;
 use std::path::Path;
 
 fn file(name: &str) -> TestFile {
@@ -28,16 +26,7 @@ fn run(name: &str, seconds: f64) -> (f64, Summary) {
     can_run(&test).unwrap();
     let experiment = Experiment::new(test, &near_fault(), Some(seconds)).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let method = experiment.test.config.compensation.kind;
-    let run = experiment
-        .run_on(
-            &bench(&experiment, &ideal),
-            method,
-            &ideal,
-            true,
-            None::<Trace>,
-        )
-        .unwrap();
+    let run = example::run(&experiment, &ideal);
     let summary = run.summary;
     println!("{name}: {}", summary.sentence());
     let board = summary.board.as_ref().unwrap();

@@ -58,7 +58,7 @@ pub struct Row {
     pub energy_error: Option<f64>,
     /// How many plants were perturbed.
     pub perturbed: usize,
-    /// How many of them were lost: J4 of 100 % or more, or no number.
+    /// How many of them were lost: J4 of 100 % or more, or NaN.
     pub lost: usize,
 }
 

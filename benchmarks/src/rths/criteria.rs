@@ -193,7 +193,7 @@ impl<const L: usize> Judge<L> {
     }
 }
 
-/// JSON has no infinity: what is no number, or beyond it, is as much as is shown.
+/// JSON has no infinity: NaN, or what is beyond it, is as much as is shown.
 pub fn percent(error: f64, scale: f64) -> f64 {
     const MOST: f64 = 1e6;
     let percent = 100.0 * error / scale;
@@ -339,6 +339,6 @@ mod tests {
         }
         assert!((short.j[5] - 1.0).abs() < 1e-9 && short.j[6] < 1e-9);
         assert!(beside.j[3] < 1e-5 && judge.verdict(1, &scale, false).j[3] > 70.0);
-        assert_eq!(beside.j[6], 1e6, "what is no number is no small error");
+        assert_eq!(beside.j[6], 1e6, "NaN is no small error");
     }
 }

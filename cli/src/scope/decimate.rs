@@ -115,7 +115,7 @@ impl Point {
         let _ = write!(text, "[{},{},{}", self.first_tick, self.steps, self.late);
         for i in 0..CHANNELS.len() {
             for value in [self.low[i], self.high[i], self.last[i]] {
-                // What is no number has no place in JSON.
+                // NaN has no place in JSON.
                 if value.is_finite() {
                     let _ = write!(text, ",{}", short(value));
                 } else {

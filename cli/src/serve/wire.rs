@@ -290,7 +290,7 @@ impl Wire {
         self.owes
     }
 
-    /// Answers with a message full of what is no number.
+    /// Answers with a message full of NaN.
     ///
     /// # Errors
     /// The connection is broken.

@@ -142,7 +142,7 @@ impl Witness for Gauge<'_> {
         };
         let now = [f64::from(r.energy_ratio), hsem, command, tracking, reading];
         for (largest, now) in self.largest.iter_mut().zip(now) {
-            // What is no number is beyond every threshold.
+            // NaN is beyond every threshold.
             *largest = if now.is_nan() {
                 f64::INFINITY
             } else {
@@ -319,7 +319,7 @@ fn decays(e: &Experiment) -> Result<bool, Failure> {
 
 /// How often an indicator stops the tests of a kind.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct StopCounts {
     /// What breaks.
     pub kind: Kind,
     /// Tests that count.
@@ -345,7 +345,7 @@ pub fn thresholds() -> [f64; 5] {
 }
 
 /// Every kind's row, sound tests first.
-pub fn table(cases: &[Case]) -> Vec<Row> {
+pub fn table(cases: &[Case]) -> Vec<StopCounts> {
     let thresholds = thresholds();
     let kinds = std::iter::once(Kind::Sound).chain(Kind::BROKEN);
     kinds
@@ -353,7 +353,7 @@ pub fn table(cases: &[Case]) -> Vec<Row> {
             let own = cases.iter().filter(|case| case.kind == kind);
             let (count, others): (Vec<&Case>, Vec<&Case>) = own.partition(|case| case.counts);
             let stops = |case: &Case, i: usize| case.largest[i] >= thresholds[i];
-            Row {
+            StopCounts {
                 kind,
                 count: count.len(),
                 others: others.len(),

@@ -254,7 +254,7 @@ pub fn run(tests: &[String], tell: impl Fn() + Sync) -> Result<Vec<Case>, Failur
 
 /// How often each verdict was given to tests that did the same.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct VerdictCounts {
     /// Which tests.
     pub tests: String,
     /// What they did.
@@ -265,7 +265,7 @@ pub struct Row {
     pub called: [usize; 3],
 }
 
-impl Row {
+impl VerdictCounts {
     fn of<'a>(tests: &str, truth: Truth, cases: impl Iterator<Item = &'a Case>) -> Self {
         let mut called = [0; 3];
         for case in cases.filter(|case| case.truth == truth) {
@@ -281,18 +281,18 @@ impl Row {
 }
 
 /// All tests, then those of each force law and of each predictor.
-pub fn table(cases: &[Case]) -> Vec<Row> {
+pub fn table(cases: &[Case]) -> Vec<VerdictCounts> {
     const TRUTHS: [Truth; 3] = [Truth::Sound, Truth::Wrong, Truth::RanAway];
-    let all = TRUTHS.map(|truth| Row::of("all", truth, cases.iter()));
+    let all = TRUTHS.map(|truth| VerdictCounts::of("all", truth, cases.iter()));
     let forces = Force::ALL.iter().flat_map(|force| {
         let own = |case: &&Case| case.compensation.force == *force;
         let name = format!("force {}", force.name());
-        TRUTHS.map(|truth| Row::of(&name, truth, cases.iter().filter(own)))
+        TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });
     let predictors = Prediction::ALL.iter().flat_map(|predictor| {
         let own = |case: &&Case| case.compensation.predictor == *predictor;
         let name = format!("predictor {}", predictor.name());
-        TRUTHS.map(|truth| Row::of(&name, truth, cases.iter().filter(own)))
+        TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });
     all.into_iter().chain(forces).chain(predictors).collect()
 }

@@ -2,8 +2,9 @@
 #![allow(dead_code, reason = "each file of tests uses a part of it")]
 
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, ChildStderr, Command, Output, Stdio};
 
 /// The folder of the workspace.
 pub fn root() -> PathBuf {
@@ -15,6 +16,25 @@ pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_outerloop"));
     command.args(arguments).current_dir(root());
     command
+}
+
+/// Starts it, and reads its standard error up to the line with `word`: what runs, the rest of what it says, that line.
+pub fn started(mut command: Command, word: &str) -> (Child, BufReader<ChildStderr>, String) {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains(word) {
+        line.clear();
+        assert!(
+            said.read_line(&mut line).unwrap() > 0,
+            "it never says {word}"
+        );
+    }
+    (child, said, line)
 }
 
 /// Runs it.

@@ -1,19 +1,15 @@
 //! `outerloop serve` and a client that speaks to it as OpenSees' genericClient does.
 
+use crate::common::{command, started};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout};
 use std::time::Duration;
 
 pub const STIFFNESS: f64 = 158e3;
 /// Numbers of a message.
 pub const LENGTH: usize = 256;
-
-pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 /// `outerloop serve`, ended with the test.
 pub struct Server {
@@ -29,22 +25,10 @@ impl Server {
 
     /// Of another test file.
     pub fn of(test: &str, arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_outerloop"))
-            .args(["serve", test, "--json"])
-            .args(["--listen", "127.0.0.1:0"])
-            .args(arguments)
-            .current_dir(root())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
         // A board that has to be built first says so before.
-        while !line.contains("outerloop: serves") {
-            line.clear();
-            assert!(said.read_line(&mut line).unwrap() > 0, "it never serves");
-        }
+        let mut serve = command(&["serve", test, "--json"]);
+        serve.args(["--listen", "127.0.0.1:0"]).args(arguments);
+        let (mut child, mut said, line) = started(serve, "outerloop: serves");
         let address = line.split(" at ").nth(1).expect(&line);
         let address = address.split(';').next().unwrap().to_owned();
         // What else it says must not fill its pipe.

@@ -3,9 +3,12 @@
 #![allow(missing_docs)]
 
 mod client;
+#[path = "../common/mod.rs"]
+mod common;
 mod emulated;
 
-use client::{Client, STIFFNESS, Server, integrate, root};
+use client::{Client, STIFFNESS, Server, integrate};
+use common::root;
 use serde_json::Value;
 use std::io::Write;
 use std::process::Command;
@@ -149,7 +152,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
 fn passes_its_force_limit(server: &mut Server) {
     let mut client = server.client();
     assert!(client.step(0.005, 0.1).is_some());
-    // OpenSees would wait for ever at a closed connection: it is answered with what is no number.
+    // OpenSees would wait for ever at a closed connection: it is answered with NaN.
     assert!(client.step(0.01, 0.2).unwrap().is_nan());
     assert!(client.step(0.01, 0.3).unwrap().is_nan());
     client.say(&[99.0]);

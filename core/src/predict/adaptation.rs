@@ -122,7 +122,7 @@ impl Gate {
     }
 }
 
-/// `value + step`, the step at most `limit` and the result between `low` and `high`; a step that is no number is none.
+/// `value + step`, the step at most `limit` and the result between `low` and `high`; a step of NaN is none.
 #[inline]
 pub fn learnt(value: f32, step: f32, limit: f32, low: f32, high: f32) -> f32 {
     if !step.is_finite() {

@@ -112,7 +112,7 @@ impl View {
         self.causes.iter().map(answer).collect()
     }
 
-    /// What a motion tells, of every `every`-th sample; `None` where an answer is missing or no number.
+    /// What a motion tells, of every `every`-th sample; `None` where an answer is missing or NaN.
     pub fn told(&self, planned: &Planned<'_>, every: usize) -> Option<Told> {
         let answers = self.answers(planned)?;
         if answers.iter().flatten().any(|y| !y.is_finite()) {

@@ -4,13 +4,7 @@ use super::*;
 
 /// Without these ADC2 converts nothing, whichever inputs it has.
 pub const CONVERTING: [Demand; 6] = [
-    demand(
-        "TIM2_CR2.MMS",
-        TIM2_CR2,
-        7 << 4,
-        2 << 4,
-        "the timer's update does not leave it",
-    ),
+    UPDATE_LEAVES,
     demand(
         "ADC2_CR2.JEXTSEL",
         ADC2_CR2,

@@ -4,13 +4,7 @@ use super::*;
 
 /// Without these nothing is sampled: what starts the ADC, and what it converts.
 pub const SAMPLING: [Demand; 11] = [
-    demand(
-        "TIM2_CR2.MMS",
-        TIM2_CR2,
-        7 << 4,
-        2 << 4,
-        "the timer's update does not leave it",
-    ),
+    UPDATE_LEAVES,
     PRESCALER,
     demand(
         "ADC1_CR2.JEXTSEL",

@@ -141,6 +141,13 @@ const fn demand(
 
 // The timers, with whichever converters: TIM2 samples, TIM4 hands the command over.
 
+const UPDATE_LEAVES: Demand = demand(
+    "TIM2_CR2.MMS",
+    TIM2_CR2,
+    7 << 4,
+    2 << 4,
+    "the timer's update does not leave it",
+);
 const PRESCALER: Demand = demand(
     "TIM2_PSC",
     TIM2_PSC,

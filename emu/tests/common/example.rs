@@ -4,7 +4,8 @@ use outerloop_cli::board::emulated::{Emulated, Laboratory};
 use outerloop_cli::board::limits::Plan;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
 use outerloop_cli::experiment::Experiment;
-use outerloop_cli::trace::Response;
+use outerloop_cli::judged::Run;
+use outerloop_cli::trace::{Response, Trace};
 use std::path::Path;
 
 /// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.
@@ -17,4 +18,18 @@ pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> 
     let mut connection = Connection::new(port, Patience::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     BoardBench::new(connection, plan, Operator::nobody())
+}
+
+/// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again.
+pub fn run(experiment: &Experiment, ideal: &Response) -> Run {
+    let method = experiment.test.config.compensation.kind;
+    experiment
+        .run_on(
+            &bench(experiment, ideal),
+            method,
+            ideal,
+            true,
+            None::<Trace>,
+        )
+        .unwrap()
 }

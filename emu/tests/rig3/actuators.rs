@@ -5,10 +5,10 @@ use emu::{Fault as Wrong, Log, Planned, Seen};
 use link::Command;
 use link::reply::Reply;
 use link::telemetry::Input;
-use outerloop_core::{Fault, Mode};
+use outerloop_core::{Fault, Mode, Trip};
 
-/// A test in which the sensors of an actuator go wrong; how long PERMIT stayed high, ns, and what tripped.
-fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
+/// A test that trips because something of an actuator goes wrong.
+fn tripped(actuator: usize, fault: Wrong) -> (Desk, Trip) {
     let mut desk = Desk::with(Bench {
         plan: Some(Planned {
             after_steps: 900,
@@ -20,6 +20,12 @@ fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
     desk.start();
     desk.until(Mode::Tripped);
     let trip = desk.status().trip.expect("a trip");
+    (desk, trip)
+}
+
+/// A test in which the sensors of an actuator go wrong; how long PERMIT stayed high, ns, and what tripped.
+fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
+    let (mut desk, trip) = tripped(actuator, fault);
     let course = desk.course();
     for _ in 0..200 {
         desk.step();
@@ -127,17 +133,7 @@ fn span(codes: impl Iterator<Item = u16> + Clone) -> u16 {
 fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_moving() {
     for actuator in 0..ACTUATORS {
         let [valve, output] = [Wrong::DeadValve, Wrong::DeadOutput].map(|fault| {
-            let mut desk = Desk::with(Bench {
-                plan: Some(Planned {
-                    after_steps: 900,
-                    fault,
-                }),
-                actuator,
-                ..Bench::default()
-            });
-            desk.start();
-            desk.until(Mode::Tripped);
-            let trip = desk.status().trip.expect("a trip");
+            let (mut desk, trip) = tripped(actuator, fault);
             let stands = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
             assert!(stands, "{fault:?}: {:?}", trip.fault);
             let running = desk.steps.iter().map(|(_, s)| s);

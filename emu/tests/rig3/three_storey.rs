@@ -1,6 +1,6 @@
 //! `examples/three-storey.toml` on the flashed image, as `outerloop run --emulated` does it: its strong part, to the end.
 
-use crate::example::bench;
+use crate::example;
 use outerloop_cli::board::Image;
 use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
@@ -23,15 +23,7 @@ fn the_error_is_within_5_percent_of_the_one_without_converters() {
         .run(method, &ideal, 1, false, None::<Trace>)
         .unwrap();
 
-    let run = experiment
-        .run_on(
-            &bench(&experiment, &ideal),
-            method,
-            &ideal,
-            true,
-            None::<Trace>,
-        )
-        .unwrap();
+    let run = example::run(&experiment, &ideal);
 
     let (summary, plain) = (&run.summary, &without.summary);
     println!(

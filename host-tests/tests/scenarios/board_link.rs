@@ -3,7 +3,9 @@
 use host_tests::loopback::{Loopback, Mishap};
 use link::command::{Shape, Signal};
 use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{self, BoardBench, Connection, Course, Operator, Patience, Port};
+use outerloop_cli::board::{
+    self, BoardBench, Connection, Course, Operator, Patience, Played, Port,
+};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
@@ -281,6 +283,14 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     assert_eq!(again.unwrap().summary.trip, Some("displacement"));
 }
 
+/// A course is played to its end by an actuator, with nobody at the board.
+fn play(connection: &mut Connection<Loopback>, t: &TestFile, course: &Course) -> Played {
+    let nobody = Operator::nobody();
+    let played = board::commission(connection, t, (course, 0), &nobody, &mut ()).unwrap();
+    assert_eq!(played.early, None);
+    played
+}
+
 #[test]
 fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_anything_moves() {
     let t = test(&[]);
@@ -296,15 +306,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
         command_m: command_m.clone(),
     });
     let mut connection = connect(loopback(&t));
-    let played = board::commission(
-        &mut connection,
-        &t,
-        (&course, 0),
-        &Operator::nobody(),
-        &mut (),
-    )
-    .unwrap();
-    assert_eq!(played.early, None);
+    let played = play(&mut connection, &t, &course);
     let recording = Recording::parse("signal.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     assert!((6000..6003).contains(&command.len()), "{}", command.len());
@@ -351,15 +353,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         seconds: 10.0,
     };
     let course = Course::Formula(signal);
-    let played = board::commission(
-        &mut connection,
-        &t,
-        (&course, 0),
-        &Operator::nobody(),
-        &mut (),
-    )
-    .unwrap();
-    assert_eq!(played.early, None);
+    let played = play(&mut connection, &t, &course);
     let recording = Recording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     let measured = recording.displacement_m().unwrap();

@@ -51,7 +51,7 @@ impl Actuator {
                 jump.steps_left -= 1;
             }
         }
-        // A converter cannot put out what is not a number: it keeps the last command.
+        // A converter cannot put out NaN or infinity: it keeps the last command.
         if command_m.is_finite() {
             self.held_m = command_m;
         }

@@ -12,14 +12,14 @@ use serde::Serialize;
 /// What the monitor did, as JSON.
 #[derive(Serialize)]
 struct Watched<'a> {
-    rows: &'a [monitor::Row],
+    rows: &'a [monitor::StopCounts],
     cases: &'a [monitor::Case],
 }
 
 /// A survey as JSON.
 #[derive(Serialize)]
 struct Survey<'a> {
-    rows: &'a [survey::Row],
+    rows: &'a [survey::VerdictCounts],
     cases: &'a [Case],
 }
 
