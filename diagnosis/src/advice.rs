@@ -78,6 +78,36 @@ pub fn notes(
     notes
 }
 
+/// Share of the held-out squares from which on their mean is most of what is left.
+const MOSTLY_ZERO: f64 = 0.7;
+/// What is left at least for that to be said, in noise rms.
+const LOUD: f64 = 2.0;
+
+/// What is left of the held-out data where it is mostly a constant, and nothing of the kind is left of the training data.
+pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
+    let t = &answer.traces;
+    let rests = t.measured.iter().zip(&t.after).map(|(y, m)| y - m);
+    let n = t.measured.len() as f64;
+    let left = answer.error_after;
+    let mean = rests.sum::<f64>() / n;
+    let squares = left.test_rms * left.test_rms;
+    let trained = left.train_nrmse * left.test_rms / left.test_nrmse.max(f64::MIN_POSITIVE);
+    let is_new = trained < 0.5 * left.test_rms;
+    (squares > 0.0
+        && mean * mean > MOSTLY_ZERO * squares
+        && left.test_rms > LOUD * answer.noise_floor_rms
+        && is_new)
+        .then(|| {
+            format!(
+                "Of what is left of the held-out data, {:.4} {unit} rms, most is a constant {mean:.4} {unit}, which the training \
+                 data do not have: a zero was set anew between them. Without it {:.4} {unit} rms is left.",
+                left.test_rms,
+                (squares - mean * mean).max(0.0).sqrt(),
+                unit = answer.unit
+            )
+        })
+}
+
 /// Sentences on what a joint search came to.
 pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);

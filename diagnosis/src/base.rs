@@ -7,6 +7,9 @@ use crate::model::Model;
 use crate::saved_element::SavedElement;
 use plant::{Channel, EffectSpec};
 
+/// Time constants after which a start is forgotten.
+const FORGOTTEN: f64 = 6.0;
+
 /// A declared parameter that the fit may move.
 #[derive(Clone, Copy, Debug)]
 pub struct Free {
@@ -61,6 +64,12 @@ impl Base {
     pub fn tolerance(&self, index: usize) -> f64 {
         let own = self.free.iter().find(|f| f.index == index);
         own.map_or(0.0, |f| f.tolerance)
+    }
+
+    /// How long the declared actuator, three tolerances slower, remembers a command, s.
+    pub fn settling_s(&self) -> f64 {
+        let slowest = |i: usize| self.values[i] + REACH * self.tolerance(i);
+        1e-3 * (slowest(1) + FORGOTTEN * slowest(2))
     }
 
     /// The least that a parameter of a specimen can be: damping and mass are not negative, unless they are declared so.

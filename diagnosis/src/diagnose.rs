@@ -19,7 +19,7 @@ use crate::problem::{Fitted, Problem};
 use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
 use crate::signals::rms;
-use crate::{input, joint, lattice, noise, plausible, remainder, rest, spectrum};
+use crate::{advice, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum};
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
 use serde::Serialize;
@@ -85,11 +85,17 @@ pub fn diagnose(
         });
         drive = known.filter(|d| d.tells(train));
     }
-    let mut remarks: Vec<&String> = train.iter().chain(test).flat_map(|r| &r.remarks).collect();
+    let mut remarks: Vec<String> = [train, test]
+        .into_iter()
+        .flat_map(|set| odd::remarks(model, set))
+        .collect();
+    let own = train.iter().chain(test).flat_map(|r| &r.remarks);
+    remarks.extend(own.cloned());
     remarks.sort();
     remarks.dedup();
     for answer in &mut channels {
-        answer.notes.extend(remarks.iter().copied().cloned());
+        answer.notes.extend(advice::another_zero(answer));
+        answer.notes.extend(remarks.iter().cloned());
     }
     Ok(Diagnosis {
         seconds: begin.elapsed().as_secs_f64(),
@@ -111,6 +117,11 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     let residual = settled.problem.residuals(&[], scales);
     let longest = residual.iter().max_by_key(|r| r.len())?;
     spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
+}
+
+/// The last `n` samples.
+fn end_of(x: &[f64], n: usize) -> &[f64] {
+    &x[x.len() - n..]
 }
 
 impl ChannelDiagnosis<'_> {
@@ -326,10 +337,11 @@ impl ChannelDiagnosis<'_> {
         let mut stretches = given.unwrap_or_default();
         if stretches.is_empty() {
             for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
+                // Its first samples may not be looked at.
+                let skipped = r.time_s.len() - residual.len();
+                let spans = rest::spans(r).into_iter().filter(|s| s.1 > skipped);
                 stretches.extend(
-                    rest::spans(r)
-                        .into_iter()
-                        .map(|(a, b)| residual[a..b].to_vec()),
+                    spans.map(|(a, b)| residual[a.saturating_sub(skipped)..b - skipped].to_vec()),
                 );
             }
         }
@@ -342,7 +354,7 @@ impl ChannelDiagnosis<'_> {
             stretches.clear();
         }
         for (r, residual) in self.train.iter().zip(&moving) {
-            let input = self.input_of(r)?;
+            let input = end_of(self.input_of(r)?, residual.len());
             if let Some(motion) = rest::periodic(input) {
                 let before = |i: usize| residual[i - motion.period];
                 let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
@@ -360,8 +372,9 @@ impl ChannelDiagnosis<'_> {
             return Some(Noise::at_rest(&stretches, h, least).told_by(Source::Repeats));
         }
         // The displacement moves as a whole in both channels; a command may jitter far above it.
-        let moves = self.train.iter().map(|r| r.displacement_mm.as_ref());
-        let inputs: Option<Vec<&Vec<f64>>> = moves.collect();
+        let moves = self.train.iter().zip(&moving);
+        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
+        let inputs: Option<Vec<&[f64]>> = moves.collect();
         // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
         let least = least.max(1e-6 * rms(&moving));
         Noise::without_rest(&moving, &inputs?, h, least)
@@ -374,7 +387,10 @@ impl ChannelDiagnosis<'_> {
         longest.is_some_and(|i| {
             let r = &self.train[i];
             let x = r.displacement_mm.as_ref();
-            let most = x.and_then(|x| noise::neighbours::rms(&moving[i], x, r.interval_s()));
+            let most = x.and_then(|x| {
+                let x = end_of(x, moving[i].len());
+                noise::neighbours::rms(&moving[i], x, r.interval_s())
+            });
             most.is_some_and(|most| noise.rms > LOUD_REST * most)
         })
     }

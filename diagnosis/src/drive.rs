@@ -27,16 +27,17 @@ impl Drive {
         })
     }
 
-    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves; none where the record
-    /// begins in motion, since what was commanded before is not in it.
+    /// The displacement without noise, mm, and with corners that no low-pass of a reading leaves, from what the file holds
+    /// before the record on; none where that begins in motion, since what was commanded before is not in it.
     pub fn motion(&self, r: &Recording) -> Option<Vec<f64>> {
         let s = &self.solution;
         let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;
         problem.scales = s.problem.scales;
         problem.set(&self.base, s.problem.theta);
-        let motion = problem.answer(problem.stretches.first()?, &s.effects, &s.problem.scales);
+        let stretch = problem.stretches.first()?;
+        let motion = problem.answer(stretch, &s.effects, &s.problem.scales);
         let reading = r.displacement_mm.as_ref()?;
-        begins_alike(&motion, reading, r.interval_s()).then_some(motion)
+        begins_alike(&motion[stretch.lead..], reading, r.interval_s()).then_some(motion)
     }
 }
 

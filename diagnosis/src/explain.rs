@@ -85,7 +85,9 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     let left = |s: &Solution| {
         let residuals = s.problem.residuals(&s.effects, &s.problem.scales);
         let judged = problem.stretches.iter().zip(residuals);
-        rms(&judged.map(|(s, r)| s.judged(r)).collect::<Vec<_>>())
+        rms(&judged
+            .map(|(s, r)| s.without_corners(r))
+            .collect::<Vec<_>>())
     };
     let start = structured(left(&before), noise);
     let mut out = Explanation {

@@ -56,7 +56,7 @@ impl<'a> Frame<'a> {
                 .zip(&signals.base)
                 .map(|(t, b)| t - b)
                 .collect();
-            noise.whiten_into(&stretch.judged(difference), &mut residual);
+            noise.whiten_into(&stretch.judged(&difference), &mut residual);
             let mut raw = problem.staged_columns(base, stretch, &stages);
             for (candidate, shapes) in fixed {
                 raw.extend((candidate.columns)(&signals, shapes, &problem.scales));
@@ -64,7 +64,7 @@ impl<'a> Frame<'a> {
             seen.push(signals);
             columns.resize(raw.len(), Vec::new());
             for (raw, white) in raw.into_iter().zip(&mut columns) {
-                noise.whiten_into(&stretch.judged(raw), white);
+                noise.whiten_into(&stretch.judged(&raw), white);
             }
         }
         let n = columns.len();
@@ -134,7 +134,7 @@ impl<'a> Frame<'a> {
             let raw = (candidate.columns)(signals, shapes, &self.problem.scales);
             columns.resize(raw.len(), Vec::with_capacity(self.samples));
             for (raw, white) in raw.into_iter().zip(&mut columns) {
-                self.noise.whiten_into(&stretch.judged(raw), white);
+                self.noise.whiten_into(&stretch.judged(&raw), white);
             }
         }
         let (n, m) = (self.fixed.len(), columns.len());

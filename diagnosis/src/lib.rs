@@ -31,6 +31,7 @@ mod linear;
 mod model;
 mod next;
 mod noise;
+mod odd;
 mod plausible;
 mod problem;
 mod recording;
@@ -42,6 +43,7 @@ mod sensitivity;
 mod signals;
 mod spectrum;
 mod stamps;
+mod stretch;
 
 pub use answer::{
     Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,

@@ -104,7 +104,7 @@ impl Noise {
     /// short for a spectrum.
     pub fn without_rest(
         residuals: &[Vec<f64>],
-        inputs: &[&Vec<f64>],
+        inputs: &[&[f64]],
         interval_s: f64,
         least_rms: f64,
     ) -> Option<Self> {
@@ -361,7 +361,7 @@ mod tests {
                 low + off * x[i] + dry * slides + cubic * x[i].powi(3)
             })
             .collect();
-        let noise = Noise::without_rest(&[residual], &[&x], h, 0.0).unwrap();
+        let noise = Noise::without_rest(&[residual], &[x.as_slice()], h, 0.0).unwrap();
         noise.rms / (square / n as f64).sqrt()
     }
 

@@ -7,49 +7,9 @@ use crate::library::saved::fit_of;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;
+use crate::stretch::{Stretch, corners, settling};
 use plant::Channel;
 use std::borrow::Cow;
-
-/// A record as a channel sees it.
-#[derive(Clone, Debug)]
-pub struct Stretch {
-    /// What effects are computed from; `base` is that of the present parameters.
-    pub signals: Signals,
-    /// What was measured.
-    pub target: Vec<f64>,
-    /// Samples that are not judged: around corners of the motion, whose force between two samples nobody knows.
-    pub corners: Vec<usize>,
-}
-
-impl Stretch {
-    /// Takes the samples that are not judged out of a signal.
-    pub fn judged(&self, mut x: Vec<f64>) -> Vec<f64> {
-        self.corners.iter().for_each(|&i| x[i] = 0.0);
-        x
-    }
-}
-
-/// A corner: over 3 samples to either side the acceleration turns by more than this share of its rms. What a rig is
-/// commanded to turns by a few percent of it.
-const CORNER: f64 = 0.3;
-/// More corners than this share of the samples are the motion itself.
-const MOSTLY: f64 = 0.2;
-
-/// Samples around the corners of a motion without noise.
-fn corners(a: &[f64]) -> Vec<usize> {
-    let n = a.len();
-    let most = CORNER * (a.iter().map(|a| a * a).sum::<f64>() / n as f64).sqrt();
-    let turns = |i: &usize| (a[*i] - 0.5 * (a[i - 3] + a[i + 3])).abs() > most;
-    let mut near: Vec<usize> = (3..n.saturating_sub(3))
-        .filter(turns)
-        .flat_map(|i| i - 2..i + 3)
-        .collect();
-    near.dedup();
-    if near.len() as f64 > MOSTLY * n as f64 {
-        near.clear();
-    }
-    near
-}
 
 /// Records of one channel.
 #[derive(Clone, Debug)]
@@ -86,22 +46,34 @@ impl Problem {
         let mut stretches = Vec::new();
         for (i, r) in recordings.iter().enumerate() {
             let h = r.interval_s();
-            let displacement = r.displacement_mm.as_ref()?;
+            let (mut whole, mut lead) = r.behind_its_past();
+            if let Some(x) = motions.get(i).and_then(Option::as_ref)
+                && x.len() < whole.time_s.len()
+            {
+                // The motion is known from the record's beginning on only.
+                (whole, lead) = (r.clone(), 0);
+            }
+            let displacement = whole.displacement_mm.as_ref()?;
             let none = || vec![0.0; displacement.len()];
             let (motion, reading, command, target) = match base.channel {
                 Channel::Actuator => (
                     None,
                     Vec::new(),
-                    r.command_mm.as_ref()?.clone(),
+                    whole.command_mm.as_ref()?.clone(),
                     displacement.clone(),
                 ),
                 Channel::Specimen => {
-                    let clean = crate::noise::without_hum(displacement, r);
+                    let clean = crate::noise::without_hum(displacement, &whole);
                     let motion = match motions.get(i).and_then(Option::as_ref) {
-                        Some(x) => spectrum::Motion::of(x, h),
+                        Some(x) => spectrum::Motion::of(&x[x.len() - whole.time_s.len()..], h),
                         None => spectrum::smooth(&clean, h, cutoff_hz),
                     };
-                    (Some(motion), clean, Vec::new(), r.force_n.as_ref()?.clone())
+                    (
+                        Some(motion),
+                        clean,
+                        Vec::new(),
+                        whole.force_n.as_ref()?.clone(),
+                    )
                 }
             };
             // Only damping and mass feel a corner more than the reading shows it.
@@ -115,17 +87,19 @@ impl Problem {
             stretches.push(Stretch {
                 signals: Signals {
                     interval_s: h,
-                    time_s: r.time_s.clone(),
+                    time_s: whole.time_s.clone(),
                     x,
                     v,
                     a,
                     base: none(),
-                    force: r.force_n.as_ref().map_or_else(none, smooth),
+                    force: whole.force_n.as_ref().map_or_else(none, smooth),
                     reading,
                     command,
                 },
                 target,
                 corners,
+                lead,
+                from: lead + settling(base, r, lead),
             });
         }
         let first = stretches.first()?;
@@ -134,7 +108,7 @@ impl Problem {
             v: 0.0,
             base: 0.0,
             stiffness: 1.0,
-            seconds: first.signals.interval_s * first.target.len() as f64,
+            seconds: first.signals.interval_s * first.seen(&first.target).len() as f64,
             interval_s: first.signals.interval_s,
             step_s: first.signals.interval_s,
             actuator: Transfer {
@@ -185,6 +159,8 @@ impl Problem {
                 },
                 target,
                 corners,
+                lead: stretch.lead / n,
+                from: stretch.from.div_ceil(n),
             }
         });
         Self {
@@ -200,7 +176,7 @@ impl Problem {
     /// Sizes of the motion.
     fn measure(&mut self, base: &Base) {
         let largest = |of: fn(&Signals) -> &Vec<f64>| {
-            let all = self.stretches.iter().flat_map(|s| of(&s.signals));
+            let all = self.stretches.iter().flat_map(|s| s.seen(of(&s.signals)));
             all.fold(0.0_f64, |m, x| m.max(x.abs())).max(1e-9)
         };
         let (x, v, answer) = (largest(|s| &s.x), largest(|s| &s.v), largest(|s| &s.base));
@@ -210,7 +186,7 @@ impl Problem {
             let force = self
                 .stretches
                 .iter()
-                .flat_map(|s| &s.target)
+                .flat_map(|s| s.seen(&s.target))
                 .fold(0.0_f64, |m, f| m.max(f.abs()));
             self.scales.stiffness = (force / x).max(1e-12);
         }
@@ -405,15 +381,16 @@ impl Problem {
 
     /// Length of all stretches, s.
     pub fn seconds(&self) -> f64 {
-        let samples: usize = self.stretches.iter().map(|s| s.target.len()).sum();
+        let samples: usize = self.stretches.iter().map(|s| s.seen(&s.target).len()).sum();
         samples as f64 * self.scales.interval_s
     }
 
-    /// Measured less modelled, stretch by stretch.
+    /// Measured less modelled, stretch by stretch, from the first sample on that is looked at.
     pub fn residuals(&self, effects: &[Fitted], scales: &Scales) -> Vec<Vec<f64>> {
         let residual = |s: &Stretch| {
             let y = self.answer(s, effects, scales);
-            s.target.iter().zip(y).map(|(t, y)| t - y).collect()
+            let pairs = s.seen(&s.target).iter().zip(s.seen(&y));
+            pairs.map(|(t, y)| t - y).collect()
         };
         self.stretches.iter().map(residual).collect()
     }

@@ -235,6 +235,40 @@ impl Recording {
         }
     }
 
+    /// These samples behind those that the file holds before them, no more than they are themselves, and how many those are.
+    /// None where the file has another channel there.
+    pub fn behind_its_past(&self) -> (Self, usize) {
+        let join = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>, from: usize| match (a, b) {
+            (Some(a), Some(b)) => Some([&a[from..], b].concat()),
+            _ => None,
+        };
+        let has = |b: &&Self| {
+            let [own, past] = [self, b]
+                .map(|r| [&r.command_mm, &r.displacement_mm, &r.force_n].map(Option::is_some));
+            own == past
+        };
+        let Some(past) = self.before.as_deref().filter(has) else {
+            return (self.clone(), 0);
+        };
+        let n = past.time_s.len();
+        let finite = past
+            .columns()
+            .filter_map(|(_, c)| c.iter().rposition(|x| !x.is_finite()))
+            .fold(0, |from, bad| from.max(bad + 1));
+        let from = finite.max(n.saturating_sub(self.time_s.len()));
+        let lead = n - from;
+        let whole = Self {
+            name: self.name.clone(),
+            time_s: [&past.time_s[from..], &self.time_s].concat(),
+            command_mm: join(&past.command_mm, &self.command_mm, from),
+            displacement_mm: join(&past.displacement_mm, &self.displacement_mm, from),
+            force_n: join(&past.force_n, &self.force_n, from),
+            before: None,
+            remarks: Vec::new(),
+        };
+        (whole, lead)
+    }
+
     /// These samples behind a run-up that sets the state of what has memory, and the run-up's length: what the file
     /// holds before them, else, of a record that begins in mid-motion, a part of the record itself that ends as
     /// the record begins (same place, same way and speed of the channel that `input` picks). Only `input`'s channel is
@@ -275,6 +309,11 @@ const FIRST: usize = 50;
 /// How far a later moment may be from the first one, of the rms of place and speed.
 const ALIKE: f64 = 0.15;
 
+/// Whether a signal hardly moves in its first moments.
+pub(crate) fn begins_at_rest(x: &[f64]) -> bool {
+    range(&x[..(x.len() / FIRST).max(2)]) < AT_REST * range(x)
+}
+
 /// The latest sample at which a signal is most like at its first: in place, and in way and speed. `None`: it begins
 /// at rest, or comes back to no such moment.
 fn like_the_start(x: &[f64]) -> Option<usize> {
@@ -288,7 +327,7 @@ fn like_the_start(x: &[f64]) -> Option<usize> {
         (square / (n - over) as f64).sqrt()
     };
     let (place_rms, speed_rms) = (rms(&|i| x[i] - mean), rms(&speed));
-    if range(&x[..(n / FIRST).max(2)]) < AT_REST * range(x) {
+    if begins_at_rest(x) {
         return None;
     }
     let distance = |i: usize| {

@@ -93,10 +93,11 @@ impl Jacobian {
                 raw.push(change.collect());
             }
             for (raw, column) in raw.into_iter().zip(&mut columns) {
-                noise.whiten_into(&stretch.judged(raw), column);
+                noise.whiten_into(&stretch.judged(&raw), column);
             }
             let residual = stretch.target.iter().zip(&here).map(|(t, h)| t - h);
-            noise.whiten_into(&stretch.judged(residual.collect()), &mut white);
+            let residual: Vec<f64> = residual.collect();
+            noise.whiten_into(&stretch.judged(&residual), &mut white);
         }
         Self {
             columns,

@@ -1,13 +1,30 @@
 //! What the rest of a channel depends on.
 
 use super::channel::ChannelDiagnosis;
-use crate::answer::{ChannelAnswer, Errors, Verdict};
+use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::criteria::{LINES, TRANSDUCER};
 use crate::foretold::next_error;
 use crate::recording::Recording;
 use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
+use crate::rest;
 use crate::signals::rms;
 use plant::Channel;
+
+/// Where the mains' line may be, Hz: an effect by itself.
+const MAINS_HZ: std::ops::Range<f64> = 44.0..66.0;
+
+/// The rms of what is left in a record's longest rest, about its mean, and its lines there; `None` where it has no rest.
+fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
+    // Its first samples may not be looked at.
+    let skipped = r.time_s.len() - rest.len();
+    let (from, end) = rest::spans(r).into_iter().max_by_key(|(a, b)| b - a)?;
+    let still = rest.get(from.saturating_sub(skipped)..end.checked_sub(skipped)?)?;
+    let mean = still.iter().sum::<f64>() / still.len() as f64;
+    let still: Vec<f64> = still.iter().map(|x| x - mean).collect();
+    let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
+    found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
+    Some((rms(&[still]), found))
+}
 
 impl ChannelDiagnosis<'_> {
     /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
@@ -69,11 +86,24 @@ impl ChannelDiagnosis<'_> {
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };
-        let found = lines(&rest, &t.input, r.interval_s());
-        let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
         let whole = rms(std::slice::from_ref(&rest));
-        if square < LINES * whole * whole {
-            return;
+        // Which share of the squares lines hold.
+        let held = |found: &[Line], whole: f64| {
+            let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
+            square / (whole * whole).max(f64::MIN_POSITIVE)
+        };
+        let mut found = lines(&rest, &t.input, r.interval_s());
+        if held(&found, whole) < LINES {
+            // A motion of many frequencies has harmonics everywhere: there lines show at rest only.
+            let Some((still, at_rest)) = lines_at_rest(r, &rest) else {
+                return;
+            };
+            let share = held(&at_rest, still);
+            if share < LINES {
+                return;
+            }
+            answer.noise_floor_rms *= (1.0 - share).max(0.0).sqrt();
+            found = at_rest;
         }
         let all: Vec<String> = found
             .iter()

@@ -15,6 +15,8 @@ use plant::Effect;
 const TO_THE_NOISE: f64 = 0.5;
 /// The same for a noise that is read off the motion itself.
 const ABOUT_THE_NOISE: f64 = 1.3;
+/// What explains less than this share of the squares is [`WORTH_A_NAME`] of the error at most.
+const LITTLE: f64 = 1.0 - (1.0 - WORTH_A_NAME) * (1.0 - WORTH_A_NAME);
 /// What leaves no more than this share of the held-out error accounts for the record.
 const ACCOUNTS: f64 = 0.3;
 /// A noise may be so many times what is reached by chance.
@@ -72,7 +74,14 @@ impl ChannelDiagnosis<'_> {
             .collect();
         answer.traces = self.drive_traces(&test, &held_before, &held_before);
         let mut kept = found.declared.clone();
+        let is_noise =
+            noise.from != Source::Guess && reached < noise.rms.hypot(TO_THE_NOISE * noise.rms);
+        let within = reached <= ABOUT_THE_NOISE * noise.rms;
         let unknown = |answer: &mut ChannelAnswer, name, explained| {
+            // What was found in averages of the samples is not in the samples, and these leave nothing but noise.
+            if within && explained < LITTLE {
+                return;
+            }
             answer.verdict = Verdict::Unknown;
             answer.nearest = Some(Nearest { name, explained });
         };
@@ -80,13 +89,15 @@ impl ChannelDiagnosis<'_> {
         match found.outcome {
             _ if exact => {}
             Outcome::Nothing => {
-                if reached > ABOUT_THE_NOISE * noise.rms {
+                if !within {
                     let tried = answer.tried.first();
                     let nearest = tried.map(|t| (t.name, 1.0 - (t.rms_left / reached).powi(2)));
                     let (name, explained) = nearest?;
                     unknown(&mut answer, name, explained);
                 }
             }
+            // The search sees averages of the samples, and what it found there need not be in them.
+            Outcome::Unknown { .. } if is_noise => {}
             Outcome::Unknown { nearest, explained } => unknown(&mut answer, nearest, explained),
             Outcome::Named { fit, names, more } => {
                 let (after, held) = errors(&fit, &train, &test);

@@ -48,7 +48,7 @@ impl ChannelDiagnosis<'_> {
             let targets: Vec<f64> = problem
                 .stretches
                 .iter()
-                .flat_map(|s| s.target.clone())
+                .flat_map(|s| s.seen(&s.target).to_vec())
                 .collect();
             let mean = targets.iter().sum::<f64>() / targets.len() as f64;
             let spread = rms(&[targets.iter().map(|t| t - mean).collect()]);
@@ -217,20 +217,16 @@ impl ChannelDiagnosis<'_> {
             return Traces::default();
         };
         let model = |residual: &[f64]| {
-            stretch
-                .target
-                .iter()
-                .zip(residual)
-                .map(|(t, r)| t - r)
-                .collect()
+            let target = stretch.seen(&stretch.target);
+            target.iter().zip(residual).map(|(t, r)| t - r).collect()
         };
         Traces {
-            time_s: stretch.signals.time_s.clone(),
+            time_s: stretch.seen(&stretch.signals.time_s).to_vec(),
             input: match self.base.channel {
-                Channel::Actuator => stretch.signals.command.clone(),
-                Channel::Specimen => stretch.signals.x.clone(),
+                Channel::Actuator => stretch.seen(&stretch.signals.command).to_vec(),
+                Channel::Specimen => stretch.seen(&stretch.signals.x).to_vec(),
             },
-            measured: stretch.target.clone(),
+            measured: stretch.seen(&stretch.target).to_vec(),
             before: model(&before[0]),
             after: model(&after[0]),
         }

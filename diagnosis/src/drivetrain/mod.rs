@@ -74,24 +74,13 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
 /// Records as the search sees them, averaged over `every` samples.
 pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<Data<'a>> {
     let interval_s = records.first()?.interval_s();
-    let settling_s = settling_s(base);
+    let settling_s = base.settling_s();
     let runs: Option<Vec<Run>> = records.iter().map(|r| run(r, every, settling_s)).collect();
     Some(Data::new(runs?, interval_s * every as f64, base))
 }
 
-/// Time constants after which a start is forgotten.
-const FORGOTTEN: f64 = 6.0;
 /// No more of a record than this share only settles the model.
 const MOST_SETTLING: f64 = 0.05;
-
-/// How long the declared actuator, three tolerances slower, remembers a command, s.
-fn settling_s(base: &Base) -> f64 {
-    let slowest = |i: usize| {
-        let free = base.free.iter().find(|f| f.index == i);
-        base.values[i] + 3.0 * free.map_or(0.0, |f| f.tolerance)
-    };
-    1e-3 * (slowest(1) + FORGOTTEN * slowest(2))
-}
 
 fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     let h = record.interval_s();

@@ -39,10 +39,11 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     let one = std::slice::from_ref(record);
     let with = Problem::new(base, one, cutoff_hz, &[])?;
     let without = Problem::new(&bare, one, cutoff_hz, &[])?;
-    let pairs = with.stretches[0]
-        .signals
-        .base
-        .iter()
-        .zip(&without.stretches[0].signals.base);
+    let own = |p: &'_ Problem| {
+        let stretch = &p.stretches[0];
+        stretch.signals.base[stretch.lead..].to_vec()
+    };
+    let (with, without) = (own(&with), own(&without));
+    let pairs = with.iter().zip(&without);
     Some(pairs.map(|(a, b)| a - b).collect())
 }

@@ -91,20 +91,26 @@ pub fn conclude(
     if members.len() < 2 {
         return Some(Outcome::Unknown(first.name));
     }
-    // The model is that of the likeliest that was fitted.
-    let preferred = members[0].0;
-    let rival = first.rivals.iter().chain(&first.kin);
-    let rival = rival
-        .clone()
-        .find(|r| r.name == preferred && preferred != first.name);
-    let model = match rival.and_then(|rival| instead(library, rival, cutoff_hz)) {
-        Some(model) => model,
-        None => {
+    // The model is that of the likeliest that can be fitted.
+    let model = members.iter().find_map(|&(name, _)| {
+        if name == first.name {
             let own = [(first.name, first.elements.clone(), None)];
-            explained(library, set, &own, cutoff_hz)?
+            return explained(library, set, &own, cutoff_hz);
         }
-    };
+        let rival = first.rivals.iter().chain(&first.kin);
+        let rival = rival.clone().find(|r| r.name == name)?;
+        instead(library, rival, cutoff_hz)
+    })?;
+    let members = led_by(model.names[0].0, members);
     Some(Outcome::Set(model, members))
+}
+
+/// A set with the name that the model has at its head; the others stay in their order.
+fn led_by(name: Effect, mut members: Vec<(Effect, f64)>) -> Vec<(Effect, f64)> {
+    if let Some(own) = members.iter().position(|m| m.0 == name) {
+        members[..=own].rotate_right(1);
+    }
+    members
 }
 
 /// The names that could be it, with their probabilities.
@@ -219,6 +225,19 @@ mod tests {
         assert_eq!(far[0].0, Effect::MaxwellDamper);
         let whole: f64 = far.iter().map(|m| m.1).sum();
         assert!((whole - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_name_that_the_model_has_leads_its_set_and_no_other_is_lost() {
+        use Effect::{BoucWenHysteresis, CoulombFriction, ViscousDamping};
+        let set = vec![
+            (CoulombFriction, 0.4),
+            (BoucWenHysteresis, 0.35),
+            (ViscousDamping, 0.25),
+        ];
+        let led = led_by(ViscousDamping, set.clone());
+        assert_eq!(led, [set[2], set[0], set[1]]);
+        assert_eq!(led_by(CoulombFriction, set.clone()), set);
     }
 
     #[test]

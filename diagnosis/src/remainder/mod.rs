@@ -79,6 +79,10 @@ pub fn taken_off(model: &Model, records: &[Recording]) -> Vec<Recording> {
         .iter()
         .map(|record| {
             let mut r = record.clone();
+            r.before = record.before.as_deref().map(|b| {
+                let mut past = taken_off(model, std::slice::from_ref(b));
+                Box::new(past.remove(0))
+            });
             let take = |correction: &Correction, input: &[f64], output: &mut Vec<f64>| {
                 let moves = Moves::new(input, Vec::new(), Vec::new(), record.interval_s());
                 add_scaled(output, &correction.answer(&moves), -1.0);

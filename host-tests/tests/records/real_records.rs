@@ -48,6 +48,13 @@ fn only(d: &Diagnosis, model: &Model) -> ChannelAnswer {
         assert_eq!(a.error_before, a.error_after);
         assert_eq!(&d.improved, model);
     }
+    if a.verdict == Verdict::Ambiguous {
+        // The set is said three times: the model's own name, the others, and all of them with their probabilities.
+        let mut said: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+        said.extend(&a.alternatives);
+        let set: Vec<Effect> = a.members.iter().map(|m| m.name).collect();
+        assert_eq!(said, set);
+    }
     a
 }
 

@@ -1,0 +1,174 @@
+//! What looks odd about records that can be judged all the same: units, a dead transducer, a copied column.
+
+use crate::model::Model;
+use crate::recording::{Recording, correlation, range};
+
+/// What a unit is mistaken for another by, and how that is called.
+const UNITS: [(f64, &str); 4] = [
+    (25.4, "an inch has 25.4 mm"),
+    (9.80665, "a kilogram-force has 9.807 N"),
+    (4.44822, "a pound-force has 4.448 N"),
+    (1000.0, "a kN has 1000 N, a metre 1000 mm"),
+];
+/// How near a ratio must be to such a factor, as a share of it: what a declared value may be off.
+const NEAR: f64 = 0.06;
+/// Channels that belong together follow each other at least so well.
+const FOLLOWS: f64 = 0.8;
+/// A channel is dead that stays the same to the bit for so long, s,
+const DEAD_S: f64 = 0.5;
+/// while its input moves by this share of its range.
+const MOVES: f64 = 0.3;
+
+/// Questions about the records, each a sentence.
+pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
+    records.iter().flat_map(|r| of(model, r)).collect()
+}
+
+fn of(model: &Model, r: &Recording) -> Vec<String> {
+    let mut all = Vec::new();
+    if let (Some(a), Some(u), Some(x)) = (&model.actuator, &r.command_mm, &r.displacement_mm) {
+        if u == x {
+            all.push(format!(
+                "{}: displacement is the command, bit for bit: it is a copy and no reading.",
+                r.name
+            ));
+        }
+        let gain = a.gain.map_or(1.0, |g| g.value);
+        all.extend(unit(r, "displacement per command", (u, x), gain));
+        all.extend(dead(r, "displacement", u, x));
+    }
+    if let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) {
+        let stiffness = s.stiffness_n_per_mm.map_or(0.0, |k| k.value);
+        all.extend(unit(r, "force per displacement", (x, f), stiffness));
+        all.extend(dead(r, "force", x, f));
+    }
+    all
+}
+
+/// A ratio that is a factor between two units.
+fn unit(
+    r: &Recording,
+    what: &str,
+    (input, output): (&[f64], &[f64]),
+    declared: f64,
+) -> Option<String> {
+    let ratio = range(output) / (range(input) * declared.abs());
+    if !ratio.is_finite() || correlation(input, output).abs() < FOLLOWS {
+        return None;
+    }
+    let near = |factor: f64| (ratio / factor - 1.0).abs() < NEAR;
+    let (_, why) = UNITS.iter().find(|(f, _)| near(*f) || near(1.0 / f))?;
+    Some(format!(
+        "{}: {what} is {ratio:.4} times what the model says, and {why}. Are the columns in the units of their headers?",
+        r.name
+    ))
+}
+
+/// A channel that stands still to the bit while its input moves.
+fn dead(r: &Recording, what: &str, input: &[f64], output: &[f64]) -> Option<String> {
+    let least = (DEAD_S / r.interval_s()).ceil() as usize;
+    let mut from = 0;
+    let mut longest = 0..0;
+    for i in 1..=output.len() {
+        if i == output.len() || output[i] != output[from] {
+            if i - from > longest.len() {
+                longest = from..i;
+            }
+            from = i;
+        }
+    }
+    let moved = range(&input[longest.clone()]);
+    if longest.len() < least || moved < MOVES * range(input) {
+        return None;
+    }
+    Some(format!(
+        "{}: {what} stands at {} from {:.3} s to {:.3} s while its input moves by {moved:.4} mm: is the transducer dead there, \
+         or at its rail? Leave that part out of the span.",
+        r.name,
+        output[longest.start],
+        r.time_s[longest.start],
+        r.time_s[longest.end - 1]
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::declared::Declared;
+    use crate::model::{ActuatorModel, SpecimenModel};
+
+    /// What is said of an actuator that follows and a spring of 100 N/mm, once `change` has been there.
+    fn said(change: impl Fn(&mut Recording)) -> Vec<String> {
+        let time_s: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 1e-3).collect();
+        let moves = |late: f64| -> Vec<f64> {
+            let x = |t: &f64| 10.0 * (2.0 * (t - late)).sin() + 4.0 * (5.3 * (t - late)).cos();
+            time_s.iter().map(x).collect()
+        };
+        let mut r = Recording {
+            name: "a".into(),
+            command_mm: Some(moves(0.0)),
+            displacement_mm: Some(moves(0.02)),
+            force_n: Some(moves(0.02).iter().map(|x| 101.0 * x).collect()),
+            time_s,
+            ..Recording::default()
+        };
+        change(&mut r);
+        let declared = |value| {
+            Some(Declared {
+                value,
+                tolerance: 0.01 * value,
+            })
+        };
+        let model = Model {
+            actuator: Some(ActuatorModel {
+                gain: declared(1.0),
+                ..ActuatorModel::default()
+            }),
+            specimen: Some(SpecimenModel {
+                stiffness_n_per_mm: declared(100.0),
+                ..SpecimenModel::default()
+            }),
+            ..Model::default()
+        };
+        remarks(&model, &[r])
+    }
+
+    fn scale(x: &mut Option<Vec<f64>>, by: f64) {
+        x.iter_mut().flatten().for_each(|x| *x *= by);
+    }
+
+    #[test]
+    fn a_factor_between_two_units_is_asked_about() {
+        assert_eq!(said(|_| {}), Vec::<String>::new());
+        let inch = said(|r| scale(&mut r.displacement_mm, 1.0 / 25.4));
+        assert!(
+            inch.iter().all(|s| s.contains("25.4 mm")) && inch.len() == 2,
+            "{inch:?}"
+        );
+        let pound = said(|r| scale(&mut r.force_n, 1.0 / 4.448));
+        assert!(pound.len() == 1 && pound[0].contains("pound"), "{pound:?}");
+        // Another specimen, not another unit.
+        assert_eq!(said(|r| scale(&mut r.force_n, 1.7)), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_channel_that_freezes_is_named_with_its_time() {
+        let frozen = said(|r| {
+            let x = r.displacement_mm.as_mut().unwrap();
+            let held = x[4000];
+            x[4000..6000].fill(held);
+        });
+        assert!(frozen[0].contains("from 4.000 s to 5.999 s"), "{frozen:?}");
+        let zeros = said(|r| r.force_n.as_mut().unwrap()[2000..4000].fill(0.0));
+        assert!(
+            zeros[0].contains("force stands at 0 from 2.000 s"),
+            "{zeros:?}"
+        );
+    }
+
+    #[test]
+    fn a_displacement_that_is_a_copy_of_the_command_is_said() {
+        let copy = said(|r| r.displacement_mm = r.command_mm.clone());
+        assert!(copy[0].contains("bit for bit"), "{copy:?}");
+    }
+}
