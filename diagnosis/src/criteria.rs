@@ -80,9 +80,6 @@ pub const JOINT_LEAVES: f64 = 0.85;
 pub const WEIGHT: f64 = 4.0;
 /// Up to so many times the border between friction and damping an element is no rival of friction: it is nearly that.
 pub const NEARLY: f64 = 1.7;
-/// Friction and hysteresis are one kind, told apart by where they yield; a name needs the other to leave so many times
-/// the squares.
-pub const WITHIN_A_KIND: f64 = 1.5;
 /// Yield, over half the range, up to which hysteresis may be the give of a sliding contact: a lip seal gives tenths of a
 /// millimetre, a fifth of a stroke of a few, and friction that gives smoothly (Dahl's law) is Bouc-Wen's equation with
 /// equal rates out and back. Between this and [`FRICTION_YIELD`] friction and hysteresis are a set, whichever fits.

@@ -1,9 +1,8 @@
 //! A displacement below a cut-off, with its derivatives, and where its motion ends.
 
+use super::curvature;
 use crate::criteria::BAND_POWER;
-use crate::linear::{dot, gram};
-use crate::spectrum::{Motion, motion_band_hz};
-use nalgebra::DVector;
+use crate::spectrum::Motion;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -13,12 +12,11 @@ const FALL: f64 = 0.15;
 /// Share of a signal that is mirrored at each end, at most.
 const MIRRORED: f64 = 0.25;
 
-/// Share of a cycle of the band's end over which the bend of an end is read.
-const PART: f64 = 0.35;
-/// Fewer samples tell no bend.
-const FEW: usize = 8;
-/// Power of the curve through them.
-const CURVE: i32 = 5;
+/// Share of a cycle of the band's end within which a bend fades: shorter, and what is left would have corners that no
+/// cut-off passes.
+const FADES: f64 = 0.35;
+/// No longer than this share of the record: what bends one end is gone at the other.
+const LONGEST: f64 = 0.15;
 /// Widths beyond which a bend is nothing.
 const GONE: f64 = 6.0;
 
@@ -47,37 +45,6 @@ struct Bend {
 }
 
 impl Bend {
-    /// From the first samples of a signal, or of its reverse: a polynomial through a part of a cycle, by least squares.
-    fn of(start: impl Iterator<Item = f64>, width_s: f64, interval_s: f64, at_s: f64) -> Self {
-        let y: Vec<f64> = start.collect();
-        let n = y.len();
-        let t = |i: usize| i as f64 / n as f64;
-        let columns: Vec<Vec<f64>> = (0..=CURVE)
-            .map(|power| (0..n).map(|i| t(i).powi(power)).collect())
-            .collect();
-        let matrix = gram(&columns);
-        let right = DVector::from_fn(columns.len(), |i, _| dot(&columns[i], &y));
-        let Some(inverse) = matrix.try_inverse() else {
-            return Self::default();
-        };
-        let w = &inverse * right;
-        let left: f64 = (0..n)
-            .map(|i| {
-                let fit: f64 = (0..columns.len()).map(|c| w[c] * columns[c][i]).sum();
-                (y[i] - fit).powi(2)
-            })
-            .sum();
-        let variance = inverse[(2, 2)] * left / (n - columns.len()) as f64;
-        // As much of it as is no noise.
-        let sure = 1.0 - (variance / (w[2] * w[2]).max(f64::MIN_POSITIVE)).min(1.0);
-        let span = n as f64 * interval_s;
-        Self {
-            at_s,
-            acceleration: 2.0 * w[2] / (span * span) * sure,
-            width_s,
-        }
-    }
-
     /// Value, first and second derivative.
     fn over(&self, t_s: f64) -> [f64; 3] {
         let u = (t_s - self.at_s) / self.width_s;
@@ -97,21 +64,26 @@ impl Bend {
 
 impl Band {
     pub fn new(x: &[f64], interval_s: f64) -> Self {
-        let n = x.len();
-        let end_s = (n - 1) as f64 * interval_s;
-        let mut bends = [Bend::default(); 2];
-        if let Some(hz) = motion_band_hz(x, interval_s) {
-            let samples = (PART / (hz * interval_s)) as usize;
-            if samples >= FEW && 4 * samples < n {
-                let width = PART / hz;
-                let first = x[..samples].iter().copied();
-                let last = x[n - samples..].iter().rev().copied();
-                bends = [
-                    Bend::of(first, width, interval_s, 0.0),
-                    Bend::of(last, width, interval_s, end_s),
-                ];
-            }
+        let end_s = (x.len() - 1) as f64 * interval_s;
+        let mirrored = Self::without(x, interval_s, [Bend::default(); 2]);
+        let width_s = (FADES / mirrored.of_motion_hz()).min(LONGEST * end_s);
+        // With so few samples in a part of a cycle nothing tells how it bends.
+        if width_s < curvature::SHORTEST as f64 * interval_s {
+            return mirrored;
         }
+        let reverse: Vec<f64> = x.iter().rev().copied().collect();
+        let bend = |x: &[f64], at_s| Bend {
+            at_s,
+            acceleration: curvature::at_the_start(x, interval_s),
+            width_s,
+        };
+        let bends = [bend(x, 0.0), bend(&reverse, end_s)];
+        Self::without(x, interval_s, bends)
+    }
+
+    /// The transform of what the bends leave.
+    fn without(x: &[f64], interval_s: f64, bends: [Bend; 2]) -> Self {
+        let n = x.len();
         let straight = |(i, x): (usize, &f64)| {
             let t = i as f64 * interval_s;
             x - bends.iter().map(|b| b.over(t)[0]).sum::<f64>()
@@ -264,8 +236,8 @@ mod tests {
         for i in (0..25).chain(4976..5001) {
             // A mirror image alone has none at the end: 100 % off. What is left rings at the cut-off and dies away.
             let off = (m.a[i] + w * w * x[i]) / (w * w * 10.0);
-            assert!(off.abs() < 0.35, "{i}: {off}");
-            assert!((m.x[i] - x[i]).abs() < 0.03, "{i}");
+            assert!(off.abs() < 0.1, "{i}: {off}");
+            assert!((m.x[i] - x[i]).abs() < 0.01, "{i}");
         }
     }
 

@@ -8,6 +8,7 @@
 mod band;
 mod blocks;
 mod certificate;
+mod curvature;
 mod cutoff;
 mod dictionary;
 pub(crate) mod element;

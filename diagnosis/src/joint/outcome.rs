@@ -10,7 +10,6 @@ use super::set::{Library, Set};
 use crate::answer::Certificate;
 use crate::criteria::{
     CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
-    WITHIN_A_KIND,
 };
 use crate::interval::Figure;
 use plant::{Effect, Family};
@@ -73,7 +72,7 @@ pub fn conclude(
     };
     // Friction or hysteresis: of one kind, and where it yields does not tell.
     let undecided = |n: &Candidate| {
-        let kin = n.kin.as_ref().is_some_and(|k| k.times < WITHIN_A_KIND);
+        let kin = n.kin.as_ref().is_some_and(|k| k.times < CERTAIN);
         kin || n.may_slide || !n.inseparable.is_empty()
     };
     let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
