@@ -100,93 +100,134 @@ impl Way {
         }
         // A valve without a lag of its own would follow within the sample.
         let lag_s = self.lag_s.max(0.3 * h);
-        let speed = |e: f64| flow(&inside, e, lag_s);
+        let flow = Flow::new(&inside, lag_s);
+        let seal = Seal::new(&inside);
         let substeps = (h / (SUBSTEP * lag_s)).ceil().clamp(1.0, MOST_SUBSTEPS);
         let dt = h / substeps;
-        let mut ram = Ram::new(&inside, input[0]);
+        let mut ram = Ram::at(input[0]);
         let mut oil = input[0];
         let mut out = Vec::with_capacity(input.len());
-        out.push(ram.at);
+        out.push(ram.at_mm);
         for pair in input.windows(2) {
             let rise = (pair[1] - pair[0]) / substeps;
             for k in 0..substeps as usize {
                 let u = pair[0] + rise * k as f64;
                 // Midpoint rule.
-                let mut half = ram;
-                half.follow(oil + 0.5 * dt * speed(u - ram.at), 0.5 * dt);
-                oil += dt * speed(u + 0.5 * rise - half.at);
-                ram.follow(oil, dt);
+                let half = seal.hold(ram, oil + 0.5 * dt * flow.at(u - ram.at_mm), 2.0 / dt);
+                oil += dt * flow.at(u + 0.5 * rise - half.at_mm);
+                ram = seal.hold(ram, oil, 1.0 / dt);
             }
-            out.push(ram.at);
+            out.push(ram.at_mm);
         }
         out
     }
 }
 
-/// A ram on the spring of its oil, held by the friction of its seals: what the oil is ahead of it is what friction bends
-/// the oil by.
+/// A ram on the spring of its oil: what the oil is ahead of it is what friction of its seals bends the oil by.
 #[derive(Clone, Copy, Debug)]
 struct Ram {
-    /// Place, mm.
-    at: f64,
+    at_mm: f64,
+    mm_per_s: f64,
     /// Friction over its level in motion: elastic over the give, then it slides.
     stick: f64,
-    speed: f64,
-    /// What friction in motion bends the oil by, mm.
-    bend: f64,
-    give: f64,
-    /// Friction at rest over that in motion, less 1, and the speed at which it falls, mm/s.
-    falls: [f64; 2],
 }
 
 impl Ram {
-    fn new(parts: &[Part], at: f64) -> Self {
-        let seal = parts
-            .iter()
-            .find(|p| matches!(p.kind, Kind::Seal | Kind::StickySeal));
-        let [bend, give, at_rest, speed] = seal.map_or([0.0; 4], |p| p.shapes);
+    const fn at(at_mm: f64) -> Self {
         Self {
-            at,
+            at_mm,
+            mm_per_s: 0.0,
             stick: 0.0,
-            speed: 0.0,
-            bend,
-            give,
-            falls: [(at_rest - 1.0).max(0.0), speed.max(f64::MIN_POSITIVE)],
         }
-    }
-
-    /// Moves until its friction holds the spring of the oil, which is at a place after a time.
-    fn follow(&mut self, oil: f64, dt: f64) {
-        if self.bend <= 0.0 {
-            self.at = oil;
-            return;
-        }
-        let pull = oil - self.at - self.bend * self.stick;
-        let sticks = pull / (1.0 + self.bend / self.give);
-        let [falls, speed] = self.falls;
-        let most = 1.0 + falls * (-(self.speed / speed).powi(2)).exp();
-        let stick = (self.stick + sticks / self.give).clamp(-most, most);
-        let at = oil - self.bend * stick;
-        self.speed = (at - self.at) / dt;
-        (self.at, self.stick) = (at, stick);
     }
 }
 
-/// Speed of a cylinder behind a valve that is open by `e`, mm/s.
-fn flow(parts: &[Part], e: f64, lag_s: f64) -> f64 {
-    let mut e = e;
-    let mut most = f64::INFINITY;
-    for part in parts {
-        let a = part.shapes[0];
-        match part.kind {
-            Kind::Overlap => e -= e.clamp(-a, a),
-            Kind::UnequalAreas => e *= (1.0 + a * e).max(0.1),
-            Kind::FlowLimit => e = a * (e / a).tanh(),
-            Kind::RateLimit => most = a,
-            _ => {}
+/// Friction of a ram's seals.
+#[derive(Clone, Copy, Debug)]
+struct Seal {
+    /// What friction in motion bends the oil by, mm.
+    bend_mm: f64,
+    /// How much more friction a lead of the oil makes while the seals stick, 1/mm.
+    sticks_per_mm: f64,
+    /// Friction at rest over that in motion, less 1, and one over the speed at which it falls, s/mm.
+    falls: [f64; 2],
+}
+
+impl Seal {
+    fn new(parts: &[Part]) -> Self {
+        let seal = parts
+            .iter()
+            .find(|p| matches!(p.kind, Kind::Seal | Kind::StickySeal));
+        let [bend_mm, give_mm, at_rest, speed] = seal.map_or([0.0; 4], |p| p.shapes);
+        Self {
+            bend_mm,
+            sticks_per_mm: 1.0 / (give_mm + bend_mm).max(f64::MIN_POSITIVE),
+            falls: [(at_rest - 1.0).max(0.0), 1.0 / speed.max(f64::MIN_POSITIVE)],
         }
     }
-    (e / lag_s).clamp(-most, most)
+
+    /// Where a ram is whose oil has come to a place: held until the friction lets go.
+    #[inline]
+    fn hold(&self, ram: Ram, oil_mm: f64, per_s: f64) -> Ram {
+        if self.bend_mm <= 0.0 {
+            return Ram::at(oil_mm);
+        }
+        let lead = oil_mm - ram.at_mm - self.bend_mm * ram.stick;
+        let [falls, per_speed] = self.falls;
+        let most = if falls > 0.0 {
+            1.0 + falls * (-(ram.mm_per_s * per_speed).powi(2)).exp()
+        } else {
+            1.0
+        };
+        let stick = (ram.stick + lead * self.sticks_per_mm).clamp(-most, most);
+        let at_mm = oil_mm - self.bend_mm * stick;
+        Ram {
+            at_mm,
+            mm_per_s: (at_mm - ram.at_mm) * per_s,
+            stick,
+        }
+    }
+}
+
+/// What a valve lets through.
+#[derive(Clone, Copy, Debug)]
+struct Flow {
+    /// It is closed up to this opening, mm.
+    overlap_mm: f64,
+    /// 1/mm.
+    unequal_areas: f64,
+    /// Opening at which it saturates, mm; infinite where it does not.
+    saturates_mm: f64,
+    /// mm/s.
+    most: f64,
+    per_lag: f64,
+}
+
+impl Flow {
+    fn new(parts: &[Part], lag_s: f64) -> Self {
+        let of = |kind, none: f64| {
+            let part = parts.iter().find(|p| p.kind == kind);
+            part.map_or(none, |p| p.shapes[0])
+        };
+        Self {
+            overlap_mm: of(Kind::Overlap, 0.0),
+            unequal_areas: of(Kind::UnequalAreas, 0.0),
+            saturates_mm: of(Kind::FlowLimit, f64::INFINITY),
+            most: of(Kind::RateLimit, f64::INFINITY),
+            per_lag: 1.0 / lag_s,
+        }
+    }
+
+    /// Speed of the oil behind an opening, mm/s.
+    #[inline]
+    fn at(&self, opening_mm: f64) -> f64 {
+        let mut e = opening_mm - opening_mm.clamp(-self.overlap_mm, self.overlap_mm);
+        e *= (1.0 + self.unequal_areas * e).max(0.1);
+        if self.saturates_mm.is_finite() {
+            e = self.saturates_mm * (e / self.saturates_mm).tanh();
+        }
+        (e * self.per_lag).clamp(-self.most, self.most)
+    }
 }
 
 #[cfg(test)]
