@@ -42,6 +42,41 @@ def read(folder):
     return model, train, rest
 
 
+def low_passed(y, h, hz):
+    b, a = butter(4, min(0.9, 2.0 * h * hz))
+    return filtfilt(b, a, y)
+
+
+def ram(p, t, u, h):
+    """Displacement of an actuator with these gain, delay, lag and offset."""
+    gain, delay_ms, lag_ms, offset = p
+    late = np.interp(t - 1e-3 * delay_ms, t, u)
+    pole = np.exp(-h / max(1e-3 * lag_ms, 1e-6))
+    return gain * lfilter([1.0 - pole], [1.0, -pole], late, zi=[pole * late[0]])[0] + offset
+
+
+def spring(p, x, v, a):
+    """Force of a specimen with these stiffness, damping, mass and offset."""
+    return p[0] * x + p[1] * v + 1e-3 * p[2] * a + p[3]
+
+
+def refitted(names, declared, predict, target, where):
+    """Declared parameters inside three tolerances at their best where `where` says, and how far each may still go."""
+    value = np.array([float(declared.get(n, {}).get("value", IDEAL.get(n, 0.0))) for n in names])
+    room = 3.0 * np.array([declared.get(n, {}).get("tolerance", 0.0) for n in names])
+    free = room > 0.0
+
+    def all_of(part):
+        p = value.copy()
+        p[free] += part * room[free]
+        return p
+
+    left = lambda part: (target - predict(all_of(part)))[where]
+    fitted = all_of(least_squares(left, np.zeros(free.sum()), bounds=(-1, 1)).x)
+    parameters = dict(zip(names, fitted))
+    return parameters, dict(zip(names, zip(value - room - fitted, value + room - fitted)))
+
+
 def channels(folder):
     """Actuator and specimen, each with its declared parameters refitted inside three tolerances."""
     model, (t, u, x, f), rest = read(folder)
@@ -49,51 +84,24 @@ def channels(folder):
     still = np.zeros(len(t), bool)
     for begin, end in rest:
         still |= (t >= begin) & (t <= end)
-
-    def filtered(y):
-        # Twice the highest frequency of any excitation in the exam.
-        b, a = butter(4, min(0.9, 2.0 * h * 30.0))
-        return filtfilt(b, a, y)
-
-    smooth = filtered(x)
+    # Twice the highest frequency of any excitation in the exam.
+    smooth = low_passed(x, h, 30.0)
     v = np.gradient(smooth, h)
     a = np.gradient(v, h)
 
     def channel(name, names, declared, predict, target, **more):
-        value = np.array([declared.get(n, {}).get("value", IDEAL.get(n, 0.0)) for n in names])
-        room = 3.0 * np.array([declared.get(n, {}).get("tolerance", 0.0) for n in names])
-        free = room > 0.0
-
-        def all_of(part):
-            p = value.copy()
-            p[free] += part * room[free]
-            return p
-
-        found = least_squares(
-            lambda part: (target - predict(all_of(part)))[::4], np.zeros(free.sum()), bounds=(-1, 1)
-        )
-        fitted = all_of(found.x)
-        base = predict(fitted)
+        parameters, left = refitted(names, declared, predict, target, slice(None, None, 4))
+        base = predict(list(parameters.values()))
         residual = target - base
         sigma = np.std(np.concatenate([residual[(t >= b) & (t <= e)] for b, e in rest[:1]]))
-        parameters = dict(zip(names, fitted))
-        left = dict(zip(names, zip(value - room - fitted, value + room - fitted)))
         return Channel(
             name, residual, sigma, ~still, t, h, base=base, force=f, parameters=parameters, room=left, **more
         )
 
-    def actuator(p):
-        gain, delay_ms, lag_ms, offset = p
-        late = np.interp(t - 1e-3 * delay_ms, t, u)
-        pole = np.exp(-h / max(1e-3 * lag_ms, 1e-6))
-        return gain * lfilter([1.0 - pole], [1.0, -pole], late, zi=[pole * late[0]])[0] + offset
-
-    def specimen(p):
-        return p[0] * smooth + p[1] * v + 1e-3 * p[2] * a + p[3]
-
-    first = channel("actuator", ACTUATOR, model["actuator"], actuator, x, x=None, v=None, a=None)
+    first = channel("actuator", ACTUATOR, model["actuator"], lambda p: ram(p, t, u, h), x, x=None, v=None, a=None)
     first.x = first.base
     first.v = np.gradient(first.x, h)
     first.a = np.gradient(first.v, h)
-    second = channel("specimen", SPECIMEN, model["specimen"], specimen, f, x=smooth, v=v, a=a)
+    declared = model["specimen"]
+    second = channel("specimen", SPECIMEN, declared, lambda p: spring(p, smooth, v, a), f, x=smooth, v=v, a=a)
     return [first, second]
