@@ -72,6 +72,8 @@ pub const INSEPARABLE: f64 = 100.0;
 pub const ACCOUNTS: f64 = 0.3;
 /// So many times a known noise are the noise.
 pub const NOISE: f64 = 1.3;
+/// What leaves more than so many times a noise that a rest has told does not account for the record, however much it took.
+pub const BESIDE_NOISE: f64 = 3.0;
 /// A name from single effects stands although it leaves more than [`NOISE`] only where elements searched jointly leave at
 /// least this share of the same held-out error: one flexible effect beats the right pair in every search that is greedy.
 pub const JOINT_LEAVES: f64 = 0.85;
@@ -107,6 +109,8 @@ pub const ONE_SIDE: f64 = 0.05;
 pub const SLOW: f64 = 0.1;
 /// Share of the squares of what is left that lines of other than the motion's frequencies hold where it is no noise.
 pub const LINES: f64 = 0.3;
+/// Where a linear model of any order makes less than this share of an output's squares, most of it comes from elsewhere.
+pub const LITTLE: f64 = 0.5;
 /// What a declared model leaves below this share of the force is within the class of a good load cell (0.5, ISO 7500-1):
 /// where no element is worth its price nothing is missing that could be asked about.
 pub const TRANSDUCER: f64 = 0.005;

@@ -76,7 +76,10 @@ pub fn diagnose(
         let (mut answer, found) = channel.judge(&mut improved);
         driven::not_above(&mut answer, f64::INFINITY);
         channel.hear_lines(&mut answer);
-        input::widen(&mut answer, &input::lacks(&channel.base, train));
+        channel.ask_for_other_inputs(&mut answer);
+        let mut lacks = input::lacks(&channel.base, train);
+        lacks.extend(input::damages(&answer, train));
+        input::widen(&mut answer, &lacks);
         channels.push(answer);
         let known = found.map(|solution| Drive {
             cutoff_hz: channel.cutoff_hz(),

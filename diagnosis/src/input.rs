@@ -232,6 +232,63 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
     })
 }
 
+/// As much of a gain that changes with time goes along with the largest displacement so far where the two are one.
+const TOGETHER: f64 = 0.9;
+
+/// What warms up with time and what is damaged by the largest displacement so far, where this grows as that does: a
+/// protocol of growing cycles, above all.
+pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
+    let name = Effect::TemperatureGain;
+    let found = answer.effects.iter().find(|e| e.name == name)?;
+    let value = |name: &str| {
+        found
+            .parameters
+            .iter()
+            .find(|p| p.name == name)
+            .map(|p| p.value)
+    };
+    let (change, time_s) = (value("change")?, value("time_constant_s")?);
+    if answer.channel != Channel::Specimen {
+        return None;
+    }
+    let together = |r: &Recording| {
+        let x = r.displacement_mm.as_ref()?;
+        let mut largest = 0.0_f64;
+        // Each moment counts as the force that a change of stiffness makes then.
+        let moments = x.iter().zip(&r.time_s).map(|(x, t)| {
+            let x = x - r.displacement_mm.as_ref().map_or(0.0, |x| x[0]);
+            largest = largest.max(x.abs());
+            let grown = 1.0 - (-(t - r.time_s[0]) / time_s).exp();
+            (x * x, largest, grown)
+        });
+        Some(alike(&moments.collect::<Vec<_>>()))
+    };
+    let least = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
+    let least = least.into_iter().fold(1.0, f64::min);
+    let other = if change < 0.0 {
+        Effect::Softening
+    } else {
+        Effect::Hardening
+    };
+    (least > TOGETHER).then(|| Lack {
+        sentence: "The largest displacement so far grows as that change does: a stiffness that changes with time cannot be told \
+                   from one that is changed by displacement, whatever fits. Smaller cycles after the largest tell them apart."
+            .into(),
+        alike: vec![vec![name, other]],
+    })
+}
+
+/// The square of the correlation of two values, each moment with its weight.
+fn alike(moments: &[(f64, f64, f64)]) -> f64 {
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| moments.iter().map(|(w, a, b)| w * of(*a, *b)).sum::<f64>();
+    let whole = sum(&|_, _| 1.0).max(f64::MIN_POSITIVE);
+    let (a, b) = (sum(&|a, _| a) / whole, sum(&|_, b| b) / whole);
+    let both = sum(&|x, y| (x - a) * (y - b));
+    let own = sum(&|x, _| (x - a) * (x - a)) * sum(&|_, y| (y - b) * (y - b));
+    both * both / own.max(f64::MIN_POSITIVE)
+}
+
 /// Makes a set of every name that the motion cannot tell from others, and says so.
 pub fn widen(answer: &mut ChannelAnswer, lacks: &[Lack]) {
     let named = matches!(

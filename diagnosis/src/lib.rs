@@ -11,6 +11,7 @@ mod advice;
 mod answer;
 mod base;
 mod channel;
+mod coherence;
 mod coupled;
 mod criteria;
 mod declared;

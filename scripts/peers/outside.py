@@ -24,7 +24,7 @@ import records
 import regressors
 
 # Low-passes of the displacement that are tried, in bands of the motion (nine tenths of the speed's power).
-CUTOFFS = (2.0, 4.0, 8.0, 16.0, 32.0)
+CUTOFFS = tuple(2.0**i for i in range(1, 10))
 
 
 @dataclass

@@ -27,7 +27,8 @@ pub fn headline(a: &ChannelAnswer) -> String {
             change(a)
         ),
         Verdict::Unknown => {
-            let nearest = a.nearest.as_ref().map_or(String::new(), |n| {
+            let nearest = a.nearest.as_ref().filter(|n| n.explained >= 0.01);
+            let nearest = nearest.map_or(String::new(), |n| {
                 format!(
                     " The nearest is {}, which explains {:.0} % of its squares.",
                     n.name.name(),
@@ -180,8 +181,12 @@ pub fn rest(a: &ChannelAnswer) -> Option<String> {
     let mut parts: Vec<String> = Vec::new();
     if let Some(s) = r.shares.first() {
         parts.push(format!(
-            "{} alone accounts for {:.0} % of its squares on held-out data",
+            "{} {} {:.0} % of its squares on held-out data",
             depends_on(s.depends_on),
+            match s.depends_on {
+                DependsOn::DisplacementAndVelocity => "account for",
+                _ => "alone accounts for",
+            },
             100.0 * s.share
         ));
     } else {
@@ -216,11 +221,18 @@ pub const fn verdict(v: Verdict) -> &'static str {
     }
 }
 
+/// A 90 % interval that holds zero and is so many times as wide as the value tells nothing of it.
+const TOLD: f64 = 10.0;
+
 /// A parameter with its 90 % interval.
 pub fn parameter(p: &FoundParameter) -> String {
     let value = quantity(p.value, &p.unit);
     if p.ci90[0] == p.ci90[1] {
         return format!("{} = {value}", p.name);
+    }
+    let [low, high] = p.ci90;
+    if low < 0.0 && high > 0.0 && high - low > TOLD * p.value.abs() {
+        return format!("{} = {value}  (not told by this record)", p.name);
     }
     format!(
         "{} = {value}  (90 %: {} to {})",
@@ -309,6 +321,24 @@ mod tests {
         let odd = answer(|x, v| 8.0 * (3.0 * x).sin() * (0.7 * v).cos());
         assert_eq!(odd.verdict, Verdict::Unknown, "{odd:?}");
         assert!(next(&odd).unwrap().contains("stays as it was declared"));
+    }
+
+    #[test]
+    fn an_interval_that_tells_nothing_is_not_written_out() {
+        let give = |ci90| FoundParameter {
+            name: "presliding_mm".into(),
+            value: 0.18,
+            unit: "mm".into(),
+            ci90,
+        };
+        let said = [[-9.9, 10.2], [-0.1, 0.5], [0.1, 0.26]].map(|ci90| parameter(&give(ci90)));
+        assert!(
+            said[0].ends_with("(not told by this record)"),
+            "{}",
+            said[0]
+        );
+        assert!(said[1].contains("90 %: -0.1000 to 0.5000"), "{}", said[1]);
+        assert!(said[2].contains("90 %: 0.1000 to 0.2600"), "{}", said[2]);
     }
 
     #[test]

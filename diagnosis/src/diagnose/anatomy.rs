@@ -2,7 +2,8 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
-use crate::criteria::{LINES, TRANSDUCER};
+use crate::coherence::linear_share;
+use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::foretold::next_error;
 use crate::recording::Recording;
 use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
@@ -118,6 +119,32 @@ impl ChannelDiagnosis<'_> {
         )];
         let rests = [rest];
         self.look_at_the_rest(answer, &rests, &rests);
+        if let Some(r) = &mut answer.remainder {
+            r.lines = found;
+        }
+    }
+
+    /// Of what has no name it is said how much of the output is linear in its input at all: where that is little, no element
+    /// of a model of this input will do.
+    pub(super) fn ask_for_other_inputs(&self, answer: &mut ChannelAnswer) {
+        if answer.verdict != Verdict::Unknown {
+            return;
+        }
+        let longest = self.train.iter().max_by_key(|r| r.time_s.len());
+        let share = longest.and_then(|r| linear_share(self.input_of(r)?, self.target_of(r)?));
+        let Some(share) = share.filter(|s| *s < LITTLE) else {
+            return;
+        };
+        let [input, output] = match self.base.channel {
+            Channel::Actuator => ["command", "displacement"],
+            Channel::Specimen => ["displacement", "force"],
+        };
+        answer.notes.push(format!(
+            "No linear model of the {input}, of whatever order, makes more than some {:.0} % of the squares of the \
+             {output} (their coherence): the rest comes from an input that is not in the record, or from something \
+             strongly nonlinear. Record what else acts on the rig.",
+            100.0 * share
+        ));
     }
 
     fn moves(&self, records: &[Recording], rests: &[Vec<f64>]) -> Option<Vec<Moves>> {

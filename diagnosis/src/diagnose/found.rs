@@ -12,7 +12,7 @@ use crate::noise::Noise;
 use crate::problem::Problem;
 use crate::signals::rms;
 use crate::{advice, joint, lattice};
-use plant::{Channel, Effect, Family};
+use plant::{Channel, Effect, EffectSpec, Family};
 
 /// The held-out data as a problem, and what an answer leaves of them.
 type HeldOut = (Problem, Vec<Vec<f64>>);
@@ -103,7 +103,13 @@ impl ChannelDiagnosis<'_> {
             }
         }
         let worse = after.test_rms > before.test_rms;
-        if found && !e.vetoed && !worse {
+        let effects = if found {
+            self.effects(&e.after, noise)
+        } else {
+            Vec::new()
+        };
+        let told = !e.alternatives.is_empty() || effects.iter().all(|e| self.tells(e));
+        if found && !e.vetoed && !worse && told {
             answer.verdict = if e.alternatives.is_empty() {
                 Verdict::Effect
             } else {
@@ -111,7 +117,7 @@ impl ChannelDiagnosis<'_> {
             };
             answer.error_after = after;
             answer.alternatives.clone_from(&e.alternatives);
-            answer.effects = self.effects(&e.after, noise);
+            answer.effects = effects;
             if e.alternatives.is_empty() {
                 vouch(&mut answer, e.structured[1] > noise.rms);
             }
@@ -149,6 +155,19 @@ impl ChannelDiagnosis<'_> {
             }
         }
         answer
+    }
+
+    /// Whether the record tells anything of an effect's size: an interval without zero, and no value that cannot be.
+    fn tells(&self, effect: &FoundEffect) -> bool {
+        let zero = |p: &FoundParameter| p.ci90[0] <= 0.0 && p.ci90[1] >= 0.0;
+        let values: Vec<(&str, f64)> = effect
+            .parameters
+            .iter()
+            .map(|p| (p.name.as_str(), p.value))
+            .collect();
+        let spec = EffectSpec::new(effect.name, &values).in_channel(self.base.channel);
+        let slow = effect.family == Family::Slow;
+        !effect.parameters.iter().all(zero) && (!slow || spec.check("").is_ok())
     }
 
     /// Whether a specimen's model leaves no more than a good load cell is off.

@@ -5,10 +5,10 @@ use crate::answer::{
     Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
     Verdict,
 };
-use crate::criteria::{ACCOUNTS, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
+use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
 use crate::joint::{self, Explained, Fit, Outcome};
 use crate::model::Model;
-use crate::noise::Noise;
+use crate::noise::{Noise, Source};
 use crate::recording::Recording;
 use crate::signals::rms;
 use crate::{advice, interval};
@@ -119,7 +119,11 @@ impl ChannelDiagnosis<'_> {
                     }
                     Outcome::Named(_, more) => {
                         let share = ACCOUNTS * before.errors.test_rms;
-                        let most = share.max(NOISE * answer.noise_floor_rms);
+                        // Where the noise is known, what is several times as large is something.
+                        let told = noise.is_some_and(|n| n.from == Source::Rest);
+                        let known = if told { BESIDE_NOISE } else { f64::INFINITY };
+                        let floor = answer.noise_floor_rms;
+                        let most = share.min(known * floor).max(NOISE * floor);
                         if !more && after.errors.test_rms <= most {
                             Verdict::Effect
                         } else {
@@ -129,12 +133,9 @@ impl ChannelDiagnosis<'_> {
                     _ => Verdict::Unknown,
                 };
             }
-            (Outcome::Unknown(name), _) => {
+            (&Outcome::Unknown(name, explained), _) => {
                 answer.verdict = Verdict::Unknown;
-                answer.nearest = Some(Nearest {
-                    name: *name,
-                    explained: 0.0,
-                });
+                answer.nearest = Some(Nearest { name, explained });
             }
             _ => answer.verdict = Verdict::Unknown,
         }

@@ -57,11 +57,14 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
     // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
     let rests = |r: &Recording| rest::spans(r).len() == 2;
     let (search, declared) = Search::new(&thin, train.iter().all(rests))?;
-    let tried = search
-        .glances(&declared, &[])
-        .iter()
-        .map(|g| (g.part.kind.effect(), g.left(declared.fit.cost)))
-        .collect();
+    // Best first: of several forms under one name the first.
+    let mut tried: Vec<(plant::Effect, f64)> = Vec::new();
+    for glance in search.glances(&declared, &[]) {
+        let name = glance.part.kind.effect();
+        if tried.iter().all(|t| t.0 != name) {
+            tried.push((name, glance.left(declared.fit.cost)));
+        }
+    }
     let outcome = verdict::conclude(&search, &declared);
     let full = |fit: &Fit| whole.fit(&fit.model, fit.declared);
     Some(Found {

@@ -36,6 +36,8 @@ pub struct Candidate {
     pub may_slide: bool,
     /// Of one kind with it but of another family.
     pub kin: Option<Rival>,
+    /// Of friction that falls with speed: friction that does not.
+    pub sliding: Option<Rival>,
 }
 
 impl Candidate {
@@ -194,15 +196,18 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         rest.moved[i] = false;
     }
     let most = group.elements.len().max(1);
+    let named = |e: usize| library.elements[e].name(&library.sizes, 1.0);
     let other = |e: usize| {
         let element = &library.elements[e];
         element.kind(&library.sizes) != group.kind && !element.is_nearly(group.kind, &library.sizes)
     };
     let family = group.name.entry().family;
+    // Friction that does not fall with speed is the simpler cause of two.
+    let simpler =
+        |e: usize| group.name == Effect::StribeckFriction && named(e) == Effect::CoulombFriction;
     let relative = |e: usize| {
-        let element = &library.elements[e];
-        element.kind(&library.sizes) == group.kind
-            && element.name(&library.sizes, 1.0).entry().family != family
+        library.elements[e].kind(&library.sizes) == group.kind
+            && (named(e).entry().family != family || simpler(e))
     };
     let shapes = |s: &Set| {
         let prices = s.elements.iter().map(|&e| library.elements[e].price());
@@ -238,10 +243,14 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
             }),
         }
     }
-    let (kin, mut rivals): (Vec<Rival>, Vec<Rival>) = rivals
+    let (same_kind, mut rivals): (Vec<Rival>, Vec<Rival>) = rivals
         .into_iter()
         .partition(|r| r.kind == group.kind && group.kind != Kind::Parameter);
+    let (sliding, kin): (Vec<Rival>, Vec<Rival>) = same_kind
+        .into_iter()
+        .partition(|r| r.name.entry().family == family);
     rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
+    let best = |all: Vec<Rival>| all.into_iter().min_by(|a, b| a.times.total_cmp(&b.times));
     Candidate {
         name: group.name,
         beside: if group.elements.is_empty() {
@@ -265,7 +274,8 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         rms: group.rms,
         rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
         rivals,
-        kin: kin.into_iter().min_by(|a, b| a.times.total_cmp(&b.times)),
+        kin: best(kin),
+        sliding: best(sliding),
     }
 }
 

@@ -8,6 +8,7 @@
 mod band;
 mod blocks;
 mod certificate;
+mod closer;
 mod curvature;
 mod cutoff;
 mod dictionary;
@@ -73,6 +74,9 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
         if found.squares < best.squares {
             (best, library, cutoff_hz) = (found, second, again_hz);
         }
+    }
+    if let Some(closer) = closer::look(&mut library, &best, searched) {
+        best = closer;
     }
     library.rests = train.iter().all(|r| rest::spans(r).len() == 2);
     let (set, names) = certificate::certify(&mut library, &best);

@@ -37,8 +37,9 @@ pub enum Outcome {
     Named(Explained, bool),
     /// No name alone: one of these is it, with their probabilities, the model's own first.
     Set(Explained, Vec<(Effect, f64)>),
-    /// Nothing that can be said, and the nearest.
-    Unknown(Effect),
+    /// Nothing that can be said: the nearest, and the share of the squares that it explains with what stands beside it, on
+    /// data left out.
+    Unknown(Effect, f64),
 }
 
 /// Expected share of false names among all that are given with this certificate or a better one.
@@ -77,10 +78,27 @@ pub fn conclude(
     };
     let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
     let (open, sure): (Vec<Candidate>, Vec<Candidate>) = sure.cloned().partition(undecided);
+    // What goes with names that are dropped, parameters may take: by the measure of what the whole set leaves.
+    if let Some(left) = library.cross_validated(set) {
+        library.measure_by(&left);
+    }
+    // Friction that falls with speed, where friction that does not would do.
+    let slides = |n: &Candidate| n.sliding.as_ref().map(|r| r.times).filter(|t| *t < CERTAIN);
+    if let [one] = &sure[..]
+        && let Some(times) = slides(one)
+    {
+        let odds = times.max(1.0).powf(-WEIGHT);
+        let own = [(one.name, one.elements.clone(), None)];
+        let both = [(one.name, 1.0), (Effect::CoulombFriction, odds)];
+        let members = both.map(|(name, weight)| (name, weight / (1.0 + odds)));
+        let model = explained(library, set, &own, cutoff_hz)?;
+        return Some(Outcome::Set(model, members.to_vec()));
+    }
     if !sure.is_empty() {
+        let named = |n: &Candidate| slides(n).map_or(n.name, |_| Effect::CoulombFriction);
         let groups: Vec<Named> = sure
             .iter()
-            .map(|n| (n.name, n.elements.clone(), Some(n.certificate())))
+            .map(|n| (named(n), n.elements.clone(), Some(n.certificate())))
             .collect();
         let model = explained(library, set, &groups, cutoff_hz)?;
         return Some(Outcome::Named(model, sure.len() < names.len()));
@@ -88,7 +106,9 @@ pub fn conclude(
     let first = open.first().unwrap_or(strongest);
     let members = members(first);
     if members.len() < 2 {
-        return Some(Outcome::Unknown(first.name));
+        let left = library.cross_validated(set);
+        let explained = left.map_or(0.0, |left| 1.0 - library.fall(&left).exp());
+        return Some(Outcome::Unknown(first.name, explained.max(0.0)));
     }
     // The model is that of the likeliest that can be fitted.
     let model = members.iter().find_map(|&(name, _)| {
@@ -212,6 +232,7 @@ mod tests {
             inseparable: Vec::new(),
             rivals,
             kin: None,
+            sliding: None,
         }
     }
 

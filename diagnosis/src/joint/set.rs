@@ -177,6 +177,19 @@ impl<'a> Library<'a> {
         product.ln() / BLOCKS as f64
     }
 
+    /// Measures from now on by what a set leaves on the blocks; gives the measure of before.
+    pub fn measure_by(&mut self, left: &[f64; BLOCKS]) -> f64 {
+        let before = self.floor;
+        let finer = FLOOR * left.iter().sum::<f64>() / BLOCKS as f64;
+        self.measure(finer.max(f64::MIN_POSITIVE));
+        before
+    }
+
+    /// Measures by squares of this size: smaller ones do not matter.
+    pub fn measure(&mut self, squares: f64) {
+        self.floor = squares;
+    }
+
     /// What a set costs.
     pub fn price(&self, set: &Set) -> f64 {
         let elements: f64 = set.elements.iter().map(|&e| self.elements[e].price()).sum();

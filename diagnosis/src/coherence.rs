@@ -1,0 +1,80 @@
+//! How much of an output a linear model of any order can make of an input: the coherence of the two (Bendat and Piersol,
+//! Random Data, chapter 6).
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+
+/// Hann windows that overlap by half.
+const WINDOWS: usize = 16;
+/// Of windows that overlap by half, so many count as if they were apart.
+const APART: f64 = 0.95;
+
+/// The share of the output's squares; `None` where the record is too short. What rings longer than a window, a
+/// seventeenth of twice the record, counts as if it came from elsewhere.
+pub fn linear_share(input: &[f64], output: &[f64]) -> Option<f64> {
+    let length = 2 * input.len() / (WINDOWS + 1);
+    if length < 32 {
+        return None;
+    }
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
+    let plan = FftPlanner::new().plan_fft_forward(length);
+    let transform = |x: &[f64]| {
+        let mean = x.iter().sum::<f64>() / length as f64;
+        let windowed = |(i, x): (usize, &f64)| Complex::new((x - mean) * hann(i), 0.0);
+        let mut bins: Vec<Complex<f64>> = x.iter().enumerate().map(windowed).collect();
+        plan.process(&mut bins);
+        bins
+    };
+    let half = length / 2;
+    let mut spectra = vec![(0.0, 0.0, Complex::default()); half];
+    let mut windows = 0.0;
+    for start in (0..=input.len() - length).step_by(half) {
+        let [u, y] = [input, output].map(|x| transform(&x[start..start + length]));
+        for (k, (uu, yy, uy)) in spectra.iter_mut().enumerate() {
+            *uu += u[k].norm_sqr();
+            *yy += y[k].norm_sqr();
+            *uy += u[k].conj() * y[k];
+        }
+        windows += APART;
+    }
+    // The mean squared coherence of signals that have nothing to do with each other.
+    let by_chance = 1.0 / windows;
+    let of = |(uu, yy, uy): &(f64, f64, Complex<f64>)| {
+        let seen = uy.norm_sqr() / (uu * yy).max(f64::MIN_POSITIVE);
+        yy * (seen - by_chance) / (1.0 - by_chance)
+    };
+    let whole: f64 = spectra.iter().map(|s| s.1).sum();
+    let linear: f64 = spectra.iter().map(of).sum();
+    Some((linear / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn what_a_filter_makes_is_linear_and_what_comes_from_elsewhere_is_not() {
+        let mut random = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(5);
+        let mut white = || -> Vec<f64> {
+            (0..16_000)
+                .map(|_| StandardNormal.sample(&mut random))
+                .collect()
+        };
+        let (u, other) = (white(), white());
+        let mut y = u.clone();
+        for i in 1..y.len() {
+            y[i] += 0.8 * y[i - 1];
+        }
+        let share = |y: &[f64]| linear_share(&u, y).unwrap();
+        assert!(share(&y) > 0.95, "{}", share(&y));
+        assert!(share(&other) < 0.03, "{}", share(&other));
+        // White noise of the filtered signal's power: 1 / (1 - 0.8^2) = 1 / 0.36.
+        let mixed: Vec<f64> = y.iter().zip(&other).map(|(y, o)| y + o / 0.6).collect();
+        // The filter's power is where it is larger than the noise: the share is not a half, but near it.
+        assert!((share(&mixed) - 0.5).abs() < 0.05, "{}", share(&mixed));
+        assert_eq!(linear_share(&u[..200], &y[..200]), None);
+    }
+}
