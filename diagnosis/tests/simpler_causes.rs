@@ -119,28 +119,3 @@ fn damage_of_growing_cycles_is_not_a_change_with_time() {
     assert!(!in_time, "{a:?}");
     assert_ne!(a.verdict, Verdict::None);
 }
-
-#[test]
-fn friction_beside_more_damping_than_declared_has_its_own_force() {
-    let quake = |u: f64| between_rests(u, 0.04) * (-((u - 0.35) / 0.22).powi(2)).exp();
-    let x = shaken(40.0, quake);
-    for more in [2.0, 6.0] {
-        let force: Vec<f64> = friction(&x, 300.0)
-            .iter()
-            .enumerate()
-            .map(|(i, f)| f + more * speed(&x, i))
-            .collect();
-        let a = asked(&x, &force);
-        println!(
-            "{more}: {:?} {:?} {:?}",
-            a.verdict, a.members, a.error_after
-        );
-        let sure = a.effects.iter().filter(|e| e.q.is_some_and(|q| q <= 0.05));
-        for e in sure {
-            println!("  {e:?}");
-            let size = e.parameters.iter().find(|p| p.name == "force_n");
-            let off = size.map_or(0.0, |p| p.value / 300.0 - 1.0);
-            assert!(off.abs() < 0.15, "{more}: {a:?}");
-        }
-    }
-}
