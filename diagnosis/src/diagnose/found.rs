@@ -108,8 +108,8 @@ impl ChannelDiagnosis<'_> {
         } else {
             Vec::new()
         };
-        let told = !e.alternatives.is_empty() || effects.iter().all(|e| self.tells(e));
-        if found && !e.vetoed && !worse && told {
+        let possible = effects.iter().all(|e| self.can_be(e));
+        if found && !e.vetoed && !worse && possible {
             answer.verdict = if e.alternatives.is_empty() {
                 Verdict::Effect
             } else {
@@ -157,17 +157,12 @@ impl ChannelDiagnosis<'_> {
         answer
     }
 
-    /// Whether the record tells anything of an effect's size: an interval without zero, and no value that cannot be.
-    fn tells(&self, effect: &FoundEffect) -> bool {
-        let zero = |p: &FoundParameter| p.ci90[0] <= 0.0 && p.ci90[1] >= 0.0;
-        let values: Vec<(&str, f64)> = effect
-            .parameters
-            .iter()
-            .map(|p| (p.name.as_str(), p.value))
-            .collect();
-        let spec = EffectSpec::new(effect.name, &values).in_channel(self.base.channel);
-        let slow = effect.family == Family::Slow;
-        !effect.parameters.iter().all(zero) && (!slow || spec.check("").is_ok())
+    /// Whether a change with time is one that can be: far within its time constant only its rate shows, and its end may come
+    /// out as anything.
+    fn can_be(&self, effect: &FoundEffect) -> bool {
+        let values = effect.parameters.iter().map(|p| (p.name.as_str(), p.value));
+        let spec = EffectSpec::new(effect.name, &values.collect::<Vec<_>>());
+        effect.family != Family::Slow || spec.in_channel(self.base.channel).check("").is_ok()
     }
 
     /// Whether a specimen's model leaves no more than a good load cell is off.
