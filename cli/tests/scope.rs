@@ -218,7 +218,11 @@ fn buttons_hold_resume_and_stop_and_a_browser_that_goes_disturbs_nothing() {
         Some(1),
         "stopped by hand"
     );
-    is_kept(&out);
+    let summary = is_kept(&out);
+    let archive = out.join("record.h5");
+    let found = common::json(&["replay", archive.to_str().unwrap(), "--json"]);
+    assert_eq!(found["values_different"], 0, "hold and all: {found}");
+    assert_eq!(found["steps"], summary["steps"]);
 }
 
 /// The record of a test that was stopped by hand, and its verdict.
@@ -226,10 +230,6 @@ fn is_kept(out: &Path) -> Value {
     let summary = std::fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["verdict"], "stopped");
-    let archive = out.join("record.h5");
-    let found = common::json(&["replay", archive.to_str().unwrap(), "--json"]);
-    assert_eq!(found["values_different"], 0, "hold and all: {found}");
-    assert_eq!(found["steps"], summary["steps"]);
     let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
     let rows = record.lines().filter(|l| !l.starts_with('#')).count() - 1;
     assert_eq!(summary["steps"].as_u64().unwrap(), rows as u64, "kept");
@@ -263,6 +263,11 @@ fn ctrl_c_stops_the_emulated_board_and_keeps_the_record() {
     assert_eq!(
         (&board["steps_lost"], &board["steps_different"]),
         (&0.into(), &0.into())
+    );
+    let archive = out.join("record.h5");
+    common::refused(
+        &["replay", archive.to_str().unwrap()],
+        &["by hand on an emulated board"],
     );
 }
 

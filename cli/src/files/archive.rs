@@ -11,13 +11,13 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::orders::Order;
 use crate::provenance::{Provenance, hash};
-use crate::summary::{Summary, Verdict};
+use crate::summary::Summary;
 use crate::trace::Trace;
 use crate::verb::place::Where;
 use hdf5_pure::File;
 use hdf5_pure::mat::builder::MatBuilder;
 use hdf5_pure::mat::{MatError, Options};
-use outerloop_core::{Config, Event, Method};
+use outerloop_core::{Config, Method};
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -46,7 +46,7 @@ pub struct Repeat {
     pub scale: f64,
     /// Interval of the points, s.
     pub interval_s: f64,
-    /// What the operator asked for, but for the stop that ended it: the length says that.
+    /// What the operator asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub orders: Vec<Order>,
 }
@@ -79,14 +79,6 @@ pub struct Ran<'a> {
 /// A test whose numbers a file cannot hold.
 pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
     let shaking = ran.experiment.shaking();
-    // Nobody stops a replay by hand: it ends where the test did.
-    let seconds = match ran.summary.verdict {
-        Verdict::Stopped => {
-            let timing = &ran.experiment.test.config.timing;
-            ran.summary.steps as f64 / timing.rate_hz / timing.time_scale
-        }
-        Verdict::Completed | Verdict::Tripped | Verdict::Diverged => ran.experiment.seconds,
-    };
     let repeat = Repeat {
         format: FORMAT,
         place: ran.place,
@@ -95,12 +87,10 @@ pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
         config: ran.experiment.test.config.clone(),
         plant: ran.experiment.test.plant.clone(),
         record: ran.experiment.record.clone(),
-        seconds,
+        seconds: ran.experiment.seconds,
         scale: ran.experiment.scale,
         interval_s: shaking.interval_s,
-        orders: (ran.orders.iter().copied())
-            .filter(|order| order.event != Event::Stop)
-            .collect(),
+        orders: ran.orders.to_vec(),
     };
     let text = json(&repeat)?;
     // An archive that could not be read back would be found out when it is too late.
