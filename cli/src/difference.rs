@@ -228,7 +228,7 @@ impl<'a> Motion<'a> {
         let (mut peak, mut largest, mut largest_at_s, mut squares) = (0.0_f64, 0.0, 0.0, 0.0);
         for time_s in times {
             let (a, b) = (self.at(own, *time_s)?, other.at(others, *time_s)?);
-            let difference = b - a;
+            let difference = difference(a, b);
             peak = peak.max(a.abs());
             squares += difference * difference;
             if difference.abs() > largest {
@@ -245,6 +245,15 @@ impl<'a> Motion<'a> {
             largest_at_s,
             rms_of_peak: (peak > 0.0).then_some(rms / peak),
         })
+    }
+}
+
+/// How much larger the second value is; infinite where one of them is not a number and the other not the same.
+fn difference(first: f64, second: f64) -> f64 {
+    match second - first {
+        _ if first.to_bits() == second.to_bits() => 0.0,
+        difference if difference.is_nan() => f64::INFINITY,
+        difference => difference,
     }
 }
 
@@ -303,6 +312,16 @@ fn figures(first: &Archived, second: &Archived) -> Vec<Figure> {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn what_is_no_number_is_no_likeness() {
+        let nan = f64::NAN;
+        assert_eq!([difference(nan, nan), difference(1.0, 1.5)], [0.0, 0.5]);
+        assert_eq!(
+            [difference(1.0, nan), difference(nan, 1.0)],
+            [f64::INFINITY; 2]
+        );
+    }
 
     #[test]
     fn tables_of_a_test_file_lose_the_archives_name_for_them() {

@@ -14,6 +14,7 @@ mod labview;
 pub mod measured;
 pub mod model;
 pub mod near_fault;
+mod notes;
 pub mod output;
 pub mod plain;
 pub mod record_csv;

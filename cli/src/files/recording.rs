@@ -8,6 +8,7 @@
 use super::any_table;
 use super::columns::{Assignment, Columns};
 use super::header::Header;
+use super::notes;
 use super::table::NumberTable;
 use crate::failure::Failure;
 use std::path::Path;
@@ -231,10 +232,11 @@ impl Recording {
             )));
         }
         Ok(Self {
-            notes: suggestions(&table, &columns)
-                .into_iter()
-                .chain(hole(&table.file, &time_s))
-                .collect(),
+            notes: notes::of(&table, &time_s, |quantity| {
+                columns
+                    .iter()
+                    .any(|c| c.quantity == quantity && c.axis == 1)
+            }),
             file: table.file,
             time_s,
             columns,
@@ -286,49 +288,6 @@ impl Recording {
     pub fn force_has_unit(&self) -> bool {
         self.column("force", 1).is_some_and(|c| c.unit != "1")
     }
-}
-
-/// Where nothing was recorded for so many usual intervals, it is said.
-const HOLE_INTERVALS: f64 = 20.0;
-
-/// The longest hole in a record, if it has one.
-fn hole(file: &str, time_s: &[f64]) -> Option<String> {
-    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    let at = (0..steps.len()).max_by(|a, b| steps[*a].total_cmp(&steps[*b]))?;
-    let longest = steps[at];
-    steps.sort_by(f64::total_cmp);
-    let usual = steps[steps.len() / 2];
-    (longest > HOLE_INTERVALS * usual).then(|| {
-        format!(
-            "{file}: nothing was recorded between {} s and {} s, {:.0} samples: what is made of it is a straight line there; \
-             FILE@T0..T1 leaves it out",
-            time_s[at],
-            time_s[at + 1],
-            longest / usual
-        )
-    })
-}
-
-/// Of each quantity that is missing: the columns that may be it.
-fn suggestions(table: &NumberTable, columns: &[Column]) -> Vec<String> {
-    let missing = ["command", "displacement", "force"]
-        .into_iter()
-        .filter(|quantity| {
-            !columns
-                .iter()
-                .any(|c| c.quantity == *quantity && c.axis == 1)
-        });
-    let suggested = missing.filter_map(|quantity| {
-        let may_be = table.headers.iter().filter(|h| h.suggested() == Some(quantity));
-        let names: Vec<&str> = may_be.map(|h| h.text.as_str()).collect();
-        let first = *names.first()?;
-        Some(format!(
-            "{}: no column is taken for the {quantity}; {} may be it: --column '{quantity}={first}' says so",
-            table.file,
-            names.join(", ")
-        ))
-    });
-    suggested.collect()
 }
 
 /// The columns that the command line names, by their places.

@@ -6,6 +6,24 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
 
+/// Keys that every test's answer has: a part of the contract.
+pub const KEYS: [&str; 14] = [
+    "record",
+    "compensation",
+    "steps",
+    "rate_hz",
+    "verdict",
+    "trip",
+    "eps_max",
+    "eps_rms",
+    "peak_displacement_m",
+    "mean_added_damping_ratio",
+    "energy_error_j",
+    "energy_error_hsem_j",
+    "energy_error_stiffness_j",
+    "wall_s",
+];
+
 /// The folder of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

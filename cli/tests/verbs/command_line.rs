@@ -1,6 +1,6 @@
 //! The binary as people and scripts call it: keys, exit statuses, one clear sentence, nothing half written.
 
-use crate::common::{json, json_with, outerloop, refused};
+use crate::common::{KEYS, json, json_with, outerloop, refused};
 use serde_json::Value;
 
 const TABLE1: &str = "examples/table1.toml";
@@ -8,22 +8,7 @@ const TABLE1: &str = "examples/table1.toml";
 #[test]
 fn run_prints_every_key_of_the_contract() {
     let r = json(&["run", TABLE1, "--json", "--duration", "10"]);
-    for key in [
-        "record",
-        "compensation",
-        "steps",
-        "rate_hz",
-        "verdict",
-        "trip",
-        "eps_max",
-        "eps_rms",
-        "peak_displacement_m",
-        "mean_added_damping_ratio",
-        "energy_error_j",
-        "energy_error_hsem_j",
-        "energy_error_stiffness_j",
-        "wall_s",
-    ] {
+    for key in KEYS {
         assert!(r.get(key).is_some(), "{key}");
     }
     assert_eq!(r["verdict"], "completed");

@@ -1,5 +1,5 @@
 //! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
-use crate::common::{command, json, json_with, outerloop, refused, root};
+use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
 use nalgebra::{SMatrix, SVector};
 use outerloop_cli::coupled::experiment::CoupledExperiment;
 use outerloop_cli::coupled::load;
@@ -207,24 +207,7 @@ fn results_have_the_keys_of_other_tests_and_the_record_both_systems() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let said = json(&["run", EXAMPLE, "--json", "--duration", "5", "--out", out]);
-    for key in [
-        "record",
-        "compensation",
-        "steps",
-        "rate_hz",
-        "verdict",
-        "trip",
-        "eps_max",
-        "eps_rms",
-        "peak_displacement_m",
-        "mean_added_damping_ratio",
-        "energy_error_j",
-        "energy_error_hsem_j",
-        "energy_error_stiffness_j",
-        "wall_s",
-        "provenance",
-        "seed",
-    ] {
+    for key in KEYS.into_iter().chain(["provenance", "seed"]) {
         assert!(said.get(key).is_some(), "{key}");
     }
     let record = std::fs::read_to_string(folder.path().join("record.csv")).unwrap();

@@ -4,6 +4,14 @@ use crate::common::{json, json_with, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
+/// On a rig that does what it is told.
+const IDEAL: [&str; 4] = [
+    "--compensation",
+    "none",
+    "--set",
+    "plant.actuator.delay_ms=0",
+];
+
 /// Six seconds of a test, kept in `folder`; and its summary.
 fn ran(folder: &Path, name: &str, more: &[&str]) -> (String, Value) {
     let out = folder.join(name).display().to_string();
@@ -22,13 +30,7 @@ fn channel<'a>(difference: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn against_an_ideal_rig_the_difference_is_equation_18() {
     let folder = tempfile::tempdir().unwrap();
-    let ideal = [
-        "--compensation",
-        "none",
-        "--set",
-        "plant.actuator.delay_ms=0",
-    ];
-    let (ideal, _) = ran(folder.path(), "ideal", &ideal);
+    let (ideal, _) = ran(folder.path(), "ideal", &IDEAL);
     let (paper, summary) = ran(folder.path(), "paper", &[]);
     let out = folder.path().join("both").display().to_string();
     let difference = json(&["diff", &ideal, &paper, "--json", "--out", &out]);
@@ -71,14 +73,8 @@ fn the_same_test_twice_has_no_difference() {
 #[test]
 fn a_slower_test_is_compared_in_model_time_and_too_far_apart_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
-    let ideal = [
-        "--compensation",
-        "none",
-        "--set",
-        "plant.actuator.delay_ms=0",
-    ];
-    let (fast, _) = ran(folder.path(), "fast", &ideal);
-    let mut slower = ideal.to_vec();
+    let (fast, _) = ran(folder.path(), "fast", &IDEAL);
+    let mut slower = IDEAL.to_vec();
     slower.extend(["--set", "loop.time_scale=4", "--set", "loop.substeps=2"]);
     let (slow, _) = ran(folder.path(), "slow", &slower);
     let difference = json(&["diff", &fast, &slow, "--json"]);

@@ -18,6 +18,22 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+/// Table 1 of the paper; the actuator is the desk's.
+pub const TABLE_1: &str = "
+[structure]
+mass_kg = 1000
+stiffness_n_per_m = 158e3
+damping_ratio = 0.02
+[plant.actuator]
+kind = 'delay'
+delay_ms = 3
+[plant.specimen]
+kind = 'linear'
+[excitation]
+peak_response_mm = 20
+duration_s = 10
+";
+
 /// Control period, ns.
 pub const PERIOD_NS: u64 = 500_000;
 

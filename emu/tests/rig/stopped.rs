@@ -1,6 +1,6 @@
 //! A test that a person stops: the board slows down on its ramp, PERMIT goes when it stands, and nothing that was is lost.
 
-use crate::desk::{Desk, PERIOD_NS, codes, fine};
+use crate::desk::{Desk, PERIOD_NS, TABLE_1, codes, fine};
 use emu::Seen;
 use link::Calibration;
 use outerloop_cli::board::limits::Plan;
@@ -13,23 +13,8 @@ use outerloop_cli::trace::Witness;
 use outerloop_core::{Event, Mode, Record};
 use std::path::Path;
 
-/// Three seconds into this motion the rig is on its way with some 100 mm/s.
-const TEST: &str = "
-[structure]
-mass_kg = 1000
-stiffness_n_per_m = 158e3
-damping_ratio = 0.02
-[plant.actuator]
-kind = 'delay'
-delay_ms = 3
-[plant.specimen]
-kind = 'linear'
-[excitation]
-peak_response_mm = 20
-duration_s = 10
-";
-
-/// Steps after which the person looks for a moment at which the rig moves, and how fast it has to, m a step.
+/// Steps after which the rig is on its way and the person looks for a moment at which it moves, and how fast it has to, m a
+/// step.
 const AFTER: usize = 6000;
 const MOVING_M: f32 = 20e-6;
 
@@ -59,7 +44,7 @@ impl Witness for Hand {
 
 #[test]
 fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() {
-    let test = TestFile::parse(TEST, "test.toml", Path::new(""), &[]).unwrap();
+    let test = TestFile::parse(TABLE_1, "test.toml", Path::new(""), &[]).unwrap();
     let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
     let mut desk = Desk::new(None);

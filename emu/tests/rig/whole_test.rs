@@ -1,6 +1,6 @@
 //! A whole pseudodynamic test on the flashed image, over the link, as `outerloop run` does it.
 
-use crate::desk::{Desk, PERIOD_NS, fine, image};
+use crate::desk::{Desk, PERIOD_NS, TABLE_1, fine, image};
 use emu::{Firmware, Seen};
 use outerloop_cli::board::Image;
 use outerloop_cli::board::limits::Plan;
@@ -12,25 +12,9 @@ use outerloop_cli::summary::Verdict;
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
-/// Table 1 of the paper; the actuator is the desk's.
-const TEST: &str = "
-[structure]
-mass_kg = 1000
-stiffness_n_per_m = 158e3
-damping_ratio = 0.02
-[plant.actuator]
-kind = 'delay'
-delay_ms = 3
-[plant.specimen]
-kind = 'linear'
-[excitation]
-peak_response_mm = 20
-duration_s = 10
-";
-
 #[test]
 fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
-    let test = TestFile::parse(TEST, "test.toml", Path::new(""), &[]).unwrap();
+    let test = TestFile::parse(TABLE_1, "test.toml", Path::new(""), &[]).unwrap();
     let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
     let mut desk = Desk::new(None);

@@ -16,6 +16,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The emulator.
 pub const EMULATOR: &str = "qemu-system-arm";
 
+/// The emulator with a board of the image's processor, and the image on it.
+pub fn with_image(image: &Path) -> process::Command {
+    let mut command = process::Command::new(EMULATOR);
+    command
+        .args(["-M", "netduinoplus2", "-display", "none"])
+        .args(["-serial", "none", "-monitor", "none"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image);
+    command
+}
+
 /// A test: configuration and ground motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Test<'a> {
@@ -61,23 +73,8 @@ impl<const N: usize> Machine<N> {
         if clock != Clock::Tracing {
             share_a_processor();
         }
-        let mut command = process::Command::new(EMULATOR);
-        command
-            .args([
-                "-M",
-                "netduinoplus2",
-                "-display",
-                "none",
-                "-serial",
-                "none",
-                "-monitor",
-                "none",
-            ])
-            .args(["-semihosting-config", "enable=on,target=native"])
-            .arg("-kernel")
-            .arg(image)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped());
+        let mut command = with_image(image);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
         if clock != Clock::Free {
             command.args(["-icount", "shift=3"]);
         }

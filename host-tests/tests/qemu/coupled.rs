@@ -2,8 +2,8 @@
 
 use firmware::coupled::Scenario;
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::EMULATOR;
-use std::process::{Command, Stdio};
+use host_tests::qemu::machine::with_image;
+use std::process::Stdio;
 
 fn on_this_machine() -> Scenario {
     let mut scenario = Scenario::new().unwrap();
@@ -30,25 +30,8 @@ fn two_coupled_actuators_have_the_same_bits_in_qemu() {
     let Some(image) = image("qemu_coupled", "qemu") else {
         return;
     };
-    let output = Command::new(EMULATOR)
-        .args([
-            "-M",
-            "netduinoplus2",
-            "-display",
-            "none",
-            "-serial",
-            "none",
-            "-monitor",
-            "none",
-        ])
-        .args([
-            "-semihosting-config",
-            "enable=on,target=native",
-            "-icount",
-            "shift=3",
-        ])
-        .arg("-kernel")
-        .arg(image)
+    let output = with_image(&image)
+        .args(["-icount", "shift=3"])
         .stdin(Stdio::null())
         .output()
         .unwrap();
