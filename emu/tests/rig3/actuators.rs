@@ -133,7 +133,7 @@ fn span(codes: impl Iterator<Item = u16> + Clone) -> u16 {
 fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_moving() {
     for actuator in 0..ACTUATORS {
         let [valve, output] = [Wrong::DeadValve, Wrong::DeadOutput].map(|fault| {
-            let (mut desk, trip) = tripped(actuator, fault);
+            let (desk, trip) = tripped(actuator, fault);
             let stands = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
             assert!(stands, "{fault:?}: {:?}", trip.fault);
             let running = desk.steps.iter().map(|(_, s)| s);
