@@ -4,7 +4,7 @@
 //! ideal; a hold takes laboratory time and no model time. Where the integration steps differ, the second test is
 //! interpolated between its own.
 
-use crate::files::archive::Archived;
+use crate::files::archive::ArchivedTest;
 use crate::files::channels;
 use crate::numbers::{length, percent, si};
 use crate::trace::Trace;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// A key that has another value in the second test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Setting {
+pub struct ChangedSetting {
     /// Its path, as in a test file; `place`, `seed`, `record` and the like stand beside the test file.
     pub key: String,
     /// Of the first test; `null` where it has none.
@@ -27,7 +27,7 @@ pub struct Setting {
 
 /// A figure of the summaries.
 #[derive(Clone, Debug, Serialize)]
-pub struct Figure {
+pub struct FigurePair {
     /// Its key in `summary.json`.
     pub key: &'static str,
     /// Of the first test.
@@ -38,7 +38,7 @@ pub struct Figure {
 
 /// How far a channel of the second test is from the same one of the first.
 #[derive(Clone, Debug, Serialize)]
-pub struct Apart {
+pub struct ChannelDifference {
     /// Its name in `record.csv`.
     pub channel: String,
     /// The unit of its values.
@@ -59,15 +59,15 @@ pub struct Apart {
 #[derive(Clone, Debug, Serialize)]
 pub struct Difference {
     /// What was set otherwise.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<ChangedSetting>,
     /// Their figures.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<FigurePair>,
     /// Integration steps at which the motions were compared.
     pub compared_steps: usize,
     /// Model time over which that was, s.
     pub compared_s: f64,
     /// Channel by channel.
-    pub channels: Vec<Apart>,
+    pub channels: Vec<ChannelDifference>,
 }
 
 /// The figures that are shown side by side.
@@ -84,8 +84,8 @@ const FIGURES: [&str; 8] = [
 
 impl Difference {
     /// Of two archived tests.
-    pub fn of(first: &Archived, second: &Archived) -> Self {
-        let (before, after) = (Motion::of(first), Motion::of(second));
+    pub fn of(first: &ArchivedTest, second: &ArchivedTest) -> Self {
+        let (before, after) = (ComparedMotion::of(first), ComparedMotion::of(second));
         let times: Vec<f64> = before.times().take_while(|t| after.reaches(*t)).collect();
         let timing = &first.repeat.config.timing;
         let none = Trace::new(first.repeat.config.degrees_of_freedom(), timing.rate_hz);
@@ -132,7 +132,7 @@ impl Difference {
     }
 }
 
-impl Apart {
+impl ChannelDifference {
     /// Whether this is the computed displacement of a floor.
     fn is_target(&self) -> bool {
         self.channel.starts_with("target")
@@ -156,17 +156,17 @@ pub fn shown(value: &Value) -> String {
 }
 
 /// A test at its integration steps.
-pub struct Motion<'a> {
-    test: &'a Archived,
+pub struct ComparedMotion<'a> {
+    test: &'a ArchivedTest,
     /// Control steps in which an integration step was solved.
     solved: Vec<usize>,
     /// s of model time.
     step_s: f64,
 }
 
-impl<'a> Motion<'a> {
+impl<'a> ComparedMotion<'a> {
     /// Of an archived test.
-    pub fn of(test: &'a Archived) -> Self {
+    pub fn of(test: &'a ArchivedTest) -> Self {
         let flags = test.flags.iter().enumerate();
         let solved = flags.filter(|(_, flags)| **flags & flag::SOLVED != 0);
         Self {
@@ -223,7 +223,7 @@ impl<'a> Motion<'a> {
         other: &Self,
         (name, unit): (&str, &'static str),
         times: &[f64],
-    ) -> Option<Apart> {
+    ) -> Option<ChannelDifference> {
         let (own, others) = (self.channel(name), other.channel(name));
         let (mut peak, mut largest, mut largest_at_s, mut squares) = (0.0_f64, 0.0, 0.0, 0.0);
         for time_s in times {
@@ -236,7 +236,7 @@ impl<'a> Motion<'a> {
             }
         }
         let rms = (squares / times.len().max(1) as f64).sqrt();
-        Some(Apart {
+        Some(ChannelDifference {
             channel: name.to_owned(),
             unit,
             peak,
@@ -258,7 +258,7 @@ fn difference(first: f64, second: f64) -> f64 {
 }
 
 /// All keys whose values differ, in the order of their paths.
-fn settings(first: &Archived, second: &Archived) -> Vec<Setting> {
+fn settings(first: &ArchivedTest, second: &ArchivedTest) -> Vec<ChangedSetting> {
     let (mut before, mut after) = (BTreeMap::new(), BTreeMap::new());
     for (test, keys) in [(first, &mut before), (second, &mut after)] {
         let repeat = serde_json::to_value(&test.repeat).unwrap_or_default();
@@ -270,7 +270,7 @@ fn settings(first: &Archived, second: &Archived) -> Vec<Setting> {
     let differs = paths.into_iter().filter_map(|path| {
         let value = |of: &BTreeMap<String, Value>| of.get(path).cloned().unwrap_or_default();
         let (first, second) = (value(&before), value(&after));
-        (first != second).then(|| Setting {
+        (first != second).then(|| ChangedSetting {
             key: path.clone(),
             first,
             second,
@@ -299,8 +299,8 @@ fn flatten(path: String, value: &Value, keys: &mut BTreeMap<String, Value>) {
     }
 }
 
-fn figures(first: &Archived, second: &Archived) -> Vec<Figure> {
-    let figure = |key: &'static str| Figure {
+fn figures(first: &ArchivedTest, second: &ArchivedTest) -> Vec<FigurePair> {
+    let figure = |key: &'static str| FigurePair {
         key,
         first: first.summary[key].clone(),
         second: second.summary[key].clone(),

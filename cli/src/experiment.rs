@@ -1,13 +1,13 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
 use crate::bench::ideal;
-use crate::bench::interface::{Assignment, Bench, Ending, with_floors};
+use crate::bench::interface::{Bench, Ending, PreparedTest, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::{Excitation, TestFile};
 use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
-use crate::trace::{Response, Witness};
+use crate::trace::{Response, TestObserver};
 use outerloop_core::{Config, Design, GroundMotion, Method, Structure, config::Filter};
 use plant::RigSpec;
 use std::f64::consts::TAU;
@@ -51,7 +51,7 @@ const LONGEST_S: f64 = 3600.0;
 
 /// A ground motion as it is laid under a test, before its factor.
 #[derive(Clone, Debug)]
-pub struct Shaken {
+pub struct LaidOutShaking {
     /// Ground acceleration, m/s^2.
     pub acc_m_per_s2: Vec<f32>,
     /// Interval of the points, s of model time.
@@ -70,7 +70,7 @@ pub fn shaken(
     excitation: &Excitation,
     shaking: &GroundMotionFile,
     duration_s: Option<f64>,
-) -> Result<Shaken, Failure> {
+) -> Result<LaidOutShaking, Failure> {
     let whole = (shaking.acc_m_per_s2.len() - 1) as f64 * shaking.interval_s;
     let seconds = match duration_s.or(excitation.duration_s) {
         None => whole,
@@ -88,7 +88,7 @@ pub fn shaken(
     acc_m_per_s2.extend_from_slice(&shaking.acc_m_per_s2);
     let points = (seconds / shaking.interval_s).ceil() as usize + 1;
     acc_m_per_s2.resize(points.max(acc_m_per_s2.len()), 0.0);
-    Ok(Shaken {
+    Ok(LaidOutShaking {
         acc_m_per_s2,
         interval_s: shaking.interval_s,
         seconds,
@@ -228,13 +228,13 @@ impl Experiment {
         &self,
         bench: &impl Bench,
         config: &Config,
-        witness: &mut impl Witness,
+        observer: &mut impl TestObserver,
     ) -> Result<Ending, Failure> {
         let ground = self.ground(config)?;
         let steps = self.control_steps();
         with_floors!(config.degrees_of_freedom(), N => {
             let design = Design::<N>::new(config).map_err(|e| Failure::input(e.to_string()))?;
-            let assignment = Assignment {
+            let assignment = PreparedTest {
                 config,
                 design,
                 ground,
@@ -242,7 +242,7 @@ impl Experiment {
                 interval_s: self.interval_s,
                 steps,
             };
-            bench.run(&assignment, witness)
+            bench.run(&assignment, observer)
         })
     }
 

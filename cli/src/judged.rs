@@ -5,12 +5,12 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::score::Score;
 use crate::summary::Summary;
-use crate::trace::{Response, Trace, Witness};
+use crate::trace::{Response, TestObserver, Trace};
 use outerloop_core::Method;
 
 /// A test that has run.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct JudgedRun {
     /// Its figures.
     pub summary: Summary,
     /// Every step, where they were to be kept.
@@ -28,15 +28,15 @@ impl Experiment {
         ideal: &Response,
         seed: u64,
         keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
+        observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure> {
         let bench = PlantBench {
             spec: &self.test.plant,
             seed,
             stop_beyond_m: ideal.runaway_m(),
             breaks: None,
         };
-        self.run_on(&bench, method, ideal, keep, tell)
+        self.run_on(&bench, method, ideal, keep, observer)
     }
 
     /// Runs the test with `method` on `bench` and judges it against `ideal`. `keep`: every step is kept.
@@ -49,15 +49,15 @@ impl Experiment {
         method: Method,
         ideal: &Response,
         keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
+        observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure> {
         let mut config = self.test.config.clone();
         config.compensation.kind = method;
         let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
-        let mut witnesses = (Score::against(ideal), trace, tell);
-        let ending = self.on(bench, &config, &mut witnesses)?;
-        let (score, trace, _) = witnesses;
-        Ok(Run {
+        let mut observers = (Score::against(ideal), (trace, observer));
+        let ending = self.on(bench, &config, &mut observers)?;
+        let (score, (trace, _)) = observers;
+        Ok(JudgedRun {
             summary: Summary::of(self, method, &score, &ending),
             trace,
         })

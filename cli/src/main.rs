@@ -35,7 +35,7 @@ enum Verb {
     Keys(verb::keys::Keys),
     Board(verb::board::Board),
     Completions(verb::shell::Completions),
-    Man(verb::shell::Man),
+    Man(verb::shell::ManPage),
 }
 
 /// The command line, or what is to be said instead: the help, or what is wrong with it.

@@ -1,55 +1,55 @@
 //! What the operator asked of a running test and at which control step, so that a replay asks for the same.
 
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use outerloop_core::{Event, Record};
 use serde::{Deserialize, Serialize};
 
 /// An order of the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Order {
+pub struct OperatorOrder {
     /// Control steps from the first one of the loop, idle ones included.
     pub control_step: u64,
     /// What was asked for.
     pub event: Event,
 }
 
-/// A witness whose wishes are noted.
+/// Passes everything on to an observer and records the events that it asks for.
 #[derive(Debug)]
-pub struct Noted<W> {
-    witness: W,
+pub struct OrderRecorder<W> {
+    observer: W,
     control_step: u64,
-    orders: Vec<Order>,
+    orders: Vec<OperatorOrder>,
 }
 
-impl<W> Noted<W> {
+impl<W> OrderRecorder<W> {
     /// Nothing is noted yet.
-    pub fn new(witness: W) -> Self {
+    pub fn new(observer: W) -> Self {
         Self {
-            witness,
+            observer,
             control_step: 0,
             orders: Vec::new(),
         }
     }
 
     /// All that was asked for, in turn.
-    pub fn orders(self) -> Vec<Order> {
+    pub fn orders(self) -> Vec<OperatorOrder> {
         self.orders
     }
 }
 
-impl<W: Witness> Witness for Noted<W> {
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
-        self.witness.see(record);
+impl<W: TestObserver> TestObserver for OrderRecorder<W> {
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+        self.observer.on_step(record);
     }
 
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
-        self.witness.glance(record);
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+        self.observer.on_idle_step(record);
     }
 
-    fn wish(&mut self) -> Option<Event> {
+    fn requested_event(&mut self) -> Option<Event> {
         self.control_step += 1;
-        let event = self.witness.wish()?;
-        self.orders.push(Order {
+        let event = self.observer.requested_event()?;
+        self.orders.push(OperatorOrder {
             control_step: self.control_step,
             event,
         });
@@ -57,16 +57,16 @@ impl<W: Witness> Witness for Noted<W> {
     }
 }
 
-/// A witness that wishes what an operator once did.
+/// An observer that asks for what an operator once asked for.
 #[derive(Debug)]
-pub struct Again<'a> {
+pub struct OrderReplay<'a> {
     control_step: u64,
-    orders: &'a [Order],
+    orders: &'a [OperatorOrder],
 }
 
-impl<'a> Again<'a> {
+impl<'a> OrderReplay<'a> {
     /// The same orders at the same control steps.
-    pub fn new(orders: &'a [Order]) -> Self {
+    pub fn new(orders: &'a [OperatorOrder]) -> Self {
         Self {
             control_step: 0,
             orders,
@@ -74,10 +74,10 @@ impl<'a> Again<'a> {
     }
 }
 
-impl Witness for Again<'_> {
-    fn see<const N: usize>(&mut self, _: &Record<N>) {}
+impl TestObserver for OrderReplay<'_> {
+    fn on_step<const N: usize>(&mut self, _: &Record<N>) {}
 
-    fn wish(&mut self) -> Option<Event> {
+    fn requested_event(&mut self) -> Option<Event> {
         self.control_step += 1;
         let (next, rest) = self.orders.split_first()?;
         (next.control_step == self.control_step).then(|| {

@@ -12,7 +12,7 @@ use diagnosis::{CoupledDiagnosis, CoupledRecord, CoupledSpecimen, Declared, Mode
 use std::path::Path;
 
 /// What the loop's record of a ground motion says of the declared part.
-pub struct Found {
+pub struct PhysicalPartEstimate {
     /// The whole record of core's tracker on the nominal plant, raw readings, noise included.
     pub record: CoupledRecord,
     /// What is wrong in what was declared.
@@ -90,7 +90,7 @@ fn refused(why: benchmarks::Refused) -> Failure {
     Failure::input(why.to_string())
 }
 
-impl Found {
+impl PhysicalPartEstimate {
     /// Runs the trial, diagnoses its record, and works the floors out.
     ///
     /// # Errors

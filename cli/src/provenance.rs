@@ -48,7 +48,7 @@ pub fn note_seed(seed: u64) {
 
 /// A result, and where it comes from: what `--json` and summary.json say.
 #[derive(Serialize)]
-pub struct Told<'a, T> {
+pub struct WithProvenance<'a, T> {
     #[serde(flatten)]
     result: &'a T,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -56,7 +56,7 @@ pub struct Told<'a, T> {
     provenance: &'static Provenance,
 }
 
-impl<'a, T: Serialize> Told<'a, T> {
+impl<'a, T: Serialize> WithProvenance<'a, T> {
     /// A result in which nothing is random.
     pub fn of(result: &'a T) -> Self {
         Self {

@@ -1,6 +1,6 @@
 //! Figures that are formed while a test runs, so that a test need not be kept to be judged.
 
-use crate::trace::{Response, Witness};
+use crate::trace::{Response, TestObserver};
 use outerloop_core::{EnergyWords, Record, config::MAX_DOF, flag};
 
 /// The part of a test, at its end, in which a large error counts as running away.
@@ -85,9 +85,9 @@ impl<'a> Score<'a> {
     }
 }
 
-impl Witness for Score<'_> {
+impl TestObserver for Score<'_> {
     #[inline]
-    fn see<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
         self.control_steps += 1;
         self.doubtful += usize::from(r.has(flag::MODEL_DOUBT));
         if !r.has(flag::SOLVED) {
@@ -133,11 +133,11 @@ mod tests {
     fn eqs_17_and_18_by_hand() {
         let mut ideal = Response::new(1);
         for (i, u) in [0.0, 2.0, -4.0, 1.0, 0.0].into_iter().enumerate() {
-            ideal.see(&record(i as u32, u));
+            ideal.on_step(&record(i as u32, u));
         }
         let mut score = Score::against(&ideal);
         for (i, u) in [0.0, 3.0, -4.0, 1.0, 2.0].into_iter().enumerate() {
-            score.see(&record(i as u32, u));
+            score.on_step(&record(i as u32, u));
         }
         assert_eq!(score.eps_max(), [2.0 / 4.0]);
         assert_eq!(score.eps_rms(), [(5.0_f64 / 5.0).sqrt() / 4.0]);
@@ -145,15 +145,15 @@ mod tests {
         assert_eq!(score.mean_damping(), 4.0);
         assert_eq!(score.largest_damping, 40.0);
         assert!(!score.ran_away());
-        score.see(&record(4, -5.0));
+        score.on_step(&record(4, -5.0));
         assert!(score.ran_away());
-        score.see(&record(5, 100.0));
+        score.on_step(&record(5, 100.0));
         assert_eq!(score.compared, 6, "what the ideal has not is not compared");
 
         let mut score = Score::against(&ideal);
-        score.see(&record(1, 399.0));
+        score.on_step(&record(1, 399.0));
         assert!(!score.ran_away());
-        score.see(&record(2, 401.0));
+        score.on_step(&record(2, 401.0));
         assert!(
             score.ran_away(),
             "a hundred times the ideal peak at any time"

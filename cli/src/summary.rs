@@ -18,7 +18,7 @@ const LOCKED_SHARE: f64 = 0.2;
 /// How a test ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum TestVerdict {
     /// It ran to its end.
     Completed,
     /// An interlock ended it.
@@ -29,7 +29,7 @@ pub enum Verdict {
     Stopped,
 }
 
-impl Verdict {
+impl TestVerdict {
     /// The word in JSON and tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ pub struct Summary {
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// How it ended.
-    pub verdict: Verdict,
+    pub verdict: TestVerdict,
     /// Name of the fault.
     pub trip: Option<&'static str>,
     /// Eq 17, worst floor.
@@ -149,10 +149,10 @@ impl Summary {
             steps: score.control_steps,
             rate_hz: e.test.config.timing.rate_hz,
             verdict: match ending.state {
-                Mode::Tripped => Verdict::Tripped,
-                _ if score.ran_away() => Verdict::Diverged,
-                _ if ending.by_hand => Verdict::Stopped,
-                _ => Verdict::Completed,
+                Mode::Tripped => TestVerdict::Tripped,
+                _ if score.ran_away() => TestVerdict::Diverged,
+                _ if ending.by_hand => TestVerdict::Stopped,
+                _ => TestVerdict::Completed,
             },
             trip: ending.trip.map(|t| t.fault.name()),
             eps_max: worst(&eps_max_by_floor),
@@ -188,18 +188,18 @@ impl Summary {
     /// eps_rms, or infinite of a test that did not run to its end: what tests are ranked by.
     pub fn error(&self) -> f64 {
         match self.verdict {
-            Verdict::Completed => self.eps_rms,
-            Verdict::Tripped | Verdict::Diverged | Verdict::Stopped => f64::INFINITY,
+            TestVerdict::Completed => self.eps_rms,
+            TestVerdict::Tripped | TestVerdict::Diverged | TestVerdict::Stopped => f64::INFINITY,
         }
     }
 
     /// What the figures are worth.
     pub fn worth(&self) -> Worth {
         match self.verdict {
-            Verdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Worth::Bad,
-            Verdict::Completed if self.eps_rms > GOOD_EPS_RMS => Worth::Fair,
-            Verdict::Completed => Worth::Good,
-            Verdict::Tripped | Verdict::Diverged | Verdict::Stopped => Worth::Bad,
+            TestVerdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Worth::Bad,
+            TestVerdict::Completed if self.eps_rms > GOOD_EPS_RMS => Worth::Fair,
+            TestVerdict::Completed => Worth::Good,
+            TestVerdict::Tripped | TestVerdict::Diverged | TestVerdict::Stopped => Worth::Bad,
         }
     }
 
@@ -218,32 +218,32 @@ impl Summary {
     pub fn sentence(&self) -> String {
         let (rms, max) = (percent(self.eps_rms), percent(self.eps_max));
         match (self.verdict, self.trip_detail) {
-            (Verdict::Tripped, Some(t)) if is_fact(t.fault) => format!(
+            (TestVerdict::Tripped, Some(t)) if is_fact(t.fault) => format!(
                 "Tripped on {} after {:.2} s of the laboratory.",
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
             ),
             // A limit is above zero; this is what a board reports of its own converter.
-            (Verdict::Tripped, Some(t)) if t.fault == Fault::Displacement && t.limit == 0.0 => {
+            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Displacement && t.limit == 0.0 => {
                 format!(
                     "Tripped on displacement after {:.2} s of the laboratory: the command left the range of the board's \
                      converter; `outerloop board calibrate` shows it.",
                     self.steps as f64 / self.rate_hz,
                 )
             }
-            (Verdict::Tripped, Some(t)) if t.fault == Fault::Reading => format!(
+            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Reading => format!(
                 "Tripped on {} after {:.2} s of the laboratory: the actuator was read further out than it was sent, {}.",
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
                 against_limit(t),
             ),
-            (Verdict::Tripped, Some(t)) => format!(
+            (TestVerdict::Tripped, Some(t)) => format!(
                 "Tripped on {} after {:.2} s of the laboratory: {}.",
                 t.fault.name(),
                 self.steps as f64 / self.rate_hz,
                 against_limit(t),
             ),
-            (Verdict::Diverged, _) => format!(
+            (TestVerdict::Diverged, _) => format!(
                 "Ran away: the error grew to {max} of the largest ideal displacement, because the actuator puts in more \
                  energy than the structure dissipates.{}",
                 if self.stopped_s.is_some() {
@@ -252,7 +252,7 @@ impl Summary {
                     ""
                 }
             ),
-            (Verdict::Stopped, _) => format!(
+            (TestVerdict::Stopped, _) => format!(
                 "Stopped by hand after {:.2} s of the laboratory, before its end. What was recorded until then is kept; up \
                  to there the error is {rms} rms and {max} at most, of the largest ideal displacement.",
                 self.steps as f64 / self.rate_hz,

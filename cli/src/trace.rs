@@ -3,104 +3,82 @@
 use outerloop_core::{Event, Record, flag};
 
 /// Sees every record of a running test, from its first step to its last.
-pub trait Witness {
+pub trait TestObserver {
     /// One control step.
-    fn see<const N: usize>(&mut self, record: &Record<N>);
+    fn on_step<const N: usize>(&mut self, record: &Record<N>);
 
     /// A control step that is not part of the test: before its start, while it is held, after its end.
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
         let _ = record;
     }
 
-    /// What whoever looks on wants to happen, once.
-    fn wish(&mut self) -> Option<Event> {
+    /// An event that the observer asks for, given once: a stop, for example.
+    fn requested_event(&mut self) -> Option<Event> {
         None
     }
 }
 
-impl Witness for () {
+impl TestObserver for () {
     #[inline]
-    fn see<const N: usize>(&mut self, _: &Record<N>) {}
+    fn on_step<const N: usize>(&mut self, _: &Record<N>) {}
 }
 
-impl<W: Witness> Witness for &mut W {
+impl<W: TestObserver> TestObserver for &mut W {
     #[inline]
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
-        (**self).see(record);
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+        (**self).on_step(record);
     }
 
     #[inline]
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
-        (**self).glance(record);
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+        (**self).on_idle_step(record);
     }
 
     #[inline]
-    fn wish(&mut self) -> Option<Event> {
-        (**self).wish()
+    fn requested_event(&mut self) -> Option<Event> {
+        (**self).requested_event()
     }
 }
 
-impl<W: Witness> Witness for Option<W> {
+impl<W: TestObserver> TestObserver for Option<W> {
     #[inline]
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
-        if let Some(witness) = self {
-            witness.see(record);
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+        if let Some(observer) = self {
+            observer.on_step(record);
         }
     }
 
     #[inline]
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
-        if let Some(witness) = self {
-            witness.glance(record);
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+        if let Some(observer) = self {
+            observer.on_idle_step(record);
         }
     }
 
     #[inline]
-    fn wish(&mut self) -> Option<Event> {
-        self.as_mut()?.wish()
+    fn requested_event(&mut self) -> Option<Event> {
+        self.as_mut()?.requested_event()
     }
 }
 
-impl<A: Witness, B: Witness> Witness for (A, B) {
+impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
     #[inline]
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
-        self.0.see(record);
-        self.1.see(record);
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.on_step(record);
+        self.1.on_step(record);
     }
 
     #[inline]
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
-        self.0.glance(record);
-        self.1.glance(record);
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+        self.0.on_idle_step(record);
+        self.1.on_idle_step(record);
     }
 
     #[inline]
-    fn wish(&mut self) -> Option<Event> {
-        self.0.wish().or_else(|| self.1.wish())
-    }
-}
-
-impl<A: Witness, B: Witness, C: Witness> Witness for (A, B, C) {
-    #[inline]
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
-        self.0.see(record);
-        self.1.see(record);
-        self.2.see(record);
-    }
-
-    #[inline]
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
-        self.0.glance(record);
-        self.1.glance(record);
-        self.2.glance(record);
-    }
-
-    #[inline]
-    fn wish(&mut self) -> Option<Event> {
+    fn requested_event(&mut self) -> Option<Event> {
         self.0
-            .wish()
-            .or_else(|| self.1.wish())
-            .or_else(|| self.2.wish())
+            .requested_event()
+            .or_else(|| self.1.requested_event())
     }
 }
 
@@ -168,9 +146,9 @@ impl Response {
     }
 }
 
-impl Witness for Response {
+impl TestObserver for Response {
     #[inline]
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
         if record.has(flag::SOLVED) {
             self.push(&record.command_m);
         }
@@ -179,7 +157,7 @@ impl Witness for Response {
 
 /// One floor of a trace, a value a control step.
 #[derive(Clone, Debug, Default)]
-pub struct Floor {
+pub struct FloorTrace {
     /// u_c, m.
     pub command_m: Vec<f32>,
     /// What was sent to the actuator for it, m.
@@ -226,7 +204,7 @@ pub struct Trace {
     /// Energy error relative to the energy in the test.
     pub energy_ratio: Vec<f32>,
     /// Floors from the ground up.
-    pub floors: Vec<Floor>,
+    pub floors: Vec<FloorTrace>,
 }
 
 impl Trace {
@@ -234,7 +212,7 @@ impl Trace {
     pub fn new(floors: usize, rate_hz: f64) -> Self {
         Self {
             rate_hz,
-            floors: vec![Floor::default(); floors],
+            floors: vec![FloorTrace::default(); floors],
             ..Self::default()
         }
     }
@@ -255,9 +233,9 @@ impl Trace {
     }
 }
 
-impl Witness for Trace {
+impl TestObserver for Trace {
     #[inline]
-    fn see<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
         self.tick.push(r.tick);
         self.step.push(r.step);
         self.flags.push(r.flags);

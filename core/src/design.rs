@@ -20,24 +20,24 @@ pub struct Design<const N: usize> {
     pub(crate) step: StepConstants<N>,
     pub(crate) law: Law<N>,
     pub(crate) predictor: Predictor<N>,
-    pub(crate) estimation: estimate::Constants<N>,
-    pub(crate) rig: Option<rig::Constants<N>>,
+    pub(crate) estimation: estimate::EstimatorConstants<N>,
+    pub(crate) rig: Option<rig::RigConstants<N>>,
 }
 
 /// What every step uses, whatever the compensation.
 #[derive(Clone, Debug)]
 pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
-    pub(crate) signal: signal::Constants,
+    pub(crate) signal: signal::SignalConstants,
     /// Control steps by which the target is led.
     pub(crate) lead_steps: f32,
     /// What is sent is not the target: there is a predictor, or the actuator is elsewhere than its command.
     pub(crate) predicts: bool,
     /// From command to true displacement.
-    pub(crate) command: [rig::Command; N],
+    pub(crate) command: [rig::CommandMap; N],
     /// Samples are not what they say.
     pub(crate) corrects: bool,
-    pub(crate) limits: supervise::Limits,
+    pub(crate) limits: supervise::InterlockLimits,
     pub(crate) frozen_m: f32,
     /// Declared stiffness of the specimen, N/m.
     pub(crate) specimen_stiffness: [[f32; N]; N],
@@ -111,7 +111,7 @@ impl<const N: usize> Design<N> {
                 dt_s,
                 1.0 / (t.time_scale * t.time_scale),
             )?,
-            signal: signal::Constants {
+            signal: signal::SignalConstants {
                 substeps: t.substeps,
                 solve_substeps: t.solve_substeps,
                 slow_down: libm::exp(-1.0 / f64::from(t.slow_down_steps)) as f32,
@@ -156,16 +156,17 @@ fn estimation<const N: usize>(
     config: &Config,
     structure: &Structure<N>,
     step_s: f64,
-) -> Result<estimate::Constants<N>, Refusal> {
+) -> Result<estimate::EstimatorConstants<N>, Refusal> {
     let e = &config.estimation;
     Ok(match e.kind {
-        Filter::Off => estimate::Constants::Off,
-        Filter::LowPass => {
-            estimate::Constants::LowPass(Biquad::butterworth(e.cutoff_hz, config.timing.rate_hz))
-        }
+        Filter::Off => estimate::EstimatorConstants::Off,
+        Filter::LowPass => estimate::EstimatorConstants::LowPass(Biquad::butterworth(
+            e.cutoff_hz,
+            config.timing.rate_hz,
+        )),
         Filter::Kalman => {
             let storeys = storey_stiffness(&structure.stiffness);
-            estimate::Constants::Kalman {
+            estimate::EstimatorConstants::Kalman {
                 motion: KalmanGains::new(e, step_s, structure.physical)?,
                 stiffness: storeys.map(|k| {
                     let relative =
@@ -182,13 +183,13 @@ fn estimation<const N: usize>(
     })
 }
 
-fn limits(config: &Config) -> supervise::Limits {
+fn limits(config: &Config) -> supervise::InterlockLimits {
     let l = &config.limits;
     // Off is the largest number, so that NaN passes no limit.
     let or_off = |limit: Option<f64>| limit.map_or(f32::MAX, |x| x as f32);
     let increment_m = or_off(l.increment_m);
     let velocity_step_m = or_off(l.velocity_m_per_s.map(|v| v / config.timing.rate_hz));
-    supervise::Limits {
+    supervise::InterlockLimits {
         displacement_m: or_off(l.displacement_m),
         reading_m: or_off(l.reading_m()),
         increment_m,

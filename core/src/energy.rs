@@ -6,7 +6,7 @@
 
 use crate::float::{larger, out_of_the_way};
 use crate::structure::actuated;
-use crate::sum::Sum;
+use crate::sum::CompensatedSum;
 
 /// The longest window, in integration steps, over which Eq 12 can be formed for the compensation.
 pub const MAX_WINDOW: usize = 64;
@@ -81,7 +81,7 @@ pub struct EnergyErrors<const N: usize> {
     newest: usize,
     stiffness_force_n: [f32; N],
     step: Errors,
-    cumulative: [Sum; 3],
+    cumulative: [CompensatedSum; 3],
     stiffness_n_per_m: [[f32; N]; N],
     /// Of axes without an actuator nothing is kept.
     past: [[Past; N]; MAX_WINDOW],
@@ -98,7 +98,7 @@ impl<const N: usize> EnergyErrors<N> {
             newest: 0,
             stiffness_force_n: [0.0; N],
             step: Errors::default(),
-            cumulative: [Sum::default(); 3],
+            cumulative: [CompensatedSum::default(); 3],
         }
     }
 
@@ -177,8 +177,8 @@ impl<const N: usize> EnergyErrors<N> {
 pub struct Monitor<const N: usize> {
     stiffness_n_per_m: [f32; N],
     floor_j: f32,
-    input: Sum,
-    correction: Sum,
+    input: CompensatedSum,
+    correction: CompensatedSum,
     largest_strain_j: f32,
     load_n: [f32; N],
     correction_n: [f32; N],
@@ -191,8 +191,8 @@ impl<const N: usize> Monitor<N> {
         Self {
             stiffness_n_per_m,
             floor_j,
-            input: Sum::default(),
-            correction: Sum::default(),
+            input: CompensatedSum::default(),
+            correction: CompensatedSum::default(),
             largest_strain_j: 0.0,
             load_n: [0.0; N],
             correction_n: [0.0; N],

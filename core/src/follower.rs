@@ -16,9 +16,9 @@
 
 use crate::design::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Observation};
-use crate::force::{Acting, Correction, Law, Reached};
+use crate::force::{Correction, Law, LawInput, LawOutput};
 use crate::newmark::Newmark;
-use crate::predict::{Ahead, Followed, Predictor};
+use crate::predict::{LastCommand, Predictor, TargetMotion};
 
 /// Differences that are kept: the polynomial's order.
 const ORDER: usize = 4;
@@ -43,10 +43,10 @@ impl Course {
 
     /// Value, first and second derivative `steps` control steps ahead.
     #[inline]
-    fn ahead(&self, h: f32) -> Ahead {
+    fn ahead(&self, h: f32) -> TargetMotion {
         let [u, d1, d2, d3, d4] = self.differences;
         let (h2, h3) = (h * h, h * h * h);
-        Ahead {
+        TargetMotion {
             displacement_m: u
                 + h * d1
                 + (h2 + h) * (1.0 / 2.0) * d2
@@ -132,14 +132,14 @@ impl<const N: usize> Follower<N> {
                 .advance(&self.design.newmark, &[0.0; N], &correction_n, &[0.0; N]);
         }
         let k = &self.design;
-        let followed = core::array::from_fn(|j| Followed {
+        let followed = core::array::from_fn(|j| LastCommand {
             target_m: self.aim_m[j],
             sent_m: self.sent_m[j],
             measured_m: displacement_m[j],
             learn: true,
         });
         let steps = 1.0 + k.lead_steps;
-        let ahead: [Ahead; N] = core::array::from_fn(|j| self.course[j].ahead(steps));
+        let ahead: [TargetMotion; N] = core::array::from_fn(|j| self.course[j].ahead(steps));
         self.aim_m = ahead.map(|a| a.displacement_m);
         let mut send_m = self.aim_m;
         self.predictor
@@ -172,13 +172,13 @@ impl<const N: usize> Follower<N> {
         let mut correction_n = [0.0; N];
         if !matches!(self.law, Law::None(..)) {
             let energy = self.energy.update(&now, k.physical);
-            let reached = Reached {
+            let reached = LawInput {
                 now: &now,
                 energy: &energy,
                 velocity_dt_m,
                 predictor_velocity_dt_m: velocity_dt_m,
             };
-            let Acting {
+            let LawOutput {
                 force_n: acting_n,
                 damping,
             } = self.law.act(&reached, &mut self.shown);

@@ -7,13 +7,13 @@
 use crate::design::Design;
 use crate::ground_motion::GroundMotion;
 use crate::newmark::{Coefficients, Newmark};
-use crate::signal::{Constants, SignalGenerator, Target};
+use crate::signal::{SignalConstants, SignalGenerator, Target};
 
 /// A test with an ideal actuator, in motion.
 #[derive(Clone, Debug)]
 pub struct IdealTest<const N: usize> {
     coefficients: Coefficients<N>,
-    constants: Constants,
+    constants: SignalConstants,
     physical: usize,
     newmark: Newmark<N>,
     signal: SignalGenerator<N>,

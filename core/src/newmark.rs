@@ -9,7 +9,7 @@
 use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::{Structure, actuated};
-use crate::sum::{Split, Sum};
+use crate::sum::{CompensatedSum, Split};
 
 /// Constants of the integration, worked out once.
 #[derive(Clone, Debug)]
@@ -75,8 +75,8 @@ impl<const N: usize> Coefficients<N> {
 /// The integrated motion of the structure: target `u_i` and what leads to the next.
 #[derive(Clone, Debug)]
 pub struct Newmark<const N: usize> {
-    u: [Sum; N],
-    q: [Sum; N],
+    u: [CompensatedSum; N],
+    q: [CompensatedSum; N],
     s: [f32; N],
     increment: [f32; N],
     started: bool,
@@ -91,8 +91,8 @@ impl<const N: usize> Newmark<N> {
     /// With a displacement (m) and a displacement per step, `q = dt v` (m), for free vibration.
     pub fn starting(displacement_m: [f32; N], velocity_dt_m: [f32; N]) -> Self {
         Self {
-            u: displacement_m.map(Sum::new),
-            q: velocity_dt_m.map(Sum::new),
+            u: displacement_m.map(CompensatedSum::new),
+            q: velocity_dt_m.map(CompensatedSum::new),
             s: [0.0; N],
             // The first damping force belongs to v_0 itself.
             increment: velocity_dt_m,
@@ -103,7 +103,7 @@ impl<const N: usize> Newmark<N> {
     /// Target displacement `u_i`, m.
     #[inline]
     pub fn displacement_m(&self) -> [f32; N] {
-        self.u.map(Sum::value)
+        self.u.map(CompensatedSum::value)
     }
 
     /// `u_i - u_{i-1}`, m.
@@ -115,7 +115,7 @@ impl<const N: usize> Newmark<N> {
     /// Velocity per step `q = dt v` of the last solved step, m.
     #[inline]
     pub fn velocity_dt_m(&self) -> [f32; N] {
-        self.q.map(Sum::value)
+        self.q.map(CompensatedSum::value)
     }
 
     /// Acceleration per step squared `s = dt^2 a` of the last solved step, m.
@@ -135,10 +135,10 @@ impl<const N: usize> Newmark<N> {
     pub fn follow(&mut self, next_m: [f32; N]) {
         for j in 0..N {
             let (before, now) = (self.increment[j], next_m[j] - self.u[j].value());
-            self.q[j] = Sum::new(0.5 * (before + now));
+            self.q[j] = CompensatedSum::new(0.5 * (before + now));
             self.s[j] = now - before;
             self.increment[j] = now;
-            self.u[j] = Sum::new(next_m[j]);
+            self.u[j] = CompensatedSum::new(next_m[j]);
         }
     }
 

@@ -25,7 +25,7 @@ use crate::force::{Correction, Law};
 use crate::newmark::Newmark;
 use crate::predict::Predictor;
 use crate::record::Record;
-use crate::rig::Rig;
+use crate::rig::RigCorrection;
 use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
 
@@ -116,7 +116,7 @@ pub struct OuterLoop<const N: usize> {
     estimator: Estimator<N>,
     history: History<N>,
     predictor: Predictor<N>,
-    rig: Rig<N>,
+    rig: RigCorrection<N>,
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
     /// By how much the last target was led, m.
@@ -161,7 +161,7 @@ impl<const N: usize> OuterLoop<N> {
             monitor: Monitor::new(diagonal, design.energy_floor_j),
             law,
             predictor,
-            rig: Rig::new(rig),
+            rig: RigCorrection::new(rig),
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
             signal: SignalGenerator::standing_at([0.0; N]),

@@ -13,7 +13,7 @@ use crate::float::{larger, smaller};
 pub const MAX_SKEW_STEPS: usize = 12;
 
 /// Constants of the axes.
-pub type Constants<const N: usize> = [Axis; N];
+pub type RigConstants<const N: usize> = [AxisCorrection; N];
 
 /// Which channel waits for the other.
 #[derive(Clone, Copy, Debug)]
@@ -25,12 +25,12 @@ enum Wait {
 
 /// From command to true displacement: `gain * command + offset`.
 #[derive(Clone, Copy, Debug)]
-pub struct Command {
+pub struct CommandMap {
     per_gain: f32,
     offset_m: f32,
 }
 
-impl Command {
+impl CommandMap {
     /// From checked parameters.
     pub(crate) fn new(gain: f64, offset_m: f64) -> Self {
         Self {
@@ -62,7 +62,7 @@ pub(crate) struct Known {
 
 /// What is known of an axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Axis {
+pub struct AxisCorrection {
     /// True displacement per measured one.
     displacement_scale: f32,
     displacement_offset_m: f32,
@@ -80,7 +80,7 @@ pub struct Axis {
 /// Motion that may be noise, in standard deviations of the displacement: one sample in 300 is beyond it.
 const NOISE: f64 = 3.0;
 
-impl Axis {
+impl AxisCorrection {
     pub(crate) fn new(known: &Known) -> Self {
         let late_steps = known.force_late_steps;
         // A reversal shows after the noise has been passed twice. With that much less of presliding, friction has turned
@@ -117,12 +117,12 @@ struct Memory {
 
 /// What is known of a rig, and its memory.
 #[derive(Clone, Debug)]
-pub struct Rig<const N: usize> {
-    constants: Option<Constants<N>>,
+pub struct RigCorrection<const N: usize> {
+    constants: Option<RigConstants<N>>,
     memory: [Memory; N],
 }
 
-impl<const N: usize> Rig<N> {
+impl<const N: usize> RigCorrection<N> {
     const BEFORE: [Memory; N] = [const {
         Memory {
             last_m: None,
@@ -132,7 +132,7 @@ impl<const N: usize> Rig<N> {
     }; N];
 
     /// Before the first sample.
-    pub(crate) fn new(constants: Option<Constants<N>>) -> Self {
+    pub(crate) fn new(constants: Option<RigConstants<N>>) -> Self {
         Self {
             constants,
             memory: Self::BEFORE,
@@ -185,8 +185,8 @@ mod tests {
         displacement_noise_m: 0.0,
     };
 
-    fn rig(known: Known) -> Rig<1> {
-        Rig::new(Some([Axis::new(&known)]))
+    fn rig(known: Known) -> RigCorrection<1> {
+        RigCorrection::new(Some([AxisCorrection::new(&known)]))
     }
 
     #[test]
@@ -205,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_command_is_what_brings_the_actuator_there() {
-        let command = Command::new(1.25, 0.5);
+        let command = CommandMap::new(1.25, 0.5);
         let sent = command.towards(3.0);
         assert_eq!(1.25 * sent + 0.5, 3.0);
     }

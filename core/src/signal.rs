@@ -14,7 +14,7 @@
 
 /// Constants of the generator, in control steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Constants {
+pub struct SignalConstants {
     /// Control steps in an integration step.
     pub substeps: u16,
     /// Control steps of extrapolation before the target is used.
@@ -91,7 +91,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// Acceleration of the command, m per control step squared.
     #[inline]
-    pub fn acceleration_m(&self, k: &Constants) -> [f32; N] {
+    pub fn acceleration_m(&self, k: &SignalConstants) -> [f32; N] {
         if self.tick >= self.length {
             let per = k.per_substep * k.per_substep;
             return self.target.acceleration_dt2_m.map(|a| a * per);
@@ -132,7 +132,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// Takes the next target.
     #[inline]
-    pub fn aim(&mut self, k: &Constants, target: Target<N>) {
+    pub fn aim(&mut self, k: &SignalConstants, target: Target<N>) {
         let per = k.per_substep;
         // The motion extrapolated is the one known before the solution: the previous target's acceleration.
         self.acceleration_m = self.target.acceleration_dt2_m.map(|a| a * per * per);
@@ -145,7 +145,7 @@ impl<const N: usize> SignalGenerator<N> {
     }
 
     /// Begins an interval whose target is not known yet, from the motion that is.
-    pub fn depart(&mut self, k: &Constants) {
+    pub fn depart(&mut self, k: &SignalConstants) {
         self.aim(k, self.target);
         self.awaited = true;
     }
@@ -164,7 +164,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// The next command of the interval; past its end, slows down and holds. True where the target is late.
     #[inline(always)] // An interval of one control step is the common one: two copies.
-    pub fn advance(&mut self, k: &Constants) -> bool {
+    pub fn advance(&mut self, k: &SignalConstants) -> bool {
         if self.at_target() {
             self.wait(k);
             return true;
@@ -181,7 +181,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// As [`Self::advance`], where the target may still be awaited: it is late once the extrapolation has ended, and the
     /// interval's clock stands until it comes.
-    pub fn advance_or_wait(&mut self, k: &Constants) -> bool {
+    pub fn advance_or_wait(&mut self, k: &SignalConstants) -> bool {
         if self.awaited && self.tick >= k.solve_substeps {
             self.wait(k);
             return true;
@@ -191,7 +191,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// The target is late: slows down and holds.
     #[inline(never)]
-    fn wait(&mut self, k: &Constants) {
+    fn wait(&mut self, k: &SignalConstants) {
         self.late = self.late.saturating_add(1);
         for j in 0..N {
             self.velocity_m[j] *= k.slow_down;
@@ -201,7 +201,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// A command inside of the interval.
     #[inline(never)]
-    fn go_on(&mut self, k: &Constants) {
+    fn go_on(&mut self, k: &SignalConstants) {
         if self.tick <= k.solve_substeps {
             let t = f32::from(self.tick);
             for j in 0..N {
@@ -240,7 +240,7 @@ impl<const N: usize> SignalGenerator<N> {
     }
 
     /// One point of the cubic from where the interpolation began to the target.
-    fn interpolate(&mut self, k: &Constants) {
+    fn interpolate(&mut self, k: &SignalConstants) {
         let span = f32::from(self.length - k.solve_substeps);
         let t = f32::from(self.tick - k.solve_substeps) / span;
         for j in 0..N {
@@ -260,8 +260,8 @@ impl<const N: usize> SignalGenerator<N> {
 mod tests {
     use super::*;
 
-    fn constants(substeps: u16, solve_substeps: u16) -> Constants {
-        Constants {
+    fn constants(substeps: u16, solve_substeps: u16) -> SignalConstants {
+        SignalConstants {
             substeps,
             solve_substeps,
             slow_down: 0.8,

@@ -2,15 +2,15 @@
 
 /// A running sum with its own rounding error carried beside it (Knuth's 2Sum).
 ///
-/// After `n` additions the error of [`Sum::value`] stays near one rounding of the
+/// After `n` additions the error of [`CompensatedSum::value`] stays near one rounding of the
 /// result instead of growing with `n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sum {
+pub struct CompensatedSum {
     high: f32,
     low: f32,
 }
 
-impl Sum {
+impl CompensatedSum {
     /// A sum that starts at `value`.
     pub const fn new(value: f32) -> Self {
         Self {
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_million_small_terms_lose_nothing() {
-        let (mut sum, mut plain) = (Sum::new(1.0), 1.0_f32);
+        let (mut sum, mut plain) = (CompensatedSum::new(1.0), 1.0_f32);
         for _ in 0..1_000_000 {
             sum.add(1e-8);
             plain += 1e-8;

@@ -34,7 +34,7 @@ const IDLE_TURN_NS: u64 = 500_000;
 const PC_STEPS: u32 = 400;
 
 /// For so long, and no longer.
-const PC_PATIENCE: Duration = Duration::from_secs(5);
+const PC_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The rig, the converters, and what goes wrong.
 pub struct Laboratory {
@@ -250,7 +250,7 @@ impl Laboratory {
         }
         self.quiet_steps += 1;
         if self.patient && self.quiet_steps > PC_STEPS && !self.wire.is_cut() {
-            self.wire.wait_for_pc(PC_PATIENCE);
+            self.wire.wait_for_pc(PC_TIMEOUT);
             self.quiet_steps = 0;
         }
     }

@@ -34,14 +34,14 @@ impl Wire {
         self.0.1.notify_all();
     }
 
-    /// The PC takes what has come, or waits for it; empty after `patience`, `None` once the line is closed and empty.
-    pub fn receive(&self, patience: Duration) -> Option<Vec<u8>> {
+    /// The PC takes what has come, or waits for it; empty after `timeout`, `None` once the line is closed and empty.
+    pub fn receive(&self, timeout: Duration) -> Option<Vec<u8>> {
         let mut line = self.bytes();
         if line.from_board.is_empty() && !line.closed {
             line = self
                 .0
                 .1
-                .wait_timeout(line, patience)
+                .wait_timeout(line, timeout)
                 .map_or_else(|e| e.into_inner().0, |(line, _)| line);
         }
         let came: Vec<u8> = line.from_board.drain(..).collect();
@@ -81,11 +81,11 @@ impl Wire {
         !self.bytes().to_board.is_empty()
     }
 
-    /// Stands still until the PC says something, at most for `patience`.
-    pub fn wait_for_pc(&self, patience: Duration) {
+    /// Stands still until the PC says something, at most for `timeout`.
+    pub fn wait_for_pc(&self, timeout: Duration) {
         let line = self.bytes();
         if line.to_board.is_empty() && !line.closed && !line.cut {
-            drop(self.0.1.wait_timeout(line, patience));
+            drop(self.0.1.wait_timeout(line, timeout));
         }
     }
 }

@@ -8,7 +8,7 @@ use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::{Summary, Verdict};
+use outerloop_cli::summary::{Summary, TestVerdict};
 use std::path::Path;
 
 fn file(name: &str) -> TestFile {
@@ -30,7 +30,7 @@ fn run(name: &str, seconds: f64) -> (f64, Summary) {
     let summary = run.summary;
     println!("{name}: {}", summary.sentence());
     let board = summary.board.as_ref().unwrap();
-    assert_eq!(summary.verdict, Verdict::Completed, "{name}");
+    assert_eq!(summary.verdict, TestVerdict::Completed, "{name}");
     assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{name}");
     (ideal.peaks_m()[0], summary)
 }

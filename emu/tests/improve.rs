@@ -1,18 +1,20 @@
 //! The loop closed on the flashed image: a test on a rig with something undeclared in it, the diagnosis of the board's
 //! telemetry, the improved configuration sent to the same board, the same test again.
 
-use outerloop_cli::board::emulated::{Emulated, Laboratory};
-use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Course, Operator, Patience, Played, calibrate};
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{
+    BoardBench, Connection, Operator, Played, Timeouts, Trajectory, calibrate,
+};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::signal::Signal;
+use outerloop_cli::files::signal::SignalPoints;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::judged::Run;
-use outerloop_cli::story::{Outcome, Site, Story};
+use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
+use outerloop_cli::judged::JudgedRun;
 use outerloop_cli::terminal::Progress;
-use outerloop_cli::trace::{Response, Witness};
+use outerloop_cli::trace::{Response, TestObserver};
 use outerloop_core::Method;
 use std::cell::RefCell;
 use std::path::Path;
@@ -45,7 +47,7 @@ struct Boards {
     on: RefCell<Vec<(plant::RigSpec, BoardBench<Emulated>)>>,
 }
 
-impl Site for Boards {
+impl TestSite for Boards {
     fn run(
         &self,
         experiment: &Experiment,
@@ -53,58 +55,58 @@ impl Site for Boards {
         ideal: &Response,
         seed: u64,
         keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
+        observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure> {
         let mut on = self.on.borrow_mut();
         let rig = &experiment.test.plant;
         let known = on.iter().position(|(theirs, _)| theirs == rig);
         let place = match known {
             Some(place) => place,
             None => {
-                let laboratory = Laboratory::of(&experiment.test, seed);
+                let laboratory = EmulatedRig::of(&experiment.test, seed);
                 let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
                 let port = Emulated::with(emulator, &laboratory)?;
-                let mut connection = Connection::new(port, Patience::EMULATED);
+                let mut connection = Connection::new(port, Timeouts::EMULATED);
                 calibrate(&mut connection, laboratory.calibration)?;
-                let plan = Plan::of(experiment, ideal);
+                let plan = PlannedMotion::of(experiment, ideal);
                 let bench = BoardBench::new(connection, plan, Operator::nobody());
                 on.push((rig.clone(), bench));
                 on.len() - 1
             }
         };
-        experiment.run_on(&on[place].1, method, ideal, keep, tell)
+        experiment.run_on(&on[place].1, method, ideal, keep, observer)
     }
 
-    fn play(&self, test: &TestFile, signal: &Signal, _: u64) -> Result<Played, Failure> {
+    fn play(&self, test: &TestFile, signal: &SignalPoints, _: u64) -> Result<Played, Failure> {
         let on = self.on.borrow();
         let own = on.iter().find(|(rig, _)| *rig == test.plant);
         let (_, bench) = own.expect("a test runs before a signal");
-        bench.play(test, &Course::Points(signal.clone()), &mut ())
+        bench.play(test, &Trajectory::Points(signal.clone()), &mut ())
     }
 }
 
 /// What becomes of a test on the board; the two tests of the rig with the effect run on one board.
-fn story(text: &str) -> Story {
+fn story(text: &str) -> Improvement {
     let test = TestFile::parse(text, "test.toml", Path::new(""), &[]).unwrap();
     let declared = test.declared_model().unwrap();
     let experiment = Experiment::new(test, &near_fault(), None).unwrap();
     let boards = Boards::default();
-    let progress = Progress::over("near-fault", Story::steps(&experiment) as u64);
-    let story = Story::of(experiment, &declared, &boards, 1, &progress).unwrap();
+    let progress = Progress::over("near-fault", Improvement::steps(&experiment) as u64);
+    let story = Improvement::of(experiment, &declared, &boards, 1, &progress).unwrap();
     // The one without it runs on another.
     assert_eq!(boards.on.borrow().len(), 2);
     story
 }
 
 /// The error of the test, before, with what was found, and without the effect.
-fn told(what: &str, more: &str) -> (Story, [f64; 3]) {
+fn told(what: &str, more: &str) -> (Improvement, [f64; 3]) {
     let story = story(&format!("{TEST}{more}\n"));
     let possible = story.possible.as_ref().unwrap();
     let eps = [&story.before, &story.after, possible].map(|run| run.summary.eps_rms);
     println!(
         "{what}: found {}, {} designed tests; eps_rms on the board {:.4} before, {:.4} with what was found, {:.4} without \
          the effect; {:?}",
-        Story::named(&story.diagnosis),
+        Improvement::named(&story.diagnosis),
         story.designed.len(),
         eps[0],
         eps[1],
@@ -124,7 +126,11 @@ fn comes_back(what: &str, more: &str) {
     assert!(!story.changes.is_empty(), "{what}");
     assert!(eps[0] > 1.5 * eps[2], "{what}: {eps:?}");
     assert!(eps[1] < 1.1 * eps[2], "{what}: {eps:?}");
-    assert_eq!(story.outcome(), Outcome::Better, "{what}: {eps:?}");
+    assert_eq!(
+        story.outcome(),
+        ImprovementOutcome::Better,
+        "{what}: {eps:?}"
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What the control period wants from a board. Nothing of it waits.
 
-use crate::station::evidence::Sign;
+use crate::station::heartbeats::Heartbeat;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
@@ -53,5 +53,5 @@ pub trait Hardware<const A: usize = 1> {
     fn feed(&mut self);
 
     /// A task has starved: the watchdog will act. What is to be known afterwards is kept now.
-    fn starving(&mut self, task: Sign, tick: u32, state: Mode);
+    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode);
 }

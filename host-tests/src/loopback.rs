@@ -2,10 +2,10 @@
 //! board, in this process and in one thread. A read runs the board on by some steps.
 
 use firmware::sim::{Bench, Plant};
-use firmware::station::Sign;
-use link::frame::{Decoder, Frame, Kind};
+use firmware::station::Heartbeat;
+use link::frame::{Decoder, Frame, FrameKind};
 use link::message::Message;
-use link::reply::Answer;
+use link::reply::NumberedReply;
 use link::telemetry::STEPS;
 use link::{Command, Telemetry};
 use outerloop_cli::board::Port;
@@ -61,7 +61,7 @@ impl<const A: usize> Loopback<A> {
         };
         let mut board = Bench::new(blocked);
         // What the PC shows of itself, only its frames show.
-        board.alive = [Sign::Listen, Sign::Report, Sign::Report];
+        board.alive = [Heartbeat::Listen, Heartbeat::Report, Heartbeat::Report];
         Self {
             board,
             decoder: Decoder::new(),
@@ -86,7 +86,7 @@ impl<const A: usize> Loopback<A> {
         let _ = self.batch.steps.push(report.step);
         if self.batch.steps.len() == STEPS {
             let batch = std::mem::take(&mut self.batch);
-            self.send(Kind::Telemetry, &batch.encode(A, A));
+            self.send(FrameKind::Telemetry, &batch.encode(A, A));
         }
         self.serve();
         if self
@@ -105,20 +105,20 @@ impl<const A: usize> Loopback<A> {
         } else {
             let next = self.commands.pop_front();
             let seen = self.decoder.seen();
-            next.and_then(|(request, command)| self.board.hear(request, command, seen))
+            next.and_then(|(request, command)| self.board.receive(request, command, seen))
         };
         if let Some(answer) = answer {
             self.answer(&answer);
         }
     }
 
-    fn answer(&mut self, answer: &Answer) {
+    fn answer(&mut self, answer: &NumberedReply) {
         let wire = answer.encode(self.sequence).expect("answers fit");
         self.sequence = self.sequence.wrapping_add(1);
         self.out.extend(wire);
     }
 
-    fn send(&mut self, kind: Kind, body: &[u8]) {
+    fn send(&mut self, kind: FrameKind, body: &[u8]) {
         let sequence = self.sequence;
         self.sequence = self.sequence.wrapping_add(1);
         if self.drop_frames > 0 {
@@ -159,7 +159,7 @@ impl<const A: usize> Port for Loopback<A> {
                 continue;
             };
             let (request, command) = (frame.sequence, Command::decode(&frame));
-            self.board.evidence.show(Sign::Heard);
+            self.board.heartbeats.beat(Heartbeat::Pc);
             match command {
                 Some(command) => self.commands.push_back((request, command)),
                 None => {

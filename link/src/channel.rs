@@ -32,14 +32,14 @@ impl CodeRange {
 
 /// One channel's line from codes to SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Line {
+pub struct ChannelCalibration {
     /// Metres or newtons per code; negative where the wiring turns the sign.
     pub per_code: f32,
     /// The code, with its fraction, of zero metres or newtons.
     pub zero_code: f32,
 }
 
-impl Line {
+impl ChannelCalibration {
     /// A range of `-half..half` over codes 0 to `top`.
     pub const fn over(half: f32, top: u16) -> Self {
         let top = top as f32;
@@ -75,11 +75,11 @@ pub fn number_of<'a>(calibrations: impl IntoIterator<Item = &'a Calibration>) ->
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
     /// Displacement, m, from a sensor's codes.
-    pub displacement: Line,
+    pub displacement: ChannelCalibration,
     /// Restoring force, N, from a sensor's codes.
-    pub force: Line,
+    pub force: ChannelCalibration,
     /// Command, m, to the command's codes.
-    pub command: Line,
+    pub command: ChannelCalibration,
     /// Whether the command's codes toggle so that their mean is finer than a code ([`ErrorFeedback`]); off for a specimen
     /// so stiff that a code is a force that matters.
     #[serde(default = "yes")]
@@ -94,9 +94,9 @@ impl Calibration {
     /// The same range for all boards of a kind: `half_m` and `half_n` over the whole of every converter.
     pub const fn over(half_m: f32, half_n: f32, codes: &CodeRange) -> Self {
         Self {
-            displacement: Line::over(half_m, codes.sensor_top),
-            force: Line::over(half_n, codes.sensor_top),
-            command: Line::over(half_m, codes.command_top),
+            displacement: ChannelCalibration::over(half_m, codes.sensor_top),
+            force: ChannelCalibration::over(half_n, codes.sensor_top),
+            command: ChannelCalibration::over(half_m, codes.command_top),
             command_feedback: true,
         }
     }
@@ -130,7 +130,7 @@ impl Calibration {
             let word = bytes.get(4 * i..).and_then(|b| b.first_chunk());
             word.map_or(f32::NAN, |w| f32::from_le_bytes(*w))
         };
-        let line = |i: usize| Line {
+        let line = |i: usize| ChannelCalibration {
             per_code: number(2 * i),
             zero_code: number(2 * i + 1),
         };
@@ -266,7 +266,7 @@ mod tests {
 
     #[test]
     fn what_a_line_shows_is_what_is_left_on_the_shorter_side() {
-        let mut line = Line::over(0.05, 8190);
+        let mut line = ChannelCalibration::over(0.05, 8190);
         assert!((line.shows(8190, 0) - 0.05).abs() < 1e-7);
         assert!((line.shows(8190, 819) - 0.04).abs() < 1e-7);
         line.zero_code += 1638.0;

@@ -56,7 +56,7 @@ pub enum Command {
         points: Vec<f32, CHUNK>,
     },
     /// What the next start runs: a commissioning signal, or the test.
-    Signal(Option<Signal>),
+    Signal(Option<CommissioningSignal>),
     /// Arm, start, hold, stop, clear.
     Event(Event),
     /// The loop's record of one of the last steps before a fault, 0 the oldest.
@@ -81,7 +81,7 @@ pub enum Channel {
 /// A signal to measure an actuator with, around zero displacement; the others stand at zero. All the test's limits are in
 /// force, for each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Signal {
+pub struct CommissioningSignal {
     /// Which actuator it moves, from 0.
     pub actuator: u8,
     /// Its shape.

@@ -40,7 +40,7 @@ pub fn checksum(bytes: impl IntoIterator<Item = u8>) -> u32 {
 /// What a frame holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub enum FrameKind {
     /// PC to board: a [`Command`](crate::Command).
     Command = 1,
     /// Board to PC: a [`Reply`](crate::Reply).
@@ -49,7 +49,7 @@ pub enum Kind {
     Telemetry = 3,
 }
 
-impl Kind {
+impl FrameKind {
     const ALL: [Self; 3] = [Self::Command, Self::Reply, Self::Telemetry];
 }
 
@@ -57,7 +57,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
     /// What the body is.
-    pub kind: Kind,
+    pub kind: FrameKind,
     /// The sender's number; of a reply, the number of the command that it answers is in its body.
     pub sequence: u16,
     /// The body.
@@ -94,7 +94,7 @@ impl Frame<'_> {
 
 /// What a [`Decoder`] has seen since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Seen {
+pub struct DecoderCounts {
     /// Good frames.
     pub good: u32,
     /// Frames that were not coded as a frame, were too short or of an unknown kind.
@@ -107,7 +107,7 @@ pub struct Seen {
     pub other_version: u32,
 }
 
-impl Seen {
+impl DecoderCounts {
     /// Everything that was not a good frame.
     pub const fn bad(&self) -> u32 {
         self.malformed
@@ -123,7 +123,7 @@ pub struct Decoder {
     wire: [u8; MAX_WIRE],
     /// Bytes since the last zero; more than fit means the frame is lost.
     length: usize,
-    seen: Seen,
+    seen: DecoderCounts,
     other_version: Option<u8>,
 }
 
@@ -146,7 +146,7 @@ impl Decoder {
         Self {
             wire: [0; MAX_WIRE],
             length: 0,
-            seen: Seen {
+            seen: DecoderCounts {
                 good: 0,
                 malformed: 0,
                 corrupt: 0,
@@ -191,7 +191,7 @@ impl Decoder {
     }
 
     /// What has been seen.
-    pub const fn seen(&self) -> Seen {
+    pub const fn seen(&self) -> DecoderCounts {
         self.seen
     }
 
@@ -214,7 +214,7 @@ fn open(coded: &mut [u8]) -> Result<Frame<'_>, Bad> {
     if version != VERSION {
         return Err(Bad::OtherVersion(version));
     }
-    let kind = Kind::ALL.into_iter().find(|&k| k as u8 == kind);
+    let kind = FrameKind::ALL.into_iter().find(|&k| k as u8 == kind);
     Ok(Frame {
         kind: kind.ok_or(Bad::Malformed)?,
         sequence: u16::from_le_bytes([low, high]),
@@ -228,7 +228,7 @@ mod tests {
     use proptest::prelude::*;
     use std::vec::Vec as List;
 
-    fn decode_all(decoder: &mut Decoder, bytes: &[u8]) -> List<(Kind, u16, List<u8>)> {
+    fn decode_all(decoder: &mut Decoder, bytes: &[u8]) -> List<(FrameKind, u16, List<u8>)> {
         let mut frames = List::new();
         for &byte in bytes {
             if let Some(f) = decoder.push(byte) {
@@ -240,7 +240,7 @@ mod tests {
 
     fn frame(sequence: u16, body: &[u8]) -> List<u8> {
         let frame = Frame {
-            kind: Kind::Command,
+            kind: FrameKind::Command,
             sequence,
             body,
         };
@@ -254,7 +254,7 @@ mod tests {
         assert_eq!(longest.len(), MAX_WIRE);
         assert_eq!(decode_all(&mut Decoder::new(), &longest).len(), 1);
         let over = Frame {
-            kind: Kind::Reply,
+            kind: FrameKind::Reply,
             sequence: 0,
             body: &body,
         };
@@ -353,7 +353,7 @@ mod tests {
             prop_assert!(wire[..wire.len() - 1].iter().all(|&b| b != 0));
             prop_assert!(wire.len() <= wire_bytes(body.len()));
             let frames = decode_all(&mut Decoder::new(), &wire);
-            prop_assert_eq!(frames, std::vec![(Kind::Command, sequence, body)]);
+            prop_assert_eq!(frames, std::vec![(FrameKind::Command, sequence, body)]);
         }
 
         #[test]

@@ -48,7 +48,7 @@ pub use agreed::{BAUD, BITS_PER_BYTE, MAX_ACTUATORS, VERSION};
 pub use channel::{Calibration, CodeRange};
 pub use command::Command;
 pub use continuity::Continuity;
-pub use frame::{Decoder, Frame, Kind};
+pub use frame::{Decoder, Frame, FrameKind};
 pub use reply::Reply;
 pub use status::Status;
 pub use telemetry::{Input, Telemetry};

@@ -2,7 +2,7 @@
 //!
 //! A limit that lies beyond what the converters show is none: the range would end first. So each has to lie inside the
 //! calibrated range, some codes from its ends ([`CodeRange::sensor_spare`]). The PC asks the same question before it sends
-//! a test, with the figures of [`Shown`] in its sentence.
+//! a test, with the figures of [`CalibratedRange`] in its sentence.
 
 use crate::channel::{Calibration, CodeRange};
 use outerloop_core::{Config, Refusal};
@@ -20,7 +20,7 @@ pub const STEP_SHARE: f64 = 0.25;
 /// What a calibrated board shows, both ways from zero, with the spare codes left free; of several actuators, what all of
 /// them show.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
+pub struct CalibratedRange {
     /// Largest displacement that both the sensor and the command show, m.
     pub displacement_m: f64,
     /// Largest force, N.
@@ -29,10 +29,12 @@ pub struct Shown {
     pub frozen_m: f64,
 }
 
-impl Shown {
+impl CalibratedRange {
     /// By a calibration.
     pub fn by(calibration: &Calibration, codes: &CodeRange) -> Self {
-        let sensor = |line: crate::channel::Line| line.shows(codes.sensor_top, codes.sensor_spare);
+        let sensor = |line: crate::channel::ChannelCalibration| {
+            line.shows(codes.sensor_top, codes.sensor_spare)
+        };
         let command = calibration
             .command
             .shows(codes.command_top, codes.command_spare);
@@ -162,7 +164,7 @@ mod tests {
     fn refused(change: impl FnOnce(&mut Limits)) -> Option<&'static str> {
         let mut config = limited();
         change(&mut config.limits);
-        let shown = Shown::by(&Calibration::placeholder(&TWELVE_BITS), &TWELVE_BITS);
+        let shown = CalibratedRange::by(&Calibration::placeholder(&TWELVE_BITS), &TWELVE_BITS);
         shown.check(&config).err().map(|r| r.name)
     }
 
@@ -226,7 +228,7 @@ mod tests {
     #[test]
     fn what_is_frozen_follows_the_calibration() {
         let coarse = Calibration::over(0.25, 1e4, &TWELVE_BITS);
-        let shown = Shown::by(&coarse, &TWELVE_BITS);
+        let shown = CalibratedRange::by(&coarse, &TWELVE_BITS);
         let refusal = shown.check(&limited()).unwrap_err();
         assert_eq!(refusal.name, "limits.frozen_m");
         let mut config = limited();
@@ -240,15 +242,16 @@ mod tests {
     fn several_actuators_show_what_the_narrowest_and_the_coarsest_of_them_do() {
         let over = |m, n| Calibration::over(m, n, &TWELVE_BITS);
         let [wide, narrow, weak] = [over(0.25, 1e4), over(0.05, 1e4), over(0.05, 5e3)];
-        let all = Shown::by_all([&wide, &narrow, &weak], &TWELVE_BITS);
-        let [wide, narrow, weak] = [wide, narrow, weak].map(|c| Shown::by(&c, &TWELVE_BITS));
+        let all = CalibratedRange::by_all([&wide, &narrow, &weak], &TWELVE_BITS);
+        let [wide, narrow, weak] =
+            [wide, narrow, weak].map(|c| CalibratedRange::by(&c, &TWELVE_BITS));
         assert_eq!(all.displacement_m, narrow.displacement_m);
         assert_eq!(all.force_n, weak.force_n);
         assert_eq!(all.frozen_m, wide.frozen_m);
         let one = Calibration::placeholder(&TWELVE_BITS);
         assert_eq!(
-            Shown::by_all([&one], &TWELVE_BITS),
-            Shown::by(&one, &TWELVE_BITS)
+            CalibratedRange::by_all([&one], &TWELVE_BITS),
+            CalibratedRange::by(&one, &TWELVE_BITS)
         );
     }
 
@@ -256,7 +259,7 @@ mod tests {
     fn a_zero_at_the_end_of_the_range_shows_nothing() {
         let mut skewed = Calibration::placeholder(&TWELVE_BITS);
         skewed.force.zero_code = 8100.0;
-        let shown = Shown::by(&skewed, &TWELVE_BITS);
+        let shown = CalibratedRange::by(&skewed, &TWELVE_BITS);
         assert_eq!(
             shown.check(&limited()).map_err(|r| r.name),
             Err("limits.force_n")

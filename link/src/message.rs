@@ -1,15 +1,15 @@
 //! Commands and replies as frames, coded with postcard.
 
 use crate::command::Command;
-use crate::frame::{Frame, Kind, MAX_BODY, MAX_WIRE, TooLong};
-use crate::reply::Answer;
+use crate::frame::{Frame, FrameKind, MAX_BODY, MAX_WIRE, TooLong};
+use crate::reply::NumberedReply;
 use heapless::Vec;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// What can be the body of a frame of its kind.
 pub trait Message: Serialize + DeserializeOwned {
     /// The kind of its frames.
-    const KIND: Kind;
+    const KIND: FrameKind;
 
     /// As a frame on the wire.
     ///
@@ -39,26 +39,26 @@ pub trait Message: Serialize + DeserializeOwned {
 }
 
 impl Message for Command {
-    const KIND: Kind = Kind::Command;
+    const KIND: FrameKind = FrameKind::Command;
 }
 
-impl Message for Answer {
-    const KIND: Kind = Kind::Reply;
+impl Message for NumberedReply {
+    const KIND: FrameKind = FrameKind::Reply;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::channel::{Calibration, TWELVE_BITS};
-    use crate::command::{CHUNK, Channel, Shape, Signal};
-    use crate::frame::{Decoder, Seen};
+    use crate::command::{CHUNK, Channel, CommissioningSignal, Shape};
+    use crate::frame::{Decoder, DecoderCounts};
     use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
-    use crate::status::{Cause, LastWords, Start, Status, Timing};
+    use crate::status::{Cause, CrashReport, Start, Status, Timing};
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
     use outerloop_core::{
         Config, Event, Fault, Mode, Pace, Trip,
-        config::{Limits, MAX_DOF, PerActuator, PerFloor, Rig, StructureConfig},
+        config::{Limits, MAX_DOF, PerActuator, PerFloor, RigConfig, StructureConfig},
     };
     use proptest::prelude::*;
 
@@ -105,7 +105,7 @@ mod tests {
                 frozen_m: limit,
                 locked_damping_ratio: limit,
             },
-            rig: Rig {
+            rig: RigConfig {
                 command_gain: actuators.clone(),
                 command_offset_m: actuators.clone(),
                 displacement_gain: actuators.clone(),
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn every_command_comes_back_as_it_was() {
         let signal = |shape| {
-            Some(Signal {
+            Some(CommissioningSignal {
                 actuator: 2,
                 shape,
                 amplitude_m: 0.01,
@@ -214,11 +214,11 @@ mod tests {
                 codes: [8190; 2],
                 other_codes: [[8190; 2]; 2].into_iter().collect(),
                 timing: Timing::default(),
-                link: Seen::default(),
+                link: DecoderCounts::default(),
                 dropped_steps: 3,
                 stack_bytes: 4096,
                 started: Start::Watchdog,
-                last_words: Some(LastWords {
+                last_words: Some(CrashReport {
                     cause: Cause::Panic,
                     tick: 77,
                     state: Mode::Running,
@@ -245,7 +245,7 @@ mod tests {
             Reply::Unknown,
         ];
         for reply in replies {
-            there_and_back(&Answer { request: 9, reply });
+            there_and_back(&NumberedReply { request: 9, reply });
         }
     }
 
@@ -256,22 +256,22 @@ mod tests {
             sequence: 0,
             body,
         };
-        assert!(Command::decode(&frame(Kind::Command, &[0])).is_some());
-        assert!(Command::decode(&frame(Kind::Command, &[0, 0])).is_none());
-        assert!(Command::decode(&frame(Kind::Reply, &[0])).is_none());
-        assert!(Command::decode(&frame(Kind::Command, &[200])).is_none());
+        assert!(Command::decode(&frame(FrameKind::Command, &[0])).is_some());
+        assert!(Command::decode(&frame(FrameKind::Command, &[0, 0])).is_none());
+        assert!(Command::decode(&frame(FrameKind::Reply, &[0])).is_none());
+        assert!(Command::decode(&frame(FrameKind::Command, &[200])).is_none());
     }
 
     proptest! {
         #[test]
         fn no_body_is_too_much(body in proptest::collection::vec(any::<u8>(), 0..MAX_BODY)) {
-            for kind in [Kind::Command, Kind::Reply] {
+            for kind in [FrameKind::Command, FrameKind::Reply] {
                 let frame = Frame { kind, sequence: 0, body: &body };
                 // Whatever is read is a message that can be sent again.
                 if let Some(command) = Command::decode(&frame) {
                     prop_assert!(command.encode(0).is_ok());
                 }
-                if let Some(answer) = Answer::decode(&frame) {
+                if let Some(answer) = NumberedReply::decode(&frame) {
                     prop_assert!(answer.encode(0).is_ok());
                 }
             }

@@ -13,7 +13,7 @@ pub const MAX_RECORD: usize = outerloop_core::Record::<3>::WORDS;
 
 /// A reply, with the number of the request it answers. Postcard.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Answer {
+pub struct NumberedReply {
     /// Sequence number of the command.
     pub request: u16,
     /// The answer to it.

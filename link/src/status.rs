@@ -1,7 +1,7 @@
 //! How the board is.
 
 use crate::agreed::MAX_ACTUATORS;
-use crate::frame::Seen;
+use crate::frame::DecoderCounts;
 use heapless::{String, Vec};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
@@ -34,7 +34,7 @@ pub struct Status {
     /// Times of the control step.
     pub timing: Timing,
     /// What the board has received.
-    pub link: Seen,
+    pub link: DecoderCounts,
     /// Telemetry steps that found the queue full and were dropped.
     pub dropped_steps: u32,
     /// Bytes of stack used at most.
@@ -42,7 +42,7 @@ pub struct Status {
     /// Why the board last started.
     pub started: Start,
     /// What the program said last before a start that nobody asked for.
-    pub last_words: Option<LastWords>,
+    pub last_words: Option<CrashReport>,
 }
 
 /// Times of the control step, in cycles of the processor.
@@ -79,7 +79,7 @@ pub enum Start {
 
 /// What is kept across a reset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LastWords {
+pub struct CrashReport {
     /// What had happened.
     pub cause: Cause,
     /// Control step at which it happened.

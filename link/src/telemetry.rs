@@ -251,7 +251,7 @@ fn step_of(bytes: &[u8], others: usize) -> Option<StepReport> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{Frame, Kind};
+    use crate::frame::{Frame, FrameKind};
     use proptest::prelude::*;
 
     fn step(seed: u32) -> StepReport {
@@ -276,7 +276,7 @@ mod tests {
             steps: (0..STEPS as u32).map(step).collect(),
         };
         let frame = Frame {
-            kind: Kind::Telemetry,
+            kind: FrameKind::Telemetry,
             sequence: u16::MAX,
             body: &t.encode(1, 0),
         };

@@ -6,11 +6,11 @@
 
 use heapless::Vec;
 use link::channel::{Calibration, CodeRange};
-use link::command::{Channel, Shape, Signal};
-use link::frame::{Decoder, Frame, Kind, Seen, checksum};
+use link::command::{Channel, CommissioningSignal, Shape};
+use link::frame::{Decoder, DecoderCounts, Frame, FrameKind, checksum};
 use link::message::Message;
-use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{Cause, LastWords, Start, Status, Timing};
+use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
+use link::status::{Cause, CrashReport, Start, Status, Timing};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::{Config, Event, Fault, Mode, Pace, Trip};
@@ -31,7 +31,7 @@ fn config() -> Config {
 
 fn commands() -> std::vec::Vec<(String, Command)> {
     let signal = |shape| {
-        Command::Signal(Some(Signal {
+        Command::Signal(Some(CommissioningSignal {
             actuator: 2,
             shape,
             amplitude_m: 0.01,
@@ -136,7 +136,7 @@ fn identity(others: &[Calibration]) -> Identity {
     }
 }
 
-fn status(trip: Option<Trip>, started: Start, last_words: Option<LastWords>) -> Status {
+fn status(trip: Option<Trip>, started: Start, last_words: Option<CrashReport>) -> Status {
     Status {
         tick: 70_000,
         state: Mode::Tripped,
@@ -157,7 +157,7 @@ fn status(trip: Option<Trip>, started: Start, last_words: Option<LastWords>) -> 
             mean_step_cycles: 800,
             overruns: 1,
         },
-        link: Seen {
+        link: DecoderCounts {
             good: 5,
             malformed: 4,
             corrupt: 3,
@@ -237,7 +237,7 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         (Start::Watchdog, Cause::ClockStopped),
         (Start::Watchdog, Cause::LowSupply),
     ] {
-        let words = LastWords {
+        let words = CrashReport {
             cause,
             tick: 77,
             state: Mode::Running,
@@ -309,7 +309,7 @@ fn all_bytes() -> String {
         );
     }
     for (name, reply) in replies() {
-        let answer = Answer {
+        let answer = NumberedReply {
             request: 513,
             reply,
         };
@@ -321,7 +321,7 @@ fn all_bytes() -> String {
     }
     for (actuators, inputs) in [(1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (3, 2), (3, 5)] {
         let frame = Frame {
-            kind: Kind::Telemetry,
+            kind: FrameKind::Telemetry,
             sequence: 7,
             body: &telemetry().encode(actuators, inputs),
         };

@@ -14,7 +14,7 @@ use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::files::{channels, model};
-use outerloop_cli::judged::Run;
+use outerloop_cli::judged::JudgedRun;
 use outerloop_cli::trace::Trace;
 use outerloop_cli::verb;
 use pyo3::exceptions::PyValueError;
@@ -120,7 +120,7 @@ fn run<'py>(
         None => test.config.compensation.kind,
     };
     let experiment = experiment(&test, record.as_ref(), duration)?;
-    let ran: Result<Run, Failure> = py.detach(|| {
+    let ran: Result<JudgedRun, Failure> = py.detach(|| {
         let ideal = experiment.ideal()?;
         experiment.run(method, &ideal, seed, trace, ())
     });

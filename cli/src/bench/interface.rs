@@ -1,15 +1,15 @@
 //! What a bench is given, what it does, and how it ends.
 
-use crate::board::further::Further;
+use crate::board::further_inputs::FurtherInputs;
 use crate::failure::Failure;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use link::status::Timing;
 use outerloop_core::{Config, Design, Fault, GroundMotion, Mode, Trip};
 use serde::Serialize;
 
 /// A test, ready to run.
 #[derive(Clone, Debug)]
-pub struct Assignment<'a, const N: usize> {
+pub struct PreparedTest<'a, const N: usize> {
     /// The configuration, for a bench with a loop of its own.
     pub config: &'a Config,
     /// The same, worked out.
@@ -61,7 +61,7 @@ pub struct OnBoard {
     /// Why the link was lost.
     pub link: Option<String>,
     /// What it records beside displacement and force, if it does.
-    pub further: Option<Further>,
+    pub further: Option<FurtherInputs>,
     /// What it tripped on.
     #[serde(skip)]
     pub trip: Option<Fault>,
@@ -109,14 +109,14 @@ impl OnBoard {
 
 /// Something that a test can run on.
 pub trait Bench {
-    /// Arms, approaches and runs; `witness` sees every control step of the running test.
+    /// Arms, approaches and runs; `observer` sees every control step of the running test.
     ///
     /// # Errors
     /// A rig that cannot be set up, or a loop that refuses to arm. A trip is no error: it is in the ending.
     fn run<const N: usize>(
         &self,
-        assignment: &Assignment<'_, N>,
-        witness: &mut impl Witness,
+        assignment: &PreparedTest<'_, N>,
+        observer: &mut impl TestObserver,
     ) -> Result<Ending, Failure>;
 }
 

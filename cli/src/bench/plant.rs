@@ -1,8 +1,8 @@
 //! The closed loop of core and the simulated rig, in this process.
 
-use super::interface::{Assignment, Bench, Ending};
+use super::interface::{Bench, Ending, PreparedTest};
 use crate::failure::Failure;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
@@ -42,8 +42,8 @@ pub struct PlantBench<'a> {
 impl Bench for PlantBench<'_> {
     fn run<const N: usize>(
         &self,
-        assignment: &Assignment<'_, N>,
-        witness: &mut impl Witness,
+        assignment: &PreparedTest<'_, N>,
+        observer: &mut impl TestObserver,
     ) -> Result<Ending, Failure> {
         let config = assignment.config;
         let physical = config.physical_storeys().min(N);
@@ -91,7 +91,7 @@ impl Bench for PlantBench<'_> {
             command_m = step.command_m.map(f64::from);
             match before {
                 Mode::Running | Mode::Resuming => {
-                    witness.see(step.record);
+                    observer.on_step(step.record);
                     done += 1;
                     let computed = &step.record.command_m;
                     if step.record.has(flag::SOLVED)
@@ -114,12 +114,12 @@ impl Bench for PlantBench<'_> {
                 | Mode::Commissioning
                 | Mode::Holding
                 | Mode::Finished
-                | Mode::Tripped => witness.glance(step.record),
+                | Mode::Tripped => observer.on_idle_step(step.record),
             }
             // What means nothing in this mode is refused, and nothing happens.
-            if let Some(wish) = witness.wish()
-                && outer.handle(wish).is_ok()
-                && wish == Event::Stop
+            if let Some(event) = observer.requested_event()
+                && outer.handle(event).is_ok()
+                && event == Event::Stop
             {
                 by_hand = true;
                 break;

@@ -3,9 +3,9 @@
 use super::interface::with_floors;
 use crate::board::played::Played;
 use crate::failure::Failure;
-use crate::files::signal::Signal;
+use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use ::plant::Rig;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};
 
@@ -19,9 +19,9 @@ const IDLE_STEPS: usize = 256;
 pub fn play(
     test: &TestFile,
     limits: Limits,
-    signal: &Signal,
+    signal: &SignalPoints,
     seed: u64,
-    witness: &mut impl Witness,
+    observer: &mut impl TestObserver,
 ) -> Result<Played, Failure> {
     let mut config = test.config.clone();
     config.limits = limits;
@@ -65,7 +65,7 @@ pub fn play(
             command_m = f64::from(step.command_m[0]);
             match outer.state() {
                 Mode::Commissioning => {
-                    witness.see(&record);
+                    observer.on_step(&record);
                     let (x, f) = (sample.displacement_m[0], sample.force_n[0]);
                     // What was in force while the sample was taken.
                     played.add(rate_hz, record.command_m[0], x, f);
@@ -80,11 +80,11 @@ pub fn play(
                 }
                 Mode::Idle => idle += 1,
                 Mode::Armed => drop(outer.handle(Event::Start)),
-                _ => witness.glance(&record),
+                _ => observer.on_idle_step(&record),
             }
-            if let Some(wish) = witness.wish()
-                && outer.handle(wish).is_ok()
-                && wish == Event::Stop
+            if let Some(event) = observer.requested_event()
+                && outer.handle(event).is_ok()
+                && event == Event::Stop
             {
                 return Ok(played.ended_early("it was stopped by hand".into()));
             }

@@ -47,7 +47,7 @@ impl Answers {
     }
 
     /// A control step of the signal.
-    pub fn see(&mut self, identity: &Identity, step: &StepReport) {
+    pub fn add_step(&mut self, identity: &Identity, step: &StepReport) {
         self.command_m.push(f64::from(step.command_m));
         for (actuator, lines) in identity.calibrations().enumerate() {
             let [displacement, force] = step.codes(actuator).unwrap_or_default();

@@ -1,21 +1,21 @@
 //! A whole test on a board.
 
 use super::commission::commission;
+use super::configured_test::ConfiguredTest;
 use super::connection::Connection;
-use super::course::Course;
-use super::in_force::InForce;
-use super::limits::Plan;
+use super::limits::PlannedMotion;
 use super::mirror::Mirror;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, status};
 use super::played::Played;
 use super::port::Port;
 use super::setup::ready;
+use super::trajectory::Trajectory;
 use super::upload::load;
-use crate::bench::interface::{Assignment, Bench, Ending};
+use crate::bench::interface::{Bench, Ending, PreparedTest};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use link::Command;
 use link::command::MAX_POINTS;
 use link::reply::Identity;
@@ -26,7 +26,7 @@ use std::time::Instant;
 /// A board at the other end of a connection.
 pub struct BoardBench<P> {
     connection: RefCell<Connection<P>>,
-    plan: Plan,
+    plan: PlannedMotion,
     operator: Operator,
     /// The number that the board's calibration has to have.
     calibration: Option<String>,
@@ -36,7 +36,7 @@ pub struct BoardBench<P> {
 
 impl<P: Port> BoardBench<P> {
     /// Over `connection`, for tests that are planned as `plan` says; `operator` is asked before each starts.
-    pub fn new(connection: Connection<P>, plan: Plan, operator: Operator) -> Self {
+    pub fn new(connection: Connection<P>, plan: PlannedMotion, operator: Operator) -> Self {
         Self {
             connection: RefCell::new(connection),
             plan,
@@ -58,18 +58,18 @@ impl<P: Port> BoardBench<P> {
         self
     }
 
-    /// Moves the first actuator by `course` on the same board; see [`commission`].
+    /// Moves the first actuator by `trajectory` on the same board; see [`commission`].
     ///
     /// # Errors
     /// Those of [`commission`].
     pub fn play(
         &self,
         test: &TestFile,
-        course: &Course,
-        witness: &mut impl Witness,
+        trajectory: &Trajectory,
+        observer: &mut impl TestObserver,
     ) -> Result<Played, Failure> {
         let board = &mut *self.connection.borrow_mut();
-        commission(board, test, (course, 0), &self.operator, witness)
+        commission(board, test, (trajectory, 0), &self.operator, observer)
     }
 
     /// The connection back.
@@ -81,8 +81,8 @@ impl<P: Port> BoardBench<P> {
 impl<P: Port> Bench for BoardBench<P> {
     fn run<const N: usize>(
         &self,
-        assignment: &Assignment<'_, N>,
-        witness: &mut impl Witness,
+        assignment: &PreparedTest<'_, N>,
+        observer: &mut impl TestObserver,
     ) -> Result<Ending, Failure> {
         let points = points(assignment)?;
         let board = &mut *self.connection.borrow_mut();
@@ -105,7 +105,7 @@ impl<P: Port> Bench for BoardBench<P> {
             since,
         );
         catch_ctrl_c();
-        let mut in_force = InForce::<N>::new(board, mirror, since, &identity);
+        let mut in_force = ConfiguredTest::<N>::new(board, mirror, since, &identity);
         in_force.arm(board)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
@@ -116,12 +116,12 @@ impl<P: Port> Bench for BoardBench<P> {
             identity: &identity,
             operator: &self.operator,
         };
-        test.run(assignment.steps, witness, began)
+        test.run(assignment.steps, observer, began)
     }
 }
 
 /// The points of the ground motion that the test needs.
-fn points<'a, const N: usize>(assignment: &Assignment<'a, N>) -> Result<&'a [f32], Failure> {
+fn points<'a, const N: usize>(assignment: &PreparedTest<'a, N>) -> Result<&'a [f32], Failure> {
     let config = assignment.config;
     let seconds = assignment.steps as f64 / config.timing.rate_hz / config.timing.time_scale;
     let needed = (seconds / assignment.interval_s).ceil() as usize + 2;
@@ -139,7 +139,7 @@ fn points<'a, const N: usize>(assignment: &Assignment<'a, N>) -> Result<&'a [f32
 /// A test that has been started.
 struct Test<'a, 'b, P, const N: usize> {
     board: &'b mut Connection<P>,
-    in_force: InForce<'a, N>,
+    in_force: ConfiguredTest<'a, N>,
     identity: &'b Identity,
     operator: &'b Operator,
 }
@@ -148,7 +148,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
     fn run(
         mut self,
         steps: usize,
-        witness: &mut impl Witness,
+        observer: &mut impl TestObserver,
         began: Instant,
     ) -> Result<Ending, Failure> {
         let mut done = 0;
@@ -168,24 +168,24 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 last_running = record.tick;
                 done = record.tick.wrapping_sub(*first) as usize + 1;
                 if done <= steps {
-                    witness.see(record);
+                    observer.on_step(record);
                 }
             } else if let Some(record) = record {
-                witness.glance(&record);
+                observer.on_idle_step(&record);
             }
-            (done, witness.wish())
+            (done, observer.requested_event())
         };
         let ended = loop {
             match self.in_force.next(self.board) {
                 Ok(record) => {
-                    let (done, wish) = see(record);
-                    match wish {
+                    let (done, asked) = see(record);
+                    match asked {
                         Some(Event::Stop) if !stopped => {
                             stopped = true;
                             self.in_force.end(self.board, Event::Stop)?;
                             by_hand = true;
                         }
-                        Some(wish) if !stopped => self.in_force.ask_for(self.board, wish)?,
+                        Some(asked) if !stopped => self.in_force.ask_for(self.board, asked)?,
                         _ => {}
                     }
                     let state = self.in_force.state();

@@ -2,18 +2,18 @@
 
 use super::answers::Answers;
 use super::connection::Connection;
-use super::course::Course;
-use super::limits::Plan;
+use super::limits::PlannedMotion;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, status};
 use super::played::Played;
 use super::port::Port;
 use super::setup::ready;
+use super::trajectory::Trajectory;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use link::Command;
-use link::limits::Shown;
+use link::limits::CalibratedRange;
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use outerloop_core::{Event, Fault, Mode, Record, Trip};
@@ -24,20 +24,20 @@ const REST_STEPS: u32 = 40;
 /// Steps before arming.
 const IDLE_STEPS: usize = 256;
 
-/// Moves an actuator, from 0, by a course under the limits of `test`, or those that follow from the course. The board's
+/// Moves an actuator, from 0, by a trajectory under the limits of `test`, or those that follow from the trajectory. The board's
 /// other actuators stand at zero, under the same limits.
 ///
 /// # Errors
-/// A course beyond a limit that the test states; a board that is refused, not idle, not the one that the test names, or
+/// A trajectory beyond a limit that the test states; a board that is refused, not idle, not the one that the test names, or
 /// without such an actuator; a signal that is refused; a link that is lost before the start.
 pub fn commission<P: Port>(
     board: &mut Connection<P>,
     test: &TestFile,
-    (course, actuator): (&Course, usize),
+    (trajectory, actuator): (&Trajectory, usize),
     operator: &Operator,
-    witness: &mut impl Witness,
+    observer: &mut impl TestObserver,
 ) -> Result<Played, Failure> {
-    course.check(&test.config)?;
+    trajectory.check(&test.config)?;
     let storeys = test
         .config
         .physical_storeys()
@@ -48,14 +48,14 @@ pub fn commission<P: Port>(
             actuator + 1
         )));
     }
-    let plan = Plan::of_course(test, course, actuator);
+    let plan = PlannedMotion::of_trajectory(test, trajectory, actuator);
     let wanted = (test.board.calibration.as_deref(), test.board.converter_bits);
     let (identity, config) = ready(board, &test.config, &plan, wanted)?;
     done(board, "configure", &Command::Configure(config.clone()))?;
-    course.send(board, &config, actuator as u8)?;
-    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
+    trajectory.send(board, &config, actuator as u8)?;
+    let shown = CalibratedRange::by_all(identity.calibrations(), &identity.codes);
     let rate_hz = config.timing.rate_hz;
-    let mut alone = Alone {
+    let mut alone = SingleActuator {
         actuator,
         rate_hz,
         answers: Answers::new(&identity, actuator, rate_hz, shown.frozen_m),
@@ -63,21 +63,21 @@ pub fn commission<P: Port>(
     };
     alone.arm(board)?;
     alone.wait_for_go(board, operator)?;
-    let mut played = alone.play(board, witness)?;
+    let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.answers.stiffness_n_per_m();
     played.suspicion = alone.suspicion(test);
     Ok(played)
 }
 
 /// One actuator that moves while the others stand.
-struct Alone {
+struct SingleActuator {
     actuator: usize,
     rate_hz: f64,
     identity: Identity,
     answers: Answers,
 }
 
-impl Alone {
+impl SingleActuator {
     /// The next step, if one has come.
     fn step<P: Port>(
         &mut self,
@@ -149,7 +149,7 @@ impl Alone {
     fn play<P: Port>(
         &mut self,
         board: &mut Connection<P>,
-        witness: &mut impl Witness,
+        observer: &mut impl TestObserver,
     ) -> Result<Played, Failure> {
         event(board, Event::Start)?;
         let mut stopped = false;
@@ -165,10 +165,10 @@ impl Alone {
                 Err(lost) => break Some(lost.to_string()),
             };
             let record = self.record(tick, &step);
-            witness.see(&record);
-            if let Some(wish) = witness.wish() {
+            observer.on_step(&record);
+            if let Some(asked) = observer.requested_event() {
                 // Refused only by a board that has ended the signal by itself.
-                stopped |= event(board, wish).is_ok();
+                stopped |= event(board, asked).is_ok();
             }
             match step.state() {
                 Some(Mode::Commissioning) => {
@@ -176,7 +176,7 @@ impl Alone {
                     let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
                     let ([displacement_m], [force_n]) = (record.displacement_m, record.force_n);
                     played.add_at(time_s, step.command_m, displacement_m, force_n);
-                    self.answers.see(&self.identity, &step);
+                    self.answers.add_step(&self.identity, &step);
                 }
                 Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
                 Some(Mode::Tripped) => {

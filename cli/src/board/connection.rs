@@ -3,27 +3,27 @@
 use super::port::Port;
 use crate::failure::Failure;
 use link::continuity::{Continuity, Ticks};
-use link::frame::{Decoder, Kind, Seen};
+use link::frame::{Decoder, DecoderCounts, FrameKind};
 use link::message::Message;
-use link::reply::{Answer, Reply};
+use link::reply::{NumberedReply, Reply};
 use link::telemetry::StepReport;
 use link::{Command, Telemetry, VERSION};
 use outerloop_core::Event;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// The board is asked how it is after so many control steps at most: it gives the PC up after 1000.
-const STEPS_A_SIGN: u32 = 200;
+/// The PC sends a heartbeat (it asks for the status) after so many control steps at most: the board gives the PC up after 1000.
+const HEARTBEAT_STEPS: u32 = 200;
 
 /// And after so long at most, should no steps arrive.
-const TIME_A_SIGN: Duration = Duration::from_millis(100);
+const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(100);
 
-/// For how many times the patience with silence a command is repeated, under its one number.
+/// A command is repeated, under its one number, for so many times [`Timeouts::silence`].
 const ATTEMPTS: u32 = 4;
 
 /// How long the PC waits.
 #[derive(Clone, Copy, Debug)]
-pub struct Patience {
+pub struct Timeouts {
     /// For the answer to a command, before it is sent again.
     pub answer: Duration,
     /// For the answer to an order that stops or holds, before it is sent again.
@@ -32,7 +32,7 @@ pub struct Patience {
     pub silence: Duration,
 }
 
-impl Patience {
+impl Timeouts {
     /// For a board.
     pub const BOARD: Self = Self {
         answer: Duration::from_secs(1),
@@ -51,16 +51,16 @@ impl Patience {
 /// A connection to a board.
 pub struct Connection<P> {
     port: P,
-    patience: Patience,
+    timeouts: Timeouts,
     decoder: Decoder,
     frames: Continuity,
     ticks: Ticks,
     sequence: u16,
-    answers: VecDeque<Answer>,
+    answers: VecDeque<NumberedReply>,
     steps: VecDeque<(u32, StepReport)>,
     heard: Instant,
-    sign: Instant,
-    steps_since_sign: u32,
+    last_heartbeat: Instant,
+    steps_since_heartbeat: u32,
 }
 
 /// A connection to a board, whatever the bytes go over.
@@ -68,11 +68,11 @@ pub type BoardConnection = Connection<Box<dyn Port>>;
 
 impl<P: Port> Connection<P> {
     /// Over `port`. Nothing is sent yet.
-    pub fn new(port: P, patience: Patience) -> Self {
+    pub fn new(port: P, timeouts: Timeouts) -> Self {
         let now = Instant::now();
         Self {
             port,
-            patience,
+            timeouts,
             decoder: Decoder::new(),
             frames: Continuity::new(),
             ticks: Ticks::new(),
@@ -81,8 +81,8 @@ impl<P: Port> Connection<P> {
             answers: VecDeque::new(),
             steps: VecDeque::new(),
             heard: now,
-            sign: now,
-            steps_since_sign: 0,
+            last_heartbeat: now,
+            steps_since_heartbeat: 0,
         }
     }
 
@@ -101,18 +101,18 @@ impl<P: Port> Connection<P> {
         );
         // What stops is repeated soon; in all it is given as long as any other. A board that is still starting loses what
         // comes too early, so an emulated one is asked again soon, too.
-        let patience = if urgent {
-            self.patience.stop
+        let timeout = if urgent {
+            self.timeouts.stop
         } else {
-            self.patience.answer
+            self.timeouts.answer
         };
-        let given_up = Instant::now() + self.patience.silence * ATTEMPTS;
+        let given_up = Instant::now() + self.timeouts.silence * ATTEMPTS;
         while Instant::now() < given_up {
             // The zero ends whatever stood on the line before.
             self.send(&[0])?;
             self.send(&wire)?;
             let began = Instant::now();
-            while began.elapsed() < patience {
+            while began.elapsed() < timeout {
                 self.receive()?;
                 while let Some(answer) = self.answers.pop_front() {
                     if answer.request == request {
@@ -137,9 +137,11 @@ impl<P: Port> Connection<P> {
         if self.steps.is_empty() {
             self.receive()?;
         }
-        if self.steps_since_sign >= STEPS_A_SIGN || self.sign.elapsed() >= TIME_A_SIGN {
-            self.sign = Instant::now();
-            self.steps_since_sign = 0;
+        if self.steps_since_heartbeat >= HEARTBEAT_STEPS
+            || self.last_heartbeat.elapsed() >= HEARTBEAT_INTERVAL
+        {
+            self.last_heartbeat = Instant::now();
+            self.steps_since_heartbeat = 0;
             let request = self.next_request();
             if let Ok(wire) = Command::Status.encode(request) {
                 self.send(&wire)?;
@@ -168,7 +170,7 @@ impl<P: Port> Connection<P> {
     }
 
     /// Frames missing between those that came, and what the decoder has seen.
-    pub fn frames(&self) -> (u64, Seen) {
+    pub fn frames(&self) -> (u64, DecoderCounts) {
         (self.frames.lost(), self.decoder.seen())
     }
 
@@ -193,7 +195,7 @@ impl<P: Port> Connection<P> {
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
         if count > 0 {
             self.heard = Instant::now();
-        } else if self.heard.elapsed() > self.patience.silence * ATTEMPTS {
+        } else if self.heard.elapsed() > self.timeouts.silence * ATTEMPTS {
             return Err(Failure::test(format!(
                 "the link to the board is lost: nothing came for {:.0} s",
                 self.heard.elapsed().as_secs_f64()
@@ -205,7 +207,7 @@ impl<P: Port> Connection<P> {
             };
             self.frames.take(frame.sequence);
             match frame.kind {
-                Kind::Telemetry => {
+                FrameKind::Telemetry => {
                     let Some(telemetry) = Telemetry::decode(frame.body) else {
                         continue;
                     };
@@ -213,11 +215,11 @@ impl<P: Port> Connection<P> {
                         let tick = telemetry.first_tick.wrapping_add(k);
                         self.ticks.take(tick);
                         self.steps.push_back((tick, *step));
-                        self.steps_since_sign += 1;
+                        self.steps_since_heartbeat += 1;
                     }
                 }
-                Kind::Reply => self.answers.extend(Answer::decode(&frame)),
-                Kind::Command => {}
+                FrameKind::Reply => self.answers.extend(NumberedReply::decode(&frame)),
+                FrameKind::Command => {}
             }
         }
         Ok(())

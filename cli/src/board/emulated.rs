@@ -2,7 +2,7 @@
 
 use super::build::{built_emulator, built_image};
 use super::image::Image;
-use super::limits::Plan;
+use super::limits::PlannedMotion;
 use super::port::Port;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
@@ -64,7 +64,7 @@ const WAIT: Duration = Duration::from_millis(5);
 
 /// What the emulator is told on its command line's file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Laboratory {
+pub struct EmulatedRig {
     /// The rig behind the converters.
     pub rig: RigSpec,
     /// Stiffness of the structure's storeys with an actuator, N/m.
@@ -79,7 +79,7 @@ pub struct Laboratory {
     pub image: Image,
 }
 
-impl Laboratory {
+impl EmulatedRig {
     /// The laboratory of a test file that an image can run, see [`can_run`].
     pub fn of(test: &TestFile, seed: u64) -> Self {
         let config = &test.config;
@@ -103,7 +103,7 @@ impl Laboratory {
 
     /// With sensors and an actuator of the size that is right for a test with these limits: ranges of 1, 2 or 5 times a
     /// power of ten in which the limits can act and the noise at the plan's peaks meets no rail.
-    pub fn sized_for(mut self, limits: &Limits, plan: &Plan) -> Self {
+    pub fn sized_for(mut self, limits: &Limits, plan: &PlannedMotion) -> Self {
         let of = |top: u16, spare: u16| 1.0 - 2.0 * f64::from(spare) / f64::from(top);
         let codes = &self.image.codes();
         let free = of(codes.sensor_top, codes.sensor_spare)
@@ -117,7 +117,7 @@ impl Laboratory {
     }
 }
 
-impl Laboratory {
+impl EmulatedRig {
     /// With sensors and an actuator over so many metres to either side.
     pub fn over(mut self, half_m: f32) -> Self {
         let codes = self.image.codes();
@@ -148,7 +148,7 @@ impl Emulated {
     ///
     /// # Errors
     /// A checkout that cannot be found, or a build that fails: its last words.
-    pub fn start(laboratory: &Laboratory) -> Result<Self, Failure> {
+    pub fn start(laboratory: &EmulatedRig) -> Result<Self, Failure> {
         Self::with(&built_emulator()?, laboratory)
     }
 
@@ -156,7 +156,7 @@ impl Emulated {
     ///
     /// # Errors
     /// As [`Emulated::start`]; an emulator that does not start.
-    pub fn with(emulator: &Path, laboratory: &Laboratory) -> Result<Self, Failure> {
+    pub fn with(emulator: &Path, laboratory: &EmulatedRig) -> Result<Self, Failure> {
         let cannot = |what: &str, e: &dyn std::fmt::Display| {
             Failure::test(format!("--emulated: {what}: {e}"))
         };

@@ -11,11 +11,11 @@
 //!
 //! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
 
-use super::course::Course;
+use super::trajectory::Trajectory;
 use crate::experiment::Experiment;
 use crate::files::test::TestFile;
 use crate::trace::Response;
-use link::limits::Shown;
+use link::limits::CalibratedRange;
 use outerloop_core::config::{Filter, Limits};
 
 /// Over the ideal test's largest displacement and force.
@@ -29,7 +29,7 @@ const STALE_S: f64 = 0.02;
 
 /// What the planned test will do where the actuators are, if all goes well; of several, the most that one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct PlannedMotion {
     /// Largest displacement, m.
     pub displacement_m: f64,
     /// Largest velocity of the command, m/s of laboratory time.
@@ -48,7 +48,7 @@ pub struct Plan {
     pub rate_hz: f64,
 }
 
-impl Plan {
+impl PlannedMotion {
     /// Of `experiment`, whose ideal response is known.
     pub fn of(experiment: &Experiment, ideal: &Response) -> Self {
         let config = &experiment.test.config;
@@ -123,13 +123,18 @@ impl Plan {
     }
 
     /// Of a commissioning signal under a test's limits, on an actuator, from 0.
-    pub fn of_course(test: &TestFile, course: &Course, actuator: usize) -> Self {
-        let force_n = alone_n(test, actuator, course.peak_m());
-        Self::with(test, course.peak_m(), course.speed_m_per_s(), force_n)
+    pub fn of_trajectory(test: &TestFile, trajectory: &Trajectory, actuator: usize) -> Self {
+        let force_n = alone_n(test, actuator, trajectory.peak_m());
+        Self::with(
+            test,
+            trajectory.peak_m(),
+            trajectory.speed_m_per_s(),
+            force_n,
+        )
     }
 
     /// All limits; what `stated` says stands. `shown` is the board's calibrated range.
-    pub fn limits(&self, stated: &Limits, shown: &Shown) -> Limits {
+    pub fn limits(&self, stated: &Limits, shown: &CalibratedRange) -> Limits {
         let mut limits = self.without_board(stated);
         limits.frozen_m = stated.frozen_m.or(Some(shown.frozen_m));
         limits
@@ -255,7 +260,7 @@ pub fn describe(stated: &Limits, limits: &Limits) -> String {
 mod tests {
     use super::*;
 
-    const PLAN: Plan = Plan {
+    const PLAN: PlannedMotion = PlannedMotion {
         displacement_m: 0.02,
         velocity_m_per_s: 0.1,
         force_n: 3000.0,
@@ -266,7 +271,7 @@ mod tests {
         rate_hz: 2000.0,
     };
 
-    const SHOWN: Shown = Shown {
+    const SHOWN: CalibratedRange = CalibratedRange {
         displacement_m: 0.0426,
         force_n: 8500.0,
         frozen_m: 1e-4,
@@ -277,7 +282,7 @@ mod tests {
         let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n[plant.sensors]\n\
                     displacement_noise_mm = 0.3\ndisplacement_coloured_noise_mm = 0.4\nforce_hum_n = 20\n";
         let test = TestFile::parse(text, "t.toml", std::path::Path::new(""), &[]).unwrap();
-        let plan = Plan::with(&test, 0.02, 0.1, 3000.0);
+        let plan = PlannedMotion::with(&test, 0.02, 0.1, 3000.0);
         assert!((plan.noise_m - 5e-4).abs() < 1e-12, "{plan:?}");
         assert!((plan.noise_n - 200.0_f64.sqrt()).abs() < 1e-9, "{plan:?}");
     }

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 
 /// What the mirror has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seen {
+pub struct MirrorCounts {
     /// Steps whose every word was worked out again and proven.
     pub proven: u64,
     /// Steps whose record is not the PC's.
@@ -26,7 +26,7 @@ pub struct Seen {
 
 /// What the board was told.
 #[derive(Clone, Copy, Debug)]
-enum Told<const N: usize> {
+enum SentToBoard<const N: usize> {
     Event(Event),
     Target([f32; N]),
 }
@@ -48,10 +48,10 @@ pub struct Mirror<'a, const N: usize> {
     steps: u32,
     since_solved: u32,
     substeps: u32,
-    told: VecDeque<(u32, Told<N>)>,
+    told: VecDeque<(u32, SentToBoard<N>)>,
     /// The step that waits for its successor, which says whether it tripped.
     waiting: Option<(u32, StepReport)>,
-    seen: Seen,
+    seen: MirrorCounts,
 }
 
 impl<'a, const N: usize> Mirror<'a, N> {
@@ -81,13 +81,13 @@ impl<'a, const N: usize> Mirror<'a, N> {
             substeps: substeps.max(1),
             told: VecDeque::new(),
             waiting: None,
-            seen: Seen::default(),
+            seen: MirrorCounts::default(),
         }
     }
 
     /// The board took `event`; step `tick` is the first with it.
     pub fn event(&mut self, tick: u32, event: Event) {
-        self.told.push_back((tick, Told::Event(event)));
+        self.told.push_back((tick, SentToBoard::Event(event)));
     }
 
     /// The board takes its targets from the PC.
@@ -97,7 +97,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// The board took a target for each actuator, m; step `tick` is the first with it.
     pub fn target(&mut self, tick: u32, target_m: [f32; N]) {
-        self.told.push_back((tick, Told::Target(target_m)));
+        self.told.push_back((tick, SentToBoard::Target(target_m)));
     }
 
     /// The force that the last target is answered with, N, if every step until now is proven.
@@ -116,7 +116,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
     }
 
     /// What has been seen.
-    pub fn seen(&self) -> Seen {
+    pub fn seen(&self) -> MirrorCounts {
         self.seen
     }
 
@@ -161,8 +161,8 @@ impl<'a, const N: usize> Mirror<'a, N> {
         {
             match told {
                 // The board took it; if the loop here does not, the digests will say so.
-                Told::Event(event) => drop(self.outer.handle(event)),
-                Told::Target(target_m) => self.outer.set_next_target(target_m),
+                SentToBoard::Event(event) => drop(self.outer.handle(event)),
+                SentToBoard::Target(target_m) => self.outer.set_next_target(target_m),
             }
         }
         // The board's own button: nothing else tells of it.

@@ -5,12 +5,12 @@
 //!  connection   commands and their answers, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
 //!  setup        a board before a test: idle, calibrated, with limits that can act
-//!  in_force     a test in force: events, targets, every step, the end
+//!  configured_test a test in force: events, targets, every step, the end
 //!  bench        a whole test: configure, load, arm, start, receive
-//!  further      what a board records beside displacement and force
+//!  further_inputs what a board records beside displacement and force
 //!  image        the images that can be flashed
 //!  answers      how every actuator answers while one is moved: stiffness, and wires that are exchanged
-//!  course       what moves the actuator without a test: a formula or points
+//!  trajectory   what moves the actuator without a test: a formula or points
 //!  played       what that left behind
 //!  limits       those that a board asks for, worked out from the planned test
 //!  operator     the person at the bench: go, go on, stop
@@ -22,12 +22,11 @@ mod answers;
 mod bench;
 mod build;
 mod commission;
+mod configured_test;
 mod connection;
-mod course;
 pub mod emulated;
-pub(crate) mod further;
+pub(crate) mod further_inputs;
 mod image;
-mod in_force;
 pub mod limits;
 mod mirror;
 pub mod operator;
@@ -35,21 +34,22 @@ mod orders;
 pub(crate) mod played;
 mod port;
 mod setup;
+mod trajectory;
 mod upload;
 mod wording;
 
 pub use bench::BoardBench;
 pub use commission::commission;
-pub use connection::{BoardConnection, Connection, Patience};
-pub use course::Course;
-pub use further::Further;
+pub use configured_test::ConfiguredTest;
+pub use connection::{BoardConnection, Connection, Timeouts};
+pub use further_inputs::FurtherInputs;
 pub use image::Image;
-pub use in_force::InForce;
-pub use mirror::{Mirror, Seen};
+pub use mirror::{Mirror, MirrorCounts};
 pub use operator::Operator;
 pub(crate) use orders::done;
 pub use orders::{calibrate, calibrate_one, clear, identify, save, status, zero};
 pub use played::Played;
 pub use port::{Port, Serial};
 pub(crate) use setup::ready;
+pub use trajectory::Trajectory;
 pub use wording::{describe, describe_words};

@@ -2,12 +2,12 @@
 
 use super::connection::Connection;
 use super::image::{Image, converter_bits};
-use super::limits::{self, Plan};
+use super::limits::{self, PlannedMotion};
 use super::orders::{clear, identify, status};
 use super::port::Port;
 use super::wording::describe_words;
 use crate::failure::Failure;
-use link::limits::Shown;
+use link::limits::CalibratedRange;
 use link::reply::Identity;
 use outerloop_core::{Config, Mode};
 
@@ -19,7 +19,7 @@ use outerloop_core::{Config, Mode};
 pub(crate) fn ready<P: Port>(
     board: &mut Connection<P>,
     config: &Config,
-    plan: &Plan,
+    plan: &PlannedMotion,
     wanted: (Option<&str>, Option<u16>),
 ) -> Result<(Identity, Config), Failure> {
     let identity = identify(board)?;
@@ -86,8 +86,12 @@ fn check_actuators(config: &Config, identity: &Identity) -> Result<(), Failure> 
 }
 
 /// The configuration with all limits that a board asks for; those that were worked out are shown to the person.
-fn with_limits(config: &Config, plan: &Plan, identity: &Identity) -> Result<Config, Failure> {
-    let shown = Shown::by_all(identity.calibrations(), &identity.codes);
+fn with_limits(
+    config: &Config,
+    plan: &PlannedMotion,
+    identity: &Identity,
+) -> Result<Config, Failure> {
+    let shown = CalibratedRange::by_all(identity.calibrations(), &identity.codes);
     let mut limited = config.clone();
     limited.limits = plan.limits(&config.limits, &shown);
     if limited.limits != config.limits {

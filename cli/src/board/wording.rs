@@ -1,10 +1,10 @@
 //! What a board says, in words.
 
 use link::reply::Identity;
-use link::status::{Cause, LastWords, Start, Status};
+use link::status::{Cause, CrashReport, Start, Status};
 
 /// Why the board last started, where nobody had asked for it.
-pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<String> {
+pub fn describe_words(started: Start, words: Option<&CrashReport>) -> Option<String> {
     let Some(words) = words else {
         return (started == Start::Watchdog)
             .then(|| "the watchdog reset the board, and no word is left of why".into());
@@ -28,7 +28,7 @@ pub fn describe_words(started: Start, words: Option<&LastWords>) -> Option<Strin
 
 /// Everything that is worth watching, a line each.
 pub fn describe(identity: &Identity, status: &Status) -> String {
-    let reading = |line: link::channel::Line, code: u16| {
+    let reading = |line: link::channel::ChannelCalibration, code: u16| {
         (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
     };
     let us = |cycles: u32| f64::from(cycles) / f64::from(identity.clock_hz) * 1e6;

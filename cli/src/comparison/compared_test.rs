@@ -22,7 +22,7 @@ impl ComparedTest {
     /// eps_rms; 1, an error as large as the motion, where the test tripped or ran away.
     pub fn error(&self) -> f64 {
         match self.summary.verdict {
-            crate::summary::Verdict::Completed if self.summary.eps_rms < 1.0 => {
+            crate::summary::TestVerdict::Completed if self.summary.eps_rms < 1.0 => {
                 self.summary.eps_rms
             }
             _ => 1.0,

@@ -47,8 +47,8 @@ pub fn run(
                 .par_iter()
                 .filter(|_| !interrupt::asked())
                 .map(|&method| {
-                    let witness = progress.witness();
-                    let run = experiment.run(method, &ideal, seed, false, witness)?;
+                    let observer = progress.observer();
+                    let run = experiment.run(method, &ideal, seed, false, observer)?;
                     Ok(ComparedTest {
                         family: condition.family,
                         condition: condition.name.clone(),

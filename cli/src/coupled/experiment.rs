@@ -1,7 +1,7 @@
 //! A test of two coupled actuators and what shakes it.
 
 use super::file::CoupledTest;
-use crate::experiment::Shaken;
+use crate::experiment::LaidOutShaking;
 use crate::failure::Failure;
 use outerloop_core::GroundMotion;
 
@@ -13,7 +13,7 @@ pub struct CoupledExperiment {
     /// Name of the ground motion.
     pub record: String,
     /// What is laid under the test.
-    pub shaken: Shaken,
+    pub shaken: LaidOutShaking,
     /// Factor on the ground motion.
     pub scale: f64,
 }

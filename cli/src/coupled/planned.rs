@@ -6,7 +6,7 @@ use super::table::CoupledCompensation;
 use super::trial::{self, Ideal, Trial};
 use crate::failure::Failure;
 use crate::numbers::percent;
-use crate::soundness::Verdict;
+use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
 use crate::summary::{POOR_EPS_RMS, Worth};
 use plant::coupled::CoupledRigSpec;
@@ -37,7 +37,7 @@ pub struct LimitUse {
 #[derive(Clone, Debug, Serialize)]
 pub struct CoupledCheck {
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: SoundnessVerdict,
     /// Why.
     pub reason: String,
     /// eps_rms on the rig as declared, worst coordinate.
@@ -69,7 +69,7 @@ pub fn check(
     experiment: &CoupledExperiment,
     kind: CoupledCompensation,
     spread: &Spread,
-    tell: impl Fn() + Sync,
+    one_done: impl Fn() + Sync,
 ) -> Result<CheckedTrial, Failure> {
     let mut declared = experiment.clone();
     let d = &experiment.test.coupled;
@@ -87,11 +87,11 @@ pub fn check(
             other.test.rig = differing(&declared.test.rig, spread, i as u64);
             let ideal = trial::ideal(&other)?;
             let run = trial::run(&other, kind, &ideal, spread.seed)?;
-            tell();
+            one_done();
             CoupledSummary::of(&other, kind, &ideal, &run)
         })
         .collect::<Result<Vec<_>, Failure>>()?;
-    let went = |s: &&CoupledSummary| s.verdict == crate::summary::Verdict::Completed;
+    let went = |s: &&CoupledSummary| s.verdict == crate::summary::TestVerdict::Completed;
     let lost = others.iter().filter(|s| !went(s)).count();
     let worst = others.iter().filter(went).map(|s| s.eps_rms);
     let worst = worst.fold(planned.eps_rms, f64::max);
@@ -115,10 +115,10 @@ fn judge(
     (lost, plants): (usize, usize),
     worst: f64,
     limits: &[LimitUse],
-) -> (Verdict, String) {
+) -> (SoundnessVerdict, String) {
     if planned.worth() == Worth::Bad {
         return (
-            Verdict::Unstable,
+            SoundnessVerdict::Unstable,
             format!(
                 "the planned motion on the rig as declared: {}",
                 planned.sentence()
@@ -127,7 +127,7 @@ fn judge(
     }
     if lost > 0 {
         return (
-            Verdict::Doubtful,
+            SoundnessVerdict::Doubtful,
             format!(
                 "{lost} of {plants} rigs that differ from the declared one tripped or ran away"
             ),
@@ -135,13 +135,13 @@ fn judge(
     }
     if worst > POOR_EPS_RMS {
         return (
-            Verdict::Doubtful,
+            SoundnessVerdict::Doubtful,
             format!("on a rig that differs the error is {}", percent(worst)),
         );
     }
     if let Some(near) = limits.iter().find(|l| l.share > NEAR) {
         return (
-            Verdict::Doubtful,
+            SoundnessVerdict::Doubtful,
             format!(
                 "the planned motion takes {} of coupled.limits.{} ({})",
                 percent(near.share),
@@ -151,7 +151,7 @@ fn judge(
         );
     }
     (
-        Verdict::Stable,
+        SoundnessVerdict::Stable,
         format!(
             "the planned motion stays inside the limits, on the rig as declared and on {plants} that differ"
         ),

@@ -6,7 +6,7 @@ use super::table::CoupledCompensation;
 use super::trial::{Ideal, Trial};
 use crate::failure::Failure;
 use crate::numbers::{percent, si};
-use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Verdict, Worth};
+use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict, Worth};
 use outerloop_core::{Mode, Trip};
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub struct CoupledSummary {
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// How it ended.
-    pub verdict: Verdict,
+    pub verdict: TestVerdict,
     /// Name of the fault.
     pub trip: Option<&'static str>,
     /// What tripped: an actuator, x or the rotation.
@@ -124,9 +124,9 @@ impl CoupledSummary {
             steps: r.len(),
             rate_hz: r.rate_hz,
             verdict: match trial.state {
-                Mode::Tripped => Verdict::Tripped,
-                _ if trial.ran_away || late > 1.0 => Verdict::Diverged,
-                _ => Verdict::Completed,
+                Mode::Tripped => TestVerdict::Tripped,
+                _ if trial.ran_away || late > 1.0 => TestVerdict::Diverged,
+                _ => TestVerdict::Completed,
             },
             trip: trial.trip.map(|t| t.fault.name()),
             trip_axis: trial
@@ -156,8 +156,8 @@ impl CoupledSummary {
     /// What the figures are worth.
     pub fn worth(&self) -> Worth {
         match self.verdict {
-            Verdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Worth::Good,
-            Verdict::Completed if self.eps_rms <= POOR_EPS_RMS => Worth::Fair,
+            TestVerdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Worth::Good,
+            TestVerdict::Completed if self.eps_rms <= POOR_EPS_RMS => Worth::Fair,
             _ => Worth::Bad,
         }
     }
@@ -201,7 +201,7 @@ impl CoupledSummary {
             );
         }
         match self.worth() {
-            _ if self.verdict == Verdict::Diverged => format!(
+            _ if self.verdict == TestVerdict::Diverged => format!(
                 "Ran away: the error grew to {max} of the largest ideal motion, because the actuators put in more energy than \
                  the structure dissipates."
             ),

@@ -9,11 +9,11 @@ use super::channels;
 use crate::experiment::{Experiment, Shaking};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
-use crate::orders::Order;
+use crate::orders::OperatorOrder;
 use crate::provenance::{Provenance, hash};
 use crate::summary::Summary;
 use crate::trace::Trace;
-use crate::verb::place::Where;
+use crate::verb::rig_arguments::RigKind;
 use hdf5_pure::File;
 use hdf5_pure::mat::builder::MatBuilder;
 use hdf5_pure::mat::{MatError, Options};
@@ -25,11 +25,11 @@ use std::path::Path;
 
 /// What has to be given to a test to repeat it, beside the points of its ground motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Repeat {
+pub struct RepeatSettings {
     /// Version of this list.
     pub format: u32,
     /// Where it ran.
-    pub place: Where,
+    pub place: RigKind,
     /// Seed of everything random in a simulated rig.
     pub seed: u64,
     /// The compensation that was in force.
@@ -48,25 +48,25 @@ pub struct Repeat {
     pub interval_s: f64,
     /// What the operator asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub orders: Vec<Order>,
+    pub orders: Vec<OperatorOrder>,
 }
 
-/// Version of [`Repeat`].
+/// Version of [`RepeatSettings`].
 const FORMAT: u32 = 1;
 
 /// A test that ran.
 #[derive(Clone, Copy, Debug)]
-pub struct Ran<'a> {
+pub struct FinishedTest<'a> {
     /// What was tested.
     pub experiment: &'a Experiment,
     /// With which compensation.
     pub method: Method,
     /// Where.
-    pub place: Where,
+    pub place: RigKind,
     /// With which seed.
     pub seed: u64,
     /// What the operator asked for.
-    pub orders: &'a [Order],
+    pub orders: &'a [OperatorOrder],
     /// Its figures.
     pub summary: &'a Summary,
     /// Its channels.
@@ -77,9 +77,9 @@ pub struct Ran<'a> {
 ///
 /// # Errors
 /// A test whose numbers a file cannot hold.
-pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
+pub fn to_bytes(ran: &FinishedTest<'_>) -> Result<Vec<u8>, Failure> {
     let shaking = ran.experiment.shaking();
-    let repeat = Repeat {
+    let repeat = RepeatSettings {
         format: FORMAT,
         place: ran.place,
         seed: ran.seed,
@@ -94,7 +94,7 @@ pub fn to_bytes(ran: &Ran<'_>) -> Result<Vec<u8>, Failure> {
     };
     let text = json(&repeat)?;
     // An archive that could not be read back would be found out when it is too late.
-    let back: Repeat = serde_json::from_str(&text).map_err(|e| cannot(&e.to_string()))?;
+    let back: RepeatSettings = serde_json::from_str(&text).map_err(|e| cannot(&e.to_string()))?;
     if back != repeat {
         return Err(cannot("its configuration does not read back as it is"));
     }
@@ -190,9 +190,9 @@ fn sum_of_counts(values: &[u32]) -> String {
 
 /// A test as an archive holds it.
 #[derive(Clone, Debug)]
-pub struct Archived {
+pub struct ArchivedTest {
     /// How to repeat it.
-    pub repeat: Repeat,
+    pub repeat: RepeatSettings,
     /// It, ready to run.
     pub experiment: Experiment,
     /// Its channels, by name.
@@ -213,7 +213,7 @@ pub struct Archived {
 ///
 /// # Errors
 /// A file that cannot be read or is none.
-pub fn load(path: &Path) -> Result<Archived, Failure> {
+pub fn load(path: &Path) -> Result<ArchivedTest, Failure> {
     let within = path.join("record.h5");
     let path = if path.is_dir() { &within } else { path };
     let bytes = super::decode::bytes(path)?;
@@ -230,7 +230,7 @@ pub fn load(path: &Path) -> Result<Archived, Failure> {
     })
 }
 
-fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
+fn read(bytes: Vec<u8>, file: &str) -> Result<ArchivedTest, String> {
     let h5 = File::from_bytes(bytes).map_err(|e| e.to_string())?;
     let text = |name: &str| text_of(&h5, name);
     let singles = |name: &str| -> Result<Vec<f32>, String> {
@@ -238,7 +238,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
             .and_then(|d| d.read::<f32>())
             .map_err(|e| format!("{name}: {e}"))
     };
-    let repeat: Repeat =
+    let repeat: RepeatSettings =
         serde_json::from_str(&text("repeat")?).map_err(|e| format!("repeat: {e}"))?;
     if repeat.format != FORMAT {
         return Err(format!(
@@ -270,7 +270,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<Archived, String> {
         .into_iter()
         .map(|name| Ok((name.clone(), singles(&name)?)))
         .collect::<Result<Vec<_>, String>>()?;
-    Ok(Archived {
+    Ok(ArchivedTest {
         experiment: Experiment::again(
             test,
             repeat.record.clone(),

@@ -4,7 +4,7 @@ use super::header::unit_named;
 
 /// A quantity, and the column that holds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Assignment {
+pub struct ColumnAssignment {
     /// `time`, `command`, `displacement` or `force`.
     pub quantity: String,
     /// The column's name in the file, or its number from 1.
@@ -13,7 +13,7 @@ pub struct Assignment {
     pub unit: Option<&'static str>,
 }
 
-impl std::str::FromStr for Assignment {
+impl std::str::FromStr for ColumnAssignment {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -53,7 +53,7 @@ pub struct Columns {
     /// Which column of the file is which quantity, where its header does not say it: time, command, displacement or
     /// force; the column by its name or number, the unit behind a colon, e.g. --column command=Cmd:mm
     #[arg(long = "column", value_name = "QUANTITY=COLUMN[:UNIT]")]
-    pub assigned: Vec<Assignment>,
+    pub assigned: Vec<ColumnAssignment>,
     /// Samples in a second, for a file without time, Hz
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
@@ -65,12 +65,12 @@ mod tests {
 
     #[test]
     fn an_assignment_names_quantity_column_and_unit() {
-        let a: Assignment = "command=Cmd A (x):mm".parse().unwrap();
+        let a: ColumnAssignment = "command=Cmd A (x):mm".parse().unwrap();
         assert_eq!(
             (a.quantity.as_str(), a.column.as_str(), a.unit),
             ("command", "Cmd A (x)", Some("mm"))
         );
-        let a: Assignment = "time=1".parse().unwrap();
+        let a: ColumnAssignment = "time=1".parse().unwrap();
         assert_eq!((a.column.as_str(), a.unit), ("1", None));
         for (text, said) in [
             ("time", "has no `=`"),
@@ -78,7 +78,7 @@ mod tests {
             ("time=Time:furlong", "`furlong` is no unit"),
             ("time=:s", "names no column"),
         ] {
-            let e = text.parse::<Assignment>().unwrap_err();
+            let e = text.parse::<ColumnAssignment>().unwrap_err();
             assert!(e.contains(said), "{e}");
         }
     }

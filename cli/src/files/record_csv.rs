@@ -28,7 +28,7 @@ pub fn to_csv(trace: &Trace) -> String {
 mod tests {
     use super::*;
     use crate::files::recording::Recording;
-    use crate::trace::Witness;
+    use crate::trace::TestObserver;
     use outerloop_core::Record;
 
     #[test]
@@ -49,7 +49,7 @@ mod tests {
             r.force_n = [next(), next(), next()];
             r.gain = [next(), next(), next()];
             r.energy_sum.hsem_j = next();
-            trace.see(&r);
+            trace.on_step(&r);
         }
         let back = Recording::parse("record.csv", &to_csv(&trace)).unwrap();
         let same = |quantity: &str, axis: usize, values: &[f32]| {

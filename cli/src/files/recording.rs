@@ -6,7 +6,7 @@
 //! [`crate::files::record_csv`] writes the same format.
 
 use super::any_table;
-use super::columns::{Assignment, Columns};
+use super::columns::{ColumnAssignment, Columns};
 use super::header::Header;
 use super::notes;
 use super::table::NumberTable;
@@ -186,7 +186,8 @@ impl Recording {
                 None => {
                     let found = column(&table, header)?;
                     // What was said on the command line stands above what a name suggests.
-                    let taken = |(_, a): &(usize, &Assignment)| a.quantity == found.0.quantity;
+                    let taken =
+                        |(_, a): &(usize, &ColumnAssignment)| a.quantity == found.0.quantity;
                     if found.0.axis == 1 && assigned.iter().any(taken) {
                         (unknown(&header.text), 1.0)
                     } else {
@@ -293,9 +294,9 @@ impl Recording {
 /// The columns that the command line names, by their places.
 fn assign<'a>(
     table: &NumberTable,
-    assigned: &'a [Assignment],
-) -> Result<Vec<(usize, &'a Assignment)>, Failure> {
-    let place = |a: &'a Assignment| {
+    assigned: &'a [ColumnAssignment],
+) -> Result<Vec<(usize, &'a ColumnAssignment)>, Failure> {
+    let place = |a: &'a ColumnAssignment| {
         let wanted = a.column.to_lowercase();
         let named = table
             .headers
@@ -324,7 +325,7 @@ fn assign<'a>(
 fn assigned_column(
     table: &NumberTable,
     header: &Header,
-    a: &Assignment,
+    a: &ColumnAssignment,
 ) -> Result<(Column, f64), Failure> {
     let units = QUANTITIES
         .iter()

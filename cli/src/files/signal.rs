@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// A command.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Signal {
+pub struct SignalPoints {
     /// Sampling interval, s.
     pub interval_s: f64,
     /// Displacement that is commanded, m.
@@ -22,7 +22,7 @@ const SECONDS: [f64; 2] = [1.0, 600.0];
 /// A signal begins and ends this near to zero, as a share of its largest way: the rig stands at zero before and after it.
 const NEAR_ZERO: f64 = 1e-3;
 
-impl Signal {
+impl SignalPoints {
     /// Reads a file with a time and a command.
     ///
     /// # Errors
@@ -147,8 +147,8 @@ pub fn text(next: &diagnosis::Next) -> String {
 mod tests {
     use super::*;
 
-    fn signal(command_m: Vec<f64>) -> Result<Signal, String> {
-        Signal {
+    fn signal(command_m: Vec<f64>) -> Result<SignalPoints, String> {
+        SignalPoints {
             interval_s: 0.5,
             command_m,
         }

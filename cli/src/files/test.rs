@@ -191,7 +191,7 @@ impl TestFile {
         if let Some(model) = &declared {
             model.check().map_err(|e| format!("declared: {e}"))?;
         }
-        let expected = declared::tell(&mut table, declared.as_ref(), &plant);
+        let expected = declared::complete(&mut table, declared.as_ref(), &plant);
         let mut config: Config = typed("", Value::Table(table))?;
         if let Some(model) = &declared {
             declared::correct(model, &mut config)?;

@@ -1,6 +1,6 @@
 //! What is said of a key.
 
-use super::source::Kind;
+use super::source::ValueKind;
 
 /// A key of the test file.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -17,7 +17,7 @@ pub struct Key {
     pub meaning: String,
     /// What it holds.
     #[serde(skip)]
-    pub(super) kind: Kind,
+    pub(super) kind: ValueKind,
 }
 
 /// A table of the test file with its keys.

@@ -18,7 +18,7 @@ use crate::serve::settings::Settings;
 use outerloop_core::Config;
 use plant::RigSpec;
 use serde_json::{Value, json};
-use source::{Kind, Structure};
+use source::{Structure, ValueKind};
 use std::collections::HashMap;
 
 /// The tables at the top, and the structures behind them.
@@ -91,13 +91,15 @@ fn walk(
         let path = at(&field.name);
         match &field.kind {
             // A value with its tolerance is written in one line.
-            Kind::Table(name) if name == "Declared" => keys.push(declared(path, &field.meaning)),
-            Kind::Table(name) if structures.contains_key(name) => {
+            ValueKind::Table(name) if name == "Declared" => {
+                keys.push(declared(path, &field.meaning))
+            }
+            ValueKind::Table(name) if structures.contains_key(name) => {
                 inner.push((path, name.clone()));
             }
             kind => {
                 let kind = match kind {
-                    Kind::Table(_) => Kind::Name,
+                    ValueKind::Table(_) => ValueKind::Name,
                     kind => kind.clone(),
                 };
                 let default = defaults.pointer(&format!("/{}", path.replace('.', "/")));
@@ -130,11 +132,11 @@ fn walk(
 fn declared(path: String, meaning: &str) -> Key {
     let name = path.rsplit('.').next().unwrap_or(&path);
     Key {
-        unit: unit(name, &Kind::Number),
+        unit: unit(name, &ValueKind::Number),
         default: None,
         accepted: "{ value = , tolerance = }, the tolerance at least 0".into(),
         meaning: meaning.to_owned(),
-        kind: Kind::Table("Declared".into()),
+        kind: ValueKind::Table("Declared".into()),
         path,
     }
 }
@@ -148,15 +150,15 @@ fn written(value: &Value) -> Option<String> {
     }
 }
 
-fn unit(name: &str, kind: &Kind) -> &'static str {
+fn unit(name: &str, kind: &ValueKind) -> &'static str {
     match kind {
-        Kind::Text
-        | Kind::Texts
-        | Kind::Flag
-        | Kind::Name
-        | Kind::Tables
-        | Kind::Matrix(_)
-        | Kind::Table(_) => "",
+        ValueKind::Text
+        | ValueKind::Texts
+        | ValueKind::Flag
+        | ValueKind::Name
+        | ValueKind::Tables
+        | ValueKind::Matrix(_)
+        | ValueKind::Table(_) => "",
         _ => units::of_key(name).unwrap_or("1"),
     }
 }

@@ -1,6 +1,6 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
-use super::source::Kind;
+use super::source::ValueKind;
 use crate::coupled::load;
 use crate::files::test::TestFile;
 use std::path::Path;
@@ -28,26 +28,26 @@ const KINDS: [&str; 13] = [
 ];
 
 /// In words.
-pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
+pub fn accepted(path: &str, kind: &ValueKind, meaning: &str) -> String {
     let list;
     let wrong: &[&str] = match kind {
-        Kind::Number | Kind::Numbers => &["nan", "-1e30", "1e30"],
-        Kind::List(count) => {
+        ValueKind::Number | ValueKind::Numbers => &["nan", "-1e30", "1e30"],
+        ValueKind::List(count) => {
             list = format!("[{}]", vec!["nan"; *count].join(","));
             &[&list]
         }
-        Kind::Matrix(Some(rows)) => {
+        ValueKind::Matrix(Some(rows)) => {
             return format!("{rows} rows of {rows} numbers");
         }
-        Kind::Matrix(None) => return "rows of numbers, as many as coordinates".into(),
-        Kind::Texts => return "a list of texts".into(),
-        Kind::Integer => &["0", "255", "65535"],
-        Kind::Name => &["\"no such name\""],
-        Kind::Text => return "a text".into(),
-        Kind::Flag => return "true, false".into(),
-        Kind::Tables if path.ends_with(".springs") => return "tables".into(),
-        Kind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
-        Kind::Table(_) => return String::new(),
+        ValueKind::Matrix(None) => return "rows of numbers, as many as coordinates".into(),
+        ValueKind::Texts => return "a list of texts".into(),
+        ValueKind::Integer => &["0", "255", "65535"],
+        ValueKind::Name => &["\"no such name\""],
+        ValueKind::Text => return "a text".into(),
+        ValueKind::Flag => return "true, false".into(),
+        ValueKind::Tables if path.ends_with(".springs") => return "tables".into(),
+        ValueKind::Tables => return "tables; `outerloop effects` lists what stands in them".into(),
+        ValueKind::Table(_) => return String::new(),
     };
     for value in wrong {
         for kind in KINDS {
@@ -59,8 +59,8 @@ pub fn accepted(path: &str, kind: &Kind, meaning: &str) -> String {
         }
     }
     match kind {
-        Kind::Integer => "whole numbers from 0".into(),
-        Kind::Name => "a name".into(),
+        ValueKind::Integer => "whole numbers from 0".into(),
+        ValueKind::Name => "a name".into(),
         _ => range(meaning).unwrap_or("finite numbers").to_owned(),
     }
 }

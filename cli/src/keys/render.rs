@@ -1,7 +1,7 @@
 //! The list of keys as a page and as a JSON Schema for editors.
 
 use super::key::{Group, Key};
-use super::source::Kind;
+use super::source::ValueKind;
 use crate::files::units;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -84,28 +84,30 @@ fn property(key: &Key) -> Value {
         json!({ "type": "number" })
     };
     let mut schema = match &key.kind {
-        Kind::Number => number,
-        Kind::Integer => json!({ "type": "integer", "minimum": 0 }),
-        Kind::Numbers => {
+        ValueKind::Number => number,
+        ValueKind::Integer => json!({ "type": "integer", "minimum": 0 }),
+        ValueKind::Numbers => {
             json!({ "anyOf": [number, { "type": "array", "items": number, "maxItems": 8 }] })
         }
-        Kind::List(n) => json!({ "type": "array", "items": number, "minItems": n, "maxItems": n }),
-        Kind::Matrix(_) => {
+        ValueKind::List(n) => {
+            json!({ "type": "array", "items": number, "minItems": n, "maxItems": n })
+        }
+        ValueKind::Matrix(_) => {
             json!({ "type": "array", "items": { "type": "array", "items": number } })
         }
-        Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
-        Kind::Text => json!({ "type": "string" }),
-        Kind::Flag => json!({ "type": "boolean" }),
-        Kind::Name => json!({ "type": "string", "enum": names(&key.accepted) }),
-        Kind::Tables => json!({ "type": "array", "items": { "type": "object" } }),
-        Kind::Table(_) => json!({
+        ValueKind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        ValueKind::Text => json!({ "type": "string" }),
+        ValueKind::Flag => json!({ "type": "boolean" }),
+        ValueKind::Name => json!({ "type": "string", "enum": names(&key.accepted) }),
+        ValueKind::Tables => json!({ "type": "array", "items": { "type": "object" } }),
+        ValueKind::Table(_) => json!({
             "type": "object",
             "properties": { "value": number, "tolerance": { "type": "number", "minimum": 0 } },
             "required": ["value", "tolerance"],
         }),
     };
     let mut said = key.meaning.clone();
-    if !matches!(key.kind, Kind::Name | Kind::Table(_)) {
+    if !matches!(key.kind, ValueKind::Name | ValueKind::Table(_)) {
         let _ = write!(said, " Accepted: {}.", key.accepted);
     }
     if !matches!(key.unit, "" | "1") {

@@ -25,7 +25,7 @@ const SOURCES: [&str; 16] = [
 
 /// What a key holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A number.
     Number,
     /// A whole number.
@@ -56,7 +56,7 @@ pub struct Field {
     /// Its key.
     pub name: String,
     /// What it holds.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Its documentation, in one paragraph.
     pub meaning: String,
 }
@@ -110,21 +110,21 @@ fn field(f: &syn::Field) -> Field {
     }
 }
 
-fn kind(ty: &Type) -> Kind {
+fn kind(ty: &Type) -> ValueKind {
     match ty {
         Type::Array(list) => match &list.len {
             Expr::Lit(n) => match &n.lit {
                 Lit::Int(n) if matches!(*list.elem, Type::Array(_)) => {
-                    Kind::Matrix(n.base10_parse().ok())
+                    ValueKind::Matrix(n.base10_parse().ok())
                 }
-                Lit::Int(n) => Kind::List(n.base10_parse().unwrap_or(0)),
-                _ => Kind::Numbers,
+                Lit::Int(n) => ValueKind::List(n.base10_parse().unwrap_or(0)),
+                _ => ValueKind::Numbers,
             },
-            _ => Kind::Numbers,
+            _ => ValueKind::Numbers,
         },
         Type::Path(path) => {
             let Some(last) = path.path.segments.last() else {
-                return Kind::Name;
+                return ValueKind::Name;
             };
             let inner = match &last.arguments {
                 PathArguments::AngleBracketed(a) => a.args.iter().find_map(|a| match a {
@@ -136,20 +136,20 @@ fn kind(ty: &Type) -> Kind {
             match (last.ident.to_string().as_str(), inner) {
                 ("Option", Some(inner)) => kind(inner),
                 ("Vec", Some(inner)) => match kind(inner) {
-                    Kind::Number => Kind::Numbers,
-                    Kind::Numbers => Kind::Matrix(None),
-                    Kind::Text => Kind::Texts,
-                    _ => Kind::Tables,
+                    ValueKind::Number => ValueKind::Numbers,
+                    ValueKind::Numbers => ValueKind::Matrix(None),
+                    ValueKind::Text => ValueKind::Texts,
+                    _ => ValueKind::Tables,
                 },
-                ("f64" | "f32", _) => Kind::Number,
-                ("u8" | "u16" | "u32" | "u64" | "usize", _) => Kind::Integer,
-                ("PerFloor" | "PerActuator" | "PerAxis", _) => Kind::Numbers,
-                ("String" | "PathBuf", _) => Kind::Text,
-                ("bool", _) => Kind::Flag,
-                (name, _) => Kind::Table(name.to_owned()),
+                ("f64" | "f32", _) => ValueKind::Number,
+                ("u8" | "u16" | "u32" | "u64" | "usize", _) => ValueKind::Integer,
+                ("PerFloor" | "PerActuator" | "PerAxis", _) => ValueKind::Numbers,
+                ("String" | "PathBuf", _) => ValueKind::Text,
+                ("bool", _) => ValueKind::Flag,
+                (name, _) => ValueKind::Table(name.to_owned()),
             }
         }
-        _ => Kind::Name,
+        _ => ValueKind::Name,
     }
 }
 

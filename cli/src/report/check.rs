@@ -1,14 +1,14 @@
 //! The report of a check: the planned motion, and how far the test is from where it would run away.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, Section, cannot, escape, page, test_file, tile};
+use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG};
 use super::rths::table;
 use crate::failure::Failure;
 use crate::numbers::{length, percent, three};
-use crate::soundness::{Judgement, Verdict};
+use crate::soundness::{Judgement, SoundnessVerdict};
 use crate::stability::Stability;
-use crate::stability::limits::Limit;
+use crate::stability::limits::StabilityLimit;
 use crate::stability::linear_verdict::LinearVerdict;
 use std::fmt::Write as _;
 
@@ -22,7 +22,7 @@ pub struct Checked<'a> {
     /// The fastest growing motion over the delay: ms of the laboratory, 1/s of model time.
     pub over_delay: &'a [(f64, f64)],
     /// The planned motion on the simulated rig.
-    pub planned: Section<'a>,
+    pub planned: TestSection<'a>,
 }
 
 /// The report of a check.
@@ -54,9 +54,9 @@ pub fn of_check(c: &Checked<'_>) -> Result<String, Failure> {
 
 fn verdict(j: &Judgement) -> String {
     let class = match j.verdict {
-        Verdict::Stable => "good",
-        Verdict::Doubtful => "fair",
-        Verdict::Unstable => "bad",
+        SoundnessVerdict::Stable => "good",
+        SoundnessVerdict::Doubtful => "fair",
+        SoundnessVerdict::Unstable => "bad",
     };
     format!(
         "<p class=\"verdict {class}\"><b>{}</b>: {}.</p>",
@@ -167,7 +167,7 @@ fn tables(a: &Stability) -> String {
     let or_none = |value: Option<f64>, unit: &str| {
         value.map_or_else(|| "none found".into(), |v| format!("{}{unit}", three(v)))
     };
-    let limit = |name: &str, l: &Limit, unit: &str| {
+    let limit = |name: &str, l: &StabilityLimit, unit: &str| {
         let margin = l.margin_percent;
         vec![
             name.to_owned(),

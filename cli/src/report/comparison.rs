@@ -1,7 +1,7 @@
 //! The page of the bench of all compensations.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, Section, cannot, class, escape, page, table as summaries, test_file};
+use super::page::{Drawn, TestSection, cannot, class, escape, page, table as summaries, test_file};
 use super::plot;
 use super::plot::{Colour, Curve, FIFTH, FOURTH, GROUND, HALF, TESTED, THIRD, WRONG};
 use super::rths::table;
@@ -9,7 +9,7 @@ use crate::comparison::compared_test::ComparedTest;
 use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
 use crate::failure::Failure;
-use crate::summary::{Summary, Verdict};
+use crate::summary::{Summary, TestVerdict};
 use crate::terminal::{percent, standings_head, standings_row};
 use std::fmt::Write as _;
 
@@ -30,16 +30,20 @@ const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
+pub fn of_compare(sections: &[TestSection<'_>]) -> Result<String, Failure> {
     let body = || -> Drawn {
         let mut html = String::new();
         let mut records: Vec<&str> = sections.iter().map(|s| s.summary.record.as_str()).collect();
         records.dedup();
         for record in records {
             let own = || sections.iter().filter(|s| s.summary.record == record);
-            let mut ranked: Vec<&Section<'_>> = own().collect();
-            let wrong =
-                |s: &Section<'_>| (s.summary.verdict != Verdict::Completed, s.summary.eps_rms);
+            let mut ranked: Vec<&TestSection<'_>> = own().collect();
+            let wrong = |s: &TestSection<'_>| {
+                (
+                    s.summary.verdict != TestVerdict::Completed,
+                    s.summary.eps_rms,
+                )
+            };
             ranked.sort_by(|a, b| {
                 let (a, b) = (wrong(a), wrong(b));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -48,7 +52,7 @@ pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
             if let Some(best) = ranked.first() {
                 html += &verdict_of_best(best);
                 // The best, and the worst as what they are seen against.
-                let mut shown: Vec<&Section<'_>> =
+                let mut shown: Vec<&TestSection<'_>> =
                     ranked.iter().take(BESIDE.len() - 1).copied().collect();
                 shown.extend(ranked.iter().skip(shown.len()).last());
                 html += &Figures::of(best).beside(&shown, &BESIDE)?;
@@ -71,7 +75,7 @@ pub fn of_compare(sections: &[Section<'_>]) -> Result<String, Failure> {
     ))
 }
 
-fn verdict_of_best(best: &Section<'_>) -> String {
+fn verdict_of_best(best: &TestSection<'_>) -> String {
     format!(
         "<p class=\"verdict {}\"><b>{}</b> comes nearest. {}</p>",
         class(best.summary),

@@ -14,8 +14,8 @@ use crate::coupled::summary::CoupledSummary;
 use crate::coupled::trial::Ideal;
 use crate::failure::Failure;
 use crate::numbers::{joule, length, percent, three};
-use crate::soundness::Verdict as Soundness;
-use crate::summary::{Verdict, Worth};
+use crate::soundness::SoundnessVerdict;
+use crate::summary::{TestVerdict, Worth};
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
@@ -99,9 +99,9 @@ pub fn of_coupled_compare(sections: &[CoupledSection<'_>]) -> Result<String, Fai
 pub fn of_coupled_check(c: &CoupledCheck, planned: &CoupledSection<'_>) -> Result<String, Failure> {
     let body = || -> Drawn {
         let class = match c.verdict {
-            Soundness::Stable => "good",
-            Soundness::Doubtful => "fair",
-            Soundness::Unstable => "bad",
+            SoundnessVerdict::Stable => "good",
+            SoundnessVerdict::Doubtful => "fair",
+            SoundnessVerdict::Unstable => "bad",
         };
         let says = format!(
             "<p class=\"verdict {class}\"><b>{}</b>: {}.</p>",
@@ -231,8 +231,10 @@ fn axis(name: &str) -> (String, &'static str) {
 
 fn shape(s: &CoupledSection<'_>, shape: Shape, j: usize) -> Shape {
     match s.summary.verdict {
-        Verdict::Diverged | Verdict::Tripped => shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peak(j)),
-        Verdict::Completed | Verdict::Stopped => shape,
+        TestVerdict::Diverged | TestVerdict::Tripped => {
+            shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peak(j))
+        }
+        TestVerdict::Completed | TestVerdict::Stopped => shape,
     }
 }
 
@@ -327,8 +329,12 @@ const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 /// x and rotation of several tests of one ground motion around the largest displacement, the best first.
 fn beside(group: &[CoupledSection<'_>]) -> Drawn {
     let mut ranked: Vec<&CoupledSection<'_>> = group.iter().collect();
-    let wrong =
-        |s: &CoupledSection<'_>| (s.summary.verdict != Verdict::Completed, s.summary.eps_rms);
+    let wrong = |s: &CoupledSection<'_>| {
+        (
+            s.summary.verdict != TestVerdict::Completed,
+            s.summary.eps_rms,
+        )
+    };
     ranked.sort_by(|a, b| {
         let (a, b) = (wrong(a), wrong(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))

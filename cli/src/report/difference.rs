@@ -4,9 +4,9 @@ use super::figures::figure;
 use super::page::{Drawn, cannot, escape, page};
 use super::plot::{self, Curve, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path};
 use super::rths::table;
-use crate::difference::{Difference, Motion, shown};
+use crate::difference::{ComparedMotion, Difference, shown};
 use crate::failure::Failure;
-use crate::files::archive::Archived;
+use crate::files::archive::ArchivedTest;
 use crate::numbers::{percent, si, three};
 
 /// The report of the tests `pair`, which the files `names` hold.
@@ -15,10 +15,10 @@ use crate::numbers::{percent, si, three};
 /// The drawing library's.
 pub fn of_difference(
     d: &Difference,
-    pair: [&Archived; 2],
+    pair: [&ArchivedTest; 2],
     names: &[String; 2],
 ) -> Result<String, Failure> {
-    let motions = pair.map(Motion::of);
+    let motions = pair.map(ComparedMotion::of);
     let body = || -> Drawn {
         let floors = pair[0].repeat.config.degrees_of_freedom();
         let mut html = format!("<p><b>{}</b></p>", escape(&d.sentence()));
@@ -83,7 +83,7 @@ fn named(quantity: &str, axis: usize, suffix: &str) -> String {
 }
 
 /// A channel of both tests over model time, times `factor`.
-fn both(motions: &[Motion<'_>; 2], name: &str, factor: f64) -> [Vec<(f64, f64)>; 2] {
+fn both(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Vec<(f64, f64)>; 2] {
     [0, 1].map(|k| {
         let motion = &motions[k];
         let values = motion.channel(name);
@@ -95,7 +95,7 @@ fn both(motions: &[Motion<'_>; 2], name: &str, factor: f64) -> [Vec<(f64, f64)>;
     })
 }
 
-fn overlaid(motions: &[Motion<'_>; 2], name: &str, factor: f64) -> [Curve; 2] {
+fn overlaid(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Curve; 2] {
     let [first, second] = both(motions, name, factor);
     [
         Curve::new(IDEAL, first).named("first").broad(),
@@ -110,7 +110,7 @@ fn in_time(shape: plot::Shape, label: &str, curves: &[Curve], caption: &str) -> 
     ))
 }
 
-fn displacement(motions: &[Motion<'_>; 2], floor: usize, floors: usize) -> Drawn {
+fn displacement(motions: &[ComparedMotion<'_>; 2], floor: usize, floors: usize) -> Drawn {
     let name = named("target", floor, "m");
     let title = match floors {
         1 => "Displacement".to_owned(),
@@ -140,9 +140,9 @@ fn displacement(motions: &[Motion<'_>; 2], floor: usize, floors: usize) -> Drawn
     ))
 }
 
-fn loops(motions: &[Motion<'_>; 2], axis: usize) -> Drawn {
+fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Drawn {
     let curve = |k: usize, colour, name| {
-        let motion: &Motion<'_> = &motions[k];
+        let motion: &ComparedMotion<'_> = &motions[k];
         let of = |quantity, suffix| motion.channel(&named(quantity, axis, suffix));
         let (displacement, force) = (of("displacement", "m"), of("force", "n"));
         let times: Vec<f64> = motion.times().collect();
@@ -181,7 +181,7 @@ fn loops(motions: &[Motion<'_>; 2], axis: usize) -> Drawn {
     ))
 }
 
-fn energy(motions: &[Motion<'_>; 2]) -> Drawn {
+fn energy(motions: &[ComparedMotion<'_>; 2]) -> Drawn {
     Ok(format!(
         "<h2>Energy error</h2>{}",
         in_time(

@@ -1,12 +1,12 @@
 //! The figures of a test, with what to see in them.
 
-use super::page::{Drawn, Section};
+use super::page::{Drawn, TestSection};
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, RAW, Shape, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path,
 };
-use crate::summary::{Verdict, Worth};
-use crate::trace::Floor;
+use crate::summary::{TestVerdict, Worth};
+use crate::trace::FloorTrace;
 use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ const LOOK_PERIODS: f64 = 3.0;
 
 /// What the figures are drawn from: the control steps in which an integration step was solved.
 pub struct Figures<'a> {
-    section: &'a Section<'a>,
+    section: &'a TestSection<'a>,
     /// Their places in the trace; the k-th belongs to integration step k.
     solved: Vec<usize>,
     /// Integration step, s of model time.
@@ -29,7 +29,7 @@ pub struct Figures<'a> {
 
 impl<'a> Figures<'a> {
     /// Of this test.
-    pub fn of(section: &'a Section<'a>) -> Self {
+    pub fn of(section: &'a TestSection<'a>) -> Self {
         let trace = section.trace;
         let solved: Vec<usize> = (0..trace.len())
             .filter(|i| trace.flags[*i] & flag::SOLVED != 0)
@@ -59,7 +59,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    fn floors(&self) -> impl Iterator<Item = (usize, &'a Floor)> {
+    fn floors(&self) -> impl Iterator<Item = (usize, &'a FloorTrace)> {
         self.section.trace.floors.iter().enumerate()
     }
 
@@ -146,8 +146,8 @@ impl<'a> Figures<'a> {
     fn cut(&self, shape: Shape, j: usize) -> Shape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {
-            Verdict::Completed | Verdict::Stopped => shape,
-            Verdict::Tripped | Verdict::Diverged => shape.within(SHOWN_BEYOND * ideal_mm),
+            TestVerdict::Completed | TestVerdict::Stopped => shape,
+            TestVerdict::Tripped | TestVerdict::Diverged => shape.within(SHOWN_BEYOND * ideal_mm),
         }
     }
 
@@ -155,7 +155,7 @@ impl<'a> Figures<'a> {
         &self,
         shape: Shape,
         j: usize,
-        floor: &Floor,
+        floor: &FloorTrace,
         range: Range<usize>,
         caption: &str,
     ) -> Drawn {
@@ -164,20 +164,22 @@ impl<'a> Figures<'a> {
         let test = Curve::new(self.colour, points).named("test");
         // A curve that has run away is drawn under the ideal, or it would hide it.
         let curves = match self.section.summary.verdict {
-            Verdict::Diverged => [
+            TestVerdict::Diverged => [
                 test,
                 Curve {
                     colour: GROUND,
                     ..ideal
                 },
             ],
-            Verdict::Completed | Verdict::Tripped | Verdict::Stopped => [ideal.broad(), test],
+            TestVerdict::Completed | TestVerdict::Tripped | TestVerdict::Stopped => {
+                [ideal.broad(), test]
+            }
         };
         time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
     }
 
     /// The strongest part of this test under several compensations, lowest floor.
-    pub fn beside(&self, sections: &[&Section<'a>], colours: &[Colour]) -> Drawn {
+    pub fn beside(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> Drawn {
         let range = self.look.clone();
         let mut curves = vec![
             Curve::new(IDEAL, self.ideal(0, range.clone()))
@@ -327,7 +329,7 @@ impl<'a> Figures<'a> {
         Ok(html)
     }
 
-    fn gain_of(&self, j: usize, floor: &Floor) -> Drawn {
+    fn gain_of(&self, j: usize, floor: &FloorTrace) -> Drawn {
         let curve = Curve::new(
             THIRD,
             self.over(self.look.clone(), |i| f64::from(floor.gain[i])),

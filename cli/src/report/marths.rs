@@ -7,7 +7,7 @@ use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
 use super::rths::table;
 use crate::failure::Failure;
-use crate::physical_part::Found;
+use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
 use benchmarks::marths::bench::{Problem, Record, Row};
 use benchmarks::marths::contestants::{ALL, Contestant};
@@ -18,7 +18,7 @@ use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.
-pub type DeclaredPart<'a> = (&'a Record, Found);
+pub type DeclaredPart<'a> = (&'a Record, PhysicalPartEstimate);
 
 /// The benchmark: for each ground motion who tracks best, a closer look and the table; then what J7 hides.
 ///

@@ -23,16 +23,16 @@ pub use coupled::of_coupled;
 pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};
 pub use difference::of_difference;
 pub use marths::of_marths;
-pub use monte_carlo::{Many, of_monte_carlo};
-pub use page::Section;
+pub use monte_carlo::{ManyTests, of_monte_carlo};
+pub use page::TestSection;
 pub use rths::of_rths;
-pub use served::{Session, of_served};
+pub use served::{SessionSection, of_served};
 pub use sweep::of_sweep;
 
 use crate::failure::Failure;
-use crate::judged::Run;
+use crate::improve::Improvement;
+use crate::judged::JudgedRun;
 use crate::numbers::length;
-use crate::story::Story;
 use crate::summary::Summary;
 use crate::terminal::{joule, percent};
 use figures::Figures;
@@ -43,7 +43,7 @@ use std::fmt::Write as _;
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_run(s: &Section<'_>) -> Result<String, Failure> {
+pub fn of_run(s: &TestSection<'_>) -> Result<String, Failure> {
     let body = || -> Drawn {
         let f = Figures::of(s);
         Ok([
@@ -69,10 +69,10 @@ pub fn of_run(s: &Section<'_>) -> Result<String, Failure> {
 /// # Errors
 /// The drawing library's.
 pub fn of_demo(
-    none: &Section<'_>,
-    paper: &Section<'_>,
+    none: &TestSection<'_>,
+    paper: &TestSection<'_>,
     rows: &[Summary],
-    undeclared: &Story,
+    undeclared: &Improvement,
 ) -> Result<String, Failure> {
     let body = || -> Drawn {
         let (bare, cured) = (Figures::of(none), Figures::of(paper));
@@ -156,7 +156,7 @@ pub fn of_diagnosis(
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_stories(stories: &[(String, &Story)]) -> Result<String, Failure> {
+pub fn of_stories(stories: &[(String, &Improvement)]) -> Result<String, Failure> {
     let parts: Result<Vec<String>, _> = stories
         .iter()
         .map(|(name, s)| story(&format!("Test {}", escape(name)), s))
@@ -171,12 +171,12 @@ pub fn of_stories(stories: &[(String, &Story)]) -> Result<String, Failure> {
 }
 
 /// A test, its diagnosis, and the test after it.
-fn story(title: &str, s: &Story) -> Drawn {
-    let section = |experiment, run: &'_ Run| -> Drawn {
+fn story(title: &str, s: &Improvement) -> Drawn {
+    let section = |experiment, run: &'_ JudgedRun| -> Drawn {
         let Some(trace) = &run.trace else {
             return Ok(String::new());
         };
-        let section = Section {
+        let section = TestSection {
             experiment,
             summary: &run.summary,
             trace,
@@ -220,12 +220,12 @@ fn story(title: &str, s: &Story) -> Drawn {
     let _ = write!(
         html,
         "<p>The record of this test, diagnosed with the improved model: missing is {}.</p>",
-        Story::named(&s.remains)
+        Improvement::named(&s.remains)
     );
     Ok(html)
 }
 
-fn lead(s: &Section<'_>) -> String {
+fn lead(s: &TestSection<'_>) -> String {
     let c = &s.experiment.test.config;
     let floors = match (c.degrees_of_freedom(), c.physical_storeys()) {
         (1, _) => "One degree of freedom".to_owned(),

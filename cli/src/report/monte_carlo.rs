@@ -1,18 +1,18 @@
 //! The report of one test on many rigs.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, Section, cannot, escape, page, test_file, tile};
+use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
 use crate::failure::Failure;
 use crate::numbers::{percent, three};
 use crate::stability::perturbed::Spread;
 use crate::stability::rig::Variation;
-use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, Verdict};
+use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
 
 /// The tests as the report shows them.
 #[derive(Clone, Copy, Debug)]
-pub struct Many<'a> {
+pub struct ManyTests<'a> {
     /// How the rigs were drawn.
     pub spread: &'a Spread,
     /// The rigs.
@@ -22,7 +22,7 @@ pub struct Many<'a> {
     /// The rig of the worst test.
     pub worst_rig: &'a Variation,
     /// The worst test.
-    pub worst: Section<'a>,
+    pub worst: TestSection<'a>,
 }
 
 /// Errors below this are drawn at it.
@@ -30,7 +30,7 @@ const LEAST: f64 = 1e-6;
 /// Dots of a plot; where there are more, the best of them are thinned out.
 const DOTS: usize = 4000;
 
-impl Many<'_> {
+impl ManyTests<'_> {
     /// The errors of all tests, ascending; infinite: it tripped or ran away.
     fn errors(&self) -> Vec<f64> {
         let mut errors: Vec<f64> = self.summaries.iter().map(Summary::error).collect();
@@ -43,7 +43,7 @@ impl Many<'_> {
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_monte_carlo(m: &Many<'_>) -> Result<String, Failure> {
+pub fn of_monte_carlo(m: &ManyTests<'_>) -> Result<String, Failure> {
     let errors = m.errors();
     let body = || -> Drawn {
         Ok([
@@ -151,7 +151,7 @@ fn distribution(errors: &[f64]) -> Drawn {
 type Factor = fn(&Variation) -> f64;
 
 /// The error over each of what was drawn.
-fn over_the_rigs(m: &Many<'_>) -> Drawn {
+fn over_the_rigs(m: &ManyTests<'_>) -> Drawn {
     let mut order: Vec<usize> = (0..m.rigs.len()).collect();
     order.sort_by(|a, b| {
         let error = |i: &usize| m.summaries[*i].error();
@@ -165,7 +165,7 @@ fn over_the_rigs(m: &Many<'_>) -> Drawn {
         .copied()
         .collect();
     let dots = |colour: Colour, factor: Factor, lost: bool| {
-        let of = |i: &&usize| (m.summaries[**i].verdict != Verdict::Completed) == lost;
+        let of = |i: &&usize| (m.summaries[**i].verdict != TestVerdict::Completed) == lost;
         let points = shown.iter().filter(of);
         let points = points.map(|i| (factor(&m.rigs[*i]), on_axis(m.summaries[*i].error())));
         Curve::new(colour, points.collect()).dots()

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 
 /// A test as the report shows it.
 #[derive(Clone, Copy, Debug)]
-pub struct Section<'a> {
+pub struct TestSection<'a> {
     /// What was tested.
     pub experiment: &'a Experiment,
     /// Its figures.

@@ -4,7 +4,7 @@
 //! carries its points in 16 bits, so that the page's script can zoom into it; without the script the plot stands still.
 
 use super::page::escape;
-use super::scale::{self, Axis};
+use super::scale::{self, PlotAxis};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -191,12 +191,12 @@ pub fn plot(
     } else {
         0.0
     };
-    let x = Axis::new(span(&finite, |p| p.0, margin), LEFT..width - RIGHT);
+    let x = PlotAxis::new(span(&finite, |p| p.0, margin), LEFT..width - RIGHT);
     let mut tall = span(&finite, |p| p.1, 0.06);
     if let Some(reach) = shape.reach {
         tall = tall.start.max(-reach)..tall.end.min(reach);
     }
-    let y = Axis::new(tall, height - BELOW..TOP);
+    let y = PlotAxis::new(tall, height - BELOW..TOP);
     let mut svg = String::from("<div class=\"plot\"><div class=\"head\">");
     let _ = write!(svg, "<b>{}</b>", escape(y_label));
     for (k, curve) in finite
@@ -273,7 +273,7 @@ fn classes(curve: &Curve) -> String {
     format!("curve {}{broad}{dots}", curve.colour.0)
 }
 
-fn grid(svg: &mut String, x: &Axis, y: &Axis, shape: Shape) {
+fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: Shape) {
     let (left, right) = (x.place(x.range.start), x.place(x.range.end));
     let (bottom, top) = (y.place(y.range.start), y.place(y.range.end));
     let across = if shape.width > 600 { 11 } else { 6 };
@@ -307,7 +307,7 @@ fn grid(svg: &mut String, x: &Axis, y: &Axis, shape: Shape) {
 }
 
 /// The path of a curve, and whether it is a band.
-fn drawn(curve: &Curve, x: &Axis, y: &Axis) -> (String, bool) {
+fn drawn(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> (String, bool) {
     if curve.dots {
         // A line of no length with round ends.
         let dot = |p: &(f64, f64)| format!("M{:.1} {:.1}h0", x.place(p.0), y.place(p.1));
@@ -355,7 +355,7 @@ fn drawn(curve: &Curve, x: &Axis, y: &Axis) -> (String, bool) {
 }
 
 /// The points as 16-bit shares of the axes, in base 64: what the script zooms into.
-fn packed(curve: &Curve, x: &Axis, y: &Axis) -> String {
+fn packed(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> String {
     let share = |v: f64, r: &Range<f64>| {
         let share = (v - r.start) / (r.end - r.start);
         // A quarter of the scale is left on both sides of an axis that does not show all.

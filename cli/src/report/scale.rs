@@ -4,13 +4,13 @@ use std::ops::Range;
 
 /// From values to places in the drawing.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Values at its ends.
     pub range: Range<f64>,
     places: Range<f64>,
 }
 
-impl Axis {
+impl PlotAxis {
     /// `range` from `places.start` to `places.end`, which may be the smaller one.
     pub fn new(range: Range<f64>, places: Range<f64>) -> Self {
         Self { range, places }

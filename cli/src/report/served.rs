@@ -8,18 +8,18 @@ use super::plot::{
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::numbers::{length, si};
-use crate::serve::{Summary, Verdict};
+use crate::serve::{SessionSummary, SessionVerdict};
 use crate::terminal::{joule, percent};
-use crate::trace::{Floor, Trace};
+use crate::trace::{FloorTrace, Trace};
 use outerloop_core::Pace;
 
 /// A session as the report shows it.
 #[derive(Clone, Copy, Debug)]
-pub struct Session<'a> {
+pub struct SessionSection<'a> {
     /// The test file.
     pub test: &'a TestFile,
     /// Its figures.
-    pub summary: &'a Summary,
+    pub summary: &'a SessionSummary,
     /// Every step.
     pub trace: &'a Trace,
 }
@@ -28,7 +28,7 @@ pub struct Session<'a> {
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_served(s: &Session<'_>) -> Result<String, Failure> {
+pub fn of_served(s: &SessionSection<'_>) -> Result<String, Failure> {
     let body = || -> Drawn {
         let mut html = verdict(s.summary);
         if !s.trace.is_empty() {
@@ -58,7 +58,7 @@ pub fn of_served(s: &Session<'_>) -> Result<String, Failure> {
     ))
 }
 
-fn lead(s: &Session<'_>) -> String {
+fn lead(s: &SessionSection<'_>) -> String {
     let timing = &s.test.config.timing;
     let pace = match s.test.serve.pace {
         Pace::StopAndGo => "stop and go".to_owned(),
@@ -74,11 +74,14 @@ fn lead(s: &Session<'_>) -> String {
     )
 }
 
-fn verdict(s: &Summary) -> String {
+fn verdict(s: &SessionSummary) -> String {
     let class = match s.verdict {
-        Verdict::Completed => "good",
-        Verdict::Stopped => "fair",
-        Verdict::Refused | Verdict::Lost | Verdict::Tripped | Verdict::RigLost => "bad",
+        SessionVerdict::Completed => "good",
+        SessionVerdict::Stopped => "fair",
+        SessionVerdict::Refused
+        | SessionVerdict::Lost
+        | SessionVerdict::Tripped
+        | SessionVerdict::RigLost => "bad",
     };
     let followed = match s.targets {
         0 => String::new(),
@@ -95,7 +98,7 @@ fn verdict(s: &Summary) -> String {
     )
 }
 
-fn tiles(s: &Summary) -> String {
+fn tiles(s: &SessionSummary) -> String {
     let tiles = [
         (length(s.peak_displacement_m), "largest target"),
         (
@@ -138,7 +141,7 @@ fn in_time(shape: plot::Shape, label: &str, curves: &[Curve], caption: &str) -> 
     Ok(figure(&svg, caption))
 }
 
-fn storey(t: &Trace, j: usize, floor: &Floor) -> Drawn {
+fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
     let mm = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
     let mut html = match t.floors.len() {
         1 => "<h2>Displacement</h2>".to_owned(),

@@ -8,7 +8,7 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{length, percent};
 use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
-use crate::sweep::{self, Fragility, Swept, told};
+use crate::sweep::{self, Fragility, SweepResult, told};
 
 /// Curves of compensations; more would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
@@ -21,7 +21,7 @@ const POINTS: usize = 200;
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_sweep(s: &Swept<'_>, first: &Experiment) -> Result<String, Failure> {
+pub fn of_sweep(s: &SweepResult<'_>, first: &Experiment) -> Result<String, Failure> {
     let mut names: Vec<&'static str> = s.rows.iter().map(|r| r.summary.compensation).collect();
     names.sort_unstable();
     names.dedup();
@@ -45,14 +45,14 @@ pub fn of_sweep(s: &Swept<'_>, first: &Experiment) -> Result<String, Failure> {
     Ok(page(&title, &lead, &body().map_err(cannot)?))
 }
 
-fn values(s: &Swept<'_>) -> Vec<f64> {
+fn values(s: &SweepResult<'_>) -> Vec<f64> {
     let mut values: Vec<f64> = s.rows.iter().map(|r| r.value).collect();
     values.dedup();
     values
 }
 
 /// Up to where each compensation is usable.
-fn verdict(s: &Swept<'_>, names: &[&'static str]) -> String {
+fn verdict(s: &SweepResult<'_>, names: &[&'static str]) -> String {
     let values = values(s);
     let good = |name: &str, value: f64, most: f64| {
         sweep::worst(s.rows, name, value).is_some_and(|e| e <= most)
@@ -75,7 +75,7 @@ fn verdict(s: &Swept<'_>, names: &[&'static str]) -> String {
     lines.collect()
 }
 
-fn errors(s: &Swept<'_>, names: &[&'static str]) -> Drawn {
+fn errors(s: &SweepResult<'_>, names: &[&'static str]) -> Drawn {
     let values = values(s);
     let curve = |(name, colour): (&&'static str, Colour)| {
         let point = |v: &f64| {
@@ -96,7 +96,7 @@ fn errors(s: &Swept<'_>, names: &[&'static str]) -> Drawn {
     ))
 }
 
-fn fragility(s: &Swept<'_>) -> Drawn {
+fn fragility(s: &SweepResult<'_>) -> Drawn {
     let Some(mm) = s.limit_mm else {
         return Ok(String::new());
     };
@@ -129,7 +129,7 @@ fn fragility(s: &Swept<'_>) -> Drawn {
     ))
 }
 
-fn rows(s: &Swept<'_>) -> String {
+fn rows(s: &SweepResult<'_>) -> String {
     let head = [
         s.path,
         "ground motion",

@@ -78,7 +78,7 @@ fn times_ms(model: &Model) -> Option<[f64; 2]> {
 }
 
 /// Fills in what the compensation and the filter are told about time, where the test file leaves it out.
-pub(crate) fn tell(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
+pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
     // True where the file had left it out.
     let mut fill = |part: &str, key: &str, ms: f64| {
         let part = table

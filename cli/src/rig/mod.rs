@@ -12,13 +12,13 @@ pub mod declared;
 pub mod improvement;
 
 use diagnosis::{ActuatorModel, Declared, SpecimenModel};
-use outerloop_core::config::{PerActuator, Rig};
+use outerloop_core::config::{PerActuator, RigConfig};
 use plant::Channel::{Actuator, Specimen};
 use plant::{Channel, Effect, EffectSpec, RigSpec};
 use std::ops::{Index, IndexMut};
 
 /// What there is to know of a quantity.
-pub struct Row {
+pub struct QuantityRow {
     /// Its key in the simulated rig's table.
     name: &'static str,
     /// What it is of an ideal rig: 1 of a gain, else 0.
@@ -35,7 +35,11 @@ pub struct Row {
     correction: Option<Correction>,
 }
 
-type Correction = (f64, fn(&mut Rig) -> &mut PerActuator, fn(f64) -> String);
+type Correction = (
+    f64,
+    fn(&mut RigConfig) -> &mut PerActuator,
+    fn(f64) -> String,
+);
 
 macro_rules! rows {
     ($($(#[$doc:meta])* $quantity:ident $name:literal $ideal:literal {
@@ -49,7 +53,7 @@ macro_rules! rows {
         pub enum Quantity { $($(#[$doc])* $quantity,)* }
 
         /// One of each, in their order.
-        const ROWS: &[(Quantity, Row)] = &[$((Quantity::$quantity, Row {
+        const ROWS: &[(Quantity, QuantityRow)] = &[$((Quantity::$quantity, QuantityRow {
             name: $name,
             ideal: $ideal,
             error: or!($(Some($error),)? None),
@@ -260,7 +264,7 @@ impl Departures {
     }
 
     /// What the loop takes out of an axis.
-    pub fn taken_out(rig: &Rig, axis: usize) -> Self {
+    pub fn taken_out(rig: &RigConfig, axis: usize) -> Self {
         let mut rig = rig.clone();
         let mut own = Self::none();
         for (quantity, row) in ROWS {
@@ -288,7 +292,7 @@ impl Departures {
 impl Quantity {
     /// The one that an effect is an error of.
     fn mistaken(channel: Channel, effect: Effect) -> Option<Self> {
-        let of = |row: &Row| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));
+        let of = |row: &QuantityRow| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));
         let row = ROWS.iter().find(|(_, row)| of(row));
         row.map(|(quantity, _)| *quantity)
     }

@@ -139,12 +139,12 @@ fn short(value: f64) -> f64 {
 
 /// The points that wait to be sent.
 #[derive(Clone, Debug)]
-pub struct Waiting {
+pub struct PendingPoints {
     points: Vec<Point>,
     span: u32,
 }
 
-impl Waiting {
+impl PendingPoints {
     /// None yet.
     pub fn new() -> Self {
         Self {
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn no_step_and_no_peak_is_lost_however_many_wait() {
         for count in [5, 1000, 50_000] {
-            let mut waiting = Waiting::new();
+            let mut waiting = PendingPoints::new();
             for tick in 0..count {
                 let mut band = [f64::from(tick % 7); CHANNELS.len()];
                 if tick == count / 2 {

@@ -3,7 +3,7 @@
 //! ```text
 //!  control steps ─► see ─► decimate ─► every 20 ms to each browser (server, WebSocket)
 //!                   ▲                                   │
-//!                   └──────── wish ◄──── Hold, Stop, Resume, Clear
+//!                   └─────── event ◄──── Hold, Stop, Resume, Clear
 //! ```
 //!
 //! A browser sees every peak: of all steps between two points smallest and largest value are sent. It disturbs nothing: a
@@ -13,7 +13,7 @@ mod decimate;
 mod server;
 
 use crate::failure::Failure;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use decimate::{Band, Columns};
 use outerloop_core::{Event, Mode, Record};
 use server::Shared;
@@ -71,17 +71,17 @@ impl Scope {
     }
 }
 
-impl Witness for Scope {
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
+impl TestObserver for Scope {
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
         self.show(record);
     }
 
-    fn glance<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
         self.show(record);
     }
 
-    fn wish(&mut self) -> Option<Event> {
-        self.shared.wish()
+    fn requested_event(&mut self) -> Option<Event> {
+        self.shared.requested_event()
     }
 }
 

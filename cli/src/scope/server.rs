@@ -1,6 +1,6 @@
 //! The page and its WebSocket: bound to one address, behind a random token, for pages of its own origin alone.
 
-use super::decimate::{Band, CHANNELS, Columns, Waiting};
+use super::decimate::{Band, CHANNELS, Columns, PendingPoints};
 use crate::failure::Failure;
 use crate::files::plain;
 use outerloop_core::{Event, Mode};
@@ -33,12 +33,12 @@ pub struct Shared {
 struct State {
     mode: Mode,
     step: u32,
-    waiting: Waiting,
+    waiting: PendingPoints,
     /// Messages since the beginning, the last of them kept.
     sent: Vec<Arc<str>>,
     first: usize,
     told: Option<Mode>,
-    wish: Option<Event>,
+    requested: Option<Event>,
     ended: bool,
 }
 
@@ -65,11 +65,11 @@ pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared
         state: Mutex::new(State {
             mode: Mode::Idle,
             step: 0,
-            waiting: Waiting::new(),
+            waiting: PendingPoints::new(),
             sent: Vec::new(),
             first: 0,
             told: None,
-            wish: None,
+            requested: None,
             ended: false,
         }),
     });
@@ -126,8 +126,8 @@ impl Shared {
     }
 
     /// The last button, once.
-    pub fn wish(&self) -> Option<Event> {
-        self.state().wish.take()
+    pub fn requested_event(&self) -> Option<Event> {
+        self.state().requested.take()
     }
 
     /// The test is over: the last message says so, and every browser has a moment to hear it.
@@ -272,7 +272,7 @@ impl Shared {
             match socket.read() {
                 Ok(Message::Text(button)) => {
                     let mut state = self.state();
-                    state.wish = event_of(&button, state.mode).or(state.wish);
+                    state.requested = event_of(&button, state.mode).or(state.requested);
                 }
                 Ok(Message::Close(_)) => return,
                 Ok(_) => {}

@@ -1,7 +1,7 @@
 //! What a session leaves behind.
 
 use crate::bench::OnBoard;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use outerloop_core::{EnergyWords, Record, flag};
 use serde::Serialize;
 
@@ -42,8 +42,8 @@ impl Ledger {
     }
 }
 
-impl Witness for Ledger {
-    fn see<const N: usize>(&mut self, r: &Record<N>) {
+impl TestObserver for Ledger {
+    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
         self.control_steps += 1;
         self.energy = r.energy_sum;
         self.energy_ratio = f64::from(r.energy_ratio);
@@ -63,7 +63,7 @@ impl Witness for Ledger {
 /// How a session ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum SessionVerdict {
     /// The client said its last message.
     Completed,
     /// The client asked for what is refused.
@@ -80,11 +80,11 @@ pub enum Verdict {
 
 /// The figures of a session. The keys are a contract.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct SessionSummary {
     /// Address of the client.
     pub client: String,
     /// How it ended.
-    pub verdict: Verdict,
+    pub verdict: SessionVerdict,
     /// Why, where it is not completed.
     pub reason: Option<String>,
     /// Name of the fault.
@@ -132,11 +132,11 @@ pub struct Summary {
     pub board: Option<OnBoard>,
 }
 
-impl Summary {
+impl SessionSummary {
     /// How it ended, in a sentence.
     pub fn ending(&self) -> String {
         match (&self.verdict, &self.reason) {
-            (Verdict::Completed, _) => format!("{}: completed.", self.client),
+            (SessionVerdict::Completed, _) => format!("{}: completed.", self.client),
             (_, Some(why)) => format!("{}: {why}.", self.client),
             (verdict, None) => format!("{}: {verdict:?}.", self.client),
         }

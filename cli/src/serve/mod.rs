@@ -11,25 +11,25 @@
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
 //! | `mover` | what a session wants from a rig |
-//! | `rig` | what a rig is, control step by control step |
+//! | `served_rig` | what a rig is, control step by control step |
 //! | `travel` | from target to target: stop and go, or continuously |
 //! | `simulated` | the rig in this process |
-//! | `boarded` | the rig behind a board, emulated or real |
+//! | `board_rig` | the rig behind a board, emulated or real |
 //! | `ledger` | what a session leaves behind: figures, words, JSON |
 
-mod boarded;
+mod board_rig;
 mod ledger;
 mod mover;
-mod rig;
+mod served_rig;
 mod session;
 pub mod settings;
 mod simulated;
 mod travel;
 pub mod wire;
 
-pub use boarded::boarded;
-pub use ledger::{Ledger, Summary, Verdict};
-pub use mover::{Mover, Reached, Stop};
-pub use session::{Element, Served, serve_client};
+pub use board_rig::serve_on_board;
+pub use ledger::{Ledger, SessionSummary, SessionVerdict};
+pub use mover::{Mover, Stop, TargetMeasurement};
+pub use session::{DeclaredElement, Served, serve_client};
 pub use simulated::simulated;
 pub(crate) use travel::shear_frame;

@@ -8,7 +8,7 @@ use outerloop_core::Trip;
 
 /// What was measured at a target.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reached {
+pub struct TargetMeasurement {
     /// Displacement that was reached, m.
     pub displacement_m: Vec<f64>,
     /// Force to be answered, N.
@@ -38,7 +38,7 @@ pub trait Mover {
     ///
     /// # Errors
     /// Why it did not come there; the permission to move has been given back by then or will be by [`Mover::end`].
-    fn go_to(&mut self, target_m: &[f64]) -> Result<Reached, Stop>;
+    fn go_to(&mut self, target_m: &[f64]) -> Result<TargetMeasurement, Stop>;
 
     /// Looks after the rig while the client thinks; returns soon.
     ///

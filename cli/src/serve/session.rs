@@ -1,10 +1,10 @@
 //! One client from its first message to its last.
 
-use super::ledger::{Ledger, Summary, Verdict};
-use super::mover::{Mover, Reached, Stop};
+use super::ledger::{Ledger, SessionSummary, SessionVerdict};
+use super::mover::{Mover, Stop, TargetMeasurement};
 use super::settings::Settings;
 use super::travel::shear_frame;
-use super::wire::{Action, Gone, Trial, Wire};
+use super::wire::{Action, ClientGone, Trial, Wire};
 use crate::board::operator::stop_is_asked;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
@@ -20,7 +20,7 @@ const SAME_STEP: f64 = 1e-6;
 
 /// What is declared of the rig.
 #[derive(Clone, Debug)]
-pub struct Element {
+pub struct DeclaredElement {
     settings: Settings,
     /// Row by row, N/m.
     stiffness_n_per_m: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Element {
     rate_hz: f64,
 }
 
-impl Element {
+impl DeclaredElement {
     /// Of a test file.
     ///
     /// # Errors
@@ -76,17 +76,17 @@ impl Element {
 /// Why a session ended before its last message.
 #[derive(Clone, Debug, PartialEq)]
 enum End {
-    Client(Gone),
+    Client(ClientGone),
     Nonsense(String),
     Refused(String),
     Rig(Stop),
     Completed,
 }
 
-impl From<Gone> for End {
-    fn from(gone: Gone) -> Self {
+impl From<ClientGone> for End {
+    fn from(gone: ClientGone) -> Self {
         match gone {
-            Gone::Nonsense(what) => Self::Nonsense(what),
+            ClientGone::Nonsense(what) => Self::Nonsense(what),
             gone => Self::Client(gone),
         }
     }
@@ -116,12 +116,12 @@ impl fmt::Display for Stop {
 
 /// A session's memory.
 struct Session<'a> {
-    element: &'a Element,
+    element: &'a DeclaredElement,
     rig: &'a mut dyn Mover,
     /// What the model last wanted to try.
     trial: Option<Trial>,
     /// Where the rig was last sent, and what it answered; `None` before the first.
-    last: Option<(Trial, Reached)>,
+    last: Option<(Trial, TargetMeasurement)>,
     /// The step of the last target has been accepted.
     committed: bool,
     commits: usize,
@@ -132,7 +132,7 @@ struct Session<'a> {
 /// A client that has been served: what it left, and its connection, where it may still be listening.
 pub struct Served {
     /// The figures.
-    pub summary: Summary,
+    pub summary: SessionSummary,
     wire: Option<Wire>,
 }
 
@@ -162,7 +162,7 @@ impl Served {
 pub fn serve_client(
     stream: TcpStream,
     client: &str,
-    element: &Element,
+    element: &DeclaredElement,
     rig: &mut dyn Mover,
 ) -> Served {
     let mut session = Session {
@@ -276,7 +276,7 @@ impl Session<'_> {
     }
 
     /// The force at the trial: by moving there, or as it was, where the rig is there already.
-    fn move_to_trial(&mut self, wire: &mut Wire) -> Result<&Reached, End> {
+    fn move_to_trial(&mut self, wire: &mut Wire) -> Result<&TargetMeasurement, End> {
         let Some(trial) = self.trial.clone() else {
             return Err(End::Refused(
                 "the client asks for a force before it has sent a displacement: accepted is a trial response first".into(),
@@ -332,16 +332,18 @@ impl Session<'_> {
         Ok(())
     }
 
-    fn summary(&mut self, client: &str, end: End) -> Summary {
+    fn summary(&mut self, client: &str, end: End) -> SessionSummary {
         let (verdict, reason, trip) = match &end {
-            End::Completed => (Verdict::Completed, None, None),
-            End::Client(gone) => (Verdict::Lost, Some(gone.to_string()), None),
-            End::Refused(why) | End::Nonsense(why) => (Verdict::Refused, Some(why.clone()), None),
+            End::Completed => (SessionVerdict::Completed, None, None),
+            End::Client(gone) => (SessionVerdict::Lost, Some(gone.to_string()), None),
+            End::Refused(why) | End::Nonsense(why) => {
+                (SessionVerdict::Refused, Some(why.clone()), None)
+            }
             End::Rig(stop) => {
                 let (verdict, trip) = match stop {
-                    Stop::Tripped(trip) => (Verdict::Tripped, Some(trip.fault.name())),
-                    Stop::Operator => (Verdict::Stopped, None),
-                    Stop::Lost(_) => (Verdict::RigLost, None),
+                    Stop::Tripped(trip) => (SessionVerdict::Tripped, Some(trip.fault.name())),
+                    Stop::Operator => (SessionVerdict::Stopped, None),
+                    Stop::Lost(_) => (SessionVerdict::RigLost, None),
                 };
                 (verdict, Some(stop.to_string()), trip)
             }
@@ -358,7 +360,7 @@ impl Session<'_> {
         let targets = ledger.targets;
         let count = (targets * self.element.storeys).max(1) as f64;
         let rate_hz = self.element.rate_hz;
-        Summary {
+        SessionSummary {
             client: client.to_owned(),
             verdict,
             reason,

@@ -1,7 +1,7 @@
 //! Core and the simulated rig in this process.
 
-use super::mover::{Mover, Reached, Stop};
-use super::rig::{Rig, Seen};
+use super::mover::{Mover, Stop, TargetMeasurement};
+use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::bench::with_floors;
 use crate::failure::Failure;
@@ -62,7 +62,7 @@ struct Simulated<const N: usize> {
 
 impl<const N: usize> Simulated<N> {
     /// One control period, whatever the clock says.
-    fn period(&mut self) -> Seen<N> {
+    fn period(&mut self) -> ServedStep<N> {
         let reading = self.rig.step(&self.command_m);
         let mut sample = Sample::new([0.0; N], [0.0; N]);
         for j in 0..N {
@@ -79,7 +79,7 @@ impl<const N: usize> Simulated<N> {
             reading + (f64::from(estimate) - f64::from(sample))
         };
         let each = |f: &dyn Fn(usize) -> f64| (0..N).map(f).collect();
-        let reached = Reached {
+        let reached = TargetMeasurement {
             displacement_m: each(&|j| {
                 let estimate = record.estimated_displacement_m[j];
                 better(
@@ -93,7 +93,7 @@ impl<const N: usize> Simulated<N> {
                 better(reading.force_n[j], estimate, sample.force_n[j])
             }),
         };
-        Seen {
+        ServedStep {
             record,
             reached,
             ended: self.outer.trip().map(Stop::Tripped),
@@ -137,7 +137,7 @@ impl<const N: usize> Simulated<N> {
     }
 }
 
-impl<const N: usize> Rig<N> for Simulated<N> {
+impl<const N: usize> ServedRig<N> for Simulated<N> {
     fn begin(&mut self) -> Result<(), Failure> {
         for _ in 0..IDLE_STEPS {
             self.approach()?;
@@ -161,7 +161,7 @@ impl<const N: usize> Rig<N> for Simulated<N> {
         Ok(())
     }
 
-    fn step(&mut self) -> Result<Seen<N>, Stop> {
+    fn step(&mut self) -> Result<ServedStep<N>, Stop> {
         self.wait_for_the_clock();
         if self.outer.state() == Mode::Holding && self.clock.is_none() {
             std::thread::sleep(Duration::from_millis(1));
@@ -169,7 +169,7 @@ impl<const N: usize> Rig<N> for Simulated<N> {
         Ok(self.period())
     }
 
-    fn meanwhile(&mut self) -> Result<Vec<Seen<N>>, Stop> {
+    fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop> {
         let mut seen = Vec::new();
         while self.clock.is_some() && self.due() >= 1.0 {
             seen.push(self.period());
@@ -181,9 +181,9 @@ impl<const N: usize> Rig<N> for Simulated<N> {
         self.pace == Pace::Continuous
     }
 
-    fn wish(&mut self, wish: Event) -> Result<(), Stop> {
+    fn request(&mut self, event: Event) -> Result<(), Stop> {
         // What means nothing in this mode is refused, and nothing happens.
-        let _ = self.outer.handle(wish);
+        let _ = self.outer.handle(event);
         Ok(())
     }
 

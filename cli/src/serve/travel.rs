@@ -1,15 +1,15 @@
 //! How a rig is taken from target to target: stop and go, or continuously.
 
 use super::ledger::Ledger;
-use super::mover::{Mover, Reached, Stop};
-use super::rig::{Rig, Seen};
+use super::mover::{Mover, Stop, TargetMeasurement};
+use super::served_rig::{ServedRig, ServedStep};
 use super::settings::Settings;
 use crate::bench::OnBoard;
 use crate::board::operator::stop_is_asked;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::scope::Scope;
-use crate::trace::{Trace, Witness};
+use crate::trace::{TestObserver, Trace};
 use outerloop_core::{Mode, Pace, flag};
 
 /// A rig on its way, and who looks on.
@@ -28,7 +28,7 @@ pub struct Travel<const N: usize, R> {
     scope: Option<Scope>,
 }
 
-impl<const N: usize, R: Rig<N>> Travel<N, R> {
+impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
     /// With `rig`, as `test` says. `keep`: every step is kept.
     pub fn new(rig: R, test: &TestFile, keep: bool, scope: Option<Scope>) -> Self {
         let rate_hz = test.config.timing.rate_hz;
@@ -46,7 +46,7 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
         }
     }
 
-    fn step(&mut self) -> Result<Seen<N>, Stop> {
+    fn step(&mut self) -> Result<ServedStep<N>, Stop> {
         if stop_is_asked() {
             return Err(Stop::Operator);
         }
@@ -56,14 +56,14 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
     }
 
     /// Counts a step and shows it.
-    fn look_at(&mut self, seen: &Seen<N>) -> Result<(), Stop> {
+    fn look_at(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
         let record = &seen.record;
-        self.scope.glance(record);
+        self.scope.on_idle_step(record);
         self.ask_who_looks_on()?;
         if record.mode().is_some_and(Mode::integrates) {
             self.observed += usize::from(record.has(flag::SOLVED));
-            self.ledger.see(record);
-            self.trace.see(record);
+            self.ledger.on_step(record);
+            self.trace.on_step(record);
         }
         match &seen.ended {
             Some(why) if self.moves => Err(why.clone()),
@@ -73,11 +73,13 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
     }
 
     fn ask_who_looks_on(&mut self) -> Result<(), Stop> {
-        self.scope.wish().map_or(Ok(()), |wish| self.rig.wish(wish))
+        self.scope
+            .requested_event()
+            .map_or(Ok(()), |event| self.rig.request(event))
     }
 
     /// Stands at the target for a while, then means over the next steps.
-    fn stand(&mut self, target_m: [f32; N]) -> Result<Reached, Stop> {
+    fn stand(&mut self, target_m: [f32; N]) -> Result<TargetMeasurement, Stop> {
         let in_steps = |ms: f64| (ms * 1e-3 * self.rate_hz).round() as usize;
         let settle = in_steps(self.settings.settle_ms);
         let average = in_steps(self.settings.average_ms).max(1);
@@ -89,7 +91,7 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
         for _ in 0..settle {
             now = self.step()?;
         }
-        let mut mean = Reached {
+        let mut mean = TargetMeasurement {
             displacement_m: vec![0.0; N],
             force_n: vec![0.0; N],
         };
@@ -107,7 +109,7 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
     }
 
     /// Until the sample at the target has been taken.
-    fn pass(&mut self) -> Result<Reached, Stop> {
+    fn pass(&mut self) -> Result<TargetMeasurement, Stop> {
         loop {
             let mut seen = self.step()?;
             if self.observed > self.given {
@@ -118,13 +120,13 @@ impl<const N: usize, R: Rig<N>> Travel<N, R> {
     }
 }
 
-impl<const N: usize, R: Rig<N>> Mover for Travel<N, R> {
+impl<const N: usize, R: ServedRig<N>> Mover for Travel<N, R> {
     fn begin(&mut self) -> Result<(), Failure> {
         (self.ledger, self.given, self.observed) = (Ledger::default(), 0, 0);
         self.rig.begin()
     }
 
-    fn go_to(&mut self, target_m: &[f64]) -> Result<Reached, Stop> {
+    fn go_to(&mut self, target_m: &[f64]) -> Result<TargetMeasurement, Stop> {
         let single_m = std::array::from_fn(|j| target_m[j] as f32);
         self.moves = true;
         self.given += 1;

@@ -87,7 +87,7 @@ pub struct Trial {
 
 /// Why nothing more is heard from a client.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Gone {
+pub enum ClientGone {
     /// It closed the connection; so many bytes of a message had come.
     Closed(usize),
     /// The connection broke.
@@ -98,7 +98,7 @@ pub enum Gone {
     Nonsense(String),
 }
 
-impl fmt::Display for Gone {
+impl fmt::Display for ClientGone {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let half = |bytes: &usize| match bytes {
             0 => String::new(),
@@ -194,13 +194,13 @@ impl Wire {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn open<E: From<Gone>>(
+    pub fn open<E: From<ClientGone>>(
         stream: TcpStream,
         axes: usize,
         patience_s: f64,
         mut meanwhile: impl FnMut() -> Result<(), E>,
     ) -> Result<Self, E> {
-        let broken = |e: std::io::Error| Gone::Broken(e.to_string());
+        let broken = |e: std::io::Error| ClientGone::Broken(e.to_string());
         stream.set_nodelay(true).map_err(broken)?;
         stream.set_read_timeout(Some(REST)).map_err(broken)?;
         let mut wire = Self {
@@ -223,7 +223,7 @@ impl Wire {
         for (number, bytes) in header.iter_mut().zip(wire.bytes.as_chunks::<4>().0) {
             *number = i32::from_le_bytes(*bytes);
         }
-        wire.sizes = Sizes::of(&header, axes).map_err(Gone::Nonsense)?;
+        wire.sizes = Sizes::of(&header, axes).map_err(ClientGone::Nonsense)?;
         wire.bytes = vec![0; 8 * wire.sizes.message];
         wire.filled = 0;
         Ok(wire)
@@ -233,18 +233,18 @@ impl Wire {
     ///
     /// # Errors
     /// The connection is broken.
-    pub fn glance(&mut self, often: bool) -> Result<(), Gone> {
+    pub fn glance(&mut self, often: bool) -> Result<(), ClientGone> {
         let wait = if often { GLANCE } else { REST };
         self.stream
             .set_read_timeout(Some(wait))
-            .map_err(|e| Gone::Broken(e.to_string()))
+            .map_err(|e| ClientGone::Broken(e.to_string()))
     }
 
     /// The next message; `None` if it has not come yet.
     ///
     /// # Errors
     /// Why none will come.
-    pub fn hear(&mut self) -> Result<Option<Message>, Gone> {
+    pub fn hear(&mut self) -> Result<Option<Message>, ClientGone> {
         if !self.receive()? {
             return Ok(None);
         }
@@ -255,7 +255,7 @@ impl Wire {
         };
         let number = at(0);
         let action = Action::of(number).ok_or_else(|| {
-            Gone::Nonsense(format!(
+            ClientGone::Nonsense(format!(
                 "the client asks for action {number}: accepted are 3, 5, 7, 10 to 15 and 99 of OpenSees' genericClient, in messages of {} numbers",
                 self.sizes.message
             ))
@@ -272,7 +272,7 @@ impl Wire {
     ///
     /// # Errors
     /// The connection is broken.
-    pub fn answer(&mut self, values: &[f64]) -> Result<(), Gone> {
+    pub fn answer(&mut self, values: &[f64]) -> Result<(), ClientGone> {
         self.owes = false;
         let mut bytes = vec![0; 8 * self.sizes.message];
         for (place, value) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(values) {
@@ -282,7 +282,7 @@ impl Wire {
         self.heard = Instant::now();
         self.stream
             .write_all(&bytes)
-            .map_err(|e| Gone::Broken(e.to_string()))
+            .map_err(|e| ClientGone::Broken(e.to_string()))
     }
 
     /// Whether the client waits for an answer.
@@ -294,7 +294,7 @@ impl Wire {
     ///
     /// # Errors
     /// The connection is broken.
-    pub fn answer_nan(&mut self) -> Result<(), Gone> {
+    pub fn answer_nan(&mut self) -> Result<(), ClientGone> {
         self.answer(&vec![f64::NAN; self.sizes.message])
     }
 
@@ -305,13 +305,13 @@ impl Wire {
     }
 
     /// Whether a message is whole.
-    fn receive(&mut self) -> Result<bool, Gone> {
+    fn receive(&mut self) -> Result<bool, ClientGone> {
         // Client and kernel wait for each other without it: 45 ms a step. It holds for one read only, and where it does
         // not exist nothing is lost but speed.
         #[cfg(target_os = "linux")]
         let _ = SockRef::from(&self.stream).set_tcp_quickack(true);
         match self.stream.read(&mut self.bytes[self.filled..]) {
-            Ok(0) => Err(Gone::Closed(self.filled)),
+            Ok(0) => Err(ClientGone::Closed(self.filled)),
             Ok(count) => {
                 self.filled += count;
                 self.heard = Instant::now();
@@ -320,10 +320,12 @@ impl Wire {
             Err(e) if waits(e.kind()) && self.heard.elapsed() < self.patience => Ok(false),
             Err(e) if waits(e.kind()) => {
                 let seconds = (self.heard.elapsed().as_secs_f64() * 10.0).round() / 10.0;
-                Err(Gone::Silent(seconds, self.filled))
+                Err(ClientGone::Silent(seconds, self.filled))
             }
-            Err(e) if e.kind() == ErrorKind::ConnectionReset => Err(Gone::Closed(self.filled)),
-            Err(e) => Err(Gone::Broken(e.to_string())),
+            Err(e) if e.kind() == ErrorKind::ConnectionReset => {
+                Err(ClientGone::Closed(self.filled))
+            }
+            Err(e) => Err(ClientGone::Broken(e.to_string())),
         }
     }
 }

@@ -22,11 +22,11 @@ use crate::files::test::TestFile;
 use crate::numbers::percent;
 use crate::stability;
 use crate::stability::closed_loop::Question;
-use crate::stability::frame::Frame;
 use crate::stability::perturbed::Spread;
 use crate::stability::predictor::Law;
 use crate::stability::rig::Variation;
-use crate::summary::{POOR_EPS_RMS, Summary, Verdict as Ending};
+use crate::stability::structure_matrices::StructureMatrices;
+use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict};
 use crate::trace::Response;
 use outerloop_core::linear::LinearForce;
 use outerloop_core::{Config, Force, Method, Prediction};
@@ -38,7 +38,7 @@ use serde::Serialize;
 /// The answer. In this order the exit status is 0, 1 and 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum SoundnessVerdict {
     /// It may be run; its error is the expected one.
     Stable,
     /// It may run away, or its result would not be the structure's.
@@ -47,7 +47,7 @@ pub enum Verdict {
     Unstable,
 }
 
-impl Verdict {
+impl SoundnessVerdict {
     /// The word in JSON and tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -62,7 +62,7 @@ impl Verdict {
 #[derive(Clone, Debug, Serialize)]
 pub struct Judgement {
     /// The answer.
-    pub verdict: Verdict,
+    pub verdict: SoundnessVerdict,
     /// Why.
     pub reason: String,
     /// eps_rms of the planned motion on the rig as it is.
@@ -93,7 +93,7 @@ impl Eigenvalues {
             rig: &test.plant,
             law: Law::Learnt,
         };
-        let frame = Frame::of(&test.config)?;
+        let frame = StructureMatrices::of(&test.config)?;
         let row = stability::linear_verdict::linear_verdict(&question, &frame, &Variation::NONE)?;
         let (late_s, _) = question.lateness(&frame, &Variation::NONE)?;
         Ok(Self {
@@ -129,7 +129,7 @@ struct Runs {
     sooner: Summary,
 }
 
-fn runs(e: &Experiment, spread: &Spread, tell: impl Fn() + Sync) -> Result<Runs, Failure> {
+fn runs(e: &Experiment, spread: &Spread, one_done: impl Fn() + Sync) -> Result<Runs, Failure> {
     let ideal = e.ideal()?;
     let by = |sign: f64| Variation {
         delay: 1.0 + sign * spread.delay,
@@ -140,7 +140,7 @@ fn runs(e: &Experiment, spread: &Spread, tell: impl Fn() + Sync) -> Result<Runs,
     let run = |(i, vary): (usize, &Variation)| {
         let seed = spread.seed.wrapping_add(i as u64);
         let summary = planned(&e.on_rig(vary), &ideal, seed);
-        tell();
+        one_done();
         summary
     };
     let summaries: Result<Vec<_>, _> = rigs.par_iter().enumerate().map(run).collect();
@@ -158,10 +158,10 @@ fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failu
 /// True where a test ran away or was stopped when it did.
 pub(crate) fn ran_away(s: &Summary) -> bool {
     match s.verdict {
-        Ending::Diverged => true,
+        TestVerdict::Diverged => true,
         // A limit that stops a sound test is a matter of the limit.
-        Ending::Tripped => s.eps_max.is_nan() || s.eps_max > 1.0,
-        Ending::Completed | Ending::Stopped => false,
+        TestVerdict::Tripped => s.eps_max.is_nan() || s.eps_max > 1.0,
+        TestVerdict::Completed | TestVerdict::Stopped => false,
     }
 }
 
@@ -173,9 +173,9 @@ pub fn judge(
     e: &Experiment,
     eigenvalues: &Eigenvalues,
     spread: &Spread,
-    tell: impl Fn() + Sync,
+    one_done: impl Fn() + Sync,
 ) -> Result<Judgement, Failure> {
-    let runs = runs(e, spread, tell)?;
+    let runs = runs(e, spread, one_done)?;
     let (verdict, reason) = decide(e, eigenvalues, spread, &runs);
     Ok(Judgement {
         verdict,
@@ -185,8 +185,13 @@ pub fn judge(
     })
 }
 
-fn decide(e: &Experiment, z: &Eigenvalues, spread: &Spread, runs: &Runs) -> (Verdict, String) {
-    use Verdict::{Doubtful, Stable, Unstable};
+fn decide(
+    e: &Experiment,
+    z: &Eigenvalues,
+    spread: &Spread,
+    runs: &Runs,
+) -> (SoundnessVerdict, String) {
+    use SoundnessVerdict::{Doubtful, Stable, Unstable};
     let own = &runs.own;
     let fixed = fixed(&e.test);
     let elastic = e.test.plant.specimen.kind == SpecimenKind::Linear;
@@ -210,7 +215,7 @@ fn decide(e: &Experiment, z: &Eigenvalues, spread: &Spread, runs: &Runs) -> (Ver
     if fixed && elastic && !z.stable {
         return (Unstable, grows);
     }
-    if let (Ending::Tripped, Some(fault)) = (own.verdict, own.trip) {
+    if let (TestVerdict::Tripped, Some(fault)) = (own.verdict, own.trip) {
         let said = format!("the planned motion trips on {fault} on the simulated rig");
         return (Doubtful, said);
     }

@@ -14,7 +14,7 @@
 //!   of it and a twentieth of the planned peak (`limits.tracking_m`) |
 //! | reading | what is measured over the planned peak; the same `limits.displacement_m` bounds it, 3 % further out |
 
-use super::survey::{Dice, Range, test_file};
+use super::survey::{Range, UniformDraws, test_file};
 use super::{Eigenvalues, fixed};
 use crate::bench::{Breakage, PlantBench};
 use crate::experiment::Experiment;
@@ -22,7 +22,7 @@ use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::score::Score;
-use crate::trace::{Response, Witness};
+use crate::trace::{Response, TestObserver};
 use outerloop_core::config::Limits;
 use outerloop_core::{Force, Method, Prediction, Record, flag};
 use plant::actuator::DelayJump;
@@ -51,7 +51,7 @@ pub const INDICATORS: [&str; 5] = ["energy", "hsem", "displacement", "tracking",
 /// What breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum BreakageKind {
     /// Nothing.
     Sound,
     /// The delay jumps.
@@ -64,7 +64,7 @@ pub enum Kind {
     DeadSensor,
 }
 
-impl Kind {
+impl BreakageKind {
     /// What breaks, one after the other.
     pub const BROKEN: [Self; 4] = [
         Self::DelayJump,
@@ -87,9 +87,9 @@ impl Kind {
 
 /// A test, and what the indicators came to.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct MonitorCase {
     /// What breaks.
-    pub kind: Kind,
+    pub kind: BreakageKind,
     /// True where the test counts: a sound one whose result is good, a broken one that goes too far.
     pub counts: bool,
     /// The largest of each indicator: of a sound test in all of it, of a broken one until it has gone too far.
@@ -112,8 +112,8 @@ struct Gauge<'a> {
     floor_j: f64,
 }
 
-impl Witness for Gauge<'_> {
-    fn see<const N: usize>(&mut self, r: &Record<N>) {
+impl TestObserver for Gauge<'_> {
+    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
         let mut motion = 0.0_f64;
         let (mut command, mut tracking, mut reading) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (j, peak_m) in self.peaks_m.iter().enumerate() {
@@ -158,8 +158,8 @@ impl Witness for Gauge<'_> {
 
 /// What is run: a test file, what breaks in it, and a stretch of the ground motion.
 #[derive(Clone, Debug)]
-pub struct Plan {
-    kind: Kind,
+pub struct MonitorPlan {
+    kind: BreakageKind,
     text: String,
     stretch: f64,
     /// When, as a share of the test.
@@ -170,8 +170,8 @@ pub struct Plan {
 }
 
 /// So many sound and so many broken tests.
-pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
-    let mut dice = Dice::new(seed);
+pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
+    let mut dice = UniformDraws::new(seed);
     // The gains of `amb` are tuned for one size of motion; on a rig of another it sends several times the planned peak.
     let mut predictors = Prediction::ALL.to_vec();
     predictors.retain(|&predictor| predictor != Prediction::Amb);
@@ -184,12 +184,12 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
     // Eq 14 as it was first published is there to be compared with: with noise its damping jumps by orders of magnitude.
     let mut methods = Method::ALL.to_vec();
     methods.retain(|m| m.force != Force::Eq14Unguarded && m.predictor != Prediction::Amb);
-    let kinds = std::iter::repeat_n(Kind::Sound, sound)
-        .chain(Kind::BROKEN.into_iter().cycle().take(broken));
+    let kinds = std::iter::repeat_n(BreakageKind::Sound, sound)
+        .chain(BreakageKind::BROKEN.into_iter().cycle().take(broken));
     kinds
         .zip(methods.into_iter().cycle())
         .zip(seed..)
-        .map(|((kind, method), seed)| Plan {
+        .map(|((kind, method), seed)| MonitorPlan {
             kind,
             text: test_file(method, &mut dice, &range),
             stretch: dice.one_of(&[0.7, 1.0, 1.4]),
@@ -201,8 +201,8 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<Plan> {
         .collect()
 }
 
-impl Plan {
-    fn run(&self) -> Result<Case, Failure> {
+impl MonitorPlan {
+    fn run(&self) -> Result<MonitorCase, Failure> {
         let mut shaking = near_fault();
         shaking.interval_s *= self.stretch;
         let test = TestFile::parse(&self.text, "monitor", Path::new(""), &[])?;
@@ -211,8 +211,8 @@ impl Plan {
         let after = (self.at * e.control_steps() as f64) as usize;
         let between = |low: f64, high: f64| low + self.much * (high - low);
         let breaks = match self.kind {
-            Kind::Sound => None,
-            Kind::DelayJump => {
+            BreakageKind::Sound => None,
+            BreakageKind::DelayJump => {
                 let t = &e.test.config.timing;
                 e.test.plant.actuator.delay_jump = Some(DelayJump {
                     at_s: after as f64 / t.rate_hz,
@@ -220,12 +220,20 @@ impl Plan {
                 });
                 None
             }
-            Kind::Gain if self.much < 0.5 => Some((after, Breakage::ActuatorGain(0.3 + self.much))),
-            Kind::Gain => Some((after, Breakage::ActuatorGain(0.7 + self.much))),
-            Kind::Stiffness if self.much < 0.5 => Some((0, Breakage::Stiffness(0.3 + self.much))),
-            Kind::Stiffness => Some((0, Breakage::Stiffness(1.0 + 3.0 * (self.much - 0.4)))),
-            Kind::DeadSensor if self.much < 0.5 => Some((after, Breakage::DeadDisplacement)),
-            Kind::DeadSensor => Some((after, Breakage::DeadForce)),
+            BreakageKind::Gain if self.much < 0.5 => {
+                Some((after, Breakage::ActuatorGain(0.3 + self.much)))
+            }
+            BreakageKind::Gain => Some((after, Breakage::ActuatorGain(0.7 + self.much))),
+            BreakageKind::Stiffness if self.much < 0.5 => {
+                Some((0, Breakage::Stiffness(0.3 + self.much)))
+            }
+            BreakageKind::Stiffness => {
+                Some((0, Breakage::Stiffness(1.0 + 3.0 * (self.much - 0.4))))
+            }
+            BreakageKind::DeadSensor if self.much < 0.5 => {
+                Some((after, Breakage::DeadDisplacement))
+            }
+            BreakageKind::DeadSensor => Some((after, Breakage::DeadForce)),
         };
         self.watch(&e, &ideal, breaks)
     }
@@ -235,7 +243,7 @@ impl Plan {
         e: &Experiment,
         ideal: &Response,
         breaks: Option<(usize, Breakage)>,
-    ) -> Result<Case, Failure> {
+    ) -> Result<MonitorCase, Failure> {
         let config = &e.test.config;
         let physical = config.physical_storeys();
         let bench = PlantBench {
@@ -256,19 +264,19 @@ impl Plan {
             gone: false,
             floor_j: 0.5 * stiffness[0] * 1e-6,
         };
-        let mut witnesses = (Score::against(ideal), gauge, ());
-        let ending = e.on(&bench, config, &mut witnesses)?;
-        let (score, gauge, ()) = witnesses;
+        let mut observers = (Score::against(ideal), gauge);
+        let ending = e.on(&bench, config, &mut observers)?;
+        let (score, gauge) = observers;
         let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
         let (counts, largest) = match self.kind {
             // A test that something else has stopped is none that nothing may stop.
-            Kind::Sound => {
+            BreakageKind::Sound => {
                 let good = ending.trip.is_none() && eps_rms <= SOUND_EPS_RMS;
                 (good && decays(e)?, gauge.largest)
             }
             _ => (gauge.gone, gauge.largest_in_time),
         };
-        Ok(Case {
+        Ok(MonitorCase {
             kind: self.kind,
             counts,
             largest,
@@ -282,12 +290,12 @@ impl Plan {
 ///
 /// # Errors
 /// A test that cannot run.
-pub fn run(plans: &[Plan], tell: impl Fn() + Sync) -> Result<Vec<Case>, Failure> {
+pub fn run(plans: &[MonitorPlan], one_done: impl Fn() + Sync) -> Result<Vec<MonitorCase>, Failure> {
     plans
         .par_iter()
         .map(|plan| {
             let case = plan.run();
-            tell();
+            one_done();
             case
         })
         .collect()
@@ -321,7 +329,7 @@ fn decays(e: &Experiment) -> Result<bool, Failure> {
 #[derive(Clone, Debug, Serialize)]
 pub struct StopCounts {
     /// What breaks.
-    pub kind: Kind,
+    pub kind: BreakageKind,
     /// Tests that count.
     pub count: usize,
     /// Tests that were drawn and do not count: sound ones with a poor result, broken ones that go nowhere.
@@ -345,14 +353,15 @@ pub fn thresholds() -> [f64; 5] {
 }
 
 /// Every kind's row, sound tests first.
-pub fn table(cases: &[Case]) -> Vec<StopCounts> {
+pub fn table(cases: &[MonitorCase]) -> Vec<StopCounts> {
     let thresholds = thresholds();
-    let kinds = std::iter::once(Kind::Sound).chain(Kind::BROKEN);
+    let kinds = std::iter::once(BreakageKind::Sound).chain(BreakageKind::BROKEN);
     kinds
         .map(|kind| {
             let own = cases.iter().filter(|case| case.kind == kind);
-            let (count, others): (Vec<&Case>, Vec<&Case>) = own.partition(|case| case.counts);
-            let stops = |case: &Case, i: usize| case.largest[i] >= thresholds[i];
+            let (count, others): (Vec<&MonitorCase>, Vec<&MonitorCase>) =
+                own.partition(|case| case.counts);
+            let stops = |case: &MonitorCase, i: usize| case.largest[i] >= thresholds[i];
             StopCounts {
                 kind,
                 count: count.len(),

@@ -3,7 +3,7 @@
 //!
 //! The test that counts is not the one that was looked at: it has other noise, twice.
 
-use super::{Eigenvalues, Verdict, judge, planned, ran_away};
+use super::{Eigenvalues, SoundnessVerdict, judge, planned, ran_away};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
@@ -38,7 +38,7 @@ const SPREAD: Spread = Spread {
 /// What a test did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Truth {
+pub enum ActualOutcome {
     /// It ran to its end, and its result is the structure's to 10 % rms.
     Sound,
     /// It ran to its end with another result.
@@ -47,7 +47,7 @@ pub enum Truth {
     RanAway,
 }
 
-impl Truth {
+impl ActualOutcome {
     /// What such tests did, in tables.
     pub const fn words(self) -> &'static str {
         match self {
@@ -60,27 +60,27 @@ impl Truth {
 
 /// A rig, what was said of it, and what it did.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct SurveyCase {
     /// Compensation.
     pub compensation: Method,
     /// The test file.
     pub test: String,
     /// What was said.
-    pub verdict: Verdict,
+    pub verdict: SoundnessVerdict,
     /// Why.
     pub reason: String,
     /// The error that was expected.
     pub expected_eps_rms: f64,
     /// What it did, the worse of two.
-    pub truth: Truth,
+    pub truth: ActualOutcome,
     /// Its error.
     pub eps_rms: f64,
 }
 
 /// Draws uniformly.
-pub(super) struct Dice(Xoshiro256PlusPlus);
+pub(super) struct UniformDraws(Xoshiro256PlusPlus);
 
-impl Dice {
+impl UniformDraws {
     pub(super) fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
@@ -102,7 +102,7 @@ impl Dice {
 
 /// So many test files; each method has its turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
-    let mut dice = Dice::new(seed);
+    let mut dice = UniformDraws::new(seed);
     let range = Range {
         seconds: SECONDS,
         latest: |_| LONGEST_MS,
@@ -128,7 +128,7 @@ pub(super) struct Range {
     pub(super) predictors: Vec<Prediction>,
 }
 
-pub(super) fn test_file(method: Method, dice: &mut Dice, range: &Range) -> String {
+pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &Range) -> String {
     let storeys = dice.one_of(&[1_usize, 1, 2, 3]);
     let first_hz = dice.between(0.5, 4.0);
     // Equal storeys: omega_1 = 2 sqrt(k/m) sin(pi / (4 n + 2)).
@@ -210,23 +210,25 @@ pub(super) fn test_file(method: Method, dice: &mut Dice, range: &Range) -> Strin
 }
 
 /// Judges `text` and runs it.
-fn case(text: &str) -> Result<Case, Failure> {
+fn case(text: &str) -> Result<SurveyCase, Failure> {
     let test = TestFile::parse(text, "survey", Path::new(""), &[])?;
     let eigenvalues = Eigenvalues::of(&test)?;
     let e = Experiment::new(test, &near_fault(), None)?;
     let said = judge(&e, &eigenvalues, &SPREAD, || ())?;
     let ideal = e.ideal()?;
-    let (mut truth, mut eps_rms) = (Truth::Sound, 0.0_f64);
+    let (mut truth, mut eps_rms) = (ActualOutcome::Sound, 0.0_f64);
     for seed in [101, 102] {
         let did = planned(&e, &ideal, seed)?;
         eps_rms = eps_rms.max(did.eps_rms);
         if ran_away(&did) {
-            truth = Truth::RanAway;
-        } else if truth == Truth::Sound && (did.eps_rms.is_nan() || did.eps_rms > POOR_EPS_RMS) {
-            truth = Truth::Wrong;
+            truth = ActualOutcome::RanAway;
+        } else if truth == ActualOutcome::Sound
+            && (did.eps_rms.is_nan() || did.eps_rms > POOR_EPS_RMS)
+        {
+            truth = ActualOutcome::Wrong;
         }
     }
-    Ok(Case {
+    Ok(SurveyCase {
         compensation: e.test.config.compensation.kind,
         test: text.to_owned(),
         verdict: said.verdict,
@@ -241,12 +243,12 @@ fn case(text: &str) -> Result<Case, Failure> {
 ///
 /// # Errors
 /// A test that cannot be judged.
-pub fn run(tests: &[String], tell: impl Fn() + Sync) -> Result<Vec<Case>, Failure> {
+pub fn run(tests: &[String], one_done: impl Fn() + Sync) -> Result<Vec<SurveyCase>, Failure> {
     tests
         .par_iter()
         .map(|text| {
             let case = case(text);
-            tell();
+            one_done();
             case
         })
         .collect()
@@ -258,7 +260,7 @@ pub struct VerdictCounts {
     /// Which tests.
     pub tests: String,
     /// What they did.
-    pub truth: Truth,
+    pub truth: ActualOutcome,
     /// How many.
     pub count: usize,
     /// Called stable, doubtful, unstable.
@@ -266,7 +268,11 @@ pub struct VerdictCounts {
 }
 
 impl VerdictCounts {
-    fn of<'a>(tests: &str, truth: Truth, cases: impl Iterator<Item = &'a Case>) -> Self {
+    fn of<'a>(
+        tests: &str,
+        truth: ActualOutcome,
+        cases: impl Iterator<Item = &'a SurveyCase>,
+    ) -> Self {
         let mut called = [0; 3];
         for case in cases.filter(|case| case.truth == truth) {
             called[case.verdict as usize] += 1;
@@ -281,16 +287,20 @@ impl VerdictCounts {
 }
 
 /// All tests, then those of each force law and of each predictor.
-pub fn table(cases: &[Case]) -> Vec<VerdictCounts> {
-    const TRUTHS: [Truth; 3] = [Truth::Sound, Truth::Wrong, Truth::RanAway];
+pub fn table(cases: &[SurveyCase]) -> Vec<VerdictCounts> {
+    const TRUTHS: [ActualOutcome; 3] = [
+        ActualOutcome::Sound,
+        ActualOutcome::Wrong,
+        ActualOutcome::RanAway,
+    ];
     let all = TRUTHS.map(|truth| VerdictCounts::of("all", truth, cases.iter()));
     let forces = Force::ALL.iter().flat_map(|force| {
-        let own = |case: &&Case| case.compensation.force == *force;
+        let own = |case: &&SurveyCase| case.compensation.force == *force;
         let name = format!("force {}", force.name());
         TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });
     let predictors = Prediction::ALL.iter().flat_map(|predictor| {
-        let own = |case: &&Case| case.compensation.predictor == *predictor;
+        let own = |case: &&SurveyCase| case.compensation.predictor == *predictor;
         let name = format!("predictor {}", predictor.name());
         TRUTHS.map(|truth| VerdictCounts::of(&name, truth, cases.iter().filter(own)))
     });

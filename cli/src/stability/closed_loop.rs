@@ -8,14 +8,14 @@
 //! the force error `K (u_m - u_c)` that is in phase with the velocity (Eq 14 with Eq 12), up to its clamp; so the force
 //! correction is that share of `K (u_c - u_m)`.
 
-use super::blocks::{Block, Signal, nothing};
+use super::blocks::{Block, StateFunction, nothing};
 use super::filter::Filter;
-use super::frame::Frame;
+use super::interpolation::Interpolation;
 use super::largest;
 use super::predictor::{Ahead, Law, Predictor};
 use super::rig::{LinearRig, Variation};
 use super::spectrum;
-use super::way::Way;
+use super::structure_matrices::StructureMatrices;
 use crate::failure::Failure;
 use nalgebra::{Complex, DMatrix, DVector};
 use outerloop_core::Config;
@@ -41,7 +41,7 @@ impl Question<'_> {
     /// A structure or a rig that cannot be written down.
     pub fn transition(
         &self,
-        frame: &Frame,
+        frame: &StructureMatrices,
         vary: &Variation,
         at: f64,
         steps: usize,
@@ -56,7 +56,7 @@ impl Question<'_> {
     /// A structure or a rig that cannot be written down.
     pub fn eigenvalues(
         &self,
-        frame: &Frame,
+        frame: &StructureMatrices,
         vary: &Variation,
     ) -> Result<Vec<Complex<f64>>, Failure> {
         let learns = self.law == Law::Learnt && self.config.compensation.kind.predictor.learns();
@@ -78,7 +78,7 @@ impl Question<'_> {
 
     fn eigenvalues_at(
         &self,
-        frame: &Frame,
+        frame: &StructureMatrices,
         vary: &Variation,
         at: f64,
     ) -> Result<Vec<Complex<f64>>, Failure> {
@@ -99,7 +99,11 @@ impl Question<'_> {
     ///
     /// # Errors
     /// A rig that cannot be written down.
-    pub fn lateness(&self, frame: &Frame, vary: &Variation) -> Result<(f64, f64), Failure> {
+    pub fn lateness(
+        &self,
+        frame: &StructureMatrices,
+        vary: &Variation,
+    ) -> Result<(f64, f64), Failure> {
         let t = &self.config.timing;
         let omega = frame.omega[0] / t.time_scale;
         let g = LinearRig::new(self.rig, self.config, vary)?.response(0, omega / t.rate_hz);
@@ -111,7 +115,7 @@ impl Question<'_> {
     ///
     /// # Errors
     /// A rig that cannot be written down.
-    pub fn left(&self, frame: &Frame, vary: &Variation) -> Result<f64, Failure> {
+    pub fn left(&self, frame: &StructureMatrices, vary: &Variation) -> Result<f64, Failure> {
         let t = &self.config.timing;
         let omega = frame.omega[0] / t.time_scale;
         let rig = LinearRig::new(self.rig, self.config, vary)?;
@@ -124,12 +128,12 @@ impl Question<'_> {
     ///
     /// # Errors
     /// A rig that cannot be written down.
-    pub fn at_bounds(&self, frame: &Frame) -> Result<bool, Failure> {
+    pub fn at_bounds(&self, frame: &StructureMatrices) -> Result<bool, Failure> {
         let rig = LinearRig::new(self.rig, self.config, &Variation::NONE)?;
         Ok(self.predictor(frame, &rig).at_bounds)
     }
 
-    fn predictor(&self, frame: &Frame, rig: &LinearRig) -> Predictor {
+    fn predictor(&self, frame: &StructureMatrices, rig: &LinearRig) -> Predictor {
         Predictor::new(self.config, frame, rig, self.law, frame.omega[0])
     }
 }
@@ -146,7 +150,7 @@ struct Loop<'a> {
     filter: Filter,
     predictor: Predictor,
     /// What was sent last.
-    sent: Vec<Signal>,
+    sent: Vec<StateFunction>,
     /// `dt^2 (M + dt/2 C)^-1`.
     flexibility: DMatrix<f64>,
     damping_per_increment: DMatrix<f64>,
@@ -154,15 +158,15 @@ struct Loop<'a> {
     /// Force per displacement error.
     correction: DMatrix<f64>,
     /// `u_i`, `dt v_{i-1}` and `dt^2 a_{i-1}`, m.
-    u: Vec<Signal>,
-    q: Vec<Signal>,
-    s: Vec<Signal>,
+    u: Vec<StateFunction>,
+    q: Vec<StateFunction>,
+    s: Vec<StateFunction>,
 }
 
 impl<'a> Loop<'a> {
     fn new(
         question: &Question<'a>,
-        frame: &Frame,
+        frame: &StructureMatrices,
         vary: &Variation,
         at: f64,
     ) -> Result<Self, Failure> {
@@ -221,7 +225,7 @@ impl<'a> Loop<'a> {
     fn period(&mut self) {
         let substeps = self.config.timing.substeps;
         let physical = self.config.physical_storeys();
-        let mut way = Way::from_target(&self.u, &self.q, &self.s, &self.config.timing);
+        let mut way = Interpolation::from_target(&self.u, &self.q, &self.s, &self.config.timing);
         for tick in 0..substeps {
             let (displacement, force) = self.rig.step(&self.sent);
             let (displacement, force) = self.filter.step(&self.sent, displacement, force);
@@ -240,11 +244,11 @@ impl<'a> Loop<'a> {
         }
     }
 
-    fn solve(&mut self, displacement: &[Signal], force: &[Signal]) {
+    fn solve(&mut self, displacement: &[StateFunction], force: &[StateFunction]) {
         let n = self.u.len();
         // u_i - u_{i-1}, as the integrator knows it.
-        let increment: Vec<Signal> = (0..n).map(|j| &self.q[j] + &self.s[j] * 0.5).collect();
-        let mut unbalanced: Vec<Signal> = Vec::with_capacity(n);
+        let increment: Vec<StateFunction> = (0..n).map(|j| &self.q[j] + &self.s[j] * 0.5).collect();
+        let mut unbalanced: Vec<StateFunction> = Vec::with_capacity(n);
         for i in 0..n {
             let mut f = &self.u[i] * 0.0;
             for j in 0..n {
@@ -272,7 +276,7 @@ impl<'a> Loop<'a> {
 }
 
 impl Block for Loop<'_> {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
         all.extend(self.u.iter_mut().chain(&mut self.q).chain(&mut self.s));
         all.extend(&mut self.sent);
         self.rig.states(all);
@@ -285,7 +289,12 @@ impl Block for Loop<'_> {
 ///
 /// On one axis `K`; on several, the diagonal damping takes out what every axis has in phase with its velocity, so that
 /// the energy of any motion is that of the whole matrix. The clamp leaves of each row what it allows in the first mode.
-fn correction(config: &Config, frame: &Frame, vary: &Variation, late_s: f64) -> DMatrix<f64> {
+fn correction(
+    config: &Config,
+    frame: &StructureMatrices,
+    vary: &Variation,
+    late_s: f64,
+) -> DMatrix<f64> {
     let c = &config.compensation;
     let physical = config.physical_storeys();
     let declared = &frame.stiffness - &frame.numerical;

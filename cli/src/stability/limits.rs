@@ -1,10 +1,10 @@
 //! How much later, stronger or faster a loop may become before it is unstable.
 
 use super::closed_loop::Question;
-use super::frame::Frame;
 use super::linear_verdict::linear_verdict;
 use super::predictor::Law;
 use super::rig::Variation;
+use super::structure_matrices::StructureMatrices;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::rig::{Departures, Quantity};
@@ -15,7 +15,7 @@ use serde::Serialize;
 
 /// A quantity, its limit and what is between.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Limit {
+pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
     /// Where the loop becomes unstable; null: nowhere within the range that was searched.
@@ -24,7 +24,7 @@ pub struct Limit {
     pub margin_percent: Option<f64>,
 }
 
-impl Limit {
+impl StabilityLimit {
     fn new(present: f64, limit: Option<f64>) -> Self {
         Self {
             present,
@@ -38,18 +38,18 @@ impl Limit {
 
 /// The limits of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Limits {
+pub struct StabilityLimits {
     /// Delay of the measured behind the commanded displacement at the first natural frequency, ms of the laboratory.
-    pub delay: Limit,
+    pub delay: StabilityLimit,
     /// Force that is fed back, relative to the one that would be right.
-    pub gain: Limit,
+    pub gain: StabilityLimit,
     /// The smallest time scale at which it is stable; null: none up to 1000.
     pub time_scale_needed: Option<f64>,
 }
 
 /// A part of the delay.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Part {
+pub struct DelayPart {
     /// Which.
     pub part: &'static str,
     /// ms of the laboratory; negative: it leads.
@@ -69,7 +69,7 @@ const BISECTIONS: usize = 20;
 ///
 /// # Errors
 /// A test that cannot be written down.
-pub fn of(question: &Question<'_>, frame: &Frame) -> Result<Limits, Failure> {
+pub fn of(question: &Question<'_>, frame: &StructureMatrices) -> Result<StabilityLimits, Failure> {
     let stable = |vary: Variation| Ok(linear_verdict(question, frame, &vary)?.stable);
     let late_ms = |vary: Variation| Ok(question.lateness(frame, &vary)?.0 * 1e3);
     let now = stable(Variation::NONE)?;
@@ -103,9 +103,9 @@ pub fn of(question: &Question<'_>, frame: &Frame) -> Result<Limits, Failure> {
     } else {
         below(1.0, 1e-3, |g| stable(stronger(g)))?
     };
-    Ok(Limits {
-        delay: Limit::new(present_ms, delay),
-        gain: Limit::new(1.0, gain),
+    Ok(StabilityLimits {
+        delay: StabilityLimit::new(present_ms, delay),
+        gain: StabilityLimit::new(1.0, gain),
         time_scale_needed: time_scale(question)?,
     })
 }
@@ -119,13 +119,13 @@ const POINTS: usize = 40;
 ///
 /// # Errors
 /// A test that cannot be written down.
-pub fn over_delay(test: &TestFile, limits: &Limits) -> Result<Vec<(f64, f64)>, Failure> {
+pub fn over_delay(test: &TestFile, limits: &StabilityLimits) -> Result<Vec<(f64, f64)>, Failure> {
     let question = Question {
         config: &test.config,
         rig: &test.plant,
         law: Law::Learnt,
     };
-    let frame = Frame::of(&test.config)?;
+    let frame = StructureMatrices::of(&test.config)?;
     let present_ms = limits.delay.present;
     let further_ms = match limits.delay.limit {
         Some(limit) if limit > present_ms => 1.5 * (limit - present_ms),
@@ -217,7 +217,7 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
             config: &config,
             ..*question
         };
-        let frame = Frame::of(&config)?;
+        let frame = StructureMatrices::of(&config)?;
         Ok(linear_verdict(&question, &frame, &Variation::NONE)?.stable)
     };
     let present = question.config.timing.time_scale;
@@ -258,33 +258,33 @@ const COMPUTING_MS: f64 = 0.0155;
 /// A test that cannot be written down.
 pub fn budget(
     question: &Question<'_>,
-    frame: &Frame,
-    limits: &Limits,
-) -> Result<Vec<Part>, Failure> {
+    frame: &StructureMatrices,
+    limits: &StabilityLimits,
+) -> Result<Vec<DelayPart>, Failure> {
     let config = question.config;
     let period_ms = 1e3 / config.timing.rate_hz;
     let mut parts = vec![
-        Part {
+        DelayPart {
             part: "conversion",
             ms: CONVERSION_MS,
             from: "assumed: both channels sampled within 20 us; not in the eigenvalues",
         },
-        Part {
+        DelayPart {
             part: "computing",
             ms: COMPUTING_MS,
             from: "assumed: 1300 instructions of two cycles at 168 MHz; not in the eigenvalues",
         },
-        Part {
+        DelayPart {
             part: "dac",
             ms: 0.5 * period_ms,
             from: "a command is held for a control period",
         },
-        Part {
+        DelayPart {
             part: "integration",
             ms: -period_ms,
             from: "explicit: the next target is sent a control period before its time",
         },
-        Part {
+        DelayPart {
             part: "actuator",
             ms: limits.delay.present + 0.5 * period_ms,
             from: "plant.actuator, phase at the first natural frequency",
@@ -292,14 +292,14 @@ pub fn budget(
     ];
     let skew = Departures::of_rig(question.rig, 0)[Quantity::ForceLate];
     if skew != 0.0 {
-        parts.push(Part {
+        parts.push(DelayPart {
             part: "skew",
             ms: skew,
             from: "plant.sensors.skew_ms, force behind displacement",
         });
     }
     if config.estimation.kind == Filter::LowPass {
-        parts.push(Part {
+        parts.push(DelayPart {
             part: "filter",
             // Group delay of a second-order Butterworth at rest: sqrt(2) / (2 pi f_c).
             ms: 1e3 * std::f64::consts::SQRT_2
@@ -308,7 +308,7 @@ pub fn budget(
         });
     }
     if config.compensation.kind.predictor != Prediction::None {
-        parts.push(Part {
+        parts.push(DelayPart {
             part: "predictor",
             ms: question.left(frame, &Variation::NONE)? * 1e3 - limits.delay.present,
             from: "compensation: what it takes out at the first natural frequency",

@@ -1,9 +1,9 @@
 //! A test under one compensation, by the eigenvalues of its loop.
 
 use super::closed_loop::Question;
-use super::frame::Frame;
 use super::rig::Variation;
 use super::spectrum;
+use super::structure_matrices::StructureMatrices;
 use crate::failure::Failure;
 use serde::Serialize;
 
@@ -31,7 +31,7 @@ pub struct LinearVerdict {
 /// A test that cannot be written down.
 pub fn linear_verdict(
     question: &Question<'_>,
-    frame: &Frame,
+    frame: &StructureMatrices,
     vary: &Variation,
 ) -> Result<LinearVerdict, Failure> {
     let step_s = question.config.model_step_s();

@@ -24,7 +24,7 @@
 pub mod blocks;
 pub mod closed_loop;
 pub mod filter;
-pub mod frame;
+pub mod interpolation;
 pub mod largest;
 pub mod limits;
 pub mod linear_verdict;
@@ -32,14 +32,13 @@ pub mod perturbed;
 pub mod predictor;
 pub mod rig;
 pub mod spectrum;
-pub mod way;
+pub mod structure_matrices;
 
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::rig::Departures;
 use closed_loop::Question;
-use frame::Frame;
-use limits::{Limits, Part};
+use limits::{DelayPart, StabilityLimits};
 use linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_core::Method;
 use outerloop_core::linear::LinearForce;
@@ -49,6 +48,7 @@ use rayon::prelude::*;
 use rig::Variation;
 use serde::Serialize;
 use spectrum::Mode;
+use structure_matrices::StructureMatrices;
 
 /// What is found out about a test.
 #[derive(Clone, Debug, Serialize)]
@@ -72,9 +72,9 @@ pub struct Stability {
     pub modes: Vec<Mode>,
     /// Delay, gain and time scale: present and limit.
     #[serde(flatten)]
-    pub limits: Limits,
+    pub limits: StabilityLimits,
     /// Where the delay comes from.
-    pub delay_budget: Vec<Part>,
+    pub delay_budget: Vec<DelayPart>,
     /// The worst of many rigs.
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
@@ -93,7 +93,7 @@ pub struct Stability {
 pub fn answer(
     test: &TestFile,
     spread: &Spread,
-    tell: impl Fn() + Sync,
+    one_done: impl Fn() + Sync,
 ) -> Result<Stability, Failure> {
     let config = &test.config;
     let question = Question {
@@ -101,7 +101,7 @@ pub fn answer(
         rig: &test.plant,
         law: Law::Learnt,
     };
-    let frame = Frame::of(config)?;
+    let frame = StructureMatrices::of(config)?;
     // A rig that cannot be built is refused by its own words.
     let storeys = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
     plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0)
@@ -111,7 +111,7 @@ pub fn answer(
     // One after the other, and many at once.
     let (limits, perturbed) = rayon::join(
         || limits::of(&question, &frame),
-        || perturbed::of(&question, &frame, spread, &tell),
+        || perturbed::of(&question, &frame, spread, &one_done),
     );
     let limits = limits?;
     let at_start = config

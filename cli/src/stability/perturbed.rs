@@ -1,9 +1,9 @@
 //! The worst of many rigs.
 
 use super::closed_loop::Question;
-use super::frame::Frame;
 use super::linear_verdict::linear_verdict;
 use super::rig::Variation;
+use super::structure_matrices::StructureMatrices;
 use crate::failure::Failure;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -77,16 +77,16 @@ impl Spread {
 /// A test that cannot be written down.
 pub fn of(
     question: &Question<'_>,
-    frame: &Frame,
+    frame: &StructureMatrices,
     spread: &Spread,
-    tell: impl Fn() + Sync,
+    one_done: impl Fn() + Sync,
 ) -> Result<Perturbed, Failure> {
     let mut rows = spread
         .draw()
         .into_par_iter()
         .map(|vary| {
             let row = linear_verdict(question, frame, &vary);
-            tell();
+            one_done();
             Ok((vary, row?))
         })
         .collect::<Result<Vec<_>, Failure>>()?;

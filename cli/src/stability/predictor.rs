@@ -1,8 +1,8 @@
 //! Core's predictors in the closed loop, by the linear form that each has in its own file ([`outerloop_core::linear`]).
 
-use super::blocks::{Block, Delay, Signal, nothing};
-use super::frame::Frame;
+use super::blocks::{Block, Delay, StateFunction, nothing};
 use super::rig::LinearRig;
+use super::structure_matrices::StructureMatrices;
 use nalgebra::{Complex, DMatrix};
 use outerloop_core::Config;
 use outerloop_core::linear::{FrequencyResponse, Linear, Setting, Sum};
@@ -20,16 +20,16 @@ pub enum Law {
 enum Kind {
     Sum {
         sum: Sum,
-        last_acceleration: Signal,
-        error: Signal,
+        last_acceleration: StateFunction,
+        error: StateFunction,
     },
     /// Weights of the target now, and one, two and three delays ago.
     Extrapolation { weights: [f64; 4], past: Vec<Delay> },
     /// `new x + last x_1 + memory y_1`.
     Lead {
         weights: [f64; 3],
-        target: Signal,
-        command: Signal,
+        target: StateFunction,
+        command: StateFunction,
     },
     /// Row of this axis on velocities and accelerations of all.
     Model {
@@ -45,7 +45,7 @@ pub struct Predictor {
     /// Control steps by which the target is led.
     lead: f64,
     /// By how much the last target of each axis was led.
-    led: Vec<Signal>,
+    led: Vec<StateFunction>,
     /// Some axis would have to learn more than the bounds of its law allow.
     pub at_bounds: bool,
 }
@@ -54,16 +54,22 @@ pub struct Predictor {
 #[derive(Clone, Copy, Debug)]
 pub struct Ahead<'a> {
     /// Next targets.
-    pub displacement: &'a [Signal],
+    pub displacement: &'a [StateFunction],
     /// Their velocities.
-    pub velocity: &'a [Signal],
+    pub velocity: &'a [StateFunction],
     /// Their accelerations.
-    pub acceleration: &'a [Signal],
+    pub acceleration: &'a [StateFunction],
 }
 
 impl Predictor {
     /// As configured, on `rig`; what learns has learnt at `at` rad/s of model time.
-    pub fn new(config: &Config, frame: &Frame, rig: &LinearRig, law: Law, at: f64) -> Self {
+    pub fn new(
+        config: &Config,
+        frame: &StructureMatrices,
+        rig: &LinearRig,
+        law: Law,
+        at: f64,
+    ) -> Self {
         let omega = at / (config.timing.time_scale * config.timing.rate_hz);
         let mut at_bounds = false;
         let axes: Vec<Kind> = (0..config.physical_storeys())
@@ -92,21 +98,21 @@ impl Predictor {
     /// One control step: what is sent for the motion `ahead`, after `target` was in force and `measured` was read.
     pub fn step(
         &mut self,
-        target: &[Signal],
-        measured: &[Signal],
+        target: &[StateFunction],
+        measured: &[StateFunction],
         ahead: &Ahead<'_>,
-    ) -> Vec<Signal> {
+    ) -> Vec<StateFunction> {
         if self.lead == 0.0 {
             return self.send(target, measured, ahead);
         }
         let (lead, floors) = (self.lead, 0..ahead.displacement.len());
         let rise =
             |j: usize| &ahead.velocity[j] * lead + &ahead.acceleration[j] * (0.5 * lead * lead);
-        let displacement: Vec<Signal> = floors
+        let displacement: Vec<StateFunction> = floors
             .clone()
             .map(|j| &ahead.displacement[j] + rise(j))
             .collect();
-        let velocity: Vec<Signal> = floors
+        let velocity: Vec<StateFunction> = floors
             .map(|j| &ahead.velocity[j] + &ahead.acceleration[j] * lead)
             .collect();
         let mut led_target = target.to_vec();
@@ -122,7 +128,12 @@ impl Predictor {
         self.send(&led_target, measured, &led_ahead)
     }
 
-    fn send(&mut self, target: &[Signal], measured: &[Signal], ahead: &Ahead<'_>) -> Vec<Signal> {
+    fn send(
+        &mut self,
+        target: &[StateFunction],
+        measured: &[StateFunction],
+        ahead: &Ahead<'_>,
+    ) -> Vec<StateFunction> {
         let mut send = ahead.displacement.to_vec();
         for (j, axis) in self.axes.iter_mut().enumerate() {
             send[j] = axis.step(&target[j], &measured[j], ahead, j);
@@ -140,7 +151,7 @@ impl Predictor {
 
 impl Kind {
     /// The linear form of axis `j`.
-    fn new(linear: &Linear, config: &Config, frame: &Frame, j: usize) -> Self {
+    fn new(linear: &Linear, config: &Config, frame: &StructureMatrices, j: usize) -> Self {
         match *linear {
             Linear::Sum(sum) => Self::Sum {
                 sum,
@@ -163,7 +174,13 @@ impl Kind {
         }
     }
 
-    fn step(&mut self, target: &Signal, measured: &Signal, ahead: &Ahead<'_>, j: usize) -> Signal {
+    fn step(
+        &mut self,
+        target: &StateFunction,
+        measured: &StateFunction,
+        ahead: &Ahead<'_>,
+        j: usize,
+    ) -> StateFunction {
         let (u, v, a) = (
             &ahead.displacement[j],
             &ahead.velocity[j],
@@ -259,7 +276,7 @@ impl Kind {
 }
 
 impl Block for Predictor {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
         if self.lead != 0.0 {
             all.extend(&mut self.led);
         }
@@ -292,7 +309,7 @@ impl Block for Predictor {
 }
 
 /// `u + A v + B a` with what `M a' + C a + K v = 0` makes of v and a within `delay_s` of model time.
-fn free_vibration(config: &Config, frame: &Frame, delay_s: f64, j: usize) -> Kind {
+fn free_vibration(config: &Config, frame: &StructureMatrices, delay_s: f64, j: usize) -> Kind {
     let n = frame.mass.nrows();
     let step_s = 1.0 / (config.timing.rate_hz * config.timing.time_scale);
     let solve = |m: &DMatrix<f64>| {

@@ -1,6 +1,6 @@
 //! The simulated rig, linearised about rest: actuators, storeys, sensors.
 
-use super::blocks::{Block, Delay, Differences, Lag, Signal};
+use super::blocks::{Block, Delay, Differences, Lag, StateFunction};
 use crate::failure::Failure;
 use crate::rig::{Departures, Quantity};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -141,18 +141,18 @@ impl LinearRig {
     }
 
     /// One control period: displacement and force of each axis as they are read.
-    pub fn step(&mut self, command: &[Signal]) -> (Vec<Signal>, Vec<Signal>) {
-        let moved: Vec<Signal> = self
+    pub fn step(&mut self, command: &[StateFunction]) -> (Vec<StateFunction>, Vec<StateFunction>) {
+        let moved: Vec<StateFunction> = self
             .axes
             .iter_mut()
             .zip(command)
             .map(|(axis, c)| {
                 let delayed = axis.line.step(c * axis.gain);
-                let through = |x: Signal, lag: &mut Lag| lag.step(&x);
+                let through = |x: StateFunction, lag: &mut Lag| lag.step(&x);
                 axis.lags.iter_mut().fold(delayed, through)
             })
             .collect();
-        let mut shear: Vec<Signal> = Vec::with_capacity(moved.len());
+        let mut shear: Vec<StateFunction> = Vec::with_capacity(moved.len());
         for (j, axis) in self.axes.iter_mut().enumerate() {
             let drift = match j.checked_sub(1) {
                 Some(below) => &moved[j] - &moved[below],
@@ -175,7 +175,7 @@ impl LinearRig {
             if let Some(above) = shear.get(j + 1) {
                 force -= above;
             }
-            let mut read_late = |i: usize, x: Signal| {
+            let mut read_late = |i: usize, x: StateFunction| {
                 let [sampled, waits] = &mut axis.late[i];
                 waits.step(sampled.step(x * axis.reads[i]))
             };
@@ -196,7 +196,7 @@ impl LinearRig {
 }
 
 impl Block for LinearRig {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut Signal>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
         for axis in &mut self.axes {
             axis.line.states(all);
             for lag in &mut axis.lags {

@@ -18,7 +18,7 @@ use swept_test::SweptTest;
 
 /// What a sweep came to.
 #[derive(Debug, Serialize)]
-pub struct Swept<'a> {
+pub struct SweepResult<'a> {
     /// Path of the key.
     pub path: &'a str,
     /// Each test.
@@ -50,7 +50,7 @@ pub fn run(
             let ideal = e.ideal()?;
             let ideal_peak_m = ideal.peaks_m().into_iter().fold(0.0, f64::max);
             let row = |method: &Method| {
-                let run = e.run(*method, &ideal, seed, false, progress.witness())?;
+                let run = e.run(*method, &ideal, seed, false, progress.observer())?;
                 Ok(SweptTest {
                     value: *value,
                     ideal_peak_m,

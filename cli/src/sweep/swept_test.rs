@@ -1,6 +1,6 @@
 //! One test of a sweep.
 
-use crate::summary::{Summary, Verdict};
+use crate::summary::{Summary, TestVerdict};
 use serde::Serialize;
 
 /// One test of a sweep.
@@ -18,6 +18,6 @@ pub struct SweptTest {
 impl SweptTest {
     /// The displacement went beyond `limit_m`; what tripped or ran away did, wherever that was.
     pub fn beyond(&self, limit_m: f64) -> bool {
-        self.summary.verdict != Verdict::Completed || self.summary.peak_displacement_m > limit_m
+        self.summary.verdict != TestVerdict::Completed || self.summary.peak_displacement_m > limit_m
     }
 }

@@ -1,8 +1,8 @@
 //! A diagnosis on the terminal.
 
 use super::tables::{Table, table};
+use crate::improve::Improvement;
 use crate::numbers::percent;
-use crate::story::Story;
 use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
     sureness, verdict,
@@ -57,7 +57,7 @@ pub fn diagnosis(d: &Diagnosis) -> String {
 }
 
 /// One row a story.
-pub fn stories(stories: &[(String, &Story)]) -> Table {
+pub fn stories(stories: &[(String, &Improvement)]) -> Table {
     let mut t = table(&[
         "test",
         "undeclared",
@@ -75,14 +75,14 @@ pub fn stories(stories: &[(String, &Story)]) -> Table {
         t.add_row([
             name.clone(),
             s.undeclared(),
-            Story::named(&s.diagnosis),
+            Improvement::named(&s.diagnosis),
             percent(s.before.summary.eps_rms),
             percent(s.after.summary.eps_rms),
             s.possible
                 .as_ref()
                 .map_or_else(|| "?".into(), |r| percent(r.summary.eps_rms)),
             s.outcome().name().to_owned(),
-            Story::named(&s.remains),
+            Improvement::named(&s.remains),
         ]);
     }
     t

@@ -1,7 +1,7 @@
 //! What is shown while one waits.
 
 use super::output;
-use crate::trace::Witness;
+use crate::trace::TestObserver;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use outerloop_core::Record;
 use std::sync::Mutex;
@@ -48,7 +48,7 @@ impl Progress {
     }
 
     /// What a test tells its steps to.
-    pub fn witness(&self) -> Steps<'_> {
+    pub fn observer(&self) -> Steps<'_> {
         Steps {
             progress: self,
             untold: 0,
@@ -81,9 +81,9 @@ pub struct Steps<'a> {
     untold: u64,
 }
 
-impl Witness for Steps<'_> {
+impl TestObserver for Steps<'_> {
     #[inline]
-    fn see<const N: usize>(&mut self, _: &Record<N>) {
+    fn on_step<const N: usize>(&mut self, _: &Record<N>) {
         self.untold += 1;
         if self.untold == STEPS_A_TELL {
             self.progress.add(self.untold);

@@ -3,9 +3,9 @@
 mod commission;
 
 use super::json;
-use crate::board::{self, Connection, Patience, Serial};
+use crate::board::{self, Connection, Serial, Timeouts};
 use crate::failure::Failure;
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use clap::{Args, Subcommand};
 use commission::Commission;
 use link::Calibration;
@@ -60,14 +60,14 @@ struct Plain {
 }
 
 fn connect(device: &str) -> Result<Connection<Serial>, Failure> {
-    Ok(Connection::new(Serial::open(device)?, Patience::BOARD))
+    Ok(Connection::new(Serial::open(device)?, Timeouts::BOARD))
 }
 
 impl Plain {
     fn identify(&self) -> Result<(), Failure> {
         let identity = board::identify(&mut connect(&self.port)?)?;
         if self.json {
-            answer!("{}", json(&Told::of(&identity))?);
+            answer!("{}", json(&WithProvenance::of(&identity))?);
             return Ok(());
         }
         println!(
@@ -92,7 +92,7 @@ impl Plain {
         let identity = board::identify(connection)?;
         let status = board::status(connection)?;
         if self.json {
-            answer!("{}", json(&Told::of(&status))?);
+            answer!("{}", json(&WithProvenance::of(&status))?);
             return Ok(());
         }
         println!("{}", board::describe(&identity, &status));
@@ -102,7 +102,7 @@ impl Plain {
     fn clear(&self) -> Result<(), Failure> {
         board::clear(&mut connect(&self.port)?)?;
         if self.json {
-            answer!("{}", json(&Told::of(&serde_json::Map::new()))?);
+            answer!("{}", json(&WithProvenance::of(&serde_json::Map::new()))?);
         } else {
             println!("The board is idle.");
         }

@@ -1,9 +1,9 @@
 //! `outerloop check`: whether a test may be run, before the oil is on.
 
-mod many;
+mod surveys;
 
-use super::coupled::AskedCheck;
-use super::{Motion, json, method};
+use super::coupled::CoupledCheckRequest;
+use super::{MotionArguments, json, method};
 use crate::coupled::load;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
@@ -11,9 +11,9 @@ use crate::files::ground_motion::GroundMotionFile;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::provenance::{Told, note_seed};
-use crate::report::{self, Checked, Section};
-use crate::soundness::{self, Eigenvalues, Judgement, Verdict};
+use crate::provenance::{WithProvenance, note_seed};
+use crate::report::{self, Checked, TestSection};
+use crate::soundness::{self, Eigenvalues, Judgement, SoundnessVerdict};
 use crate::stability::linear_verdict::LinearVerdict;
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Stability};
@@ -32,7 +32,7 @@ pub struct Check {
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     #[command(flatten)]
-    motion: Motion,
+    motion: MotionArguments,
     /// Instead of a test: the verdicts against what the tests then do, over so many drawn rigs
     #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
     survey: Option<usize>,
@@ -94,7 +94,7 @@ impl Check {
         let spread = self.spread()?;
         note_seed(self.seed);
         if let Some(test) = load::test(path, &self.overrides)? {
-            let asked = AskedCheck {
+            let asked = CoupledCheckRequest {
                 shaking: self.shaking(test.excitation.record.as_deref())?,
                 compensation: self.compensation.as_deref(),
                 spread,
@@ -117,7 +117,7 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        let told = Told::of(&whole);
+        let told = WithProvenance::of(&whole);
         if let Some(folder) = &self.out {
             write(folder, &experiment, &whole, json(&told)?)?;
         }
@@ -138,9 +138,9 @@ impl Check {
         }
         let said = format!("{}: {}", path.display(), judgement.reason);
         match judgement.verdict {
-            Verdict::Stable => Ok(()),
-            Verdict::Doubtful => Err(Failure::test(said)),
-            Verdict::Unstable => Err(Failure::input(said)),
+            SoundnessVerdict::Stable => Ok(()),
+            SoundnessVerdict::Doubtful => Err(Failure::test(said)),
+            SoundnessVerdict::Unstable => Err(Failure::input(said)),
         }
     }
 
@@ -196,7 +196,7 @@ fn judge(
     let eigenvalues = Eigenvalues::of(test)?;
     let progress = Progress::over("tests", 3);
     let mut judgement = soundness::judge(experiment, &eigenvalues, spread, || progress.add(1))?;
-    if judgement.verdict == Verdict::Stable {
+    if judgement.verdict == SoundnessVerdict::Stable {
         return Ok(judgement);
     }
     if let Some(reason) = answer.reason.as_ref().filter(|_| soundness::fixed(test)) {
@@ -231,7 +231,7 @@ fn write(
         judgement: whole.judgement,
         answer: whole.answer,
         over_delay: &stability::limits::over_delay(&experiment.test, &whole.answer.limits)?,
-        planned: Section {
+        planned: TestSection {
             experiment,
             summary: &run.summary,
             trace: run
@@ -304,7 +304,7 @@ fn print(a: &Stability) {
     println!("{t}\n");
 
     let mut t = table(&["", "present", "limit", "margin"]);
-    let margin = |l: &stability::limits::Limit| {
+    let margin = |l: &stability::limits::StabilityLimit| {
         l.margin_percent
             .map_or_else(|| "-".into(), |m| format!("{m:.1} %"))
     };

@@ -1,15 +1,15 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{Common, json, method};
+use super::{CommonArguments, json, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::judged::Run;
-use crate::provenance::Told;
-use crate::report::{self, Section};
+use crate::judged::JudgedRun;
+use crate::provenance::WithProvenance;
+use crate::report::{self, TestSection};
 use crate::summary::{Summary, Worth};
 use crate::terminal::{self, Progress, interrupt};
 use outerloop_core::Method;
@@ -21,7 +21,7 @@ use std::time::Instant;
 #[derive(clap::Args, Debug)]
 pub struct Compare {
     #[command(flatten)]
-    common: Common,
+    common: CommonArguments,
     /// A ground motion; may be given several times
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
@@ -63,7 +63,7 @@ impl Compare {
             .par_iter()
             .map(Experiment::ideal)
             .collect::<Result<Vec<_>, _>>()?;
-        let runs: Vec<(usize, Run)> = {
+        let runs: Vec<(usize, JudgedRun)> = {
             let progress = Progress::over("compare", (steps * methods.len()) as u64);
             let tests: Vec<(usize, Method)> = (0..experiments.len())
                 .flat_map(|e| methods.iter().map(move |m| (e, *m)))
@@ -73,8 +73,8 @@ impl Compare {
                 .into_par_iter()
                 .filter(|_| !interrupt::asked())
                 .map(|(e, method)| {
-                    let (seed, tell) = (self.common.seed, progress.witness());
-                    let run = experiments[e].run(method, &ideals[e], seed, keep, tell)?;
+                    let (seed, observer) = (self.common.seed, progress.observer());
+                    let run = experiments[e].run(method, &ideals[e], seed, keep, observer)?;
                     Ok((e, run))
                 })
                 .collect::<Result<_, Failure>>()?
@@ -82,10 +82,10 @@ impl Compare {
         let rows: Vec<Summary> = runs.iter().map(|(_, run)| run.summary.clone()).collect();
         let all = serde_json::json!({ "rows": rows });
         if let Some(folder) = &self.out {
-            let sections: Vec<Section<'_>> = runs
+            let sections: Vec<TestSection<'_>> = runs
                 .iter()
                 .filter_map(|(e, run)| {
-                    Some(Section {
+                    Some(TestSection {
                         experiment: &experiments[*e],
                         summary: &run.summary,
                         trace: run.trace.as_ref()?,
@@ -93,7 +93,7 @@ impl Compare {
                     })
                 })
                 .collect();
-            let told = Told::seeded(&all, self.common.seed);
+            let told = WithProvenance::seeded(&all, self.common.seed);
             output::write_all(
                 folder,
                 &[
@@ -103,7 +103,7 @@ impl Compare {
             )?;
         }
         if self.common.json {
-            answer!("{}", json(&Told::seeded(&all, self.common.seed))?);
+            answer!("{}", json(&WithProvenance::seeded(&all, self.common.seed))?);
         } else {
             println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
             if let Some(folder) = &self.out {
@@ -158,7 +158,7 @@ impl Compare {
         );
         let standings = standing::of(&rows);
         let all = serde_json::json!({ "rows": rows, "standings": standings });
-        let all = json(&Told::of(&all))?;
+        let all = json(&WithProvenance::of(&all))?;
         if let Some(folder) = &self.out {
             let page = report::of_comparison(&rows, &lead)?;
             output::write_all(

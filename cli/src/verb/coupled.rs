@@ -1,6 +1,6 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
-use super::{Common, json};
+use super::{CommonArguments, json};
 use crate::coupled::experiment::CoupledExperiment;
 use crate::coupled::file::CoupledTest;
 use crate::coupled::load;
@@ -14,9 +14,9 @@ use crate::files::ground_motion::GroundMotionFile;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::numbers::{percent, si};
-use crate::provenance::{Told, note_seed};
+use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CoupledSection};
-use crate::soundness::Verdict;
+use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
 use crate::summary::Worth;
 use crate::terminal::coupled_test::{
@@ -27,7 +27,7 @@ use crate::trace::Response;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-impl Common {
+impl CommonArguments {
     /// The test, where it is one of two coupled actuators.
     pub(super) fn coupled(&self) -> Result<Option<CoupledTest>, Failure> {
         note_seed(self.seed);
@@ -73,9 +73,9 @@ fn kind(name: &str) -> Result<CoupledCompensation, Failure> {
 }
 
 /// What is asked of one test.
-pub(super) struct Asked<'a> {
+pub(super) struct CoupledRequest<'a> {
     /// What all verbs have in common.
-    pub common: &'a Common,
+    pub common: &'a CommonArguments,
     /// The ground motion.
     pub record: Option<&'a Path>,
     /// The compensation, instead of the file's.
@@ -90,7 +90,7 @@ pub(super) struct Asked<'a> {
 ///
 /// # Errors
 /// Bad input, or a test that tripped, ran away, or is not the structure's response.
-pub(super) fn run(test: &CoupledTest, asked: &Asked<'_>) -> Result<(), Failure> {
+pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), Failure> {
     let kind = asked
         .compensation
         .map_or(Ok(test.coupled.compensation), kind)?;
@@ -102,7 +102,7 @@ pub(super) fn run(test: &CoupledTest, asked: &Asked<'_>) -> Result<(), Failure> 
         Ok::<_, Failure>((ideal, trial))
     })?;
     let summary = CoupledSummary::of(&experiment, kind, &ideal, &trial)?;
-    let told = Told::seeded(&summary, common.seed);
+    let told = WithProvenance::seeded(&summary, common.seed);
     if let Some(folder) = asked.out {
         let page = report::of_coupled_run(&CoupledSection {
             experiment: &experiment,
@@ -188,7 +188,7 @@ fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledRecord) -> Stri
 /// Bad input; no row that is the structure's response.
 pub(super) fn compare(
     test: &CoupledTest,
-    common: &Common,
+    common: &CommonArguments,
     (records, names): (&[PathBuf], &[String]),
     out: Option<&Path>,
 ) -> Result<(), Failure> {
@@ -223,7 +223,7 @@ pub(super) fn compare(
     drop(progress);
     let rows: Vec<CoupledSummary> = runs.iter().map(|(_, s, _)| s.clone()).collect();
     let all = serde_json::json!({ "rows": rows });
-    let told = Told::seeded(&all, common.seed);
+    let told = WithProvenance::seeded(&all, common.seed);
     if let Some(folder) = out {
         let sections: Vec<CoupledSection<'_>> = runs
             .iter()
@@ -257,7 +257,7 @@ pub(super) fn compare(
 }
 
 /// What is asked of a check.
-pub(super) struct AskedCheck<'a> {
+pub(super) struct CoupledCheckRequest<'a> {
     /// The ground motion.
     pub shaking: GroundMotionFile,
     /// The compensation, instead of the file's.
@@ -274,7 +274,7 @@ pub(super) struct AskedCheck<'a> {
 ///
 /// # Errors
 /// Bad input; a test that may not be run.
-pub(super) fn check(test: &CoupledTest, asked: &AskedCheck<'_>) -> Result<(), Failure> {
+pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Result<(), Failure> {
     let kind = asked
         .compensation
         .map_or(Ok(test.coupled.compensation), kind)?;
@@ -283,7 +283,7 @@ pub(super) fn check(test: &CoupledTest, asked: &AskedCheck<'_>) -> Result<(), Fa
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
     };
-    let told = Told::seeded(&check, asked.spread.seed);
+    let told = WithProvenance::seeded(&check, asked.spread.seed);
     if let Some(folder) = asked.out {
         let section = CoupledSection {
             experiment: &experiment,
@@ -307,9 +307,9 @@ pub(super) fn check(test: &CoupledTest, asked: &AskedCheck<'_>) -> Result<(), Fa
     }
     let said = check.reason.clone();
     match check.verdict {
-        Verdict::Stable => Ok(()),
-        Verdict::Doubtful => Err(Failure::test(said)),
-        Verdict::Unstable => Err(Failure::input(said)),
+        SoundnessVerdict::Stable => Ok(()),
+        SoundnessVerdict::Doubtful => Err(Failure::test(said)),
+        SoundnessVerdict::Unstable => Err(Failure::input(said)),
     }
 }
 

@@ -5,11 +5,11 @@ use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
-use crate::report::{self, Section};
-use crate::story::Story;
+use crate::improve::Improvement;
+use crate::report::{self, TestSection};
 use crate::summary::Summary;
 use crate::terminal::{self, Progress};
-use crate::verb::place::Place;
+use crate::verb::rig_arguments::RigArguments;
 use crate::wording::headline;
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
@@ -30,15 +30,24 @@ const SEED: u64 = 1;
 const UNDECLARED: &str = include_str!("../../../examples/undeclared/inertia.toml");
 
 /// A test, the diagnosis of its record, and the test after it.
-fn undeclared() -> Result<Story, Failure> {
+fn undeclared() -> Result<Improvement, Failure> {
     let file = "examples/undeclared/inertia.toml";
     let test = TestFile::parse(UNDECLARED, file, Path::new(""), &[])?;
     let model = test
         .declared_model()
         .ok_or_else(|| Failure::test(format!("{file}: declares no model")))?;
     let experiment = Experiment::new(test, &near_fault(), None)?;
-    let progress = Progress::over("tests and diagnosis", Story::steps(&experiment) as u64);
-    Story::of(experiment, &model, &Place::default(), SEED, &progress)
+    let progress = Progress::over(
+        "tests and diagnosis",
+        Improvement::steps(&experiment) as u64,
+    );
+    Improvement::of(
+        experiment,
+        &model,
+        &RigArguments::default(),
+        SEED,
+        &progress,
+    )
 }
 
 impl Demo {
@@ -63,7 +72,7 @@ impl Demo {
             let progress = Progress::over("tests", steps as u64);
             Method::ALL
                 .into_iter()
-                .map(|kind| experiment.run(kind, &ideal, SEED, true, progress.witness()))
+                .map(|kind| experiment.run(kind, &ideal, SEED, true, progress.observer()))
                 .collect::<Result<Vec<_>, _>>()?
         };
         let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
@@ -76,7 +85,7 @@ impl Demo {
             let run = runs
                 .iter()
                 .find(|r| r.summary.compensation == kind.name())?;
-            Some(Section {
+            Some(TestSection {
                 experiment: &experiment,
                 summary: &run.summary,
                 trace: run.trace.as_ref()?,

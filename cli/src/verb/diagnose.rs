@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::files::columns::Columns;
 use crate::files::measured::{Library, Part};
 use crate::files::{model, output, signal};
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use diagnosis::{Diagnosis, ForceUnit, Next};
@@ -114,7 +114,7 @@ impl Diagnose {
                 .zip(self.next.as_deref())
                 .map(|(design, file)| Designed { file, design }),
         };
-        let told = Told::of(&answer);
+        let told = WithProvenance::of(&answer);
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }

@@ -1,11 +1,11 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
 use super::json;
-use crate::difference::{self, Apart, Difference};
+use crate::difference::{self, ChannelDifference, Difference};
 use crate::failure::Failure;
 use crate::files::{archive, output};
 use crate::numbers::{percent, si};
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use serde_json::Value;
@@ -42,7 +42,7 @@ impl Diff {
         }
         let first = archive::load(&self.first)?;
         let second = archive::load(&self.second)?;
-        let floors = |a: &archive::Archived| a.repeat.config.degrees_of_freedom();
+        let floors = |a: &archive::ArchivedTest| a.repeat.config.degrees_of_freedom();
         if floors(&first) != floors(&second) {
             return Err(Failure::input(format!(
                 "{}, floors: {}; {}, floors: {}: accepted are two tests of as many floors",
@@ -60,7 +60,7 @@ impl Diff {
                 self.second.display()
             )));
         }
-        let told = json(&Told::of(&difference))?;
+        let told = json(&WithProvenance::of(&difference))?;
         if let Some(folder) = &self.out {
             let names = [&self.first, &self.second].map(|p| p.display().to_string());
             let page = report::of_difference(&difference, [&first, &second], &names)?;
@@ -115,7 +115,7 @@ impl Diff {
     }
 }
 
-fn cells(c: &Apart) -> [String; 6] {
+fn cells(c: &ChannelDifference) -> [String; 6] {
     [
         c.channel.clone(),
         si(c.peak, c.unit),

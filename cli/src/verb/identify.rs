@@ -7,7 +7,7 @@ use crate::files::measured::{Library, Part};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::rig::improvement::LEAST_LAG_MS;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
@@ -53,7 +53,7 @@ impl Identify {
             }
         }
         if self.json {
-            answer!("{}", json(&Told::of(&found))?);
+            answer!("{}", json(&WithProvenance::of(&found))?);
             return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
         }
         for (name, unit, value, [low, high]) in [

@@ -1,12 +1,12 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
-use super::place::Place;
-use super::{Common, json};
+use super::rig_arguments::RigArguments;
+use super::{CommonArguments, json};
 use crate::failure::Failure;
 use crate::files::{model, output, record_csv, signal};
-use crate::provenance::Told;
+use crate::improve::{Improvement, ImprovementOutcome};
+use crate::provenance::WithProvenance;
 use crate::report;
-use crate::story::{Outcome, Story};
 use crate::terminal::{self, Progress};
 use diagnosis::{Diagnosis, Model};
 use serde::Serialize;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Improve {
     #[command(flatten)]
-    common: Common,
+    common: CommonArguments,
     /// More tests
     #[arg(value_name = "TEST")]
     more: Vec<PathBuf>,
@@ -31,7 +31,7 @@ pub struct Improve {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    place: Place,
+    place: RigArguments,
 }
 
 /// All rows as JSON.
@@ -49,7 +49,7 @@ struct Row<'a> {
     eps_rms_before: f64,
     eps_rms_after: f64,
     eps_rms_without: Option<f64>,
-    outcome: Outcome,
+    outcome: ImprovementOutcome,
     eps_max_before: f64,
     eps_max_after: f64,
     remains: String,
@@ -70,7 +70,7 @@ impl Improve {
         for file in &files {
             stories.push(self.story(file)?);
         }
-        let named: Vec<(String, &Story)> = files
+        let named: Vec<(String, &Improvement)> = files
             .iter()
             .map(|f| {
                 f.file_stem()
@@ -85,13 +85,16 @@ impl Improve {
         }
         if self.common.json {
             let rows = named.iter().map(|(name, s)| row(name, s)).collect();
-            answer!("{}", json(&Told::seeded(&Rows { rows }, self.common.seed))?);
+            answer!(
+                "{}",
+                json(&WithProvenance::seeded(&Rows { rows }, self.common.seed))?
+            );
         } else {
             self.print(&named);
         }
         let worse: Vec<&str> = named
             .iter()
-            .filter(|(_, s)| s.outcome() == Outcome::Worse)
+            .filter(|(_, s)| s.outcome() == ImprovementOutcome::Worse)
             .map(|(name, _)| name.as_str())
             .collect();
         if worse.is_empty() {
@@ -104,7 +107,7 @@ impl Improve {
         }
     }
 
-    fn print(&self, named: &[(String, &Story)]) {
+    fn print(&self, named: &[(String, &Improvement)]) {
         for (name, story) in named {
             println!("{name}");
             for c in &story.first.channels {
@@ -130,7 +133,7 @@ impl Improve {
         }
     }
 
-    fn story(&self, file: &std::path::Path) -> Result<Story, Failure> {
+    fn story(&self, file: &std::path::Path) -> Result<Improvement, Failure> {
         let test = self.common.load_other(file)?;
         let declared = match &self.model {
             Some(path) => model::load(path)?,
@@ -143,8 +146,8 @@ impl Improve {
             })?,
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        let progress = Progress::over(&experiment.record, Story::steps(&experiment) as u64);
-        Story::of(
+        let progress = Progress::over(&experiment.record, Improvement::steps(&experiment) as u64);
+        Improvement::of(
             experiment,
             &declared,
             &self.place,
@@ -154,31 +157,31 @@ impl Improve {
     }
 }
 
-fn row<'a>(name: &str, s: &'a Story) -> Row<'a> {
+fn row<'a>(name: &str, s: &'a Improvement) -> Row<'a> {
     Row {
         test: name.to_owned(),
         undeclared: s.undeclared(),
-        found: Story::named(&s.diagnosis),
+        found: Improvement::named(&s.diagnosis),
         eps_rms_before: s.before.summary.eps_rms,
         eps_rms_after: s.after.summary.eps_rms,
         eps_rms_without: s.possible.as_ref().map(|r| r.summary.eps_rms),
         outcome: s.outcome(),
         eps_max_before: s.before.summary.eps_max,
         eps_max_after: s.after.summary.eps_max,
-        remains: Story::named(&s.remains),
-        found_first: Story::named(&s.first),
+        remains: Improvement::named(&s.remains),
+        found_first: Improvement::named(&s.first),
         designed: s.designed.iter().map(|d| &d.next).collect(),
         changes: &s.changes,
         diagnosis: &s.diagnosis,
     }
 }
 
-fn write(folder: &std::path::Path, stories: &[(String, &Story)]) -> Result<(), Failure> {
+fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result<(), Failure> {
     let mut files = vec![("report.html".to_owned(), report::of_stories(stories)?)];
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
         // A model with which the test became worse is not handed on.
-        if story.outcome() != Outcome::Worse {
+        if story.outcome() != ImprovementOutcome::Worse {
             files.push((format!("{name}-model.toml"), model::to_toml(improved)?));
         }
         if let Some(trace) = &story.before.trace {

@@ -15,8 +15,8 @@ pub mod improve;
 pub mod keys;
 pub mod monte_carlo;
 pub mod new;
-pub mod place;
 pub mod replay;
+pub mod rig_arguments;
 pub mod run;
 pub mod serve;
 pub mod shell;
@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 
 /// What is said on the command line of a ground motion that does not say it itself.
 #[derive(clap::Args, Debug)]
-pub struct Motion {
+pub struct MotionArguments {
     /// Interval of a ground motion that has one acceleration a line, s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<f64>,
@@ -46,7 +46,7 @@ pub struct Motion {
     sensitivity: Option<f64>,
 }
 
-impl Motion {
+impl MotionArguments {
     fn columns(&self) -> Columns {
         Columns {
             interval_s: self.dt,
@@ -58,11 +58,11 @@ impl Motion {
 
 /// What `run` and `compare` have in common.
 #[derive(clap::Args, Debug)]
-pub struct Common {
+pub struct CommonArguments {
     /// The test file
     test: PathBuf,
     #[command(flatten)]
-    motion: Motion,
+    motion: MotionArguments,
     /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
     #[arg(long = "set", value_name = "PATH=VALUE")]
     overrides: Vec<String>,
@@ -77,7 +77,7 @@ pub struct Common {
     json: bool,
 }
 
-impl Common {
+impl CommonArguments {
     fn load(&self) -> Result<TestFile, Failure> {
         note_seed(self.seed);
         self.load_other(&self.test)

@@ -1,12 +1,12 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
-use super::{Common, json, method};
+use super::{CommonArguments, json, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
-use crate::judged::Run;
-use crate::provenance::Told;
-use crate::report::{self, Many, Section};
+use crate::judged::JudgedRun;
+use crate::provenance::WithProvenance;
+use crate::report::{self, ManyTests, TestSection};
 use crate::stability::perturbed::Spread;
 use crate::summary::Summary;
 use crate::terminal::{Progress, percent, table};
@@ -22,7 +22,7 @@ use std::time::Instant;
 #[derive(clap::Args, Debug)]
 pub struct MonteCarlo {
     #[command(flatten)]
-    common: Common,
+    common: CommonArguments,
     /// The ground motion: CSV, AT2, or one acceleration a line
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -119,18 +119,21 @@ impl MonteCarlo {
             let own = experiment.on_rig(&rigs[worst]);
             let ideal = own.ideal()?;
             let one = self.one((own, ideal), kind, worst, None)?;
-            let many = Many {
+            let many = ManyTests {
                 spread: &spread,
                 rigs: &rigs,
                 summaries: &summaries,
                 worst_rig: &rigs[worst],
                 worst: one.section()?,
             };
-            let told = json(&Told::seeded(&outcome, self.common.seed))?;
+            let told = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
             write(folder, &many, told)?;
         }
         if self.common.json {
-            answer!("{}", json(&Told::seeded(&outcome, self.common.seed))?);
+            answer!(
+                "{}",
+                json(&WithProvenance::seeded(&outcome, self.common.seed))?
+            );
         } else {
             print(&outcome, kind.name());
             if let Some(folder) = &self.out {
@@ -150,7 +153,7 @@ impl MonteCarlo {
     ) -> Result<One, Failure> {
         let seed = self.common.seed.wrapping_add(i as u64);
         let run = match progress {
-            Some(progress) => own.run(kind, &ideal, seed, false, progress.witness())?,
+            Some(progress) => own.run(kind, &ideal, seed, false, progress.observer())?,
             None => own.run(kind, &ideal, seed, true, ())?,
         };
         Ok(One { own, ideal, run })
@@ -161,12 +164,12 @@ impl MonteCarlo {
 struct One {
     own: Experiment,
     ideal: Response,
-    run: Run,
+    run: JudgedRun,
 }
 
 impl One {
-    fn section(&self) -> Result<Section<'_>, Failure> {
-        Ok(Section {
+    fn section(&self) -> Result<TestSection<'_>, Failure> {
+        Ok(TestSection {
             experiment: &self.own,
             summary: &self.run.summary,
             trace: self
@@ -180,7 +183,7 @@ impl One {
 }
 
 /// The report, each test in a line, and the figures.
-fn write(folder: &Path, many: &Many<'_>, told: String) -> Result<(), Failure> {
+fn write(folder: &Path, many: &ManyTests<'_>, told: String) -> Result<(), Failure> {
     let mut tests = String::from(
         "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
     );

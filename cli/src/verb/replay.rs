@@ -1,11 +1,11 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
-use super::place::{Place, Where};
+use super::rig_arguments::{RigArguments, RigKind};
 use crate::failure::Failure;
 use crate::files::{archive, channels};
-use crate::orders::Again;
-use crate::provenance::{self, Told};
-use crate::story::Site;
+use crate::improve::TestSite;
+use crate::orders::OrderReplay;
+use crate::provenance::{self, WithProvenance};
 use crate::terminal::Progress;
 use crate::trace::Trace;
 use serde::Serialize;
@@ -42,7 +42,7 @@ impl Replay {
     pub fn go(&self) -> Result<(), Failure> {
         let archived = archive::load(&self.archive)?;
         let file = self.archive.display();
-        if archived.repeat.place == Where::Board {
+        if archived.repeat.place == RigKind::Board {
             return Err(Failure::input(format!(
                 "{file}: ran on a board, and a real rig does not repeat itself: accepted are tests on a simulated or \
                  emulated rig; the board's steps were worked out again while it ran, and the summary in the file says \
@@ -51,7 +51,7 @@ impl Replay {
         }
         let orders = &archived.repeat.orders;
         let by_hand = !orders.is_empty() || archived.summary["verdict"] == "stopped";
-        if archived.repeat.place == Where::Emulated && by_hand {
+        if archived.repeat.place == RigKind::Emulated && by_hand {
             return Err(Failure::input(format!(
                 "{file}: was held or stopped by hand on an emulated board, where an order travels over the link and does not come \
                  at the same instant again: accepted are emulated tests that ran by themselves; the summary in the file says \
@@ -59,20 +59,20 @@ impl Replay {
             )));
         }
         let experiment = &archived.experiment;
-        let place = Place::at(archived.repeat.place);
+        let place = RigArguments::at(archived.repeat.place);
         let run = {
             let progress = Progress::over("replay", experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
             let (method, seed) = (archived.repeat.method, archived.repeat.seed);
-            let tell = (progress.witness(), Again::new(orders));
-            place.run(experiment, method, &ideal, seed, true, tell)?
+            let observer = (progress.observer(), OrderReplay::new(orders));
+            place.run(experiment, method, &ideal, seed, true, observer)?
         };
         let trace = run
             .trace
             .ok_or_else(|| Failure::test("the replay kept no record"))?;
         let found = compare(&archived, &trace);
         if self.json {
-            answer!("{}", super::json(&Told::of(&found))?);
+            answer!("{}", super::json(&WithProvenance::of(&found))?);
         }
         match &found.first_difference {
             None if !found.changed.is_empty() => Err(Failure::test(format!(
@@ -96,7 +96,7 @@ impl Replay {
     }
 }
 
-fn compare(archived: &archive::Archived, trace: &Trace) -> Found {
+fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> Found {
     let again = channels::of(trace);
     let mut first: Option<(usize, String)> = None;
     let mut different = 0;

@@ -1,20 +1,20 @@
 //! `outerloop run`: one closed-loop test.
 
-use super::place::{Place, Where};
-use super::{Common, json, method};
-use crate::board::Course;
+use super::rig_arguments::{RigArguments, RigKind};
+use super::{CommonArguments, json, method};
+use crate::board::Trajectory;
 use crate::failure::Failure;
-use crate::files::archive::{self, Ran};
-use crate::files::signal::Signal;
+use crate::files::archive::{self, FinishedTest};
+use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
 use crate::files::{model, output, record_csv};
+use crate::improve::TestSite;
 use crate::numbers::{length, three};
-use crate::orders::Noted;
-use crate::provenance::Told;
-use crate::report::{self, Section};
+use crate::orders::OrderRecorder;
+use crate::provenance::WithProvenance;
+use crate::report::{self, TestSection};
 use crate::rig::improvement;
 use crate::scope::Scoped;
-use crate::story::Site;
 use crate::terminal::{self, Progress, plot};
 use crate::trace::Response;
 use diagnosis::ForceUnit;
@@ -26,7 +26,7 @@ use std::time::Instant;
 #[derive(clap::Args, Debug)]
 pub struct Run {
     #[command(flatten)]
-    common: Common,
+    common: CommonArguments,
     /// The ground motion: CSV, AT2, or one acceleration a line
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -51,7 +51,7 @@ pub struct Run {
     #[arg(long, conflicts_with = "json")]
     plot: bool,
     #[command(flatten)]
-    place: Place,
+    place: RigArguments,
     #[command(flatten)]
     scope: Scoped,
 }
@@ -67,13 +67,13 @@ impl Run {
                 ("--signal", self.signal.is_some()),
                 ("--archive", self.archive.is_some()),
                 ("--model", self.model.is_some()),
-                ("--emulated", self.place.kind() == Where::Emulated),
-                ("--port", self.place.kind() == Where::Board),
+                ("--emulated", self.place.kind() == RigKind::Emulated),
+                ("--port", self.place.kind() == RigKind::Board),
                 ("--scope", self.scope.is_wanted()),
             ])?;
             return super::coupled::run(
                 &test,
-                &super::coupled::Asked {
+                &super::coupled::CoupledRequest {
                     common: &self.common,
                     record: self.record.as_deref(),
                     compensation: self.compensation.as_deref(),
@@ -115,19 +115,19 @@ impl Run {
             let keep = self.out.is_some() || self.archive.is_some();
             let rate_hz = test.config.timing.rate_hz;
             let title = format!("{} under {}", self.common.test.display(), experiment.record);
-            let simulated = self.place.kind() == Where::Simulated;
+            let simulated = self.place.kind() == RigKind::Simulated;
             let scope = self.scope.open(&title, rate_hz, simulated)?;
             let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
-            let mut noted = Noted::new(scope);
-            let tell = (progress.witness(), &mut noted, &mut response);
+            let mut recorder = OrderRecorder::new(scope);
+            let observer = (progress.observer(), (&mut recorder, &mut response));
             let seed = self.common.seed;
             let run = self
                 .place
-                .run(&experiment, kind, &ideal, seed, keep, tell)?;
-            let orders = noted.orders();
+                .run(&experiment, kind, &ideal, seed, keep, observer)?;
+            let orders = recorder.orders();
             if let Some(trace) = &run.trace {
                 self.write(
-                    &Ran {
+                    &FinishedTest {
                         experiment: &experiment,
                         method: kind,
                         place: self.place.kind(),
@@ -144,7 +144,10 @@ impl Run {
             (run, picture)
         };
         if self.common.json {
-            answer!("{}", json(&Told::seeded(&run.summary, self.common.seed))?);
+            answer!(
+                "{}",
+                json(&WithProvenance::seeded(&run.summary, self.common.seed))?
+            );
         } else {
             println!("{}", experiment.in_words());
             for remark in remarks.into_iter().chain(experiment.remarks()) {
@@ -174,16 +177,17 @@ impl Run {
 
     /// Plays a signal instead of a test.
     fn play(&self, test: &TestFile, path: &Path) -> Result<(), Failure> {
-        let signal = Signal::load(path)?;
+        let signal = SignalPoints::load(path)?;
         let rate_hz = test.config.timing.rate_hz;
         let title = format!("{} under {}", path.display(), self.common.test.display());
-        let simulated = self.place.kind() == Where::Simulated;
+        let simulated = self.place.kind() == RigKind::Simulated;
         let mut scope = self.scope.open(&title, rate_hz, simulated)?;
         let began = Instant::now();
-        let course = Course::Points(signal);
+        let trajectory = Trajectory::Points(signal);
         let seed = self.common.seed;
         let played = terminal::while_waiting("playing the signal", || {
-            self.place.play_course(test, &course, seed, &mut scope)
+            self.place
+                .play_trajectory(test, &trajectory, seed, &mut scope)
         })?;
         let played_signal = PlayedSignal {
             signal: path,
@@ -199,7 +203,7 @@ impl Run {
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),
         };
-        let told = Told::seeded(&played_signal, seed);
+        let told = WithProvenance::seeded(&played_signal, seed);
         if let Some(folder) = &self.out {
             output::write_all(
                 folder,
@@ -231,7 +235,7 @@ impl Run {
     }
 
     /// Writes what was asked for.
-    fn write(&self, ran: &Ran<'_>, ideal: &Response) -> Result<(), Failure> {
+    fn write(&self, ran: &FinishedTest<'_>, ideal: &Response) -> Result<(), Failure> {
         let archived = archive::to_bytes(ran)?;
         if let Some(file) = &self.archive {
             output::write(file, &archived)?;
@@ -239,13 +243,13 @@ impl Run {
         let Some(folder) = &self.out else {
             return Ok(());
         };
-        let section = Section {
+        let section = TestSection {
             experiment: ran.experiment,
             summary: ran.summary,
             trace: ran.trace,
             ideal,
         };
-        let summary = Told::seeded(ran.summary, ran.seed);
+        let summary = WithProvenance::seeded(ran.summary, ran.seed);
         let mut files = vec![
             ("report.html", report::of_run(&section)?.into_bytes()),
             ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),

@@ -1,16 +1,18 @@
 //! `outerloop serve`: the rig as an element of somebody else's model.
 
 use super::json;
-use super::place::{Place, Where};
-use crate::board::limits::Plan;
+use super::rig_arguments::{RigArguments, RigKind};
+use crate::board::limits::PlannedMotion;
 use crate::board::operator::{catch_ctrl_c, stop_is_asked};
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::files::{output, plain, record_csv};
-use crate::provenance::Told;
-use crate::report::{self, Session};
+use crate::provenance::WithProvenance;
+use crate::report::{self, SessionSection};
 use crate::scope::Scoped;
-use crate::serve::{Element, Mover, Summary, Verdict, boarded, serve_client, simulated};
+use crate::serve::{
+    DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board, simulated,
+};
 use crate::trace::Trace;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -41,7 +43,7 @@ pub struct Serve {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    place: Place,
+    place: RigArguments,
     #[command(flatten)]
     scope: Scoped,
 }
@@ -57,19 +59,19 @@ impl Serve {
     /// that did not come to its end.
     pub fn go(&self) -> Result<(), Failure> {
         let test = TestFile::load(&self.test, &self.overrides)?;
-        let element = Element::of(&test)?;
+        let element = DeclaredElement::of(&test)?;
         let title = format!("serves {}", self.test.display());
         let rate_hz = test.config.timing.rate_hz;
         let scope = self.scope.open(&title, rate_hz, false)?;
         let keep = self.out.is_some();
         let connected = self
             .place
-            .connect(&test, &Plan::of_served(&test), self.seed)?;
+            .connect(&test, &PlannedMotion::of_served(&test), self.seed)?;
         let mut rig = match connected {
             None => simulated(&test, self.seed, keep, scope)?,
             Some((connection, operator)) => {
-                let real = self.place.kind() == Where::Board;
-                boarded(&test, connection, operator, real, keep, scope)?
+                let real = self.place.kind() == RigKind::Board;
+                serve_on_board(&test, connection, operator, real, keep, scope)?
             }
         };
         let listener = TcpListener::bind(self.listen).map_err(|e| {
@@ -110,9 +112,9 @@ impl Serve {
             self.keep(&test, &served.summary, rig.take_trace().as_ref(), clients)?;
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
             served.dismiss();
-            if self.once || verdict == Verdict::RigLost {
+            if self.once || verdict == SessionVerdict::RigLost {
                 return match verdict {
-                    Verdict::Completed => Ok(()),
+                    SessionVerdict::Completed => Ok(()),
                     _ => Err(Failure::test(reason.unwrap_or_default())),
                 };
             }
@@ -124,7 +126,7 @@ impl Serve {
     fn keep(
         &self,
         test: &TestFile,
-        summary: &Summary,
+        summary: &SessionSummary,
         trace: Option<&Trace>,
         number: usize,
     ) -> Result<(), Failure> {
@@ -137,7 +139,7 @@ impl Serve {
                     folder.display()
                 );
             }
-            let report = report::of_served(&Session {
+            let report = report::of_served(&SessionSection {
                 test,
                 summary,
                 trace,
@@ -147,12 +149,15 @@ impl Serve {
                 &[
                     ("report.html", report),
                     ("record.csv", record_csv::to_csv(trace)),
-                    ("summary.json", json(&Told::seeded(summary, self.seed))?),
+                    (
+                        "summary.json",
+                        json(&WithProvenance::seeded(summary, self.seed))?,
+                    ),
                 ],
             )?;
         }
         if self.json {
-            let line = serde_json::to_string(&Told::seeded(summary, self.seed))
+            let line = serde_json::to_string(&WithProvenance::seeded(summary, self.seed))
                 .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;
             println!("{line}");
         } else {

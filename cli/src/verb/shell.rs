@@ -25,9 +25,9 @@ impl Completions {
 
 /// The man page
 #[derive(clap::Args, Debug)]
-pub struct Man;
+pub struct ManPage;
 
-impl Man {
+impl ManPage {
     /// Prints it: the program, then each verb and what belongs to it, such as `board identify`.
     ///
     /// # Errors

@@ -1,14 +1,14 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
-use super::{Common, json, method};
+use super::{CommonArguments, json, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
 use crate::numbers::length;
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
-use crate::sweep::{self, Fragility, Range, Swept, told};
+use crate::sweep::{self, Fragility, Range, SweepResult, told};
 use crate::terminal::table;
 use outerloop_core::Method;
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct Sweep {
     #[command(flatten)]
-    common: Common,
+    common: CommonArguments,
     /// The key and its values, e.g. plant.actuator.delay_ms=0..20/11 (eleven of them) or excitation.scale=0.5,1,2
     #[arg(long, value_name = "PATH=VALUES")]
     over: String,
@@ -56,13 +56,13 @@ impl Sweep {
         };
         let rows = sweep::run(&experiments, &methods, self.common.seed)?;
         let curves = self.fragility(&rows, &methods);
-        let swept = Swept {
+        let swept = SweepResult {
             path: &range.path,
             rows: &rows,
             limit_mm: self.limit_mm,
             fragility: &curves,
         };
-        let told = json(&Told::seeded(&swept, self.common.seed))?;
+        let told = json(&WithProvenance::seeded(&swept, self.common.seed))?;
         if let (Some(folder), Some((_, first))) = (&self.out, experiments.first()) {
             let page = report::of_sweep(&swept, first)?;
             let files = [
@@ -125,7 +125,7 @@ impl Sweep {
     }
 }
 
-fn print(swept: &Swept<'_>, methods: &[Method]) {
+fn print(swept: &SweepResult<'_>, methods: &[Method]) {
     let key = swept.path.rsplit('.').next().unwrap_or(swept.path);
     let mut head = vec![key.to_owned(), "ideal peak".into()];
     head.extend(methods.iter().map(|m| m.name().to_owned()));

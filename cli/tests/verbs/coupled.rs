@@ -8,7 +8,7 @@ use outerloop_cli::coupled::summary::CoupledSummary;
 use outerloop_cli::coupled::table::CoupledCompensation;
 use outerloop_cli::coupled::trial::{self, Ideal};
 use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::summary::TestVerdict;
 use plant::linear::Linear;
 
 const EXAMPLE: &str = "examples/coupled-frame.toml";
@@ -164,10 +164,10 @@ fn knowing_the_coupling_is_worth_what_the_comparison_says() {
     let eps = |kind: &str| run(&[&format!("coupled.compensation={kind}")]).3;
     let [none, uncoupled, fixed, coupled] =
         ["none", "uncoupled", "coupled-fixed", "coupled"].map(eps);
-    assert_ne!(none.verdict, Verdict::Completed);
+    assert_ne!(none.verdict, TestVerdict::Completed);
     assert!(coupled.eps_rms < 0.02, "{}", coupled.eps_rms);
-    assert!(fixed.eps_rms > 2.0 * coupled.eps_rms || fixed.verdict != Verdict::Completed);
-    assert!(uncoupled.verdict != Verdict::Completed || uncoupled.eps_rms > fixed.eps_rms);
+    assert!(fixed.eps_rms > 2.0 * coupled.eps_rms || fixed.verdict != TestVerdict::Completed);
+    assert!(uncoupled.verdict != TestVerdict::Completed || uncoupled.eps_rms > fixed.eps_rms);
     // What is estimated comes nearer to the rig than what was declared.
     for name in ["slow_pole_hz.0", "slow_pole_hz.1"] {
         let f = coupled.found.iter().find(|f| f.name == name).unwrap();

@@ -7,7 +7,7 @@ mod compensation;
 mod rig;
 
 pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, Secant, Tangent};
-pub use rig::{PerActuator, Rig};
+pub use rig::{PerActuator, RigConfig};
 
 use heapless::Vec;
 
@@ -38,7 +38,7 @@ pub struct Config {
     pub limits: Limits,
     /// What is known of the rig; left out: it is ideal.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub rig: Rig,
+    pub rig: RigConfig,
 }
 
 impl Config {
@@ -63,7 +63,7 @@ impl Config {
             compensation: Compensation::default(),
             estimation: Estimation::default(),
             limits: Limits::default(),
-            rig: Rig::default(),
+            rig: RigConfig::default(),
         }
     }
 }

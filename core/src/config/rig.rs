@@ -17,7 +17,7 @@ pub type PerActuator = Vec<f64, MAX_ACTUATORS>;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
-pub struct Rig {
+pub struct RigConfig {
     /// True displacement per command.
     pub command_gain: PerActuator,
     /// True displacement at command 0, m. What is sent for a target is `(target - command_offset_m) / command_gain`.
@@ -39,7 +39,7 @@ pub struct Rig {
     pub bearing_presliding_m: PerActuator,
 }
 
-impl Rig {
+impl RigConfig {
     /// Checks every parameter, for so many actuators.
     pub(crate) fn check(&self, actuators: usize, rate_hz: f64) -> Result<(), Refusal> {
         let each = |name, list: &PerActuator, good: &dyn Fn(f64) -> bool, accepted| {
@@ -118,9 +118,9 @@ impl Rig {
     }
 
     /// From command to true displacement.
-    pub(crate) fn command<const N: usize>(&self) -> [rig::Command; N] {
+    pub(crate) fn command<const N: usize>(&self) -> [rig::CommandMap; N] {
         core::array::from_fn(|j| {
-            rig::Command::new(
+            rig::CommandMap::new(
                 at(&self.command_gain, j, 1.0),
                 at(&self.command_offset_m, j, 0.0),
             )
@@ -133,7 +133,7 @@ impl Rig {
         &self,
         rate_hz: f64,
         noise_m: f64,
-    ) -> Option<rig::Constants<N>> {
+    ) -> Option<rig::RigConstants<N>> {
         let command_only = Self {
             command_gain: self.command_gain.clone(),
             command_offset_m: self.command_offset_m.clone(),
@@ -153,7 +153,7 @@ impl Rig {
                 presliding_m: at(&self.bearing_presliding_m, j, 1.0),
                 displacement_noise_m: noise_m,
             };
-            rig::Axis::new(&known)
+            rig::AxisCorrection::new(&known)
         }))
     }
 }

@@ -2,12 +2,12 @@
 
 /// `(1 + s z) / (1 + s / p)`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct First {
+pub struct FirstOrder {
     input: f32,
     output: f32,
 }
 
-impl First {
+impl FirstOrder {
     /// The output at this sample. `pole_half = p T / 2`, `zero_half = 2 z / T`.
     #[inline]
     pub fn step(&mut self, pole_half: f32, zero_half: f32, input: f32) -> f32 {
@@ -20,19 +20,19 @@ impl First {
 
 /// `(n0 + n1 s + n2 s^2) / (1 + 2 zeta s / f + s^2 / f^2)`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Second {
+pub struct SecondOrder {
     input: [f32; 2],
     output: [f32; 2],
 }
 
-/// Coefficients of a [`Second`], as divided differences.
+/// Coefficients of a [`SecondOrder`], as divided differences.
 #[derive(Clone, Copy, Debug)]
-pub struct SecondConstants {
+pub struct SecondOrderConstants {
     numerator: [f32; 3],
     denominator: [f32; 3],
 }
 
-impl SecondConstants {
+impl SecondOrderConstants {
     /// From the numerator (ascending powers of s), the natural frequency in rad/s, the damping ratio and `2 / T` in 1/s.
     pub fn new(numerator: [f32; 3], natural_rad_per_s: f32, damping_ratio: f32, rate: f32) -> Self {
         let bilinear = |c: [f32; 3]| {
@@ -51,10 +51,10 @@ impl SecondConstants {
     }
 }
 
-impl Second {
+impl SecondOrder {
     /// The output at this sample.
     #[inline]
-    pub fn step(&mut self, k: &SecondConstants, input: f32) -> f32 {
+    pub fn step(&mut self, k: &SecondOrderConstants, input: f32) -> f32 {
         let (n, d) = (&k.numerator, &k.denominator);
         let fed = n[0] * input + n[1] * self.input[0] + n[2] * self.input[1];
         let output = (fed - d[1] * self.output[0] - d[2] * self.output[1]) / d[0];
@@ -85,23 +85,23 @@ mod tests {
 
     #[test]
     fn a_first_order_lag_and_a_lead_have_their_gain_and_phase() {
-        let mut lag = First::default();
+        let mut lag = FirstOrder::default();
         let p = core::f32::consts::TAU * 8.0;
         let (gain, phase) = response(8.0, |u| lag.step(p / 2048.0, 0.0, u));
         assert!(
             (gain - libm::sqrtf(0.5)).abs() < 1e-3
                 && (phase - core::f32::consts::FRAC_PI_4).abs() < 2e-3
         );
-        let mut level = First::default();
+        let mut level = FirstOrder::default();
         let (gain, phase) = response(8.0, |u| level.step(p / 2048.0, 2048.0 / p, u));
         assert!((gain - 1.0).abs() < 1e-4 && phase.abs() < 1e-4);
     }
 
     #[test]
     fn an_oscillator_at_its_frequency_is_a_quarter_late() {
-        let mut x = Second::default();
+        let mut x = SecondOrder::default();
         let w = core::f32::consts::TAU * 16.0;
-        let k = SecondConstants::new([1.0, 0.0, 0.0], w, 0.25, 2048.0);
+        let k = SecondOrderConstants::new([1.0, 0.0, 0.0], w, 0.25, 2048.0);
         let (gain, phase) = response(16.0, |u| x.step(&k, u));
         assert!((gain - 2.0).abs() < 0.01, "{gain}");
         assert!(

@@ -5,7 +5,7 @@
 //! `v - LP_w v` per unit of `ln w`, for a zero by the negative of it, for the natural frequency by `v` behind
 //! `(2 s^2 + 2 zeta f s) / (s^2 + 2 zeta f s + f^2)`, for a gain by `v` itself.
 
-use super::filter::{First, Second, SecondConstants};
+use super::filter::{FirstOrder, SecondOrder, SecondOrderConstants};
 use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Parameter, Plant, Spreads};
 use crate::delay_line::{Delay, DelayLine};
@@ -25,10 +25,10 @@ pub struct Forward {
     late: [DelayLine<LONGEST>; 2],
     /// Behind the slow pole, for each command.
     slow: Pair,
-    common: [Second; 2],
-    path: [[First; 2]; 2],
-    sensitivity: [[First; MAX_PARAMETERS]; 2],
-    frequency: [Second; 2],
+    common: [SecondOrder; 2],
+    path: [[FirstOrder; 2]; 2],
+    sensitivity: [[FirstOrder; MAX_PARAMETERS]; 2],
+    frequency: [SecondOrder; 2],
 }
 
 impl Forward {
@@ -37,10 +37,10 @@ impl Forward {
         Self {
             late: [const { DelayLine::filled(0.0) }; 2],
             slow: [0.0; 2],
-            common: [Second::default(); 2],
-            path: [[First::default(); 2]; 2],
-            sensitivity: [[First::default(); MAX_PARAMETERS]; 2],
-            frequency: [Second::default(); 2],
+            common: [SecondOrder::default(); 2],
+            path: [[FirstOrder::default(); 2]; 2],
+            sensitivity: [[FirstOrder::default(); MAX_PARAMETERS]; 2],
+            frequency: [SecondOrder::default(); 2],
         }
     }
 
@@ -65,7 +65,7 @@ impl Forward {
             };
             self.slow[j] = arrives_m + kept * (self.slow[j] - arrives_m);
             let [a, b] = plant.lead_s[j];
-            let k = SecondConstants::new(
+            let k = SecondOrderConstants::new(
                 [1.0, a + b, a * b],
                 plant.natural_rad_per_s,
                 plant.damping_ratio,
@@ -87,7 +87,7 @@ impl Forward {
                 *slope = if parameter == Parameter::NaturalFrequency {
                     let f = plant.natural_rad_per_s;
                     let numerator = [0.0, 2.0 * plant.damping_ratio / f, 2.0 / (f * f)];
-                    let k = SecondConstants::new(numerator, f, plant.damping_ratio, rate);
+                    let k = SecondOrderConstants::new(numerator, f, plant.damping_ratio, rate);
                     self.frequency[i].step(&k, strokes[i])
                 } else {
                     slope_behind_first(plant, parameter, i, &v, filter, rate)
@@ -105,7 +105,7 @@ fn slope_behind_first(
     parameter: Parameter,
     i: usize,
     v: &[Pair; 2],
-    filter: &mut First,
+    filter: &mut FirstOrder,
     rate: f32,
 ) -> f32 {
     let value = plant.value(parameter).unwrap_or(0.0);

@@ -47,4 +47,4 @@ pub use outer_loop::{Bounds, CoupledLoop, CoupledSettings, CoupledStep};
 pub use pair::Pair;
 pub use plant::{MAX_PARAMETERS, Parameter, Plant, Spread, Spreads};
 pub use response::observed;
-pub use tracker::{Broken, Limit, Tracked, Tracker, TrackerConstants, TrackerSettings};
+pub use tracker::{BrokenLimit, Limit, Tracked, Tracker, TrackerConstants, TrackerSettings};

@@ -14,7 +14,7 @@
 use super::coupler::Coupler;
 use super::pair::Pair;
 use super::plant::Plant;
-use super::tracker::{Broken, Limit, Tracker, TrackerConstants, TrackerSettings};
+use super::tracker::{BrokenLimit, Limit, Tracker, TrackerConstants, TrackerSettings};
 use crate::float::{larger, smaller};
 use crate::ground_motion::GroundMotion;
 use crate::newmark::{Coefficients, Newmark};
@@ -22,7 +22,8 @@ use crate::outer_loop::Sample;
 use crate::refusal::Refusal;
 use crate::structure::Structure;
 use crate::supervise::{
-    Checked, Event, Fault, Finding, Limits, Mode, Rejected, StaleWatch, Trip, first_fault, within,
+    Checked, Event, Fault, Finding, InterlockLimits, Mode, Rejected, StaleWatch, Trip, first_fault,
+    within,
 };
 
 /// What an actuator or a coordinate of the interface may do. Units: m and N; of a rotation rad and N m.
@@ -81,7 +82,7 @@ pub struct CoupledLoop<const N: usize> {
     coupler: Coupler,
     stale: StaleWatch<2>,
     /// Of the actuators, of x, of the rotation.
-    limits: [Limits; 3],
+    limits: [InterlockLimits; 3],
     approach_step: Pair,
     hold_step: Pair,
     mode: Mode,
@@ -138,7 +139,7 @@ impl<const N: usize> CoupledLoop<N> {
             ahead_s: period_s,
             ..settings.tracker.clone()
         })?;
-        let limits = |b: &Bounds| Limits {
+        let limits = |b: &Bounds| InterlockLimits {
             displacement_m: f32::MAX,
             reading_m: f32::MAX,
             increment_m: f32::MAX,
@@ -419,8 +420,8 @@ impl<const N: usize> CoupledLoop<N> {
     }
 }
 
-impl From<Broken> for Finding {
-    fn from(broken: Broken) -> Self {
+impl From<BrokenLimit> for Finding {
+    fn from(broken: BrokenLimit) -> Self {
         let (fault, axis) = match broken.limit {
             Limit::NotFinite => (Fault::NonFinite, 0),
             Limit::Stroke(actuator) => (Fault::Displacement, actuator as u8),

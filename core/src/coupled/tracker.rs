@@ -102,7 +102,7 @@ pub enum Limit {
 
 /// A limit that was broken, and by what; in m, of a rotation in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Broken {
+pub struct BrokenLimit {
     /// Which.
     pub limit: Limit,
     /// The value that was reached.
@@ -121,7 +121,7 @@ pub struct Tracked {
     /// The same as x (m) and theta (rad).
     pub interface: Pair,
     /// The first limit that the target or the commands broke.
-    pub broken: Option<Broken>,
+    pub broken: Option<BrokenLimit>,
 }
 
 /// The tracker of a pair of coupled actuators.
@@ -175,7 +175,7 @@ impl Tracker {
     }
 
     /// Commands that bring the interface to `target` (x in m, theta in rad), and the first limit that was broken.
-    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<Broken>) {
+    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<BrokenLimit>) {
         if !self.constants.settings.inverse {
             let [x, theta] = *target;
             let strokes_m = self.constants.settings.coupler.strokes_m(x, theta);
@@ -199,7 +199,7 @@ impl Tracker {
     }
 
     /// Sends the commands, or those before where a limit is broken.
-    fn send(&mut self, target: &Pair, command_m: Pair) -> (Pair, Option<Broken>) {
+    fn send(&mut self, target: &Pair, command_m: Pair) -> (Pair, Option<BrokenLimit>) {
         let broken = self.constants.settings.broken(target, &command_m);
         if broken.is_none() {
             self.sent_m = command_m;
@@ -233,7 +233,7 @@ fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
 
 impl TrackerSettings {
     /// The first limit that a target or a command breaks, in both systems of coordinates.
-    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<Broken> {
+    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<BrokenLimit> {
         let [x, theta] = *target;
         let [most_x, most_theta] = self.interface_limit;
         let stroke = |i: usize| (Limit::Stroke(i), command_m[i], self.stroke_limit_m);
@@ -246,7 +246,7 @@ impl TrackerSettings {
         let finite = checks.iter().find(|(_, value, _)| !value.is_finite());
         if let Some(&(_, value, largest)) = finite {
             let limit = Limit::NotFinite;
-            return Some(Broken {
+            return Some(BrokenLimit {
                 limit,
                 value,
                 largest,
@@ -255,7 +255,7 @@ impl TrackerSettings {
         let beyond = checks
             .into_iter()
             .find(|(_, value, most)| value.abs() > *most);
-        beyond.map(|(limit, value, largest)| Broken {
+        beyond.map(|(limit, value, largest)| BrokenLimit {
             limit,
             value,
             largest,

@@ -16,7 +16,7 @@ use stiffness::StiffnessFilter;
 
 /// Constants of the chosen estimator.
 #[derive(Clone, Debug)]
-pub enum Constants<const N: usize> {
+pub enum EstimatorConstants<const N: usize> {
     /// Samples as they are.
     Off,
     /// Two stages: [x, v] with the sent command as known input, then theta in R = theta x.
@@ -73,17 +73,17 @@ pub enum Estimator<const N: usize> {
 
 impl<const N: usize> Estimator<N> {
     /// An estimator at rest at `position_m` under no force.
-    pub fn at_rest(k: &Constants<N>, position_m: [f32; N]) -> Self {
+    pub fn at_rest(k: &EstimatorConstants<N>, position_m: [f32; N]) -> Self {
         match k {
-            Constants::Off => Self::Off,
-            Constants::Kalman { motion, stiffness } => Self::Kalman {
+            EstimatorConstants::Off => Self::Off,
+            EstimatorConstants::Kalman { motion, stiffness } => Self::Kalman {
                 gains: *motion,
                 priors: *stiffness,
                 innovation: [1.0; 2],
                 stiffness: core::array::from_fn(|j| StiffnessFilter::new(&stiffness[j])),
                 motion: position_m.map(Kalman::at_rest),
             },
-            Constants::LowPass(biquad) => Self::LowPass {
+            EstimatorConstants::LowPass(biquad) => Self::LowPass {
                 biquad: *biquad,
                 channels: position_m.map(|x| [LowPass::settled(x), LowPass::settled(0.0)]),
             },

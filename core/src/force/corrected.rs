@@ -1,7 +1,7 @@
 //! A law whose correction is a force, as a [`ForceLaw`].
 
 use super::equivalent::{self, EquivalentDamping};
-use super::interface::{Acting, Correct, Correction, ForceLaw, Reached};
+use super::interface::{Correct, Correction, ForceLaw, LawInput, LawOutput};
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::energy::Observation;
@@ -42,9 +42,9 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
     fn act(
         &mut self,
         k: &Self::Constants,
-        reached: &Reached<'_, N>,
+        reached: &LawInput<'_, N>,
         shown: &mut Correction<N>,
-    ) -> Acting<N> {
+    ) -> LawOutput<N> {
         self.correct(k, *reached.now, shown)
     }
 }
@@ -57,10 +57,10 @@ impl<C: Correct<N>, const N: usize> Corrected<C, N> {
         (k, k_shown): &(C::Constants, equivalent::Constants),
         now: Observation<N>,
         shown: &mut Correction<N>,
-    ) -> Acting<N> {
+    ) -> LawOutput<N> {
         let force_n = self.force.at_target(k, &now);
         self.shown.of(k_shown, &now, &force_n, shown);
-        Acting {
+        LawOutput {
             force_n,
             damping: [0.0; N],
         }

@@ -13,7 +13,7 @@
 //! the clamp are for: the tangent force is better there. Its own error is a stiffness `omega^2 tau^2` too high: 1 % of
 //! the response to some 4 ms at half a second of period, useless beyond `omega tau` of .2.
 
-use super::interface::{Acting, Correction, ForceLaw, Reached};
+use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
 use super::sech_gain::SechGain;
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
@@ -168,9 +168,9 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
     fn act(
         &mut self,
         k: &Constants<N>,
-        reached: &Reached<'_, N>,
+        reached: &LawInput<'_, N>,
         shown: &mut Correction<N>,
-    ) -> Acting<N> {
+    ) -> LawOutput<N> {
         let (now, energy) = (reached.now, reached.energy);
         let mut acting = [0.0; N];
         let (mut held, mut clamped) = (false, false);
@@ -210,7 +210,7 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             shown.gain[j] = gain;
         }
         (shown.held, shown.clamped) = (held, clamped);
-        Acting {
+        LawOutput {
             force_n: now.force_n,
             damping: acting,
         }
@@ -240,7 +240,7 @@ mod tests {
         du: f32,
         [velocity, predictor]: [f32; 2],
     ) -> Correction<1> {
-        let reached = Reached {
+        let reached = LawInput {
             now: &Observation {
                 command_m: [10.0 * du],
                 increment_m: [du],

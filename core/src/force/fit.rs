@@ -39,12 +39,12 @@ pub(crate) struct Constants {
 
 /// How a fitted quadratic goes on from the newest point: `slope h + bend h^2` in `h` steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Going {
+struct FittedQuadratic {
     slope: f32,
     bend: f32,
 }
 
-impl Going {
+impl FittedQuadratic {
     /// Least squares through `points`, oldest first.
     ///
     /// With times `t` from -3.5 to 3.5 the terms 1, t and t^2 - 5.25 are orthogonal, so each factor is a sum of its own
@@ -117,7 +117,7 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
             let past = &mut self.past[j];
             push(&mut past.displacement_m, now.displacement_m[j]);
             push(&mut past.force_n, now.force_n[j]);
-            let moving = Going::of(&past.displacement_m);
+            let moving = FittedQuadratic::of(&past.displacement_m);
             let speed_m = moving.slope.abs();
             past.peak_speed_m = larger(k.peak_memory * past.peak_speed_m, speed_m);
             if speed_m <= k.hold_share * past.peak_speed_m {
@@ -129,7 +129,7 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
             let first = within(way_m / moving.slope);
             let speed_m = moving.slope + 2.0 * moving.bend * first;
             let reached = within(first + (way_m - moving.gain(first)) / speed_m);
-            let change_n = Going::of(&past.force_n).gain(reached);
+            let change_n = FittedQuadratic::of(&past.force_n).gain(reached);
             if change_n.is_finite() {
                 force_n[j] += change_n;
             }
@@ -149,7 +149,7 @@ mod tests {
         for i in 0..12 {
             push(&mut points, y(i as f32 - 11.0));
         }
-        let going = Going::of(&points);
+        let going = FittedQuadratic::of(&points);
         for h in [-7.0, -3.5, 0.0, 2.5, 6.0] {
             assert!((going.gain(h) - (y(h) - y(0.0))).abs() < 1e-5, "{h}");
         }
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn what_is_no_quadratic_is_fitted_by_least_squares() {
         let points = [0.3, -1.2, 0.8, 2.5, -0.7, 1.1, 0.0, -2.0_f32];
-        let Going { slope, bend } = Going::of(&points);
+        let FittedQuadratic { slope, bend } = FittedQuadratic::of(&points);
         let fitted = |t: f32| slope * (t - 7.0) + bend * (t - 7.0) * (t - 7.0);
         let rest = |i: usize| points[i] - fitted(i as f32);
         let mean = (0..POINTS).map(rest).sum::<f32>() / POINTS as f32;

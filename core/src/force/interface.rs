@@ -32,7 +32,7 @@ impl<const N: usize> Correction<N> {
 
 /// What a law sees of an integration step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached<'a, const N: usize> {
+pub(crate) struct LawInput<'a, const N: usize> {
     /// Target, displacement and force.
     pub now: &'a Observation<N>,
     /// Eq 12 over the window.
@@ -45,7 +45,7 @@ pub(crate) struct Reached<'a, const N: usize> {
 
 /// With what the equation of motion is solved.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Acting<const N: usize> {
+pub(crate) struct LawOutput<const N: usize> {
     /// Restoring force, N.
     pub force_n: [f32; N],
     /// Diagonal of the added damping, N s/m.
@@ -79,9 +79,9 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     fn act(
         &mut self,
         k: &Self::Constants,
-        reached: &Reached<'_, N>,
+        reached: &LawInput<'_, N>,
         shown: &mut Correction<N>,
-    ) -> Acting<N>;
+    ) -> LawOutput<N>;
 }
 
 /// A law that puts the force at the target in place of the measured one.

@@ -5,7 +5,7 @@
 //! `omega tau / 2`, and a test whose structure has less runs away. It is what the others are compared with, and what
 //! stands behind a predictor alone.
 
-use super::interface::{Acting, Correction, ForceLaw, Reached};
+use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::linear::LinearForce;
@@ -28,8 +28,13 @@ impl<const N: usize> ForceLaw<N> for Measured {
     }
 
     #[inline]
-    fn act(&mut self, (): &(), reached: &Reached<'_, N>, shown: &mut Correction<N>) -> Acting<N> {
-        Acting {
+    fn act(
+        &mut self,
+        (): &(),
+        reached: &LawInput<'_, N>,
+        shown: &mut Correction<N>,
+    ) -> LawOutput<N> {
+        LawOutput {
             force_n: reached.now.force_n,
             // None: nothing has been written there.
             damping: shown.damping,

@@ -18,7 +18,7 @@ pub(crate) mod equivalent;
 mod interface;
 mod sech_gain;
 
-pub(crate) use interface::{Acting, Correction, Reached};
+pub(crate) use interface::{Correction, LawInput, LawOutput};
 
 use crate::config::Compensation;
 use crate::context::Context;
@@ -78,7 +78,7 @@ macro_rules! laws {
 
             /// One integration step.
             #[inline]
-            pub fn act(&mut self, reached: &Reached<'_, N>, shown: &mut Correction<N>) -> Acting<N> {
+            pub fn act(&mut self, reached: &LawInput<'_, N>, shown: &mut Correction<N>) -> LawOutput<N> {
                 match self {
                     $(Self::$V(law, k) => law.act(k, reached, shown),)*
                 }

@@ -2,7 +2,7 @@
 
 use super::{OuterLoop, Pace, Sample};
 use crate::float::out_of_the_way;
-use crate::predict::{Ahead, Followed};
+use crate::predict::{LastCommand, TargetMotion};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
 impl<const N: usize> OuterLoop<N> {
@@ -23,13 +23,13 @@ impl<const N: usize> OuterLoop<N> {
         } else {
             out_of_the_way(([0.0; N], [0.0; N]))
         };
-        let followed = core::array::from_fn(|j| Followed {
+        let followed = core::array::from_fn(|j| LastCommand {
             target_m: self.target_m[j] + self.led_by_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
             learn: live && fit,
         });
-        let mut ahead: [Ahead; N] = core::array::from_fn(|j| Ahead {
+        let mut ahead: [TargetMotion; N] = core::array::from_fn(|j| TargetMotion {
             displacement_m: next_m[j],
             velocity_m: velocity_m[j],
             acceleration_m: acceleration_m[j],

@@ -11,7 +11,7 @@ use super::{OuterLoop, Sample, Step};
 use crate::energy::Observation;
 use crate::estimate::Estimate;
 use crate::float::larger;
-use crate::force::{Acting, Reached};
+use crate::force::{LawInput, LawOutput};
 use crate::ground_motion::GroundMotion;
 use crate::record::{Record, flag};
 use crate::signal::Target;
@@ -85,7 +85,7 @@ impl<const N: usize> OuterLoop<N> {
             displacement_m: estimate.displacement_m,
             force_n: estimate.force_n,
         };
-        let Acting { force_n, damping } = self.compensate(&now);
+        let LawOutput { force_n, damping } = self.compensate(&now);
         let physical = self.design.physical;
         let (mut ground_m_per_s2, mut load_n) = (0.0, [0.0; N]);
         let mut correction_n;
@@ -123,9 +123,9 @@ impl<const N: usize> OuterLoop<N> {
     /// Energy errors and compensation at a target that has been reached: the force that the equation of motion takes, and
     /// the damping that acts in it.
     #[inline]
-    fn compensate(&mut self, now: &Observation<N>) -> Acting<N> {
+    fn compensate(&mut self, now: &Observation<N>) -> LawOutput<N> {
         let energy = self.energy.update(now, self.design.physical);
-        let reached = Reached {
+        let reached = LawInput {
             now,
             energy: &energy,
             velocity_dt_m: self.newmark.velocity_dt_m(),

@@ -13,7 +13,7 @@
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. TI does not see a gain error, and does not mind one.
 
 use super::adaptation::{Gate, Learning};
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::inverse;
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
@@ -72,7 +72,7 @@ impl PredictAxis for AdaptiveInverse {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let (u, m) = (followed.target_m, followed.measured_m);
         let [u_last, m_last] = self.last_m;
         let open = self.gate.open(&k.learning, u, u - u_last);

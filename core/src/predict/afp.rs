@@ -15,7 +15,7 @@
 //! that is neither a delay nor a lag of second order [`super::ats`] fits more of it.
 
 use super::adaptation::{Gate, Learning};
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 
@@ -80,7 +80,7 @@ impl PredictAxis for Afp {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let k = &k.learning;
         let (u, v) = (followed.target_m, self.velocity_m);
         if self.gate.open(k, u, v) && followed.learn {

@@ -13,7 +13,7 @@
 //! The law is scaled by `1 + phi . phi` in SI units, where the square of the jerk rules: gains that were tuned for one
 //! size of motion are not those of another. It learns what the sensor's noise looks like where the test does not move.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::float::larger;
@@ -162,7 +162,7 @@ impl PredictAxis for Amb {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let sent = smooth(k, &mut self.command, followed.sent_m);
         let [m, m1, m2] = self.measured;
         let first = followed.measured_m - m;
@@ -262,13 +262,13 @@ mod tests {
     fn coefficients_stay_at_zero_or_above_and_a_reading_that_is_none_teaches_nothing() {
         let k = constants(4.0);
         let mut axis = Amb::at_rest(&k);
-        let followed = |measured_m: f32| Followed {
+        let followed = |measured_m: f32| LastCommand {
             target_m: 0.0,
             sent_m: 0.01,
             measured_m,
             learn: true,
         };
-        let ahead = Ahead {
+        let ahead = TargetMotion {
             displacement_m: 0.01,
             velocity_m: 0.0,
             acceleration_m: 0.0,

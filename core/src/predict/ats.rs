@@ -17,7 +17,7 @@
 //! Where noise moves more than the test does: the regression has errors in its variables, and they bias it low.
 
 use super::adaptation::{Gate, Learning, learnt};
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
@@ -137,7 +137,7 @@ impl PredictAxis for Ats {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let [sent, ..] = self.sent.pass(k, followed.sent_m);
         let [m, m1, m2] = self.measured.pass(k, followed.measured_m);
         self.gate

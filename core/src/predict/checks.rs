@@ -1,13 +1,13 @@
 //! An actuator to check predictors on: a pure delay and a gain, outside of any loop.
 
 use super::adaptation::Learning;
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 
 /// Angular frequency of the motion, 1 per control step: 2 Hz at 2 kHz.
 pub(crate) const OMEGA: f32 = 0.006_283;
 
 /// Nothing has been followed.
-pub(crate) const AT_REST: Followed = Followed {
+pub(crate) const AT_REST: LastCommand = LastCommand {
     target_m: 0.0,
     sent_m: 0.0,
     measured_m: 0.0,
@@ -59,7 +59,7 @@ pub(crate) fn run<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> (P, f32) 
             ]
         };
         let (slow, fast) = (motion(OMEGA), motion(2.3 * OMEGA).map(|x| 0.3 * x));
-        let ahead = Ahead {
+        let ahead = TargetMotion {
             displacement_m: slow[0] + fast[0],
             velocity_m: slow[1] + fast[1],
             acceleration_m: slow[2] + fast[2],
@@ -67,7 +67,7 @@ pub(crate) fn run<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> (P, f32) 
         let sent_m = axis.command(k, &followed, &ahead);
         line[i % 32] = sent_m;
         let measured_m = actuator.gain * line[(i + 32 - actuator.delay) % 32];
-        followed = Followed {
+        followed = LastCommand {
             target_m: ahead.displacement_m,
             sent_m,
             measured_m,

@@ -12,7 +12,7 @@
 //! A gain error looks like a delay half of the time, and biases it. Otherwise as [`super::lagrange`].
 
 use super::adaptation::{Gate, Learning};
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::lagrange::{self, Extrapolation};
 use super::past::Past;
 use crate::context::Context;
@@ -76,7 +76,7 @@ impl PredictAxis for Darby {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let (u, v) = (followed.target_m, self.velocity_m);
         if self.gate.open(&k.learning, u, v) && followed.learn {
             let error = followed.target_m - followed.measured_m;

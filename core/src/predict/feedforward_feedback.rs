@@ -12,7 +12,7 @@
 //! It knows what it was told: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
 //! theorem while its share times the actuator's largest gain stays below 1.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
@@ -85,7 +85,7 @@ impl PredictAxis for FeedforwardFeedback {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let error_m = followed.target_m - followed.measured_m;
         if followed.learn {
             self.error_m += k.smoothing * (error_m - self.error_m);

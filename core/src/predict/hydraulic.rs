@@ -16,7 +16,7 @@
 //! It knows the structure of the actuator and that the specimen is linear. With another actuator the four parameters take
 //! what they can; see the benchmark's rows for a specimen that yields.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{self, Compensation, Timing};
 use crate::context::Context;
 use crate::float::{larger, smaller};
@@ -249,7 +249,7 @@ impl PredictAxis for Hydraulic {
     }
 
     #[inline(never)] // Inside of the loop over the axes all constants would be put on the stack before it.
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let mut p = k.declared;
         for i in 0..P {
             p[i] += k.spread[i] * self.theta[i];
@@ -314,7 +314,7 @@ fn along(row: &[f32], other: &[f32]) -> f32 {
 /// `sum alpha_n d^n u/dt^n` half a control step before the end of the one that begins; third and fourth derivative are
 /// differences of the acceleration, the fifth is left out.
 #[inline]
-fn inverse(alpha: &Polynomial, sixth: f32, ahead: &Ahead, past: &mut [f32; 2]) -> f32 {
+fn inverse(alpha: &Polynomial, sixth: f32, ahead: &TargetMotion, past: &mut [f32; 2]) -> f32 {
     let a = ahead.acceleration_m;
     let first = a - past[0];
     let second = first - past[1];
@@ -358,7 +358,7 @@ mod tests {
         }
         let alpha = k.polynomials(&p).0.map(f64::from);
         let mut axis = Hydraulic::at_rest(k);
-        let mut followed = Followed {
+        let mut followed = LastCommand {
             target_m: 0.0,
             sent_m: 0.0,
             measured_m: 0.0,
@@ -378,7 +378,7 @@ mod tests {
         };
         for i in 0..40_000 {
             let [u, v, a] = target(f64::from(i + 1)).map(|x| x as f32);
-            let ahead = Ahead {
+            let ahead = TargetMotion {
                 displacement_m: u,
                 velocity_m: v,
                 acceleration_m: a,
@@ -402,7 +402,7 @@ mod tests {
                     w[n] += h / 6.0 * (k1[n] + 2.0 * (k2[n] + k3[n]) + k4[n]);
                 }
             }
-            followed = Followed {
+            followed = LastCommand {
                 target_m: u,
                 sent_m: sent,
                 measured_m: w[0] as f32,

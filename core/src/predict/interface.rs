@@ -9,7 +9,7 @@ use crate::structure::actuated;
 
 /// What has come of the last command of an axis.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Followed {
+pub(crate) struct LastCommand {
     /// Target that was in force, u_c, m.
     pub target_m: f32,
     /// Command that was in force, m.
@@ -22,7 +22,7 @@ pub(crate) struct Followed {
 
 /// Where the motion of an axis goes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead {
+pub(crate) struct TargetMotion {
     /// Next target, m.
     pub displacement_m: f32,
     /// Its velocity, m per control step.
@@ -31,7 +31,7 @@ pub(crate) struct Ahead {
     pub acceleration_m: f32,
 }
 
-impl Ahead {
+impl TargetMotion {
     /// The motion `steps` control steps later, at constant acceleration, m.
     #[inline]
     pub fn after(&self, steps: f32) -> f32 {
@@ -82,8 +82,8 @@ pub(crate) trait Predict<const N: usize>: Sized {
     fn command(
         &mut self,
         k: &Self::Constants,
-        followed: &[Followed; N],
-        ahead: &[Ahead; N],
+        followed: &[LastCommand; N],
+        ahead: &[TargetMotion; N],
         physical: usize,
         command_m: &mut [f32; N],
     );
@@ -115,7 +115,8 @@ pub(crate) trait PredictAxis: Sized {
     fn at_rest(k: &Self::Constants) -> Self;
 
     /// One control step: learns from what was followed and gives the command to send, m.
-    fn command(&mut self, k: &Self::Constants, followed: &Followed, ahead: &Ahead) -> f32;
+    fn command(&mut self, k: &Self::Constants, followed: &LastCommand, ahead: &TargetMotion)
+    -> f32;
 }
 
 /// The same predictor on every axis.
@@ -148,8 +149,8 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     fn command(
         &mut self,
         k: &Self::Constants,
-        followed: &[Followed; N],
-        ahead: &[Ahead; N],
+        followed: &[LastCommand; N],
+        ahead: &[TargetMotion; N],
         physical: usize,
         command_m: &mut [f32; N],
     ) {

@@ -8,7 +8,7 @@
 //! # When not to use it
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. It knows what it was told.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 
@@ -49,7 +49,7 @@ impl PredictAxis for Inverse {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let u = ahead.displacement_m;
         u + k.delay * (u - followed.target_m)
     }
@@ -66,11 +66,11 @@ mod tests {
         let (mut axis, mut moved, mut target) = (Inverse::at_rest(&k), 0.0_f32, 0.0_f32);
         for i in 0..500 {
             let next = libm::sinf(0.01 * i as f32);
-            let followed = Followed {
+            let followed = LastCommand {
                 target_m: target,
                 ..checks::AT_REST
             };
-            let ahead = Ahead {
+            let ahead = TargetMotion {
                 displacement_m: next,
                 velocity_m: 0.0,
                 acceleration_m: 0.0,

@@ -9,7 +9,7 @@
 //! With order 3 the gain at `omega tau` = 1.57 is 15: a mode there is driven to instability, damping or none. Nothing
 //! tells it that the delay is not what it was said to be, and a gain error stays.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::past::{Past, REACH};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
@@ -118,7 +118,7 @@ impl PredictAxis for Lagrange {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, _: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, _: &LastCommand, ahead: &TargetMotion) -> f32 {
         k.extrapolation
             .ahead(&mut self.past, ahead.displacement_m, k.delay)
     }

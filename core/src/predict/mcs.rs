@@ -19,7 +19,7 @@
 //! round the actuator; `K_x` is therefore kept within [`MOST`].
 
 use super::adaptation::{Gate, Learning, learnt};
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::Context;
 use crate::linear::{Linear, Setting, Sum};
 
@@ -83,7 +83,7 @@ impl PredictAxis for Mcs {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, followed: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, followed: &LastCommand, ahead: &TargetMotion) -> f32 {
         let demand_m = ahead.displacement_m + k.delay * ahead.velocity_m;
         let mut gains = self.gains;
         self.gate

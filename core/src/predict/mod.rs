@@ -1,7 +1,7 @@
 //! Predictors: what is sent so that the actuator, which is late, is at the target in time.
 //!
 //! A predictor stands between signal generation and the sent command, axis by axis, once a control step. It sees what
-//! has come of the last command ([`Followed`]) and where the motion goes ([`Ahead`]). What the integration and the
+//! has come of the last command ([`LastCommand`]) and where the motion goes ([`TargetMotion`]). What the integration and the
 //! energies call the command stays the target; only the actuator, the interlocks on the command and the estimator's
 //! known input see what is sent.
 //!
@@ -40,8 +40,8 @@ mod checks;
 mod interface;
 mod past;
 
-pub(crate) use interface::{Ahead, Followed};
 use interface::{Axes, Predict};
+pub(crate) use interface::{LastCommand, TargetMotion};
 
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
@@ -116,8 +116,8 @@ macro_rules! predictors {
             /// One control step of the axes `0..physical`: replaces the targets in `command_m` by what is to be sent.
             pub fn command(
                 &mut self,
-                followed: &[Followed; N],
-                ahead: &[Ahead; N],
+                followed: &[LastCommand; N],
+                ahead: &[TargetMotion; N],
                 physical: usize,
                 command_m: &mut [f32; N],
             ) {

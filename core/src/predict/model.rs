@@ -12,7 +12,7 @@
 //! Where the specimen is not what was declared: a yielding one is predicted as an elastic one. The change of the ground
 //! motion within the delay is left out.
 
-use super::interface::{Ahead, Followed, Predict};
+use super::interface::{LastCommand, Predict, TargetMotion};
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
 use crate::matrix::{self, Matrix};
@@ -59,7 +59,7 @@ impl<const N: usize> Constants<N> {
 
     /// The targets one delay ahead, m.
     #[inline(never)]
-    pub fn ahead(&self, ahead: &[Ahead; N], physical: usize, command_m: &mut [f32; N]) {
+    pub fn ahead(&self, ahead: &[TargetMotion; N], physical: usize, command_m: &mut [f32; N]) {
         for i in 0..N.min(physical) {
             let mut sum = 0.0;
             for (j, now) in ahead.iter().enumerate() {
@@ -102,8 +102,8 @@ impl<const N: usize> Predict<N> for ModelPrediction {
     fn command(
         &mut self,
         k: &Constants<N>,
-        _: &[Followed; N],
-        ahead: &[Ahead; N],
+        _: &[LastCommand; N],
+        ahead: &[TargetMotion; N],
         physical: usize,
         command_m: &mut [f32; N],
     ) {
@@ -159,7 +159,7 @@ mod tests {
         // Mode shape of the second mode: (1.618, -1); u = shape cos(omega t).
         let shape = [1.618_034, -1.0];
         let t = 0.3 / omega;
-        let at = |j: usize| Ahead {
+        let at = |j: usize| TargetMotion {
             displacement_m: (shape[j] * libm::cos(omega * t)) as f32,
             velocity_m: (-shape[j] * omega * step_s * libm::sin(omega * t)) as f32,
             acceleration_m: (-shape[j] * omega * omega * step_s * step_s * libm::cos(omega * t))

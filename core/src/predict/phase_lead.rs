@@ -9,7 +9,7 @@
 //! # When not to use it
 //! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
 
-use super::interface::{Ahead, Followed, PredictAxis};
+use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::Context;
 use crate::linear::{Linear, Setting};
 
@@ -66,7 +66,7 @@ impl PredictAxis for PhaseLead {
     }
 
     #[inline]
-    fn command(&mut self, k: &Constants, _: &Followed, ahead: &Ahead) -> f32 {
+    fn command(&mut self, k: &Constants, _: &LastCommand, ahead: &TargetMotion) -> f32 {
         let target_m = ahead.displacement_m;
         self.command_m = k.new * target_m + k.last * self.target_m + k.memory * self.command_m;
         self.target_m = target_m;
@@ -89,7 +89,7 @@ mod tests {
         let length = (cycles * core::f64::consts::TAU / omega) as usize;
         for i in 0..2 * length {
             let phase = omega * i as f64;
-            let ahead = Ahead {
+            let ahead = TargetMotion {
                 displacement_m: libm::sin(phase) as f32,
                 velocity_m: 0.0,
                 acceleration_m: 0.0,

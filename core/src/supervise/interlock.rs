@@ -6,7 +6,7 @@ use crate::structure::actuated;
 
 /// Limits; the largest number where a limit is off, so that infinities and NaN fail every one.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct InterlockLimits {
     /// Largest command, m.
     pub displacement_m: f32,
     /// Largest measured displacement, m.
@@ -85,7 +85,7 @@ pub struct Checked<'a, const N: usize> {
 
 /// Whether every limit is kept.
 #[inline]
-pub fn within<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> bool {
+pub fn within<const N: usize>(limits: &InterlockLimits, c: &Checked<'_, N>) -> bool {
     // The sign bit of what is left says that a limit is passed: five limits, one branch.
     let mut passed = 0;
     for j in 0..actuated::<N>(c.physical) {
@@ -113,7 +113,10 @@ fn room(limit: f32, value: f32) -> i32 {
 /// The first limit that is passed, in the order of the fault numbers; looked for only when there is one.
 #[cold]
 #[inline(never)]
-pub fn first_fault<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Option<Finding> {
+pub fn first_fault<const N: usize>(
+    limits: &InterlockLimits,
+    c: &Checked<'_, N>,
+) -> Option<Finding> {
     // Compared as `!(x <= limit)`: a NaN passes no limit, so it fails every one.
     let mut worst: Option<Finding> = None;
     let mut found = |fault: Fault, axis: usize, value: f32, limit: f32| {
@@ -195,7 +198,7 @@ pub fn first_fault<const N: usize>(limits: &Limits, c: &Checked<'_, N>) -> Optio
 mod tests {
     use super::*;
 
-    const LIMITS: Limits = Limits {
+    const LIMITS: InterlockLimits = InterlockLimits {
         displacement_m: 0.1,
         reading_m: 0.103,
         increment_m: 2e-3,

@@ -10,7 +10,7 @@ mod stale;
 pub use fault::{Fault, Trip};
 pub use history::HISTORY;
 pub(crate) use history::History;
-pub use interlock::Limits;
+pub use interlock::InterlockLimits;
 pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
 pub use mode::{Event, Mode, Rejected};

@@ -17,7 +17,7 @@ use crate::registers::{Demand, Registers};
 use external::External;
 use internal::Internal;
 use link::CodeRange;
-use link::channel::{Calibration, Line};
+use link::channel::{Calibration, ChannelCalibration};
 use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -245,6 +245,6 @@ pub fn command_m(wired: &Calibration, code: u16) -> f64 {
 }
 
 /// The code of a sensor, with its fraction, that stands for a quantity, m or N.
-pub fn sensor_code(line: Line, quantity: f64) -> f64 {
+pub fn sensor_code(line: ChannelCalibration, quantity: f64) -> f64 {
     quantity / f64::from(line.per_code) + f64::from(line.zero_code)
 }

@@ -1,27 +1,27 @@
 //! The bench of a test as `outerloop run --emulated` sets it up.
 
-use outerloop_cli::board::emulated::{Emulated, Laboratory};
-use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use outerloop_cli::experiment::Experiment;
-use outerloop_cli::judged::Run;
+use outerloop_cli::judged::JudgedRun;
 use outerloop_cli::trace::{Response, Trace};
 use std::path::Path;
 
 /// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.
 pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
-    let plan = Plan::of(experiment, ideal);
+    let plan = PlannedMotion::of(experiment, ideal);
     let limits = plan.without_board(&experiment.test.config.limits);
-    let laboratory = Laboratory::of(&experiment.test, 1).sized_for(&limits, &plan);
+    let laboratory = EmulatedRig::of(&experiment.test, 1).sized_for(&limits, &plan);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Patience::EMULATED);
+    let mut connection = Connection::new(port, Timeouts::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     BoardBench::new(connection, plan, Operator::nobody())
 }
 
 /// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again.
-pub fn run(experiment: &Experiment, ideal: &Response) -> Run {
+pub fn run(experiment: &Experiment, ideal: &Response) -> JudgedRun {
     let method = experiment.test.config.compensation.kind;
     experiment
         .run_on(

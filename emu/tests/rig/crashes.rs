@@ -4,7 +4,7 @@ use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
 use emu::{Fault, Planned, Seen};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
-use link::status::{Cause, LastWords, Start, Status};
+use link::status::{Cause, CrashReport, Start, Status};
 use outerloop_cli::board::Image;
 use outerloop_core::{Event, Fault as LoopFault, Mode};
 
@@ -64,7 +64,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     (course, status)
 }
 
-fn words(status: &Status) -> &LastWords {
+fn words(status: &Status) -> &CrashReport {
     status.last_words.as_ref().expect("last words")
 }
 

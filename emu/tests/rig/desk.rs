@@ -8,7 +8,7 @@ use link::reply::Reply;
 use link::status::Status;
 use link::telemetry::StepReport;
 use link::{Calibration, CodeRange};
-use outerloop_cli::board::{Connection, Image, Patience, Port, calibrate, status};
+use outerloop_cli::board::{Connection, Image, Port, Timeouts, calibrate, status};
 use outerloop_core::{Config, Event, Mode, config::Limits};
 use plant::{Rig, RigSpec};
 use std::collections::VecDeque;
@@ -222,7 +222,7 @@ impl Desk {
             came: VecDeque::new(),
         };
         Self {
-            pc: Connection::new(line, Patience::EMULATED),
+            pc: Connection::new(line, Timeouts::EMULATED),
             steps: Vec::new(),
             wire,
             log,
@@ -236,7 +236,7 @@ impl Desk {
             wire: self.wire.clone(),
             came: VecDeque::new(),
         };
-        Connection::new(line, Patience::EMULATED)
+        Connection::new(line, Timeouts::EMULATED)
     }
 
     pub fn status(&mut self) -> Status {

@@ -4,13 +4,13 @@
 use crate::desk::{Bench, Desk};
 use emu::{Fault, Planned};
 use link::Calibration;
-use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator, calibrate};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::soundness::monitor::{DISPLACEMENT, ENERGY_TRIP, TOO_FAR, TRACKING};
-use outerloop_cli::summary::{Summary, Verdict};
+use outerloop_cli::summary::{Summary, TestVerdict};
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
@@ -63,7 +63,7 @@ fn run(rig: &str, shaken: &Shaking, fault: Option<Planned>) -> Ran {
     shaking.interval_s /= shaken.faster;
     let mut experiment = Experiment::new(test, &shaking, Some(shaken.seconds)).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let (plan, peak_m) = (Plan::of(&experiment, &ideal), ideal.peaks_m()[0]);
+    let (plan, peak_m) = (PlannedMotion::of(&experiment, &ideal), ideal.peaks_m()[0]);
     let limits = &mut experiment.test.config.limits;
     limits.displacement_m = Some(DISPLACEMENT * peak_m);
     limits.tracking_m = Some(TRACKING * (plan.velocity_m_per_s * plan.delay_s + 0.05 * peak_m));
@@ -116,7 +116,7 @@ fn sound_tests_run_to_their_end() {
     ] {
         let ran = run(rig, &SHORT, None);
         assert_eq!(ran.summary.trip, None, "{rig}");
-        assert_eq!(ran.summary.verdict, Verdict::Completed, "{rig}");
+        assert_eq!(ran.summary.verdict, TestVerdict::Completed, "{rig}");
         assert!(ran.motion > 0.8, "{rig}: {}", ran.motion);
     }
 }
@@ -140,7 +140,7 @@ fn what_breaks_is_stopped_in_time() {
         (SLOW, soft),
     ] {
         let ran = run(told, &shaken, Some(fault));
-        assert_eq!(ran.summary.verdict, Verdict::Tripped, "{fault:?}");
+        assert_eq!(ran.summary.verdict, TestVerdict::Tripped, "{fault:?}");
         assert!(ran.motion < TOO_FAR, "{fault:?}: {}", ran.motion);
     }
 }

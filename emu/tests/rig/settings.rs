@@ -2,7 +2,7 @@
 
 use crate::desk::{Bench, Desk, codes, config, image};
 use emu::Firmware;
-use firmware::station::{Keep, Wiring};
+use firmware::station::{FlashRecord, Wiring};
 use link::Calibration;
 use link::command::Command;
 use link::reply::Reply;

@@ -3,13 +3,13 @@
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, codes, fine};
 use emu::Seen;
 use link::Calibration;
-use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::Verdict;
-use outerloop_cli::trace::Witness;
+use outerloop_cli::summary::TestVerdict;
+use outerloop_cli::trace::TestObserver;
 use outerloop_core::{Event, Mode, Record};
 use std::path::Path;
 
@@ -28,14 +28,14 @@ struct Hand {
     pressed: bool,
 }
 
-impl Witness for Hand {
-    fn see<const N: usize>(&mut self, record: &Record<N>) {
+impl TestObserver for Hand {
+    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
         self.seen += 1;
         self.way_m = record.command_m[0] - self.command_m;
         self.command_m = record.command_m[0];
     }
 
-    fn wish(&mut self) -> Option<Event> {
+    fn requested_event(&mut self) -> Option<Event> {
         let now = !self.pressed && self.seen >= AFTER && self.way_m.abs() >= MOVING_M;
         self.pressed |= now;
         now.then_some(Event::Stop)
@@ -49,7 +49,7 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     let ideal = experiment.ideal().unwrap();
     let mut desk = Desk::new(None);
     desk.calibrate();
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(desk.connection(), plan, Operator::nobody());
     let mut hand = Hand::default();
     let method = test.config.compensation.kind;
@@ -59,7 +59,12 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     drop(bench);
 
     let summary = &run.summary;
-    assert_eq!(summary.verdict, Verdict::Stopped, "{}", summary.sentence());
+    assert_eq!(
+        summary.verdict,
+        TestVerdict::Stopped,
+        "{}",
+        summary.sentence()
+    );
     let kept = run.trace.expect("a record").len();
     assert_eq!((summary.steps, hand.seen), (kept, kept));
     assert!((AFTER..20_000).contains(&kept), "{kept} steps");

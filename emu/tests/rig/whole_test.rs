@@ -3,12 +3,12 @@
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, fine, image};
 use emu::{Firmware, Seen};
 use outerloop_cli::board::Image;
-use outerloop_cli::board::limits::Plan;
+use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::summary::TestVerdict;
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
@@ -19,7 +19,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     let ideal = experiment.ideal().unwrap();
     let mut desk = Desk::new(None);
     desk.calibrate();
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(desk.connection(), plan, Operator::nobody());
     let method = test.config.compensation.kind;
     let run = experiment
@@ -28,7 +28,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     let summary = &run.summary;
     assert_eq!(
         summary.verdict,
-        Verdict::Completed,
+        TestVerdict::Completed,
         "{}",
         summary.sentence()
     );
@@ -156,7 +156,8 @@ fn a_converter_has_no_step_at_zero() {
             desk.step();
         }
         let read = desk.step();
-        let of = |line: link::channel::Line, code| (line.quantity(code), line.per_code);
+        let of =
+            |line: link::channel::ChannelCalibration, code| (line.quantity(code), line.per_code);
         let wanted = [offset_mm * 1e-3, 100.0 * offset_mm];
         let got = [
             of(calibration.displacement, read.displacement),

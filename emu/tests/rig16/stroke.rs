@@ -1,12 +1,12 @@
 //! What 16 bits are for: a test that uses a small part of a long stroke.
 
-use outerloop_cli::board::emulated::{Emulated, Laboratory};
-use outerloop_cli::board::limits::Plan;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Patience, calibrate};
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::summary::TestVerdict;
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
@@ -25,14 +25,14 @@ fn over_250_mm_the_error_is_within_5_percent_of_the_one_without_converters() {
         .run(method, &ideal, 1, false, None::<Trace>)
         .unwrap();
 
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let limits = plan.without_board(&experiment.test.config.limits);
-    let laboratory = Laboratory::of(&experiment.test, 1)
+    let laboratory = EmulatedRig::of(&experiment.test, 1)
         .sized_for(&limits, &plan)
         .over(HALF_M);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Patience::EMULATED);
+    let mut connection = Connection::new(port, Timeouts::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     let bench = BoardBench::new(connection, plan, Operator::nobody()).with_bits(Some(16));
     let run = experiment
@@ -45,7 +45,7 @@ fn over_250_mm_the_error_is_within_5_percent_of_the_one_without_converters() {
         summary.eps_rms, plain.eps_rms
     );
     println!("{}", summary.board.as_ref().unwrap().sentence());
-    assert_eq!(summary.verdict, Verdict::Completed);
+    assert_eq!(summary.verdict, TestVerdict::Completed);
     assert!((summary.eps_rms / plain.eps_rms - 1.0).abs() < 0.05);
     let board = summary.board.as_ref().unwrap();
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));

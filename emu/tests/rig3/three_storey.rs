@@ -6,7 +6,7 @@ use outerloop_cli::board::emulated::can_run;
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::summary::TestVerdict;
 use outerloop_cli::trace::Trace;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ fn the_error_is_within_5_percent_of_the_one_without_converters() {
     );
     let board = summary.board.as_ref().unwrap();
     println!("{}", board.sentence());
-    assert_eq!(summary.verdict, Verdict::Completed);
+    assert_eq!(summary.verdict, TestVerdict::Completed);
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert!((summary.eps_rms / plain.eps_rms - 1.0).abs() < 0.05);
     // A step and its converters fit into the 80 us before the commands leave, with room: 72 us of 168 cycles.

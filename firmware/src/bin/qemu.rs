@@ -6,9 +6,9 @@
 #![no_main]
 
 use cortex_m::Peripherals;
-use firmware::board::qemu::{Begin, Exchange, Lost, SysTick, exit};
+use firmware::board::qemu::{Begin, Exchange, HostGone, SysTick, exit};
 use firmware::board::stack::HighWater;
-use firmware::session::{Output, Summary};
+use firmware::session::{PeriodReply, SessionAccount};
 use firmware::step_time::StepTime;
 use link::Command;
 use link::reply::{RefusedParameter, Reply};
@@ -22,14 +22,14 @@ fn main() -> ! {
     static mut POINTS: [f32; MAX_POINTS] = [0.0; MAX_POINTS];
     exit(match session(POINTS) {
         Ok(()) => 0,
-        Err(Lost) => 1,
+        Err(HostGone) => 1,
     })
 }
 
-fn session(memory: &mut [f32]) -> Result<(), Lost> {
+fn session(memory: &mut [f32]) -> Result<(), HostGone> {
     let mut pc = Exchange::open()?;
     let begin = pc.begin(memory)?;
-    let points = memory.get(..begin.points).ok_or(Lost)?;
+    let points = memory.get(..begin.points).ok_or(HostGone)?;
     match begin.config.structure.mass_kg.len() {
         1 => run::<1>(&mut pc, &begin, points),
         2 => run::<2>(&mut pc, &begin, points),
@@ -43,7 +43,7 @@ fn session(memory: &mut [f32]) -> Result<(), Lost> {
 
 /// The session of a loop with `N` degrees of freedom.
 #[inline(never)]
-fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Result<(), Lost> {
+fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Result<(), HostGone> {
     let design = match Design::<N>::new(&begin.config) {
         Ok(design) => design,
         Err(refusal) => return pc.reply(begin.request, refusal.into()),
@@ -56,7 +56,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
     };
     let mut outer = OuterLoop::new(design);
     let mut time = StepTime::new(u32::MAX);
-    let watch = SysTick::start(Peripherals::take().ok_or(Lost)?.SYST);
+    let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
     let done = |tick, state| Reply::Done { tick, state };
     pc.reply(begin.request, done(0, outer.state()))?;
@@ -68,7 +68,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         if command {
             period_stack = stack.bytes().max(period_stack);
             let (request, Command::Event(event)) = pc.command()? else {
-                return Err(Lost);
+                return Err(HostGone);
             };
             stack = HighWater::paint();
             let handled = outer.handle(event);
@@ -80,14 +80,14 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
         let begin = watch.now();
         let step = outer.step(&sample, &ground);
         time.add(SysTick::between(begin, watch.now()));
-        let output = Output {
+        let output = PeriodReply {
             permit: step.permit,
             command_m: step.command_m,
         };
         hash = step.record.hash(hash);
         pc.output(&output, step.record)?;
     }
-    pc.end(&Summary {
+    pc.end(&SessionAccount {
         hash,
         total_ticks: time.total_ticks(),
         steps: time.steps(),

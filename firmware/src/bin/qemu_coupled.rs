@@ -7,21 +7,21 @@
 #![no_main]
 
 use cortex_m::Peripherals;
-use firmware::board::qemu::{File, Lost, Mode, SysTick, exit};
+use firmware::board::qemu::{File, HostGone, Mode, SysTick, exit};
 use firmware::coupled::{SAMPLES, Scenario};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     exit(match run() {
         Ok(()) => 0,
-        Err(Lost) => 1,
+        Err(HostGone) => 1,
     })
 }
 
-fn run() -> Result<(), Lost> {
-    let watch = SysTick::start(Peripherals::take().ok_or(Lost)?.SYST);
+fn run() -> Result<(), HostGone> {
+    let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (per_1024, overhead) = watch.ticks_per_1024_instructions();
-    let mut scenario = Scenario::new().map_err(|_| Lost)?;
+    let mut scenario = Scenario::new().map_err(|_| HostGone)?;
     let (mut worst, mut total) = (0, 0);
     while let Some(input) = scenario.next_input() {
         let begin = watch.now();

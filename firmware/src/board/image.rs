@@ -7,9 +7,9 @@ macro_rules! nucleo_f429zi_image {
         #[cfg(target_os = "none")]
         mod image {
             use embassy_stm32::interrupt;
-            use $crate::board::nucleo_f429zi::{boot, control::Owned, fatal};
+            use $crate::board::nucleo_f429zi::{boot, control::ControlCell, fatal};
 
-            static CONTROL: Owned<$converters $(, $actuators)?> = Owned::new();
+            static CONTROL: ControlCell<$converters $(, $actuators)?> = ControlCell::new();
 
             #[cortex_m_rt::entry]
             fn main() -> ! {

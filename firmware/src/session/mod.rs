@@ -10,7 +10,7 @@
 //!  PC ◄─ image   permission, commands, record                            every control period
 //!
 //!  PC ─► image   end
-//!  PC ◄─ image   summary
+//!  PC ◄─ image   account
 //! ```
 //!
 //! What goes over a board's port goes here, too, as frames of [`link`]. What goes through a board's converters, sample and
@@ -18,10 +18,10 @@
 //! framing them would take longer than the step that is looked at, and the closed loop is to be twenty times faster than
 //! real time. The pipe between two processes neither loses nor garbles.
 
+mod account;
 mod period;
-mod summary;
 mod words;
 
-pub use period::{Order, Output};
-pub use summary::Summary;
+pub use account::SessionAccount;
+pub use period::{PeriodReply, PeriodRequest};
 pub use words::{Malformed, Message, Words};

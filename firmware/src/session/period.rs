@@ -5,7 +5,7 @@ use outerloop_core::{Fault, Record, Sample};
 
 /// What the PC wants of a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Order<const N: usize> {
+pub enum PeriodRequest<const N: usize> {
     /// A step with this sample, after the command that follows the order if there is one.
     Step {
         /// A command of `link` follows.
@@ -22,7 +22,7 @@ const FRESH: u32 = 1 << 8;
 const COMMAND: u32 = 1 << 9;
 const END: u32 = 1 << 31;
 
-impl<const N: usize> Order<N> {
+impl<const N: usize> PeriodRequest<N> {
     /// Length in bytes.
     pub const BYTES: usize = 4 * (1 + 2 * N);
 
@@ -74,14 +74,14 @@ impl<const N: usize> Order<N> {
 
 /// What the image gives back in a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Output<const N: usize> {
+pub struct PeriodReply<const N: usize> {
     /// Whether the actuator may move.
     pub permit: bool,
     /// Command for the next period, m.
     pub command_m: [f32; N],
 }
 
-impl<const N: usize> Output<N> {
+impl<const N: usize> PeriodReply<N> {
     /// Length in bytes, with the record behind it.
     pub const BYTES: usize = 4 * (1 + N + Record::<N>::WORDS);
 
@@ -123,31 +123,31 @@ mod tests {
             for (fresh, command) in [(true, false), (false, true), (true, true)] {
                 let mut sample = Sample::new([1.0, -0.0, 3e-39], [f32::MAX, 0.0, -7.5]);
                 (sample.fresh, sample.fault) = (fresh, fault);
-                let order = Order::<3>::Step { command, sample };
+                let order = PeriodRequest::<3>::Step { command, sample };
                 let bytes = order.encode();
-                assert_eq!(bytes.len(), Order::<3>::BYTES);
-                assert_eq!(Order::decode(&bytes), Ok(order));
+                assert_eq!(bytes.len(), PeriodRequest::<3>::BYTES);
+                assert_eq!(PeriodRequest::decode(&bytes), Ok(order));
             }
         }
         assert_eq!(
-            Order::<1>::decode(&Order::<1>::End.encode()),
-            Ok(Order::End)
+            PeriodRequest::<1>::decode(&PeriodRequest::<1>::End.encode()),
+            Ok(PeriodRequest::End)
         );
     }
 
     #[test]
     fn what_does_not_exist_is_refused() {
         let sample = Sample::new([0.0], [0.0]);
-        let good = Order::<1>::Step {
+        let good = PeriodRequest::<1>::Step {
             command: false,
             sample,
         }
         .encode();
         let mut bad = good.clone();
         bad[0] = u8::MAX;
-        assert_eq!(Order::<1>::decode(&bad), Err(Malformed));
-        assert_eq!(Order::<3>::decode(&good), Err(Malformed));
-        assert!(Output::<1>::decode(&good).is_err());
+        assert_eq!(PeriodRequest::<1>::decode(&bad), Err(Malformed));
+        assert_eq!(PeriodRequest::<3>::decode(&good), Err(Malformed));
+        assert!(PeriodReply::<1>::decode(&good).is_err());
     }
 
     #[test]
@@ -155,13 +155,13 @@ mod tests {
         let mut record = Record::<8>::EMPTY;
         record.tick = 77;
         record.energy_ratio = 0.25;
-        let output = Output {
+        let output = PeriodReply {
             permit: false,
             command_m: [1.5; 8],
         };
         let bytes = output.encode(&record);
-        assert_eq!(bytes.len(), Output::<8>::BYTES);
-        let (back, words) = Output::<8>::decode(&bytes).unwrap();
+        assert_eq!(bytes.len(), PeriodReply::<8>::BYTES);
+        let (back, words) = PeriodReply::<8>::decode(&bytes).unwrap();
         assert_eq!(back, output);
         let mut sent = Vec::new();
         record.for_each_word(|w| sent.push(w));

@@ -4,14 +4,14 @@ use super::board::{CLOCK, CODES, Plant, SimBoard};
 use super::faulty::Faulty;
 use crate::hardware::Hardware;
 use crate::station::{
-    Asked, Board, Ends, Evidence, Keep, Order, Outcome, Parts, Points, Report, Service, Setup,
-    Sign, Station,
+    Board, CommandResult, FlashRecord, Heartbeat, Heartbeats, Order, Outcome, Parts, Points,
+    QueueEnds, Report, Service, Setup, Station,
 };
 use heapless::spsc::{Consumer, Queue};
 use link::Calibration;
 use link::command::Command;
-use link::frame::Seen;
-use link::reply::{Answer, Reply};
+use link::frame::DecoderCounts;
+use link::reply::{NumberedReply, Reply};
 use link::status::Start;
 use outerloop_core::Mode;
 
@@ -27,9 +27,9 @@ pub struct Tasks<H, const A: usize = 1> {
     /// The board itself.
     pub hardware: H,
     /// Signs of life.
-    pub evidence: &'static Evidence,
+    pub heartbeats: &'static Heartbeats,
     /// Which signs are shown after each step.
-    pub alive: [Sign; 3],
+    pub alive: [Heartbeat; 3],
     /// How long the saved records were, test and calibrations together.
     pub saved: [Option<usize>; 2],
     outcomes: Consumer<'static, Outcome>,
@@ -55,19 +55,19 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
         let (reports_in, reports) = leak(Queue::<Report, 256>::new()).split();
-        let evidence = leak(Evidence::new());
+        let heartbeats = leak(Heartbeats::new());
         // The clock allows 2 kHz.
         let setup = || leak(Setup::unconfigured(&CLOCK, A).unwrap_or_else(|r| panic!("{r}")));
         let first = setup();
         let in_force = (first.rate_hz, first.model_step_s);
-        let ends = Ends {
+        let ends = QueueEnds {
             orders: orders_out,
             outcomes: outcomes_in,
             reports: reports_in,
         };
         let codes = hardware.codes().unwrap_or([[0; 2]; A]);
         Self {
-            station: Station::new(first, [placeholder; A], codes, evidence, ends, 2),
+            station: Station::new(first, [placeholder; A], codes, heartbeats, ends, 2),
             service: Service::new(
                 Board {
                     name,
@@ -94,8 +94,8 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                 in_force,
             ),
             hardware,
-            evidence,
-            alive: [Sign::Listen, Sign::Report, Sign::Heard],
+            heartbeats,
+            alive: [Heartbeat::Listen, Heartbeat::Report, Heartbeat::Pc],
             saved: [None; 2],
             outcomes,
             reports,
@@ -107,7 +107,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     pub fn step(&mut self) -> Report {
         self.station.period(&mut self.hardware);
         for sign in self.alive {
-            self.evidence.show(sign);
+            self.heartbeats.beat(sign);
         }
         let report = self
             .reports
@@ -118,14 +118,19 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     }
 
     /// Hands a command to the service; `None`: the answer comes after the next step, by [`go_on`](Self::go_on).
-    pub fn hear(&mut self, request: u16, command: Command, seen: Seen) -> Option<Answer> {
-        let asked = self.service.hear(request, command, seen, 0);
+    pub fn receive(
+        &mut self,
+        request: u16,
+        command: Command,
+        seen: DecoderCounts,
+    ) -> Option<NumberedReply> {
+        let asked = self.service.receive(request, command, seen, 0);
         self.answer(asked)
     }
 
     /// Hands a command to the service and steps until it is answered.
     pub fn ask(&mut self, request: u16, command: Command) -> Reply {
-        let mut answer = self.hear(request, command, Seen::default());
+        let mut answer = self.receive(request, command, DecoderCounts::default());
         loop {
             match answer {
                 Some(answer) => return answer.reply,
@@ -138,7 +143,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     }
 
     /// The command that waited for a step.
-    pub fn go_on(&mut self) -> Option<Answer> {
+    pub fn go_on(&mut self) -> Option<NumberedReply> {
         if !self.waiting {
             return None;
         }
@@ -152,12 +157,12 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         self.waiting
     }
 
-    fn answer(&mut self, asked: Asked) -> Option<Answer> {
-        self.waiting = matches!(asked, Asked::Wait);
+    fn answer(&mut self, asked: CommandResult) -> Option<NumberedReply> {
+        self.waiting = matches!(asked, CommandResult::Wait);
         match asked {
-            Asked::Reply(answer) => Some(answer),
-            Asked::Wait => None,
-            Asked::Save(config, wirings) => {
+            CommandResult::Reply(answer) => Some(answer),
+            CommandResult::Wait => None,
+            CommandResult::Save(config, wirings) => {
                 let length = |slot: &[u8]| slot.len();
                 let slots = wirings.into_iter().flatten().map(|w| w.encode(0));
                 self.saved = [

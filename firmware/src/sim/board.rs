@@ -1,8 +1,8 @@
 //! A board in memory.
 
 use crate::hardware::Hardware;
-use crate::station::{Clock, Sign};
-use link::channel::Line;
+use crate::station::{Clock, Heartbeat};
+use link::channel::ChannelCalibration;
 use link::telemetry::MAX_INPUTS;
 use link::{Calibration, CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::Mode;
@@ -57,7 +57,7 @@ pub struct SimBoard<P, const A: usize = 1> {
     /// How often the watchdog was fed.
     pub fed: u32,
     /// The task that starved.
-    pub starving: Option<Sign>,
+    pub starving: Option<Heartbeat>,
     /// Ticks of the stopwatch, which stands unless somebody moves it.
     pub ticks: u32,
 }
@@ -80,7 +80,7 @@ impl<P: Plant<A>, const A: usize> SimBoard<P, A> {
 }
 
 /// The code of a sensor: two conversions of the same voltage, added.
-fn code(line: Line, quantity: f64) -> u16 {
+fn code(line: ChannelCalibration, quantity: f64) -> u16 {
     let one = (quantity / f64::from(line.per_code) + f64::from(line.zero_code)) / 2.0;
     2 * one.round().clamp(0.0, f64::from(CODES.sensor_top / 2)) as u16
 }
@@ -143,7 +143,7 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
         self.fed += 1;
     }
 
-    fn starving(&mut self, task: Sign, _: u32, _: Mode) {
+    fn starving(&mut self, task: Heartbeat, _: u32, _: Mode) {
         self.starving = Some(task);
     }
 }

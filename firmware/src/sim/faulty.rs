@@ -1,7 +1,7 @@
 //! Bad weather around any board.
 
 use crate::hardware::Hardware;
-use crate::station::Sign;
+use crate::station::Heartbeat;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
@@ -125,7 +125,7 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
         self.board.feed();
     }
 
-    fn starving(&mut self, task: Sign, tick: u32, state: Mode) {
+    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
         self.board.starving(task, tick, state);
     }
 }

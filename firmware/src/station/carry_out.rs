@@ -36,7 +36,7 @@ impl<const A: usize> Station<A> {
             Order::Exchange(setup) => {
                 let old = core::mem::replace(&mut self.setup, setup);
                 hardware.set_period(self.setup.period_ticks);
-                (self.signal, self.told) = (None, false);
+                (self.signal, self.targets_from_pc) = (None, false);
                 self.spacing = Spacing::new();
                 Ok(Returned::Setup(old, self.motion.take()))
             }
@@ -51,7 +51,7 @@ impl<const A: usize> Station<A> {
                 Ok(Returned::Nothing)
             }
             Order::Pace(pace) => {
-                self.told = pace.is_some();
+                self.targets_from_pc = pace.is_some();
                 self.setup.outer.set_pace(pace);
                 Ok(Returned::Nothing)
             }
@@ -70,7 +70,7 @@ impl<const A: usize> Station<A> {
             return Err(Refused::NotConfigured);
         }
         let shaken = self.motion.is_some() && !self.points_are_commands;
-        let something = shaken || self.signal.is_some() || self.told;
+        let something = shaken || self.signal.is_some() || self.targets_from_pc;
         if event == Event::Arm && !something {
             return Err(Refused::NothingToRun);
         }

@@ -1,7 +1,7 @@
 //! The chain behind the PERMIT line: relays and valves whose contact is read back, and has to follow.
 
 /// Time within which the contact has to follow, s: relays take some tens of milliseconds.
-pub const CHAIN_PATIENCE_S: f64 = 0.1;
+pub const CHAIN_TIMEOUT_S: f64 = 0.1;
 
 /// For how long line and contact have disagreed.
 #[derive(Clone, Copy, Debug)]
@@ -15,16 +15,16 @@ impl ChainWatch {
         Self { steps: 0 }
     }
 
-    /// Takes in a step; returns whether the contact has disagreed for more than `patience_steps`: a relay that does not
+    /// Takes in a step; returns whether the contact has disagreed for more than `timeout_steps`: a relay that does not
     /// close, one whose contacts are welded, or a wire that is broken or shorted.
     #[inline]
-    pub fn disagrees(&mut self, permit: bool, closed: bool, patience_steps: u32) -> bool {
+    pub fn disagrees(&mut self, permit: bool, closed: bool, timeout_steps: u32) -> bool {
         self.steps = if permit == closed {
             0
         } else {
             self.steps.saturating_add(1)
         };
-        self.steps > patience_steps
+        self.steps > timeout_steps
     }
 }
 

@@ -5,7 +5,7 @@
 //! commanded is in the record. The control path has libm instead.
 
 use core::num::NonZeroU32;
-use link::command::{Shape, Signal};
+use link::command::{CommissioningSignal, Shape};
 use micromath::F32Ext;
 use outerloop_core::{Config, GroundMotion, Refusal};
 
@@ -18,7 +18,7 @@ const LONGEST_S: f32 = 600.0;
 /// A signal, step by step.
 #[derive(Clone, Copy, Debug)]
 pub struct Generator {
-    signal: Signal,
+    signal: CommissioningSignal,
     step_s: f32,
     /// Control steps from one integration step to the next, over which uploaded points are laid.
     substeps: NonZeroU32,
@@ -33,7 +33,11 @@ impl Generator {
     ///
     /// # Errors
     /// The first parameter that is not accepted.
-    pub fn new(signal: Signal, config: &Config, uploaded_m: Option<f32>) -> Result<Self, Refusal> {
+    pub fn new(
+        signal: CommissioningSignal,
+        config: &Config,
+        uploaded_m: Option<f32>,
+    ) -> Result<Self, Refusal> {
         let refuse = |name, value, accepted| {
             Err(Refusal {
                 name,
@@ -152,7 +156,7 @@ mod tests {
     }
 
     fn run(shape: Shape) -> Vec<f32> {
-        let signal = Signal {
+        let signal = CommissioningSignal {
             actuator: 0,
             shape,
             amplitude_m: 0.01,
@@ -169,7 +173,7 @@ mod tests {
         config.timing.substeps = 4;
         // One point a second; 500 integration steps of four control steps each.
         let motion = GroundMotion::new(&points, 1.0, config.model_step_s()).unwrap();
-        let signal = Signal {
+        let signal = CommissioningSignal {
             actuator: 0,
             shape: Shape::Points,
             amplitude_m: 0.008,
@@ -250,23 +254,24 @@ mod tests {
 
     #[test]
     fn a_signal_beyond_the_limits_is_refused_with_its_name() {
-        let good = Signal {
+        let good = CommissioningSignal {
             actuator: 0,
             shape: Shape::Sine { frequency_hz: 2.0 },
             amplitude_m: 0.01,
             seconds: 10.0,
         };
-        let refused = |s: Signal| Generator::new(s, &config(), None).err().map(|r| r.name);
+        let refused =
+            |s: CommissioningSignal| Generator::new(s, &config(), None).err().map(|r| r.name);
         assert_eq!(refused(good), None);
         for amplitude_m in [0.021, f32::NAN, -0.03] {
-            let name = refused(Signal {
+            let name = refused(CommissioningSignal {
                 amplitude_m,
                 ..good
             });
             assert_eq!(name, Some("signal.amplitude_m"));
         }
         for seconds in [0.9, 601.0, f32::NAN] {
-            let name = refused(Signal { seconds, ..good });
+            let name = refused(CommissioningSignal { seconds, ..good });
             assert_eq!(name, Some("signal.seconds"));
         }
         for frequency_hz in [0.0, -1.0, 101.0, f32::INFINITY] {
@@ -274,7 +279,7 @@ mod tests {
                 from_hz: 1.0,
                 to_hz: frequency_hz,
             };
-            let name = refused(Signal { shape, ..good });
+            let name = refused(CommissioningSignal { shape, ..good });
             assert_eq!(name, Some("signal.frequency_hz"));
         }
         let mut unlimited = config();

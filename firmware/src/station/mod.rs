@@ -6,14 +6,14 @@
 //!  tasks               service: command ─► order … outcome ─► reply
 //! ```
 //!
-//! The interrupt and the tasks share nothing but three queues that never wait and a few counters ([`Evidence`]). Large
+//! The interrupt and the tasks share nothing but three queues that never wait and a few counters ([`Heartbeats`]). Large
 //! things (a new test, the ground motion) change hands as references, so an order costs the interrupt next to nothing.
 
 mod any_loop;
 mod carry_out;
 mod chain;
 mod commission;
-pub(crate) mod evidence;
+pub(crate) mod heartbeats;
 mod motion;
 mod order;
 mod period;
@@ -27,12 +27,12 @@ pub(crate) mod upload;
 mod window;
 
 pub use any_loop::AnyLoop;
-pub use chain::CHAIN_PATIENCE_S;
-pub use evidence::{Evidence, PC_PATIENCE_S, Patience, Sign, TASK_PATIENCE_S};
+pub use chain::CHAIN_TIMEOUT_S;
+pub use heartbeats::{Heartbeat, Heartbeats, PC_TIMEOUT_S, TASK_TIMEOUT_S, Timeouts};
 pub use motion::{Loaded, Points, Writable};
 pub use order::{Order, Outcome, PerActuator, Refused, Returned, Vitals};
-pub use period::{Ends, Report, Station};
+pub use period::{QueueEnds, Report, Station};
 pub use ring::{Flash, Ring};
-pub use service::{Asked, Board, Parts, Service};
-pub use settings::{CALIBRATION_BYTES, Keep, TEST_BYTES, Wiring};
+pub use service::{Board, CommandResult, Parts, Service};
+pub use settings::{CALIBRATION_BYTES, FlashRecord, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};

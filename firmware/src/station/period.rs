@@ -2,7 +2,7 @@
 
 use super::any_loop::{each_loop, on_one_axis};
 use super::chain::ChainWatch;
-use super::evidence::{Evidence, Sign};
+use super::heartbeats::{Heartbeat, Heartbeats};
 use super::motion::Loaded;
 use super::order::{Order, Outcome};
 use super::setup::Setup;
@@ -31,7 +31,7 @@ pub struct Station<const A: usize = 1> {
     /// The points in the memory are a commissioning signal's, and no ground motion.
     pub(super) points_are_commands: bool,
     /// The targets come from the PC.
-    pub(super) told: bool,
+    pub(super) targets_from_pc: bool,
     pub(super) calibrations: [Calibration; A],
     pub(super) output: Output<A>,
     pub(super) tick: u32,
@@ -42,7 +42,7 @@ pub struct Station<const A: usize = 1> {
     late: bool,
     held: bool,
     chain: ChainWatch,
-    evidence: &'static Evidence,
+    heartbeats: &'static Heartbeats,
     orders: Consumer<'static, Order>,
     outcomes: Producer<'static, Outcome>,
     reports: Producer<'static, Report>,
@@ -67,7 +67,7 @@ impl<const A: usize> Output<A> {
 }
 
 /// The interrupt's ends of the queues.
-pub struct Ends {
+pub struct QueueEnds {
     /// Orders to it.
     pub orders: Consumer<'static, Order>,
     /// What became of them.
@@ -82,8 +82,8 @@ impl<const A: usize> Station<A> {
         setup: &'static mut Setup,
         calibrations: [Calibration; A],
         first: [[u16; 2]; A],
-        evidence: &'static Evidence,
-        ends: Ends,
+        heartbeats: &'static Heartbeats,
+        ends: QueueEnds,
         stopwatch_per_timer_tick: u32,
     ) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl<const A: usize> Station<A> {
             motion: None,
             signal: None,
             points_are_commands: false,
-            told: false,
+            targets_from_pc: false,
             calibrations,
             output: Output::new(),
             tick: 0,
@@ -102,7 +102,7 @@ impl<const A: usize> Station<A> {
             late: false,
             held: false,
             chain: ChainWatch::new(),
-            evidence,
+            heartbeats,
             orders: ends.orders,
             outcomes: ends.outcomes,
             reports: ends.reports,
@@ -127,7 +127,7 @@ impl<const A: usize> Station<A> {
         let begin = hardware.now();
         self.spacing.begin(begin);
         let late = self.late || hardware.began_late();
-        let starved = self.evidence.starved(self.setup.patience);
+        let starved = self.heartbeats.starved(self.setup.timeouts);
         self.hold_by_button(hardware.hold_pressed());
 
         // Sample. A converter that does not answer shows its last codes, and they are not fresh.
@@ -171,7 +171,7 @@ impl<const A: usize> Station<A> {
             self.dropped_steps = self.dropped_steps.saturating_add(1);
         }
         self.tick = self.tick.wrapping_add(1);
-        self.evidence.advance(self.tick);
+        self.heartbeats.advance(self.tick);
         self.obey(hardware);
         match starved {
             None => hardware.feed(),
@@ -183,14 +183,14 @@ impl<const A: usize> Station<A> {
     fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,
-        starved: Option<Sign>,
+        starved: Option<Heartbeat>,
         late: bool,
     ) -> Option<Fault> {
-        let patience = self.setup.patience;
+        let timeouts = self.setup.timeouts;
         let chain = self.chain.disagrees(
             self.output.permit,
             hardware.permit_chain_closed(),
-            patience.chain_steps,
+            timeouts.chain_steps,
         );
         let mut codes = self.codes.iter().flatten();
         let rail = codes.any(|&code| H::CODES.at_rail(code));
@@ -198,7 +198,7 @@ impl<const A: usize> Station<A> {
             Some(Fault::EmergencyStop)
         } else if chain {
             Some(Fault::PermitChain)
-        } else if starved.is_some() || self.evidence.pc_is_lost(patience) {
+        } else if starved.is_some() || self.heartbeats.pc_is_lost(timeouts) {
             Some(Fault::LinkLost)
         } else if rail {
             Some(Fault::AdcRail)

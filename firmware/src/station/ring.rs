@@ -3,7 +3,7 @@
 //! There are two sectors. When one is full the other is erased and goes on, so the last good record is never the one that
 //! is erased: power that fails at any moment costs no more than the saving during which it failed.
 
-use super::settings::Keep;
+use super::settings::FlashRecord;
 
 /// Flash as the slots see it.
 pub trait Flash {
@@ -30,12 +30,12 @@ pub struct Ring<const BYTES: usize> {
 
 impl<const BYTES: usize> Ring<BYTES> {
     /// What was saved last.
-    pub fn load<T: Keep<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
+    pub fn load<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<T> {
         self.newest(flash).map(|(_, _, kept)| kept)
     }
 
     /// Saves `kept` in the next slot; returns whether it reads back as it was written.
-    pub async fn save<T: Keep<BYTES>>(&self, flash: &mut impl Flash, kept: &T) -> bool {
+    pub async fn save<T: FlashRecord<BYTES>>(&self, flash: &mut impl Flash, kept: &T) -> bool {
         let last = self.newest::<T>(flash);
         let sequence = last
             .as_ref()
@@ -65,7 +65,7 @@ impl<const BYTES: usize> Ring<BYTES> {
         flash.write(slot, &bytes).await && self.read(flash, slot) == bytes
     }
 
-    fn newest<T: Keep<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
+    fn newest<T: FlashRecord<BYTES>>(&self, flash: &impl Flash) -> Option<(u32, u32, T)> {
         let mut newest: Option<(u32, u32, T)> = None;
         for slot in self
             .sectors

@@ -1,7 +1,7 @@
 //! Commands to orders, outcomes to replies.
 //!
-//! One request at a time. What can be answered at once is ([`Asked::Reply`]); what the control interrupt has to do goes
-//! to it as an order and is answered when it is done ([`Asked::Wait`], [`Service::finish`]). A request that comes twice is
+//! One request at a time. What can be answered at once is ([`CommandResult::Reply`]); what the control interrupt has to do goes
+//! to it as an order and is answered when it is done ([`CommandResult::Wait`], [`Service::finish`]). A request that comes twice is
 //! answered twice and carried out once.
 
 mod calibrations;
@@ -17,10 +17,10 @@ use super::upload::Upload;
 use super::window::Window;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
-use link::command::{Command, MAX_POINTS, Signal};
-use link::frame::Seen;
-use link::reply::{Answer, Identity, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{LastWords, Start, Status};
+use link::command::{Command, CommissioningSignal, MAX_POINTS};
+use link::frame::DecoderCounts;
+use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
+use link::status::{CrashReport, Start, Status};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::{Config, Event, Mode, Refusal};
@@ -53,15 +53,15 @@ pub struct Board {
     /// Why the board started.
     pub started: Start,
     /// What was kept across the reset.
-    pub last_words: Option<LastWords>,
+    pub last_words: Option<CrashReport>,
 }
 
 /// What becomes of a command.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // There is no heap.
-pub enum Asked {
+pub enum CommandResult {
     /// The answer.
-    Reply(Answer),
+    Reply(NumberedReply),
     /// The interrupt has an order; its outcome goes to [`Service::finish`].
     Wait,
     /// These are to be written; then [`Service::saved`].
@@ -73,7 +73,7 @@ pub enum Asked {
 enum Pending {
     Nothing,
     Done,
-    Status(Seen, u32),
+    Status(DecoderCounts, u32),
     Configure(Config),
     Reload(u32),
     Calibrate(u8, Calibration, Option<(f32, u16)>),
@@ -99,7 +99,7 @@ pub struct Service {
     tick: u32,
     request: u16,
     pending: Pending,
-    answered: Option<Answer>,
+    answered: Option<NumberedReply>,
 }
 
 /// What the service is made of.
@@ -159,9 +159,15 @@ impl Service {
     }
 
     /// Hears a command. `link` and `stack_bytes` are for the status.
-    pub fn hear(&mut self, request: u16, command: Command, link: Seen, stack_bytes: u32) -> Asked {
+    pub fn receive(
+        &mut self,
+        request: u16,
+        command: Command,
+        link: DecoderCounts,
+        stack_bytes: u32,
+    ) -> CommandResult {
         if let Some(answer) = self.answered.as_ref().filter(|a| a.request == request) {
-            return Asked::Reply(answer.clone());
+            return CommandResult::Reply(answer.clone());
         }
         self.request = request;
         match command {
@@ -194,15 +200,15 @@ impl Service {
     }
 
     /// Hears a good frame that holds no command of this version.
-    pub fn not_understood(&mut self, request: u16) -> Answer {
-        Answer {
+    pub fn not_understood(&mut self, request: u16) -> NumberedReply {
+        NumberedReply {
             request,
             reply: Reply::Unknown,
         }
     }
 
     /// The outcome of the order has come. `Wait`: another one was needed.
-    pub fn finish(&mut self, outcome: Outcome) -> Asked {
+    pub fn finish(&mut self, outcome: Outcome) -> CommandResult {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
         let (tick, state) = (outcome.tick, outcome.state);
         self.state = state;
@@ -253,7 +259,7 @@ impl Service {
     }
 
     /// The settings have been written, or not.
-    pub fn saved(&mut self, written: bool) -> Answer {
+    pub fn saved(&mut self, written: bool) -> NumberedReply {
         let reply = if written {
             Reply::Done {
                 tick: self.tick,
@@ -269,8 +275,8 @@ impl Service {
         self.answer(reply)
     }
 
-    fn answer(&mut self, reply: Reply) -> Answer {
-        let answer = Answer {
+    fn answer(&mut self, reply: Reply) -> NumberedReply {
+        let answer = NumberedReply {
             request: self.request,
             reply,
         };
@@ -278,18 +284,18 @@ impl Service {
         answer
     }
 
-    fn reply(&mut self, reply: Reply) -> Asked {
-        Asked::Reply(self.answer(reply))
+    fn reply(&mut self, reply: Reply) -> CommandResult {
+        CommandResult::Reply(self.answer(reply))
     }
 
-    fn done(&mut self, tick: u32, state: Mode) -> Asked {
+    fn done(&mut self, tick: u32, state: Mode) -> CommandResult {
         self.reply(Reply::Done { tick, state })
     }
 
-    fn order(&mut self, order: Order, pending: Pending) -> Asked {
+    fn order(&mut self, order: Order, pending: Pending) -> CommandResult {
         self.pending = pending;
         match self.orders.enqueue(order) {
-            Ok(()) => Asked::Wait,
+            Ok(()) => CommandResult::Wait,
             // Cannot be: one request at a time, and each order is taken before its outcome.
             Err(_) => self.reply(self.rejected(None, None)),
         }
@@ -303,7 +309,7 @@ impl Service {
         }
     }
 
-    fn refuse(&mut self, refused: Refused) -> Asked {
+    fn refuse(&mut self, refused: Refused) -> CommandResult {
         let reply = match refused {
             Refused::Event(rejected) => rejected.into(),
             Refused::NotConfigured => {
@@ -348,7 +354,14 @@ impl Service {
         })
     }
 
-    fn status(&self, tick: u32, state: Mode, vitals: &Vitals, link: Seen, stack: u32) -> Reply {
+    fn status(
+        &self,
+        tick: u32,
+        state: Mode,
+        vitals: &Vitals,
+        link: DecoderCounts,
+        stack: u32,
+    ) -> Reply {
         Reply::Status(Status {
             tick,
             state,
@@ -374,7 +387,7 @@ impl Service {
     }
 
     /// Arming asks for a clock, converters, a calibration, and limits that can act.
-    fn arm(&mut self) -> Asked {
+    fn arm(&mut self) -> CommandResult {
         let obstacle = if !self.board.crystal_ok {
             Some(Obstacle::Crystal)
         } else if !self.board.converters_ok {
@@ -398,7 +411,7 @@ impl Service {
         }
     }
 
-    fn configure(&mut self, config: Config) -> Asked {
+    fn configure(&mut self, config: Config) -> CommandResult {
         if let Err(refusal) = self.shown().check(&config) {
             return self.reply(refusal.into());
         }
@@ -430,7 +443,7 @@ impl Service {
         Ok(())
     }
 
-    fn signal(&mut self, signal: Signal) -> Asked {
+    fn signal(&mut self, signal: CommissioningSignal) -> CommandResult {
         if usize::from(signal.actuator) >= self.board.actuators {
             return self.no_actuator(signal.actuator);
         }
@@ -443,7 +456,7 @@ impl Service {
         }
     }
 
-    fn target(&mut self, target_m: PerActuator<f32>) -> Asked {
+    fn target(&mut self, target_m: PerActuator<f32>) -> CommandResult {
         let refused = if target_m.len() != self.board.actuators {
             let count = target_m.len() as f64;
             Some(("targets", count, "one for each of the board's actuators"))

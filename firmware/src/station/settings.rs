@@ -26,7 +26,7 @@ pub const TEST_BYTES: usize = (HEAD + MAX_BODY + TAIL).next_multiple_of(4);
 pub const CALIBRATION_BYTES: usize = 64;
 
 /// What can be kept in a slot of `BYTES`.
-pub trait Keep<const BYTES: usize>: Sized {
+pub trait FlashRecord<const BYTES: usize>: Sized {
     /// Which record, and the version of its body.
     const KIND: [u8; 4];
 
@@ -69,7 +69,7 @@ pub trait Keep<const BYTES: usize>: Sized {
     }
 }
 
-impl Keep<TEST_BYTES> for Config {
+impl FlashRecord<TEST_BYTES> for Config {
     const KIND: [u8; 4] = [b'O', b'L', b'T', VERSION];
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
@@ -109,7 +109,7 @@ impl Wiring {
     }
 }
 
-impl Keep<CALIBRATION_BYTES> for Wiring {
+impl FlashRecord<CALIBRATION_BYTES> for Wiring {
     const KIND: [u8; 4] = [b'O', b'L', b'C', 1];
 
     fn body(&self, room: &mut [u8]) -> Option<usize> {
@@ -145,7 +145,9 @@ mod tests {
         Wiring::new(Calibration::placeholder(&CODES), &CODES)
     }
 
-    fn comes_back<const BYTES: usize, T: Keep<BYTES> + PartialEq + core::fmt::Debug>(kept: T) {
+    fn comes_back<const BYTES: usize, T: FlashRecord<BYTES> + PartialEq + core::fmt::Debug>(
+        kept: T,
+    ) {
         let slot = kept.encode(7).unwrap();
         assert_eq!(T::decode(&slot), Some((7, kept)));
         let end = slot.iter().rposition(|&b| b != 0xff).unwrap() + 1;

@@ -1,7 +1,7 @@
 //! A test, worked out and ready to be exchanged for another.
 
 use super::any_loop::AnyLoop;
-use super::evidence::Patience;
+use super::heartbeats::Timeouts;
 use crate::step_time::StepTime;
 use outerloop_core::{Config, Refusal};
 
@@ -34,8 +34,8 @@ pub struct Setup {
     pub rate_hz: f32,
     /// Integration step in model time, s.
     pub model_step_s: f64,
-    /// The patience with the tasks and the PC at this rate.
-    pub patience: Patience,
+    /// The timeouts of the tasks and the PC at this rate.
+    pub timeouts: Timeouts,
     /// Somebody has asked for this test; the one that a board starts with cannot be armed.
     pub configured: bool,
 }
@@ -57,7 +57,7 @@ impl Setup {
     ) -> Result<Self, Refusal> {
         let period_ticks = period_ticks(config, clock)?;
         check_actuators(config, actuators)?;
-        let patience = Patience::at(config.timing.rate_hz);
+        let timeouts = Timeouts::at(config.timing.rate_hz);
         let time = StepTime::new(clock.deadline_ticks);
         let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
         AnyLoop::new(config).map(|outer| Self {
@@ -66,7 +66,7 @@ impl Setup {
             period_ticks,
             rate_hz,
             model_step_s,
-            patience,
+            timeouts,
             configured,
         })
     }
@@ -89,7 +89,7 @@ impl Setup {
         self.period_ticks = period_ticks;
         self.rate_hz = config.timing.rate_hz as f32;
         self.model_step_s = config.model_step_s();
-        self.patience = Patience::at(config.timing.rate_hz);
+        self.timeouts = Timeouts::at(config.timing.rate_hz);
         self.configured = true;
         Ok(())
     }
@@ -171,7 +171,7 @@ mod tests {
         assert!(with(|c| c.timing.rate_hz = 1000.0).is_ok());
         assert!(with(|c| c.timing.rate_hz = 2100.0).is_ok());
         let slow = with(|c| c.timing.rate_hz = 100.0).ok().unwrap();
-        assert_eq!((slow.period_ticks, slow.patience.task_steps), (840_000, 10));
+        assert_eq!((slow.period_ticks, slow.timeouts.task_steps), (840_000, 10));
         for rate in [1999.0, 2000.5, 4000.0, 96.0, f64::NAN, -2000.0, 0.0] {
             let refusal = with(|c| c.timing.rate_hz = rate).err().unwrap();
             assert_eq!(refusal.name, "loop.rate_hz", "{rate}");

@@ -4,7 +4,7 @@ use firmware::sim::{self, CODES, Plant};
 use firmware::station::Report;
 use link::Calibration;
 use link::command::Command;
-use link::frame::{Seen, checksum};
+use link::frame::{DecoderCounts, checksum};
 use link::reply::Reply;
 use outerloop_core::{Config, Event, Fault, Mode, config::Limits};
 use std::ops::{Deref, DerefMut};
@@ -70,7 +70,9 @@ impl Bench {
     }
 
     pub fn ask_again(&mut self, command: Command) -> Reply {
-        let mut answer = self.board.hear(self.request, command, Seen::default());
+        let mut answer = self
+            .board
+            .receive(self.request, command, DecoderCounts::default());
         loop {
             if let Some(answer) = answer {
                 assert_eq!(answer.request, self.request);

@@ -7,9 +7,9 @@ mod served;
 
 use common::{Bench, bench, config, fresh, pulse};
 use firmware::sim::CODES;
-use firmware::station::Sign;
+use firmware::station::Heartbeat;
 use link::Calibration;
-use link::command::{Channel, Command, Shape, Signal};
+use link::command::{Channel, Command, CommissioningSignal, Shape};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
@@ -234,12 +234,12 @@ fn every_fault_drops_the_permission_and_holds_the_converter() {
     trips(Fault::PermitChain, 202, |b| {
         b.hardware.broken.chain = Some(false)
     });
-    trips(Fault::LinkLost, 1002, |b| b.alive[2] = Sign::Listen);
+    trips(Fault::LinkLost, 1002, |b| b.alive[2] = Heartbeat::Listen);
 }
 
 #[test]
 fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
-    trips(Fault::LinkLost, 202, |b| b.alive[0] = Sign::Heard);
+    trips(Fault::LinkLost, 202, |b| b.alive[0] = Heartbeat::Pc);
     let mut b = bench();
     let fed = b.hardware.board.fed;
     for _ in 0..500 {
@@ -248,13 +248,13 @@ fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
     let board = &b.hardware.board;
     assert_eq!((board.fed - fed, board.starving), (500, None));
     let fed = board.fed;
-    b.alive[1] = Sign::Heard;
+    b.alive[1] = Heartbeat::Pc;
     for _ in 0..500 {
         b.step();
     }
-    let patience = firmware::station::Patience::at(2000.0).task_steps;
-    assert!((patience..patience + 3).contains(&(b.hardware.board.fed - fed)));
-    assert_eq!(b.hardware.board.starving, Some(Sign::Report));
+    let timeouts = firmware::station::Timeouts::at(2000.0).task_steps;
+    assert!((timeouts..timeouts + 3).contains(&(b.hardware.board.fed - fed)));
+    assert_eq!(b.hardware.board.starving, Some(Heartbeat::Report));
 }
 
 #[test]
@@ -308,7 +308,7 @@ fn commissioned_for_three_seconds(b: &mut Bench) {
 fn a_commissioning_signal_runs_and_ends_by_itself() {
     let mut b = bench();
     done(&b.ask(Command::Configure(config())));
-    done(&b.ask(Command::Signal(Some(Signal {
+    done(&b.ask(Command::Signal(Some(CommissioningSignal {
         actuator: 0,
         shape: Shape::Sine { frequency_hz: 2.0 },
         amplitude_m: 0.01,
@@ -324,7 +324,7 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
 fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after_that() {
     let mut b = bench();
     done(&b.ask(Command::Configure(config())));
-    let signal = Signal {
+    let signal = CommissioningSignal {
         actuator: 0,
         shape: Shape::Points,
         amplitude_m: 0.01,

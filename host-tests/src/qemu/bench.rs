@@ -2,7 +2,7 @@
 
 use super::machine::{Clock, Machine, Test};
 use crate::{Scenario, Shaking};
-use firmware::session::Summary;
+use firmware::session::SessionAccount;
 use link::reply::RefusedParameter;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Record, Sample, flag};
 use plant::Rig;
@@ -110,7 +110,7 @@ pub fn emulated<const N: usize>(
     ticks: u32,
     script: Script<'_>,
     rig: impl FnMut(&[f32; N]) -> Sample<N>,
-) -> Result<(Records, Summary)> {
+) -> Result<(Records, SessionAccount)> {
     let mut machine = Machine::start(image, clock)?;
     machine.begin(test)?;
     let records = drive(ticks, script, rig, |event, sample| {

@@ -1,12 +1,12 @@
 //! The emulated machine and a session with the image in it.
 
 use crate::Shaking;
-use firmware::session::{Order, Output, Summary};
+use firmware::session::{PeriodReply, PeriodRequest, SessionAccount};
 use link::Decoder;
 use link::command::{CHUNK, Command};
 use link::frame::checksum;
 use link::message::Message;
-use link::reply::{Answer, Reply};
+use link::reply::{NumberedReply, Reply};
 use outerloop_core::{Config, Event, Sample};
 use std::io::{Error, Read, Result, Write};
 use std::path::Path;
@@ -136,7 +136,7 @@ impl<const N: usize> Machine<N> {
             let mut byte = [0];
             self.read(&mut byte)?;
             if let Some(frame) = self.decoder.push(byte[0]) {
-                let answer = Answer::decode(&frame).filter(|a| a.request == self.request);
+                let answer = NumberedReply::decode(&frame).filter(|a| a.request == self.request);
                 let answer = answer.ok_or_else(|| Error::other("the image answers out of turn"))?;
                 return Ok(answer.reply);
             }
@@ -151,17 +151,17 @@ impl<const N: usize> Machine<N> {
         &mut self,
         event: Option<Event>,
         sample: Sample<N>,
-    ) -> Result<(Output<N>, Vec<u32>)> {
+    ) -> Result<(PeriodReply<N>, Vec<u32>)> {
         let command = event.is_some();
-        self.write(&Order::Step { command, sample }.encode())?;
+        self.write(&PeriodRequest::Step { command, sample }.encode())?;
         if let Some(event) = event {
             self.send(&Command::Event(event))?;
             // Rejected where it means nothing yet, here as there.
             self.reply()?;
         }
-        let mut bytes = vec![0; Output::<N>::BYTES];
+        let mut bytes = vec![0; PeriodReply::<N>::BYTES];
         self.read(&mut bytes)?;
-        let (output, words) = Output::decode(&bytes).map_err(malformed)?;
+        let (output, words) = PeriodReply::decode(&bytes).map_err(malformed)?;
         Ok((output, words.collect()))
     }
 
@@ -169,15 +169,15 @@ impl<const N: usize> Machine<N> {
     ///
     /// # Errors
     /// The image has gone, or did not end as it should.
-    pub fn end(mut self) -> Result<Summary> {
-        self.write(&Order::<N>::End.encode())?;
-        let mut bytes = [0; Summary::BYTES];
+    pub fn end(mut self) -> Result<SessionAccount> {
+        self.write(&PeriodRequest::<N>::End.encode())?;
+        let mut bytes = [0; SessionAccount::BYTES];
         self.read(&mut bytes)?;
         let status = self.child.wait()?;
         if !status.success() {
             return Err(Error::other(format!("the image ended with {status}")));
         }
-        Summary::decode(&bytes).map_err(malformed)
+        SessionAccount::decode(&bytes).map_err(malformed)
     }
 
     /// What the emulator writes while it traces; it stands still, from its start on, where nobody reads it.

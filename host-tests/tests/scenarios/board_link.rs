@@ -1,26 +1,26 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 
 use host_tests::loopback::{Loopback, Mishap};
-use link::command::{Shape, Signal};
-use outerloop_cli::board::limits::Plan;
+use link::command::{CommissioningSignal, Shape};
+use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
-    self, BoardBench, Connection, Course, Operator, Patience, Played, Port,
+    self, BoardBench, Connection, Operator, Played, Port, Timeouts, Trajectory,
 };
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording::Recording;
-use outerloop_cli::files::signal::Signal as PointsOfSignal;
+use outerloop_cli::files::signal::SignalPoints as PointsOfSignal;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::judged::Run;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::judged::JudgedRun;
+use outerloop_cli::summary::TestVerdict;
 use plant::Rig;
 use std::io;
 use std::path::Path;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-const QUICK: Patience = Patience {
+const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(200),
     stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
@@ -47,11 +47,11 @@ fn connect(board: Loopback) -> Connection<Loopback> {
     connection
 }
 
-fn run_on(t: &TestFile, board: Loopback) -> Result<Run, Failure> {
+fn run_on(t: &TestFile, board: Loopback) -> Result<JudgedRun, Failure> {
     run_over(t, connect(board))
 }
 
-fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<Run, Failure> {
+fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<JudgedRun, Failure> {
     run_by(t, connection, Operator::nobody())
 }
 
@@ -59,10 +59,10 @@ fn run_by(
     t: &TestFile,
     connection: Connection<impl Port>,
     operator: Operator,
-) -> Result<Run, Failure> {
+) -> Result<JudgedRun, Failure> {
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(connection, plan, operator).expecting(t.board.calibration.clone());
     let method = t.config.compensation.kind;
     experiment.run_on(
@@ -81,7 +81,7 @@ fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_p
     let board = run.summary.board.as_ref().unwrap();
     assert_eq!(
         run.summary.verdict,
-        Verdict::Completed,
+        TestVerdict::Completed,
         "{}",
         run.summary.sentence()
     );
@@ -140,7 +140,7 @@ fn lost_steps_are_counted_and_the_rest_is_kept() {
     let run = run_on(&t, board).unwrap();
     let board = run.summary.board.as_ref().unwrap();
     assert_eq!(board.steps_lost, 24);
-    assert_eq!(run.summary.verdict, Verdict::Completed);
+    assert_eq!(run.summary.verdict, TestVerdict::Completed);
     assert_eq!(run.trace.unwrap().len(), 12_000 - 24);
     assert!(
         board.sentence().contains("24 lost on the way"),
@@ -264,14 +264,14 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     let t = test(&["limits.displacement_m=0.012"]);
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::nobody());
     let method = t.config.compensation.kind;
     let none = || None::<outerloop_cli::trace::Trace>;
     let first = experiment
         .run_on(&bench, method, &ideal, false, none())
         .unwrap();
-    assert_eq!(first.summary.verdict, Verdict::Tripped);
+    assert_eq!(first.summary.verdict, TestVerdict::Tripped);
     let Err(Failure::Test(said)) = experiment.run_on(&bench, method, &ideal, false, none()) else {
         panic!("accepted");
     };
@@ -283,10 +283,10 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     assert_eq!(again.unwrap().summary.trip, Some("displacement"));
 }
 
-/// A course is played to its end by an actuator, with nobody at the board.
-fn play(connection: &mut Connection<Loopback>, t: &TestFile, course: &Course) -> Played {
+/// A trajectory is played to its end by an actuator, with nobody at the board.
+fn play(connection: &mut Connection<Loopback>, t: &TestFile, trajectory: &Trajectory) -> Played {
     let nobody = Operator::nobody();
-    let played = board::commission(connection, t, (course, 0), &nobody, &mut ()).unwrap();
+    let played = board::commission(connection, t, (trajectory, 0), &nobody, &mut ()).unwrap();
     assert_eq!(played.early, None);
     played
 }
@@ -301,12 +301,12 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
             _ => 0.0,
         })
         .collect();
-    let course = Course::Points(PointsOfSignal {
+    let trajectory = Trajectory::Points(PointsOfSignal {
         interval_s: 0.01,
         command_m: command_m.clone(),
     });
     let mut connection = connect(loopback(&t));
-    let played = play(&mut connection, &t, &course);
+    let played = play(&mut connection, &t, &trajectory);
     let recording = Recording::parse("signal.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     assert!((6000..6003).contains(&command.len()), "{}", command.len());
@@ -330,7 +330,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
         let refused = board::commission(
             &mut connection,
             &t,
-            (&course, 0),
+            (&trajectory, 0),
             &Operator::nobody(),
             &mut (),
         );
@@ -343,7 +343,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
 fn a_commissioning_chirp_is_recorded_and_reads_back() {
     let t = test(&[]);
     let mut connection = connect(loopback(&t));
-    let signal = Signal {
+    let signal = CommissioningSignal {
         actuator: 0,
         shape: Shape::Chirp {
             from_hz: 0.5,
@@ -352,8 +352,8 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
         amplitude_m: 0.01,
         seconds: 10.0,
     };
-    let course = Course::Formula(signal);
-    let played = play(&mut connection, &t, &course);
+    let trajectory = Trajectory::Formula(signal);
+    let played = play(&mut connection, &t, &trajectory);
     let recording = Recording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     let measured = recording.displacement_m().unwrap();
@@ -395,7 +395,7 @@ fn a_board_that_nobody_has_calibrated_runs_nothing_and_one_calibrated_otherwise_
     let named = test(&[&format!("board.calibration='{number}'")]);
     assert_eq!(
         run_on(&named, loopback(&named)).unwrap().summary.verdict,
-        Verdict::Completed
+        TestVerdict::Completed
     );
     let other = test(&["board.calibration='00c0ffee'"]);
     let Err(Failure::Input(said)) = run_on(&other, loopback(&other)) else {
@@ -439,7 +439,7 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     let run = run_by(&t, connect(board), Operator::by(go)).unwrap();
     assert_eq!(
         run.summary.verdict,
-        Verdict::Completed,
+        TestVerdict::Completed,
         "{}",
         run.summary.sentence()
     );

@@ -4,25 +4,25 @@ use firmware::sim::{CODES, Wire};
 use host_tests::loopback::Loopback;
 use link::Calibration;
 use link::channel::number_of;
-use link::command::{Shape, Signal};
-use outerloop_cli::board::limits::Plan;
+use link::command::{CommissioningSignal, Shape};
+use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
-    self, BoardBench, BoardConnection, Connection, Course, Operator, Patience, Played, Port,
+    self, BoardBench, BoardConnection, Connection, Operator, Played, Port, Timeouts, Trajectory,
 };
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::judged::Run;
-use outerloop_cli::serve::boarded;
-use outerloop_cli::summary::Verdict;
+use outerloop_cli::judged::JudgedRun;
+use outerloop_cli::serve::serve_on_board;
+use outerloop_cli::summary::TestVerdict;
 use outerloop_cli::trace::Trace;
 use outerloop_core::{Fault, Mode};
 use plant::Rig;
 use std::path::Path;
 use std::time::Duration;
 
-const QUICK: Patience = Patience {
+const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(50),
     stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
@@ -60,8 +60,8 @@ fn connect(loopback: Loopback<3>) -> Connection<Loopback<3>> {
 }
 
 /// A chirp of 3 mm.
-fn chirp() -> Course {
-    Course::Formula(Signal {
+fn chirp() -> Trajectory {
+    Trajectory::Formula(CommissioningSignal {
         actuator: 0,
         shape: Shape::Chirp {
             from_hz: 0.5,
@@ -78,8 +78,8 @@ fn commission(
     connection: &mut Connection<Loopback<3>>,
     actuator: usize,
 ) -> Result<Played, Failure> {
-    let course = chirp();
-    let alone = (&course, actuator);
+    let trajectory = chirp();
+    let alone = (&trajectory, actuator);
     board::commission(connection, t, alone, &Operator::nobody(), &mut ())
 }
 
@@ -91,14 +91,14 @@ fn loopback(t: &TestFile) -> Loopback<3> {
     loopback
 }
 
-fn run(t: &TestFile, loopback: Loopback<3>, calibrated: usize) -> Result<Run, Failure> {
+fn run(t: &TestFile, loopback: Loopback<3>, calibrated: usize) -> Result<JudgedRun, Failure> {
     let mut connection = Connection::new(loopback, QUICK);
     for (actuator, calibration) in (0..).zip(wired()).take(calibrated) {
         board::calibrate_one(&mut connection, actuator, calibration).unwrap();
     }
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let plan = Plan::of(&experiment, &ideal);
+    let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(connection, plan, Operator::nobody())
         .expecting(t.board.calibration.clone());
     let method = t.config.compensation.kind;
@@ -111,7 +111,7 @@ fn a_whole_test_has_the_bits_of_the_loop_on_the_pc_and_ends_as_on_the_rig_withou
     let t = test(&[&format!("board.calibration='{number}'")]);
     let on_board = run(&t, loopback(&t), 3).unwrap();
     let board = on_board.summary.board.as_ref().unwrap();
-    assert_eq!(on_board.summary.verdict, Verdict::Completed);
+    assert_eq!(on_board.summary.verdict, TestVerdict::Completed);
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
     assert!(board.steps_received > 12_000);
 
@@ -414,7 +414,8 @@ fn targets_for_three_actuators_are_gone_to_and_answered_with_three_forces() {
         for (actuator, calibration) in (0..).zip(wired()) {
             board::calibrate_one(&mut connection, actuator, calibration).unwrap();
         }
-        let mut rig = boarded(&t, connection, Operator::nobody(), false, true, None).unwrap();
+        let mut rig =
+            serve_on_board(&t, connection, Operator::nobody(), false, true, None).unwrap();
         rig.begin().unwrap();
         let (mut worst_n, mut last) = (0.0_f64, [0.0; 3]);
         for i in 1..=60 {

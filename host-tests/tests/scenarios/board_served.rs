@@ -1,9 +1,11 @@
 //! A model outside whose element is a rig behind the firmware's own station: the PC's side, over frames of bytes.
 
 use host_tests::loopback::Loopback;
-use outerloop_cli::board::{self, BoardConnection, Connection, Operator, Patience, Port};
+use outerloop_cli::board::{self, BoardConnection, Connection, Operator, Port, Timeouts};
 use outerloop_cli::files::test::TestFile;
-use outerloop_cli::serve::{Element, Mover, Summary, Verdict, boarded, serve_client};
+use outerloop_cli::serve::{
+    DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board,
+};
 use outerloop_cli::trace::Trace;
 use plant::Rig;
 use std::io::{Read, Write};
@@ -14,7 +16,7 @@ use std::time::Duration;
 const STIFFNESS: f64 = 158e3;
 /// Numbers of a message.
 const LENGTH: usize = 16;
-const QUICK: Patience = Patience {
+const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(200),
     stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
@@ -40,7 +42,7 @@ fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover
     let port: Box<dyn Port> = Box::new(loopback);
     let mut connection: BoardConnection = Connection::new(port, QUICK);
     board::calibrate(&mut connection, wired).unwrap();
-    boarded(test, connection, Operator::nobody(), false, true, None).unwrap()
+    serve_on_board(test, connection, Operator::nobody(), false, true, None).unwrap()
 }
 
 /// A client that asks for the force at each displacement, a step of 10 ms apart; what it was answered.
@@ -79,12 +81,16 @@ fn client(address: std::net::SocketAddr, path: Vec<f64>) -> Vec<f64> {
 }
 
 /// One client on `rig`: its answers, the rig's account, and its record.
-fn session(test: &TestFile, rig: &mut dyn Mover, path: &[f64]) -> (Vec<f64>, Summary, Trace) {
+fn session(
+    test: &TestFile,
+    rig: &mut dyn Mover,
+    path: &[f64],
+) -> (Vec<f64>, SessionSummary, Trace) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let (address, path) = (listener.local_addr().unwrap(), path.to_vec());
     let outside = std::thread::spawn(move || client(address, path));
     let (stream, _) = listener.accept().unwrap();
-    let served = serve_client(stream, "client", &Element::of(test).unwrap(), rig);
+    let served = serve_client(stream, "client", &DeclaredElement::of(test).unwrap(), rig);
     let summary = served.summary.clone();
     served.dismiss();
     let trace = rig.take_trace().unwrap();
@@ -105,7 +111,7 @@ fn a_board_serves_one_client_after_another_and_every_step_is_proven() {
             let path = swing(120);
             let (forces, summary, trace) = session(&t, rig.as_mut(), &path);
             let why = summary.sentences();
-            assert_eq!(summary.verdict, Verdict::Completed, "{pace}: {why}");
+            assert_eq!(summary.verdict, SessionVerdict::Completed, "{pace}: {why}");
             assert!(!summary.permit && summary.targets == 120, "{why}");
             let board = summary.board.as_ref().unwrap();
             assert_eq!((board.steps_lost, board.steps_different), (0, 0), "{why}");
@@ -128,7 +134,7 @@ fn a_cut_wire_is_told_and_what_came_before_it_is_kept() {
         board.mishaps.push_back((4000, cut));
     });
     let (forces, summary, trace) = session(&t, rig.as_mut(), &swing(400));
-    assert_eq!(summary.verdict, Verdict::RigLost);
+    assert_eq!(summary.verdict, SessionVerdict::RigLost);
     let why = summary.reason.unwrap();
     assert!(why.contains("the link to the board is lost"), "{why}");
     assert!(!forces.is_empty() && forces.len() < 400);
@@ -140,8 +146,8 @@ fn a_cut_wire_is_told_and_what_came_before_it_is_kept() {
 #[test]
 fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_other() {
     for (pace, verdict) in [
-        ("stop_and_go", Verdict::Completed),
-        ("continuous", Verdict::RigLost),
+        ("stop_and_go", SessionVerdict::Completed),
+        ("continuous", SessionVerdict::RigLost),
     ] {
         let t = test(pace);
         let mut rig = served(&t, |board| {
@@ -163,7 +169,12 @@ fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client()
     let t = test("stop_and_go");
     let mut rig = served(&t, |_| {});
     let (_, summary, _) = session(&t, rig.as_mut(), &[0.01, 0.031]);
-    assert_eq!(summary.verdict, Verdict::Refused, "{}", summary.sentences());
+    assert_eq!(
+        summary.verdict,
+        SessionVerdict::Refused,
+        "{}",
+        summary.sentences()
+    );
     let mut tight = t.clone();
     tight.config.limits.force_n = Some(1000.0);
     let mut rig = served(&tight, |_| {});
@@ -172,7 +183,10 @@ fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client()
     assert!(forces[1].is_nan() && !summary.permit);
     // It stands where it tripped, beyond its limit: the next client is told so, and nothing moves.
     let (_, summary, _) = session(&tight, rig.as_mut(), &[0.002, 0.004]);
-    assert_eq!((summary.verdict, summary.permit), (Verdict::Refused, false));
+    assert_eq!(
+        (summary.verdict, summary.permit),
+        (SessionVerdict::Refused, false)
+    );
     let why = summary.reason.unwrap();
     assert!(
         why.contains("the interlock force stands against it"),

@@ -2,10 +2,10 @@
 
 use host_tests::{Scenario, Shaking, Trace};
 use outerloop_cli::stability::closed_loop::Question;
-use outerloop_cli::stability::frame::Frame;
 use outerloop_cli::stability::linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_cli::stability::predictor::Law;
 use outerloop_cli::stability::rig::Variation;
+use outerloop_cli::stability::structure_matrices::StructureMatrices;
 use outerloop_core::{
     Config, Method, Record,
     config::{Adaptation, Filter},
@@ -29,14 +29,14 @@ fn eigenvalues(s: &Scenario, law: Law) -> LinearVerdict {
     linear_verdict(&question, &frame, &Variation::NONE).expect("a possible loop")
 }
 
-fn asked<'a>(s: &'a Scenario, rig: &'a RigSpec, law: Law) -> (Frame, Question<'a>) {
+fn asked<'a>(s: &'a Scenario, rig: &'a RigSpec, law: Law) -> (StructureMatrices, Question<'a>) {
     let question = Question {
         config: &s.config,
         rig,
         law,
     };
     (
-        Frame::of(&s.config).expect("a possible structure"),
+        StructureMatrices::of(&s.config).expect("a possible structure"),
         question,
     )
 }

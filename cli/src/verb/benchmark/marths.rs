@@ -4,8 +4,8 @@ use super::shared::refused;
 use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
-use crate::physical_part::{self, Found};
-use crate::provenance::{Told, note_seed};
+use crate::physical_part::{self, PhysicalPartEstimate};
+use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{self, Progress, table};
 use crate::verb::json;
@@ -105,7 +105,7 @@ impl Marths {
         let parts = terminal::while_waiting("diagnosing the loop's records", || {
             records
                 .iter()
-                .map(|r| Ok((r, Found::of(&problem, r, self.seed)?)))
+                .map(|r| Ok((r, PhysicalPartEstimate::of(&problem, r, self.seed)?)))
                 .collect::<Result<Vec<_>, Failure>>()
         })?;
         let answer = serde_json::json!({
@@ -116,7 +116,7 @@ impl Marths {
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
-        let told = Told::of(&answer);
+        let told = WithProvenance::of(&answer);
         if self.json {
             answer!("{}", json(&told)?);
         } else {
@@ -206,7 +206,7 @@ fn print(rows: &[Row]) {
     }
 }
 
-fn print_parts(record: &str, found: &Found) {
+fn print_parts(record: &str, found: &PhysicalPartEstimate) {
     println!("\n{record}: the declared physical part against the loop's own record.");
     println!("{}", terminal::coupled::coupled(&found.diagnosis));
     for floor in &found.floors {

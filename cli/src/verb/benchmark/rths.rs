@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::files::ground_motion::{Columns, GroundMotionFile};
 use crate::files::output;
 use crate::files::table::NumberTable;
-use crate::provenance::{Told, note_seed};
+use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{Progress, table};
 use crate::verb::json;
@@ -119,7 +119,7 @@ impl Rths {
             "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": targets,
             "best": best(&rows), "rows": rows, "seconds": seconds,
         });
-        let told = Told::of(&answer);
+        let told = WithProvenance::of(&answer);
         if self.json {
             answer!("{}", json(&told)?);
         } else {
@@ -217,7 +217,7 @@ impl Rths {
             }
             let answer =
                 serde_json::json!({ "rules": rules.name(), "seed": self.seed, "rows": [row] });
-            answer!("{}", json(&Told::of(&answer))?);
+            answer!("{}", json(&WithProvenance::of(&answer))?);
             return Ok(());
         }
         println!(

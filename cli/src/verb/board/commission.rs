@@ -1,14 +1,14 @@
 //! `outerloop board commission`: one actuator after the other, each alone.
 
-use crate::board::Course;
+use crate::board::Trajectory;
 use crate::failure::Failure;
 use crate::files::output;
-use crate::files::signal::Signal;
+use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
 use crate::scope::Scoped;
 use crate::serve::shear_frame;
 use crate::terminal;
-use crate::verb::place::{Place, Turn};
+use crate::verb::rig_arguments::{MovedActuator, RigArguments};
 use crate::wording::digits;
 use clap::Args;
 use diagnosis::Identified;
@@ -94,9 +94,9 @@ impl FromStr for Wanted {
 }
 
 impl Commission {
-    fn course(&self) -> Result<Course, Failure> {
+    fn trajectory(&self) -> Result<Trajectory, Failure> {
         let shape = match &self.signal {
-            Wanted::File(path) => return Signal::load(path).map(Course::Points),
+            Wanted::File(path) => return SignalPoints::load(path).map(Trajectory::Points),
             Wanted::Constant => Shape::Constant,
             Wanted::Sine => Shape::Sine {
                 frequency_hz: self.from_hz,
@@ -106,7 +106,7 @@ impl Commission {
                 to_hz: self.to_hz,
             },
         };
-        Ok(Course::Formula(link::command::Signal {
+        Ok(Trajectory::Formula(link::command::CommissioningSignal {
             actuator: 0,
             shape,
             amplitude_m: self.amplitude_mm / 1e3,
@@ -121,8 +121,8 @@ impl Commission {
     /// written.
     pub(super) fn go(&self) -> Result<(), Failure> {
         let test = TestFile::load(&self.test, &[])?;
-        let course = self.course()?;
-        let place = Place::on_board(self.port.clone(), self.yes);
+        let trajectory = self.trajectory()?;
+        let place = RigArguments::on_board(self.port.clone(), self.yes);
         let title = match &self.signal {
             Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
             shape => format!("{shape:?} under {}", self.test.display()),
@@ -131,7 +131,7 @@ impl Commission {
         let mut scope = self.scope.open(&title, rate_hz, false)?;
         let wanted = self.actuator.map(|n| usize::from(n) - 1);
         let mut found = Vec::new();
-        let played = place.commission(&test, &course, wanted, self.seed, &mut scope, |turn| {
+        let played = place.commission(&test, &trajectory, wanted, self.seed, &mut scope, |turn| {
             found.push(self.keep(&turn)?);
             // Of several each is kept as soon as it is there: the next one may trip.
             if turn.of > 1 {
@@ -161,7 +161,7 @@ impl Commission {
     }
 
     /// Keeps a recording; what the actuator is by it.
-    fn keep(&self, turn: &Turn) -> Result<Found, Failure> {
+    fn keep(&self, turn: &MovedActuator) -> Result<Found, Failure> {
         let number = turn.actuator + 1;
         let file = match turn.of {
             1 => self.out.clone(),
@@ -190,7 +190,7 @@ impl Commission {
 }
 
 /// What stands against going on to the next actuator.
-fn wrong(turn: &Turn) -> Result<(), Failure> {
+fn wrong(turn: &MovedActuator) -> Result<(), Failure> {
     let suspicion = turn.played.suspicion.as_deref();
     match (&turn.played.early, suspicion) {
         (None, None) => Ok(()),

@@ -4,7 +4,7 @@ use super::{Diagnose, file_name, json};
 use crate::failure::Failure;
 use crate::files::measured::Library;
 use crate::files::{coupled, model, output};
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
@@ -54,13 +54,13 @@ impl Diagnose {
                 folder,
                 &[
                     ("report.html", page),
-                    ("diagnosis.json", json(&Told::of(&d))?),
+                    ("diagnosis.json", json(&WithProvenance::of(&d))?),
                     ("model.toml", improved),
                 ],
             )?;
         }
         if self.json {
-            answer!("{}", json(&Told::of(&d))?);
+            answer!("{}", json(&WithProvenance::of(&d))?);
             return Ok(());
         }
         println!("{}", terminal::coupled::coupled(&d));

@@ -3,15 +3,16 @@
 //! Nothing may move the actuator: PERMIT is low, the position is read, the output gets it before it is enabled, and the
 //! sampling timer starts last.
 
-use super::control::{Control, Owned};
-use super::converters::{Begun, Converters, Resources};
+use super::control::{Control, ControlCell};
+use super::converters::{Converters, Resources, StartedConverters};
 use super::metal::{Metal, WATCHDOG_US, cycles};
 use super::store::{Memory, Store};
 use super::tasks::{lights, listen, report};
 use super::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities, stack_guard};
 use crate::board::stack::HighWater;
 use crate::station::{
-    Board, Clock, Ends, Evidence, Order, Outcome, Parts, Points, Report, Service, Setup, Station,
+    Board, Clock, Heartbeats, Order, Outcome, Parts, Points, QueueEnds, Report, Service, Setup,
+    Station,
 };
 use core::cell::RefCell;
 use cortex_m::Peripherals;
@@ -45,8 +46,8 @@ defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
 
 /// Starts the board and runs its tasks for good. `control` is where the image's control interrupt finds what it owns.
 #[inline(always)] // Into the image's entry: the frame of the start is at the bottom of the stack anyway.
-pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> ! {
-    static EVIDENCE: Evidence = Evidence::new();
+pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>) -> ! {
+    static HEARTBEATS: Heartbeats = Heartbeats::new();
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
     static REPORTS: StaticCell<Queue<Report, 256>> = StaticCell::new();
@@ -57,7 +58,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
     let stack = HighWater::paint();
-    fatal::note_evidence(&EVIDENCE);
+    fatal::note_heartbeats(&HEARTBEATS);
     let started = kept::start();
     let last_words = kept::last_words(started);
     if let Some(mut core) = Peripherals::take() {
@@ -119,7 +120,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
         pd14: p.PD14,
         pf12: p.PF12,
     };
-    let Begun {
+    let StartedConverters {
         mut converters,
         first,
         answered,
@@ -157,13 +158,13 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
     };
     let service: &'static RefCell<Service> =
         SERVICE.init(RefCell::new(Service::new(board, parts, in_force)));
-    let ends = Ends {
+    let ends = QueueEnds {
         orders: orders_out,
         outcomes: outcomes_in,
         reports: reports_in,
     };
     let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
-    let station = Station::new(setup, calibrations, first, &EVIDENCE, ends, per_tick);
+    let station = Station::new(setup, calibrations, first, &HEARTBEATS, ends, per_tick);
 
     let serial = uart(p.USART3, p.PD9, p.PD8, p.DMA1_CH3, p.DMA1_CH1);
     let (tx, rx) = serial.split();
@@ -193,7 +194,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
         service,
         outcomes: outcomes_out,
         answers,
-        evidence: &EVIDENCE,
+        heartbeats: &HEARTBEATS,
         store,
         stack,
     };
@@ -201,7 +202,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static Owned<C, A>) -> !
         reports: reports_out,
         service,
         answers,
-        evidence: &EVIDENCE,
+        heartbeats: &HEARTBEATS,
         channels: (A, C::INPUTS.len()),
     };
     EXECUTOR.init(Executor::new()).run(|spawner| {

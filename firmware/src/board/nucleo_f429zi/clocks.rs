@@ -31,7 +31,7 @@ const RELOADS: u32 = 16;
 
 /// Cycles after which a clock that does not answer is given up: 60 ms at the chip's own 16 MHz, when nothing has
 /// changed the clocks yet.
-const PATIENCE_CYCLES: u32 = INTERNAL_HZ / 1000 * 60;
+const TIMEOUT_CYCLES: u32 = INTERNAL_HZ / 1000 * 60;
 
 /// Starts the cycle counter. To be called once, before anything else here.
 pub fn start_cycle_counter(core: &mut Peripherals) {
@@ -88,7 +88,7 @@ fn reload() -> Option<()> {
 fn wait_for(condition: impl Fn() -> bool) -> bool {
     let begin = DWT::cycle_count();
     while !condition() {
-        if DWT::cycle_count().wrapping_sub(begin) > PATIENCE_CYCLES {
+        if DWT::cycle_count().wrapping_sub(begin) > TIMEOUT_CYCLES {
             return false;
         }
     }

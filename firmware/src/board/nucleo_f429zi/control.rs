@@ -15,12 +15,12 @@ pub struct Control<C, const A: usize = 1> {
 }
 
 /// Its place, in an image of its own.
-pub struct Owned<C, const A: usize = 1>(UnsafeCell<Option<Control<C, A>>>);
+pub struct ControlCell<C, const A: usize = 1>(UnsafeCell<Option<Control<C, A>>>);
 
 // SAFETY: written once before the interrupt is on, and reached only by the interrupt from then on.
-unsafe impl<C, const A: usize> Sync for Owned<C, A> {}
+unsafe impl<C, const A: usize> Sync for ControlCell<C, A> {}
 
-impl<C: Converters<A>, const A: usize> Owned<C, A> {
+impl<C: Converters<A>, const A: usize> ControlCell<C, A> {
     /// Empty.
     #[expect(clippy::new_without_default, reason = "only as a static")]
     pub const fn new() -> Self {

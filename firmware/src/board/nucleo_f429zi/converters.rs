@@ -33,7 +33,7 @@ pub trait Converters<const A: usize = 1>: Sized {
         resources: Resources,
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
-    ) -> Begun<Self, A>;
+    ) -> StartedConverters<Self, A>;
 
     /// The timer runs: the first sample is taken one period from now.
     fn start(&mut self);
@@ -61,7 +61,7 @@ pub trait Converters<const A: usize = 1>: Sized {
 }
 
 /// Converters that have just been set up.
-pub struct Begun<C, const A: usize = 1> {
+pub struct StartedConverters<C, const A: usize = 1> {
     /// The converters.
     pub converters: C,
     /// Codes of a first sample.

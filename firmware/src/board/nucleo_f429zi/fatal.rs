@@ -7,14 +7,14 @@
 //! nobody will return.
 
 use super::{kept, stack_guard};
-use crate::station::Evidence;
+use crate::station::Heartbeats;
 use core::arch::{asm, naked_asm};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
 use embassy_stm32::{interrupt, pac};
 use heapless::String;
-use link::status::{Cause, LastWords};
+use link::status::{Cause, CrashReport};
 
 /// Bytes at the end of the stack that a fault's frame and its floating-point registers need.
 const FRAME: u32 = 104 + 8;
@@ -22,11 +22,11 @@ const FRAME: u32 = 104 + 8;
 /// MMARVALID of the fault status: the address that the memory protection unit has refused is known.
 const ADDRESS_IS_KNOWN: u32 = 1 << 7;
 
-static EVIDENCE: AtomicPtr<Evidence> = AtomicPtr::new(core::ptr::null_mut());
+static HEARTBEATS: AtomicPtr<Heartbeats> = AtomicPtr::new(core::ptr::null_mut());
 
 /// Where the control step's number can be read for last words.
-pub fn note_evidence(evidence: &'static Evidence) {
-    EVIDENCE.store(core::ptr::from_ref(evidence).cast_mut(), Relaxed);
+pub fn note_heartbeats(heartbeats: &'static Heartbeats) {
+    HEARTBEATS.store(core::ptr::from_ref(heartbeats).cast_mut(), Relaxed);
 }
 
 /// PERMIT low, whoever owns the pin, in four instructions that read no memory and call nothing. Every way out begins with
@@ -53,9 +53,9 @@ fn drop_permit() {
 fn die(cause: Cause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
     pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
-    // SAFETY: null or what `note_evidence` was given.
-    let tick = unsafe { EVIDENCE.load(Relaxed).as_ref() }.map_or(0, Evidence::tick);
-    kept::keep(&LastWords {
+    // SAFETY: null or what `note_heartbeats` was given.
+    let tick = unsafe { HEARTBEATS.load(Relaxed).as_ref() }.map_or(0, Heartbeats::tick);
+    kept::keep(&CrashReport {
         cause,
         tick,
         state: kept::noted_state(),
@@ -71,11 +71,11 @@ fn die(cause: Cause, text: String<96>) -> ! {
 pub fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
     drop_permit();
     cortex_m::interrupt::disable();
-    told(info)
+    write_panic(info)
 }
 
 #[inline(never)]
-fn told(info: &core::panic::PanicInfo<'_>) -> ! {
+fn write_panic(info: &core::panic::PanicInfo<'_>) -> ! {
     let mut text = Cut(String::new());
     if let Some(at) = info.location() {
         let file = at.file().rsplit('/').next().unwrap_or_default();

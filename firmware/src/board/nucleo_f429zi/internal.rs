@@ -1,7 +1,7 @@
 //! The chip's own converters of 12 bits, and how they hang on the timers.
 
-use super::beside::Beside;
-use super::converters::{Begun, Converters, Resources};
+use super::converters::{Converters, Resources, StartedConverters};
+use super::further_adc::FurtherAdc;
 use super::period::Period;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::adc::{Adc, AdcChannel, Exten, InjectedAdc, SampleTime};
@@ -115,7 +115,7 @@ impl Command {
 pub struct Internal {
     sensors: Sensors,
     command: Command,
-    beside: Beside,
+    further_adc: FurtherAdc,
     period: Period,
 }
 
@@ -134,25 +134,29 @@ impl Converters for Internal {
     // Some 110 instructions and two divisions, from a flash that is not in the cache.
     const AROUND_STEP_CYCLES: u32 = 400;
 
-    fn new(r: Resources, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> Begun<Self> {
+    fn new(
+        r: Resources,
+        ticks: u32,
+        standing: impl Fn(usize, u16) -> u16,
+    ) -> StartedConverters<Self> {
         let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
         // Of a converter that does not answer: the first step will find its samples stale.
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
         // SAFETY: the DAC drives the pin and ADC2 looks at it; both want it analogue and nothing else.
         let command_pin = unsafe { r.pa4.clone_unchecked() };
         let command = Command::new(r.dac1, r.pa4, standing(0, first[0]));
-        let beside = [
+        let inputs = [
             command_pin.degrade_adc(),
             r.pc3.degrade_adc(),
             r.pc2.degrade_adc(),
         ];
-        let beside = Beside::new(r.adc2, beside);
+        let further_adc = FurtherAdc::new(r.adc2, inputs);
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        Begun {
+        StartedConverters {
             converters: Self {
                 sensors,
                 command,
-                beside,
+                further_adc,
                 period,
             },
             first: [first],
@@ -181,7 +185,7 @@ impl Converters for Internal {
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
         // Codes of the command, and of sensors, which are of two conversions.
-        let [command, displacement, acceleration] = self.beside.codes();
+        let [command, displacement, acceleration] = self.further_adc.codes();
         [command, 2 * displacement, 2 * acceleration, 0, 0]
     }
 

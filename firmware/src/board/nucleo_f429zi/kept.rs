@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use embassy_stm32::pac;
 use link::frame::checksum;
-use link::status::{Cause, LastWords, Start};
+use link::status::{Cause, CrashReport, Start};
 use outerloop_core::Mode;
 
 /// Bytes of coded last words, at most.
@@ -39,7 +39,7 @@ pub fn noted_state() -> Mode {
 }
 
 /// Keeps `words` until [`take`]. For the control interrupt and for the end of the program, which nothing interrupts.
-pub fn keep(words: &LastWords) {
+pub fn keep(words: &CrashReport) {
     let mut kept = Kept {
         length: 0,
         sum: 0,
@@ -61,7 +61,7 @@ pub fn forget() {
 }
 
 /// What was kept; it is forgotten. To be called once, before the control interrupt runs.
-pub fn take() -> Option<LastWords> {
+pub fn take() -> Option<CrashReport> {
     let place = (&raw mut KEPT).cast::<Kept>();
     // SAFETY: plain numbers, every pattern of bits is one; nobody else runs yet.
     let kept = unsafe { place.read_volatile() };
@@ -92,10 +92,10 @@ pub fn start() -> Start {
 }
 
 /// The last words that belong to such a start. A watchdog that nobody has announced is news too.
-pub fn last_words(start: Start) -> Option<LastWords> {
+pub fn last_words(start: Start) -> Option<CrashReport> {
     match (start, take()) {
         (Start::Power | Start::BrownOut, _) => None,
-        (Start::Watchdog, None) => Some(LastWords {
+        (Start::Watchdog, None) => Some(CrashReport {
             cause: Cause::Silent,
             tick: 0,
             state: Mode::Idle,

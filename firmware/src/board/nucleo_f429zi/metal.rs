@@ -4,12 +4,12 @@ use super::converters::Converters;
 use super::kept;
 use super::{drill, drill::Drill};
 use crate::hardware::Hardware;
-use crate::station::Sign;
+use crate::station::Heartbeat;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{Input as Pin, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
-use link::status::{Cause, LastWords};
+use link::status::{Cause, CrashReport};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
@@ -120,16 +120,16 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     }
 
     #[cold]
-    fn starving(&mut self, task: Sign, tick: u32, state: Mode) {
+    fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
         if !core::mem::replace(&mut self.starving, true) {
-            kept::keep(&LastWords {
+            kept::keep(&CrashReport {
                 cause: Cause::Starved,
                 tick,
                 state,
                 text: link::reply::cut(match task {
-                    Sign::Listen => "the task that hears commands",
-                    Sign::Report => "the task that sends reports",
-                    Sign::Heard => "the PC",
+                    Heartbeat::Listen => "the task that hears commands",
+                    Heartbeat::Report => "the task that sends reports",
+                    Heartbeat::Pc => "the PC",
                 }),
             });
         }

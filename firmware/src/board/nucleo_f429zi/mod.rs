@@ -44,7 +44,6 @@
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::{bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
 
-pub mod beside;
 pub mod boot;
 pub mod clocks;
 pub mod control;
@@ -52,6 +51,7 @@ pub mod converters;
 mod critical;
 pub mod drill;
 pub mod fatal;
+pub mod further_adc;
 pub mod internal;
 pub mod kept;
 pub mod metal;

@@ -5,7 +5,7 @@
 //! the first bit of V1, each rising edge of SCLK the next; SCLK is at most 14.5 MHz at VDRIVE of 3 V. Results are in two's
 //! complement.
 
-use super::bus::{Bus, Manner};
+use super::bus::{Bus, SpiMode};
 use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff};
@@ -34,7 +34,7 @@ pub struct Adc {
 }
 
 /// CONVST and BUSY while they are not the timer's yet.
-pub struct Line {
+pub struct ConversionPins {
     convst: Flex<'static>,
     busy: Flex<'static>,
 }
@@ -51,7 +51,7 @@ impl Adc {
         let select = Output::new(select, Level::High, Speed::VeryHigh);
         rcc::enable_and_reset::<SPI1>();
         // 84 MHz / 8 = 10.5 MHz.
-        let manner = Manner {
+        let manner = SpiMode {
             idle: Cpol::IDLE_HIGH,
             edge: Cpha::FIRST_EDGE,
             bits: Dff::BITS16,
@@ -79,7 +79,7 @@ impl Adc {
         &mut self,
         convst: Peri<'static, PB10>,
         busy: Peri<'static, PB11>,
-    ) -> (Option<[u16; W]>, Line) {
+    ) -> (Option<[u16; W]>, ConversionPins) {
         let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
         convst.set_low();
         convst.set_as_output(Speed::VeryHigh);
@@ -94,7 +94,7 @@ impl Adc {
             ended = busy.is_low();
         }
         let codes = if ended { self.read() } else { None };
-        (codes, Line { convst, busy })
+        (codes, ConversionPins { convst, busy })
     }
 
     /// The first `W` inputs of the last conversion, V1 first.
@@ -116,7 +116,7 @@ impl Adc {
     }
 }
 
-impl Line {
+impl ConversionPins {
     /// To the timer.
     pub fn hand_over(mut self) {
         let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);

@@ -8,7 +8,7 @@ use embassy_stm32::peripherals::{PC10, PC11, PC12, SPI3};
 use embassy_stm32::{Peri, pac, rcc};
 
 /// Cycles that a word may take: 16 bits at 10.5 MHz are 256.
-const PATIENCE_CYCLES: u32 = 1000;
+const TIMEOUT_CYCLES: u32 = 1000;
 
 /// SPI3's alternate function.
 const AF_SPI3: u8 = 6;
@@ -17,7 +17,7 @@ const AF_SPI3: u8 = 6;
 pub struct Bus(Spi);
 
 /// How the chip wants to be talked to.
-pub struct Manner {
+pub struct SpiMode {
     /// The clock's level between words.
     pub idle: Cpol,
     /// The edge at which both sides read.
@@ -30,12 +30,12 @@ pub struct Manner {
 
 impl Bus {
     /// On an interface that has its clock and its pins.
-    pub fn new(spi: Spi, manner: &Manner) -> Self {
+    pub fn new(spi: Spi, mode: &SpiMode) -> Self {
         spi.cr1().write(|w| {
-            w.set_cpol(manner.idle);
-            w.set_cpha(manner.edge);
-            w.set_dff(manner.bits);
-            w.set_br(manner.divider);
+            w.set_cpol(mode.idle);
+            w.set_cpha(mode.edge);
+            w.set_dff(mode.bits);
+            w.set_br(mode.divider);
             w.set_mstr(Mstr::MASTER);
             // The chip is selected by a pin of its own.
             w.set_ssm(true);
@@ -54,13 +54,13 @@ impl Bus {
     ) -> Self {
         rcc::enable_and_reset::<SPI3>();
         // 42 MHz / 4 = 10.5 MHz.
-        let manner = Manner {
+        let mode = SpiMode {
             idle: Cpol::IDLE_LOW,
             edge: Cpha::SECOND_EDGE,
             bits: Dff::BITS8,
             divider: Br::DIV4,
         };
-        let bus = Self::new(pac::SPI3, &manner);
+        let bus = Self::new(pac::SPI3, &mode);
         let push = || AfType::output(OutputType::PushPull, Speed::VeryHigh);
         let (mut clock, mut from, mut to) = (Flex::new(clock), Flex::new(from), Flex::new(to));
         clock.set_as_af_unchecked(AF_SPI3, push());
@@ -87,7 +87,7 @@ impl Bus {
         self.0.dr().write(|w| w.set_dr(word));
         let begin = DWT::cycle_count();
         while !self.0.sr().read().rxne() {
-            if DWT::cycle_count().wrapping_sub(begin) > PATIENCE_CYCLES {
+            if DWT::cycle_count().wrapping_sub(begin) > TIMEOUT_CYCLES {
                 return None;
             }
         }

@@ -31,7 +31,7 @@ mod bus;
 pub(super) mod output;
 pub(super) mod timers;
 
-use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
+use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
 use super::nucleo_f429zi::period::Period;
 use ad5761r::Dac;
 use ad7606::Adc;
@@ -75,7 +75,11 @@ impl Converters for External {
     // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 2300;
 
-    fn new(r: Resources, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> Begun<Self> {
+    fn new(
+        r: Resources,
+        ticks: u32,
+        standing: impl Fn(usize, u16) -> u16,
+    ) -> StartedConverters<Self> {
         let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let first = sampled.unwrap_or([CODES.sensor_top / 2; 2]);
@@ -86,7 +90,7 @@ impl Converters for External {
         dac.write(standing(0, first[0]));
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
         timers::take_pins(ldac, line);
-        Begun {
+        StartedConverters {
             converters: Self {
                 adc,
                 dac,

@@ -2,7 +2,7 @@
 //! low, in force when SYNC rises. What a read command asks for comes with the next one.
 
 use super::bus::Bus;
-use super::timers::{Load, WAIT};
+use super::timers::{LoadPin, WAIT};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::peripherals::{PC10, PC11, PC12, PD2, PD12, SPI3};
@@ -24,10 +24,10 @@ impl OutputBus {
         ),
         sync: Peri<'static, PD2>,
         load: Peri<'static, PD12>,
-    ) -> (Self, Load) {
+    ) -> (Self, LoadPin) {
         // What is pulled up outside is high before the bus moves.
         let sync = Output::new(sync, Level::High, Speed::VeryHigh);
-        let load = Load::new(load);
+        let load = LoadPin::new(load);
         let bus = Bus::of_output(spi, wires.0, wires.1, wires.2);
         (Self { bus, sync }, load)
     }

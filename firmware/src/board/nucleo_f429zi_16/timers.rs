@@ -1,6 +1,6 @@
 //! The timers around external converters: CONVST, BUSY and the control interrupt at TIM2, LDAC at TIM4.
 
-use super::ad7606::Line;
+use super::ad7606::ConversionPins;
 use crate::board::nucleo_f429zi::clocks::CORE_HZ;
 use crate::board::nucleo_f429zi::period::TICKS_PER_US;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
@@ -30,7 +30,7 @@ const CONVST: usize = 2;
 const BUSY: usize = 3;
 
 /// Gives the pins to the timers; what waits in the output converter is loaded by hand before.
-pub fn take_pins(ldac: Load, line: Line) {
+pub fn take_pins(ldac: LoadPin, line: ConversionPins) {
     channels();
     ldac.hand_over();
     line.hand_over();
@@ -81,9 +81,9 @@ pub fn conversion_has_ended() -> bool {
 }
 
 /// LDAC while it is not the timer's yet.
-pub struct Load(Flex<'static>);
+pub struct LoadPin(Flex<'static>);
 
-impl Load {
+impl LoadPin {
     /// High: nothing is loaded.
     pub fn new(load: Peri<'static, PD12>) -> Self {
         let mut load = Flex::new(load);

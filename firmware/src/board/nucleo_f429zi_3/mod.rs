@@ -36,8 +36,8 @@
 
 mod ad5754r;
 
-use super::nucleo_f429zi::beside::Beside;
-use super::nucleo_f429zi::converters::{Begun, Converters, Resources};
+use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
+use super::nucleo_f429zi::further_adc::FurtherAdc;
 use super::nucleo_f429zi::period::Period;
 use super::nucleo_f429zi_16::ad7606::Adc;
 use super::nucleo_f429zi_16::output::OutputBus;
@@ -52,16 +52,16 @@ use link::{CodeRange, Input};
 const INPUTS: usize = 8;
 
 /// The external converters.
-pub struct Three {
+pub struct ExternalThree {
     adc: Adc,
     dac: Dac,
-    beside: Beside,
+    further_adc: FurtherAdc,
     period: Period,
     /// V7 and V8 of the last sample.
     further: [u16; 2],
 }
 
-impl Converters<OUTPUTS> for Three {
+impl Converters<OUTPUTS> for ExternalThree {
     const NAME: &'static str = "NUCLEO-F429ZI 3 x 16";
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = &[
@@ -77,7 +77,11 @@ impl Converters<OUTPUTS> for Three {
     // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 4600;
 
-    fn new(r: Resources, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> Begun<Self, OUTPUTS> {
+    fn new(
+        r: Resources,
+        ticks: u32,
+        standing: impl Fn(usize, u16) -> u16,
+    ) -> StartedConverters<Self, OUTPUTS> {
         let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let (first, further) = sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
@@ -93,14 +97,14 @@ impl Converters<OUTPUTS> for Three {
             r.pc0.degrade_adc(),
             r.pc3.degrade_adc(),
         ];
-        let beside = Beside::new(r.adc2, outputs);
+        let further_adc = FurtherAdc::new(r.adc2, outputs);
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
         timers::take_pins(ldac, line);
-        Begun {
+        StartedConverters {
             converters: Self {
                 adc,
                 dac,
-                beside,
+                further_adc,
                 period,
                 further,
             },
@@ -131,7 +135,7 @@ impl Converters<OUTPUTS> for Three {
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        let [first, second, third] = self.beside.codes().map(read_back);
+        let [first, second, third] = self.further_adc.codes().map(read_back);
         let [displacement, acceleration] = self.further;
         [first, second, third, displacement, acceleration]
     }

@@ -1,14 +1,14 @@
 //! The PC as the board's port and converters: commands and samples come from its pipe, replies and commands go into it.
 
-use super::semihosting::{self, File, Lost};
-use crate::session::{Malformed, Message, Order, Output, Summary};
+use super::semihosting::{self, File, HostGone};
+use crate::session::{Malformed, Message, PeriodReply, PeriodRequest, SessionAccount};
 use crate::station::upload::{Upload, Uploaded};
 use link::message::Message as _;
-use link::reply::{Answer, RefusedParameter, Reply};
+use link::reply::{NumberedReply, RefusedParameter, Reply};
 use link::{Command, Decoder};
 use outerloop_core::{Config, Mode, Record, Sample};
 
-impl From<Malformed> for Lost {
+impl From<Malformed> for HostGone {
     fn from(_: Malformed) -> Self {
         Self
     }
@@ -39,7 +39,7 @@ impl Exchange {
     ///
     /// # Errors
     /// The host does not give its standard input and output away.
-    pub fn open() -> Result<Self, Lost> {
+    pub fn open() -> Result<Self, HostGone> {
         Ok(Self {
             from_pc: File::open(c"/dev/stdin", semihosting::Mode::Read)?,
             to_pc: File::open(c"/dev/stdout", semihosting::Mode::Write)?,
@@ -52,13 +52,13 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone, or its frame holds no command.
-    pub fn command(&mut self) -> Result<(u16, Command), Lost> {
+    pub fn command(&mut self) -> Result<(u16, Command), HostGone> {
         loop {
             let mut byte = [0; 1];
             self.from_pc.read(&mut byte)?;
             let [byte] = byte;
             if let Some(frame) = self.decoder.push(byte) {
-                let command = Command::decode(&frame).ok_or(Lost)?;
+                let command = Command::decode(&frame).ok_or(HostGone)?;
                 return Ok((frame.sequence, command));
             }
         }
@@ -68,9 +68,9 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone.
-    pub fn reply(&mut self, request: u16, reply: Reply) -> Result<(), Lost> {
-        let answer = Answer { request, reply };
-        let wire = answer.encode(self.replies).map_err(|_| Lost)?;
+    pub fn reply(&mut self, request: u16, reply: Reply) -> Result<(), HostGone> {
+        let answer = NumberedReply { request, reply };
+        let wire = answer.encode(self.replies).map_err(|_| HostGone)?;
         self.replies = self.replies.wrapping_add(1);
         self.to_pc.write(&wire)
     }
@@ -79,7 +79,7 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone, or its frame holds no command.
-    pub fn begin(&mut self, memory: &mut [f32]) -> Result<Begin, Lost> {
+    pub fn begin(&mut self, memory: &mut [f32]) -> Result<Begin, HostGone> {
         let (mut upload, mut whole) = (None, None);
         loop {
             let (request, command) = self.command()?;
@@ -127,13 +127,15 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone or the order means nothing.
-    pub fn period<const N: usize>(&mut self) -> Result<Option<(bool, Sample<N>)>, Lost> {
+    pub fn period<const N: usize>(&mut self) -> Result<Option<(bool, Sample<N>)>, HostGone> {
         let mut bytes = Message::new();
-        bytes.resize_default(Order::<N>::BYTES).map_err(|_| Lost)?;
+        bytes
+            .resize_default(PeriodRequest::<N>::BYTES)
+            .map_err(|_| HostGone)?;
         self.from_pc.read(&mut bytes)?;
-        Ok(match Order::decode(&bytes)? {
-            Order::End => None,
-            Order::Step { command, sample } => Some((command, sample)),
+        Ok(match PeriodRequest::decode(&bytes)? {
+            PeriodRequest::End => None,
+            PeriodRequest::Step { command, sample } => Some((command, sample)),
         })
     }
 
@@ -143,9 +145,9 @@ impl Exchange {
     /// The PC has gone.
     pub fn output<const N: usize>(
         &mut self,
-        output: &Output<N>,
+        output: &PeriodReply<N>,
         record: &Record<N>,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), HostGone> {
         self.to_pc.write(&output.encode(record))
     }
 
@@ -153,7 +155,7 @@ impl Exchange {
     ///
     /// # Errors
     /// The PC has gone.
-    pub fn end(&mut self, summary: &Summary) -> Result<(), Lost> {
+    pub fn end(&mut self, summary: &SessionAccount) -> Result<(), HostGone> {
         self.to_pc.write(&summary.encode())
     }
 }

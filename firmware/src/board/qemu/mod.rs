@@ -8,5 +8,5 @@ mod semihosting;
 mod systick;
 
 pub use exchange::{Begin, Exchange};
-pub use semihosting::{File, Lost, Mode, exit};
+pub use semihosting::{File, HostGone, Mode, exit};
 pub use systick::SysTick;

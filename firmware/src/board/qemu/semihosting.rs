@@ -8,7 +8,7 @@ use core::ffi::CStr;
 
 /// The PC has gone, or talks of something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost;
+pub struct HostGone;
 
 /// A file of the host.
 pub struct File(usize);
@@ -50,13 +50,13 @@ impl File {
     ///
     /// # Errors
     /// The host cannot open it.
-    pub fn open(path: &CStr, mode: Mode) -> Result<Self, Lost> {
+    pub fn open(path: &CStr, mode: Mode) -> Result<Self, HostGone> {
         let handle = call(
             SYS_OPEN,
             &[path.as_ptr().addr(), mode as usize, path.to_bytes().len()],
         );
         if handle == usize::MAX {
-            Err(Lost)
+            Err(HostGone)
         } else {
             Ok(Self(handle))
         }
@@ -66,13 +66,13 @@ impl File {
     ///
     /// # Errors
     /// The file ended before.
-    pub fn read(&mut self, buffer: &mut [u8]) -> Result<(), Lost> {
+    pub fn read(&mut self, buffer: &mut [u8]) -> Result<(), HostGone> {
         let mut rest = buffer;
         while !rest.is_empty() {
             // The call returns how many bytes it did not read.
             let missing = call(SYS_READ, &[self.0, rest.as_mut_ptr().addr(), rest.len()]);
             let filled = rest.len().checked_sub(missing).filter(|&n| n > 0);
-            rest = rest.get_mut(filled.ok_or(Lost)?..).ok_or(Lost)?;
+            rest = rest.get_mut(filled.ok_or(HostGone)?..).ok_or(HostGone)?;
         }
         Ok(())
     }
@@ -81,10 +81,10 @@ impl File {
     ///
     /// # Errors
     /// The host took less.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Lost> {
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), HostGone> {
         match call(SYS_WRITE, &[self.0, bytes.as_ptr().addr(), bytes.len()]) {
             0 => Ok(()),
-            _ => Err(Lost),
+            _ => Err(HostGone),
         }
     }
 }

@@ -1,17 +1,17 @@
 //! The calibration of each actuator: shown, exchanged, zeroed, kept.
 
-use super::{Asked, Pending, Service};
+use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
 use crate::station::settings::Wiring;
-use link::channel::{Calibration, Line};
+use link::channel::{Calibration, ChannelCalibration};
 use link::command::Channel;
-use link::limits::Shown;
+use link::limits::CalibratedRange;
 use link::reply::{Obstacle, RefusedParameter, Reply};
 use outerloop_core::Mode;
 
 impl Service {
-    pub(super) fn shown(&self) -> Shown {
-        Shown::by_all(self.calibrations.iter().map(|c| &c.0), &self.board.codes)
+    pub(super) fn shown(&self) -> CalibratedRange {
+        CalibratedRange::by_all(self.calibrations.iter().map(|c| &c.0), &self.board.codes)
     }
 
     /// Somebody has calibrated the channels of every actuator.
@@ -31,7 +31,7 @@ impl Service {
         actuator: u8,
         calibration: Calibration,
         zeroed: Option<(f32, u16)>,
-    ) -> Asked {
+    ) -> CommandResult {
         if usize::from(actuator) >= self.calibrations.len() {
             return self.no_actuator(actuator);
         }
@@ -44,7 +44,7 @@ impl Service {
         }
     }
 
-    pub(super) fn no_actuator(&mut self, actuator: u8) -> Asked {
+    pub(super) fn no_actuator(&mut self, actuator: u8) -> CommandResult {
         self.reply(Reply::Refused(RefusedParameter::new(
             "actuator",
             f64::from(actuator) + 1.0,
@@ -52,7 +52,7 @@ impl Service {
         )))
     }
 
-    pub(super) fn zero(&mut self, actuator: u8, channel: Channel, value: f32) -> Asked {
+    pub(super) fn zero(&mut self, actuator: u8, channel: Channel, value: f32) -> CommandResult {
         let which = usize::from(actuator);
         let (Some(&(mut calibration, calibrated)), Some([displacement, force])) =
             (self.calibrations.get(which), self.windows.get(which))
@@ -73,7 +73,7 @@ impl Service {
                 "a channel that has been sampled for a while",
             )));
         };
-        let line: &mut Line = match channel {
+        let line: &mut ChannelCalibration = match channel {
             Channel::Displacement => &mut calibration.displacement,
             Channel::Force => &mut calibration.force,
         };
@@ -81,7 +81,7 @@ impl Service {
         self.calibrate(actuator, calibration, Some((code, spread)))
     }
 
-    pub(super) fn save(&mut self) -> Asked {
+    pub(super) fn save(&mut self) -> CommandResult {
         if self.state != Mode::Idle {
             return self.reply(self.rejected(None, None));
         }
@@ -93,6 +93,6 @@ impl Service {
             made.then_some(wiring)
         };
         let wirings = self.calibrations.iter().map(wiring).collect();
-        Asked::Save(self.config.clone(), wirings)
+        CommandResult::Save(self.config.clone(), wirings)
     }
 }

@@ -1,12 +1,17 @@
 //! Points that the PC sends before a test: announced, taken piece by piece, handed to the interrupt when all have come.
 
-use super::{Asked, Pending, Service};
+use super::{CommandResult, Pending, Service};
 use crate::station::order::Order;
 use crate::station::upload::{Upload, Uploaded};
 use link::reply::{RefusedParameter, Reply};
 
 impl Service {
-    pub(super) fn begin_motion(&mut self, points: u32, interval_s: f64, checksum: u32) -> Asked {
+    pub(super) fn begin_motion(
+        &mut self,
+        points: u32,
+        interval_s: f64,
+        checksum: u32,
+    ) -> CommandResult {
         self.uploaded_most = None;
         match Upload::new(points, interval_s, checksum) {
             Ok(upload) => self.order(Order::Unload, Pending::Upload(upload)),
@@ -14,7 +19,7 @@ impl Service {
         }
     }
 
-    pub(super) fn take_points(&mut self, first: u32, points: &[f32]) -> Asked {
+    pub(super) fn take_points(&mut self, first: u32, points: &[f32]) -> CommandResult {
         // The memory is taken only for an upload that was announced: what is taken in vain would be lost.
         let Some(mut upload) = self.upload.take() else {
             return self.reply(Reply::Expected(0));

@@ -3,16 +3,16 @@
 use super::report::Answers;
 use crate::board::nucleo_f429zi::store::Store;
 use crate::board::stack::HighWater;
-use crate::station::{Asked, Evidence, Outcome, Service, Sign, Wiring};
+use crate::station::{CommandResult, Heartbeat, Heartbeats, Outcome, Service, Wiring};
 use core::cell::RefCell;
 use embassy_futures::select::{Either, select};
 use embassy_stm32::usart::RingBufferedUartRx;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
 use heapless::spsc::Consumer;
 use link::Command;
-use link::frame::{Decoder, Kind, Seen};
+use link::frame::{Decoder, DecoderCounts, FrameKind};
 use link::message::Message;
-use link::reply::Answer;
+use link::reply::NumberedReply;
 use outerloop_core::Config;
 
 /// How often the task shows a sign of life, at least. Each time reading begins anew, and that is the less often the better:
@@ -31,7 +31,7 @@ pub struct Listener {
     /// Answers on their way out.
     pub answers: &'static Answers,
     /// Signs of life.
-    pub evidence: &'static Evidence,
+    pub heartbeats: &'static Heartbeats,
     /// The flash.
     pub store: Store,
     /// How deep the stack has been.
@@ -44,7 +44,7 @@ pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
     let mut decoder = Decoder::new();
     let mut bytes = [0; 256];
     loop {
-        listener.evidence.show(Sign::Listen);
+        listener.heartbeats.beat(Heartbeat::Listen);
         let count = match with_timeout(BEAT, rx.read(&mut bytes)).await {
             Ok(Ok(count)) => count,
             // Noise or an overrun: reading starts again by itself, and the frame's check sum finds the hole.
@@ -58,11 +58,11 @@ pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
             let Some(frame) = decoder.push(byte) else {
                 continue;
             };
-            if frame.kind != Kind::Command {
+            if frame.kind != FrameKind::Command {
                 continue;
             }
             let (request, command) = (frame.sequence, Command::decode(&frame));
-            listener.evidence.show(Sign::Heard);
+            listener.heartbeats.beat(Heartbeat::Pc);
             let answer = match command {
                 Some(command) => listener.serve(request, command, decoder.seen()).await,
                 None => listener.service.borrow_mut().not_understood(request),
@@ -73,20 +73,25 @@ pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
 }
 
 impl Listener {
-    async fn serve(&mut self, request: u16, command: Command, seen: Seen) -> Answer {
+    async fn serve(
+        &mut self,
+        request: u16,
+        command: Command,
+        seen: DecoderCounts,
+    ) -> NumberedReply {
         let stack_bytes = self.stack.bytes() as u32;
         let mut asked = self
             .service
             .borrow_mut()
-            .hear(request, command, seen, stack_bytes);
+            .receive(request, command, seen, stack_bytes);
         loop {
             asked = match asked {
-                Asked::Reply(answer) => return answer,
-                Asked::Save(test, wirings) => {
+                CommandResult::Reply(answer) => return answer,
+                CommandResult::Save(test, wirings) => {
                     let written = self.save(test.as_ref(), &wirings).await;
                     return self.service.borrow_mut().saved(written);
                 }
-                Asked::Wait => {
+                CommandResult::Wait => {
                     let outcome = self.outcome().await;
                     self.service.borrow_mut().finish(outcome)
                 }
@@ -96,7 +101,7 @@ impl Listener {
 
     async fn outcome(&mut self) -> Outcome {
         loop {
-            self.evidence.show(Sign::Listen);
+            self.heartbeats.beat(Heartbeat::Listen);
             if let Some(outcome) = self.outcomes.dequeue() {
                 return outcome;
             }
@@ -106,11 +111,11 @@ impl Listener {
 
     /// Saves, and shows signs of life meanwhile: an erasure takes a second or two.
     async fn save(&mut self, test: Option<&Config>, wirings: &[Option<Wiring>]) -> bool {
-        let evidence = self.evidence;
+        let heartbeats = self.heartbeats;
         let alive = async {
             let mut beat = Ticker::every(BEAT);
             loop {
-                evidence.show(Sign::Listen);
+                heartbeats.beat(Heartbeat::Listen);
                 beat.next().await;
             }
         };

@@ -1,7 +1,7 @@
 //! The task that sends: every control step, and the answers between them.
 
 use super::lights;
-use crate::station::{Evidence, Report, Service, Sign};
+use crate::station::{Heartbeat, Heartbeats, Report, Service};
 use core::cell::RefCell;
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartTx;
@@ -11,19 +11,19 @@ use embassy_time::{Duration, Timer};
 use heapless::Vec;
 use heapless::spsc::Consumer;
 use link::Telemetry;
-use link::frame::{Frame, Kind, MAX_WIRE, TooLong};
+use link::frame::{Frame, FrameKind, MAX_WIRE, TooLong};
 use link::message::Message;
-use link::reply::Answer;
+use link::reply::NumberedReply;
 use link::telemetry::STEPS;
 
 /// Answers on their way out.
-pub type Answers = Channel<NoopRawMutex, Answer, 2>;
+pub type Answers = Channel<NoopRawMutex, NumberedReply, 2>;
 
 /// How often the task looks for something to send.
 const BEAT: Duration = Duration::from_millis(1);
 
 /// Beats after which a frame that is not full goes out.
-const PATIENCE_BEATS: u32 = 10;
+const TIMEOUT_BEATS: u32 = 10;
 
 /// What the task uses.
 pub struct Reporter {
@@ -34,7 +34,7 @@ pub struct Reporter {
     /// Answers on their way out.
     pub answers: &'static Answers,
     /// Signs of life.
-    pub evidence: &'static Evidence,
+    pub heartbeats: &'static Heartbeats,
     /// How many actuators and further inputs the board has.
     pub channels: (usize, usize),
 }
@@ -45,10 +45,10 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     let mut sequence = 0_u16;
     let mut waited = 0;
     loop {
-        reporter.evidence.show(Sign::Report);
+        reporter.heartbeats.beat(Heartbeat::Report);
         let wire = if let Ok(answer) = reporter.answers.try_receive() {
             answer.encode(sequence)
-        } else if reporter.reports.len() >= STEPS || waited >= PATIENCE_BEATS {
+        } else if reporter.reports.len() >= STEPS || waited >= TIMEOUT_BEATS {
             waited = 0;
             let telemetry = reporter.gather();
             if telemetry.steps.is_empty() {
@@ -76,7 +76,7 @@ fn telemetry_frame(
     sequence: u16,
 ) -> Result<Vec<u8, MAX_WIRE>, TooLong> {
     let frame = Frame {
-        kind: Kind::Telemetry,
+        kind: FrameKind::Telemetry,
         sequence,
         body: &telemetry.encode(actuators, inputs),
     };

@@ -7,7 +7,7 @@ use outerloop_core::{Config, Structure};
 
 /// The structure of a test in plain matrices.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct StructureMatrices {
     /// kg.
     pub mass: DMatrix<f64>,
     /// N s/m.
@@ -22,13 +22,13 @@ pub struct Frame {
     pub shape: DVector<f64>,
 }
 
-impl Frame {
+impl StructureMatrices {
     /// Of a test.
     ///
     /// # Errors
     /// A structure that core refuses.
     pub fn of(config: &Config) -> Result<Self, Failure> {
-        fn plain<const N: usize>(config: &Config) -> Result<Frame, Failure> {
+        fn plain<const N: usize>(config: &Config) -> Result<StructureMatrices, Failure> {
             let s = &config.structure;
             let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));
             let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
@@ -39,7 +39,7 @@ impl Frame {
             let matrix = |x: &[[f64; N]; N]| DMatrix::from_fn(N, N, |i, j| x[i][j]);
             let (_, shapes) = outerloop_core::modes(&frame.mass, &frame.stiffness)
                 .ok_or_else(|| Failure::input("structure.mass_kg: accepted are positive masses"))?;
-            Ok(Frame {
+            Ok(StructureMatrices {
                 mass: matrix(&frame.mass),
                 damping: matrix(&frame.damping),
                 stiffness: matrix(&frame.stiffness),

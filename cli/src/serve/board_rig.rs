@@ -1,12 +1,12 @@
 //! The rig behind a board, by the same way as a test on a ground motion: armed, asked for, mirrored, ended.
 
-use super::mover::{Mover, Reached, Stop};
-use super::rig::{Rig, Seen};
+use super::mover::{Mover, Stop, TargetMeasurement};
+use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::bench::OnBoard;
-use crate::board::limits::Plan;
+use crate::board::limits::PlannedMotion;
 use crate::board::operator::Operator;
-use crate::board::{BoardConnection, InForce, Mirror, clear, done, ready, status};
+use crate::board::{BoardConnection, ConfiguredTest, Mirror, clear, done, ready, status};
 use crate::failure::Failure;
 use crate::files::test::{BoardWanted, TestFile};
 use crate::scope::Scope;
@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 ///
 /// # Errors
 /// A test with more storeys than any board has actuators, or one that moves continuously without a limit on its speed.
-pub fn boarded(
+pub fn serve_on_board(
     test: &TestFile,
     connection: BoardConnection,
     operator: Operator,
@@ -40,19 +40,19 @@ pub fn boarded(
     let with = (connection, operator, real);
     Ok(match storeys {
         1 => Box::new(Travel::new(
-            Boarded::<1>::new(test, with),
+            BoardRig::<1>::new(test, with),
             test,
             keep,
             scope,
         )),
         2 => Box::new(Travel::new(
-            Boarded::<2>::new(test, with),
+            BoardRig::<2>::new(test, with),
             test,
             keep,
             scope,
         )),
         3 => Box::new(Travel::new(
-            Boarded::<3>::new(test, with),
+            BoardRig::<3>::new(test, with),
             test,
             keep,
             scope,
@@ -66,11 +66,11 @@ pub fn boarded(
 }
 
 /// A board with an actuator for each storey, which are all of the structure that is served.
-struct Boarded<const N: usize> {
+struct BoardRig<const N: usize> {
     board: BoardConnection,
     operator: Operator,
     real: bool,
-    plan: Plan,
+    plan: PlannedMotion,
     wanted: BoardWanted,
     config: Config,
     pace: Pace,
@@ -84,7 +84,7 @@ struct Boarded<const N: usize> {
 
 /// A client's test on the board.
 struct Serving<const N: usize> {
-    in_force: InForce<'static, N>,
+    in_force: ConfiguredTest<'static, N>,
     identity: Identity,
     /// Records that have come and that nobody has seen yet.
     come: VecDeque<Record<N>>,
@@ -94,13 +94,13 @@ struct Serving<const N: usize> {
     trip: Option<Fault>,
 }
 
-impl<const N: usize> Boarded<N> {
+impl<const N: usize> BoardRig<N> {
     fn new(test: &TestFile, (board, operator, real): (BoardConnection, Operator, bool)) -> Self {
         Self {
             board,
             operator,
             real,
-            plan: Plan::of_served(test),
+            plan: PlannedMotion::of_served(test),
             wanted: test.board.clone(),
             config: test.config.clone(),
             pace: test.serve.pace,
@@ -138,7 +138,7 @@ impl<const N: usize> Boarded<N> {
     }
 
     /// The next step that has come and that nobody has seen, and, behind the last one, why the board goes no further.
-    fn next_seen(&mut self) -> Result<Option<Seen<N>>, Stop> {
+    fn next_seen(&mut self) -> Result<Option<ServedStep<N>>, Stop> {
         self.with(|board, test| {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
@@ -146,8 +146,8 @@ impl<const N: usize> Boarded<N> {
             let over = test.come.is_empty() && test.in_force.state() == Mode::Tripped;
             let trip = if over { status(board)?.trip } else { None };
             test.trip = test.trip.or(trip.map(|t| t.fault));
-            Ok(Some(Seen {
-                reached: Reached {
+            Ok(Some(ServedStep {
+                reached: TargetMeasurement {
                     displacement_m: record.estimated_displacement_m.map(f64::from).to_vec(),
                     force_n: record.estimated_force_n.map(f64::from).to_vec(),
                 },
@@ -158,7 +158,7 @@ impl<const N: usize> Boarded<N> {
     }
 
     /// A step between two clients, as the board reports it.
-    fn idle(&self, (tick, step): (u32, StepReport)) -> Option<Seen<N>> {
+    fn idle(&self, (tick, step): (u32, StepReport)) -> Option<ServedStep<N>> {
         if self.calibrated.is_empty() {
             return None;
         }
@@ -170,9 +170,9 @@ impl<const N: usize> Boarded<N> {
             record.displacement_m[actuator] = lines.displacement.quantity(displacement);
             record.force_n[actuator] = lines.force.quantity(force);
         }
-        Some(Seen {
+        Some(ServedStep {
             record,
-            reached: Reached::default(),
+            reached: TargetMeasurement::default(),
             ended: None,
         })
     }
@@ -195,7 +195,7 @@ impl<const N: usize> Boarded<N> {
     }
 }
 
-impl<const N: usize> Rig<N> for Boarded<N> {
+impl<const N: usize> ServedRig<N> for BoardRig<N> {
     fn begin(&mut self) -> Result<(), Failure> {
         let board = &mut self.board;
         (self.test, self.account) = (None, None);
@@ -216,7 +216,7 @@ impl<const N: usize> Rig<N> for Boarded<N> {
             since,
         );
         mirror.take_targets(self.pace);
-        let mut in_force = InForce::new(board, mirror, since, &identity);
+        let mut in_force = ConfiguredTest::new(board, mirror, since, &identity);
         in_force.arm(board)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
@@ -243,7 +243,7 @@ impl<const N: usize> Rig<N> for Boarded<N> {
         })
     }
 
-    fn step(&mut self) -> Result<Seen<N>, Stop> {
+    fn step(&mut self) -> Result<ServedStep<N>, Stop> {
         loop {
             self.go_on()?;
             if let Some(seen) = self.next_seen()? {
@@ -253,7 +253,7 @@ impl<const N: usize> Rig<N> for Boarded<N> {
         }
     }
 
-    fn meanwhile(&mut self) -> Result<Vec<Seen<N>>, Stop> {
+    fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop> {
         if self.test.is_none() {
             // Between two clients the board hears that the PC is there.
             let steps = self.board.steps().map_err(|e| Stop::Lost(e.to_string()))?;
@@ -272,12 +272,12 @@ impl<const N: usize> Rig<N> for Boarded<N> {
         true
     }
 
-    fn wish(&mut self, wish: Event) -> Result<(), Stop> {
+    fn request(&mut self, event: Event) -> Result<(), Stop> {
         if self.test.is_some() {
-            return self.with(|board, test| test.in_force.ask_for(board, wish));
+            return self.with(|board, test| test.in_force.ask_for(board, event));
         }
         // Between two clients there is nothing but a trip to be cleared.
-        match wish {
+        match event {
             Event::Clear => clear(&mut self.board).map_err(|e| Stop::Lost(e.to_string())),
             _ => Ok(()),
         }
@@ -331,7 +331,7 @@ impl<const N: usize> Rig<N> for Boarded<N> {
     }
 }
 
-impl<const N: usize> Boarded<N> {
+impl<const N: usize> BoardRig<N> {
     /// To a standstill on the ramp, then idle.
     fn finish(&mut self, test: &mut Serving<N>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);

@@ -1,6 +1,6 @@
 //! What a board records beside displacement and force: no part of the test hangs on it, and it tells what is broken.
 
-use link::channel::Line;
+use link::channel::ChannelCalibration;
 use link::reply::Identity;
 use link::telemetry::{Input, MAX_INPUTS, StepReport};
 use link::{CodeRange, MAX_ACTUATORS};
@@ -18,7 +18,7 @@ const GAIN_SHARE: f64 = 0.01;
 
 /// The further inputs of a running test.
 #[derive(Clone, Debug, Serialize)]
-pub struct Further {
+pub struct FurtherInputs {
     /// Largest distance of a command as read back at its converter from the command as sent, m, of any actuator.
     pub command_off_m: Option<f64>,
     /// The same of each actuator, from the first; none where nothing is read back.
@@ -38,7 +38,7 @@ pub struct Further {
     span_v: [f32; 2],
     /// Each actuator's command from its codes.
     #[serde(skip)]
-    lines: Vec<Line>,
+    lines: Vec<ChannelCalibration>,
     #[serde(skip)]
     rows: Vec<Row>,
 }
@@ -46,10 +46,10 @@ pub struct Further {
 /// A control step: its number, the commands in force, m, NaN where they are not known, and the codes of the inputs.
 type Row = (u32, [f32; MAX_ACTUATORS], [u16; MAX_INPUTS]);
 
-impl Further {
+impl FurtherInputs {
     /// Of a board; `None` if it has none.
     pub fn of(identity: &Identity) -> Option<Self> {
-        let lines: Vec<Line> = identity.calibrations().map(|c| c.command).collect();
+        let lines: Vec<ChannelCalibration> = identity.calibrations().map(|c| c.command).collect();
         (!identity.inputs.is_empty()).then(|| Self {
             command_off_m: None,
             commands_off_m: vec![None; lines.len()],
@@ -64,7 +64,7 @@ impl Further {
     }
 
     /// A control step of the running test. `command_m`: the commands that were in force, of as many actuators as are known.
-    pub fn see(&mut self, tick: u32, command_m: &[f32], step: &StepReport) {
+    pub fn add_step(&mut self, tick: u32, command_m: &[f32], step: &StepReport) {
         let known = |actuator: usize| command_m.get(actuator).copied().unwrap_or(f32::NAN);
         self.rows
             .push((tick, std::array::from_fn(known), step.inputs));
@@ -189,8 +189,8 @@ impl Further {
 mod tests {
     use super::*;
 
-    fn with(actuators: usize, inputs: Vec<Input>) -> Further {
-        Further {
+    fn with(actuators: usize, inputs: Vec<Input>) -> FurtherInputs {
+        FurtherInputs {
             command_off_m: None,
             commands_off_m: vec![None; actuators],
             at_start_m: vec![None; actuators],
@@ -204,12 +204,12 @@ mod tests {
                 command_spare: 1638,
             },
             span_v: [-10.0, 10.0],
-            lines: vec![Line::over(0.05, u16::MAX); actuators],
+            lines: vec![ChannelCalibration::over(0.05, u16::MAX); actuators],
             rows: Vec::new(),
         }
     }
 
-    fn board() -> Further {
+    fn board() -> FurtherInputs {
         with(
             1,
             vec![Input::CommandReadBack(0), Input::SecondDisplacement],
@@ -237,12 +237,12 @@ mod tests {
         for (tick, command_m) in [(10, 0.0_f32), (11, 0.002), (12, 0.004)] {
             let line = works.lines[0];
             let exact = command_m / line.per_code + line.zero_code;
-            works.see(tick, &[command_m], &step(command_m, (exact + 0.5) as u16));
-            dead.see(tick, &[command_m], &step(command_m, 32_768));
+            works.add_step(tick, &[command_m], &step(command_m, (exact + 0.5) as u16));
+            dead.add_step(tick, &[command_m], &step(command_m, 32_768));
         }
         assert!(works.command_off_m.unwrap() < 2e-6);
         assert!((dead.command_off_m.unwrap() - 0.004).abs() < 2e-6);
-        let said = |f: &Further| f.sentence(Some(Fault::Tracking)).unwrap();
+        let said = |f: &FurtherInputs| f.sentence(Some(Fault::Tracking)).unwrap();
         assert!(
             said(&works).contains("look at the valve"),
             "{}",
@@ -264,10 +264,10 @@ mod tests {
         let mut now = step(0.004, code(0.004));
         now.inputs = [code(0.004), code(0.003), 32_768, 0, 0];
         // Of a step that was not worked out again only the first actuator's command is known.
-        three.see(9, &[0.004], &now);
+        three.add_step(9, &[0.004], &now);
         assert_eq!(three.commands_off_m[1..], [None, None]);
         assert!(three.sentence(None).unwrap().starts_with("Each actuator"));
-        three.see(10, &[0.004, 0.003, -0.005], &now);
+        three.add_step(10, &[0.004, 0.003, -0.005], &now);
         let said = three.sentence(Some(Fault::Tracking)).unwrap();
         assert!(said.starts_with("The command of actuator 3"), "{said}");
         assert!(said.contains("look at the output converter"), "{said}");
@@ -284,8 +284,8 @@ mod tests {
     #[test]
     fn the_table_has_a_column_an_input_and_a_row_a_step() {
         let mut all = board();
-        all.see(10, &[0.0], &step(0.0, 32_768));
-        all.see(12, &[0.001], &step(0.001, 33_000));
+        all.add_step(10, &[0.0], &step(0.0, 32_768));
+        all.add_step(12, &[0.001], &step(0.001, 33_000));
         let text = all.to_csv(2000.0);
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(

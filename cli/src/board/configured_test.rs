@@ -2,7 +2,7 @@
 //! out again on the PC. A test on a ground motion goes by it, and a rig that serves a model outside.
 
 use super::connection::Connection;
-use super::further::Further;
+use super::further_inputs::FurtherInputs;
 use super::mirror::Mirror;
 use super::operator::{Operator, stop_is_asked};
 use super::orders::{clear, done, event, status};
@@ -23,7 +23,7 @@ const IDLE_STEPS: u64 = 256;
 const REST_STEPS: u32 = 40;
 
 /// A test from its configuration to its end.
-pub struct InForce<'a, const N: usize> {
+pub struct ConfiguredTest<'a, const N: usize> {
     mirror: Mirror<'a, N>,
     since: u32,
     state: Mode,
@@ -33,12 +33,12 @@ pub struct InForce<'a, const N: usize> {
     /// Steps lost, by the connection's count, before the test was in force.
     lost_before: u64,
     /// What the board records beside, while the test runs.
-    further: Option<Further>,
+    further: Option<FurtherInputs>,
     /// The latest step, whose record is worked out when the next one has come.
     latest: Option<(u32, StepReport)>,
 }
 
-impl<'a, const N: usize> InForce<'a, N> {
+impl<'a, const N: usize> ConfiguredTest<'a, N> {
     /// Of a test that is in force on `board` from step `since` on; the board is `identity`.
     pub fn new<P: Port>(
         board: &Connection<P>,
@@ -47,7 +47,7 @@ impl<'a, const N: usize> InForce<'a, N> {
         identity: &Identity,
     ) -> Self {
         Self {
-            further: Further::of(identity),
+            further: FurtherInputs::of(identity),
             latest: None,
             lost_before: board.counted().1,
             mirror,
@@ -97,7 +97,7 @@ impl<'a, const N: usize> InForce<'a, N> {
     /// Ends the test. Telemetry comes some steps late: a board that has ended by itself since has nothing to refuse.
     ///
     /// # Errors
-    /// As [`InForce::send`].
+    /// As [`ConfiguredTest::send`].
     pub fn end<P: Port>(&mut self, board: &mut Connection<P>, by: Event) -> Result<(), Failure> {
         match self.send(board, by) {
             Err(refused) => match status(board)?.state {
@@ -145,7 +145,7 @@ impl<'a, const N: usize> InForce<'a, N> {
         if step.state().is_some_and(Mode::integrates) {
             // Of a step that could not be worked out again the telemetry has the first command alone.
             let known = if self.mirror.is_in_step() { N } else { 1 };
-            further.see(tick, &record.command_m[..known], &step);
+            further.add_step(tick, &record.command_m[..known], &step);
         }
     }
 
@@ -278,14 +278,14 @@ impl<'a, const N: usize> InForce<'a, N> {
     /// Somebody who looks on wants something. What the board refuses by now does not happen, and nothing is lost.
     ///
     /// # Errors
-    /// As [`InForce::send`], where the event means something now.
+    /// As [`ConfiguredTest::send`], where the event means something now.
     pub fn ask_for<P: Port>(
         &mut self,
         board: &mut Connection<P>,
-        wish: Event,
+        event: Event,
     ) -> Result<(), Failure> {
-        match self.send(board, wish) {
-            Err(_) if self.state.after(wish).is_err() => Ok(()),
+        match self.send(board, event) {
+            Err(_) if self.state.after(event).is_err() => Ok(()),
             sent => sent,
         }
     }

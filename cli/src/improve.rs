@@ -4,13 +4,13 @@ use crate::board::Played;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::measured::in_mm_of;
-use crate::files::signal::Signal;
+use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
-use crate::judged::Run;
+use crate::judged::JudgedRun;
 use crate::rig::{declared, improvement};
 use crate::summary;
 use crate::terminal::progress::Progress;
-use crate::trace::{Response, Witness};
+use crate::trace::{Response, TestObserver};
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, RigLimits, Verdict};
 use outerloop_core::config::Filter;
 use outerloop_core::{Config, Method};
@@ -27,7 +27,7 @@ const SAME: f64 = 0.1;
 /// What became of a test with what was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum ImprovementOutcome {
     /// Its error is smaller.
     Better,
     /// Nothing was found, or nothing that the loop can take out.
@@ -36,7 +36,7 @@ pub enum Outcome {
     Worse,
 }
 
-impl Outcome {
+impl ImprovementOutcome {
     /// The word in tables.
     pub const fn name(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ impl Outcome {
 }
 
 /// Where the tests of a story run, one after the other.
-pub trait Site {
+pub trait TestSite {
     /// Runs a test; see [`Experiment::run`].
     ///
     /// # Errors
@@ -60,19 +60,19 @@ pub trait Site {
         ideal: &Response,
         seed: u64,
         keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure>;
+        observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure>;
 
     /// Moves the actuator of the same rig by a signal.
     ///
     /// # Errors
     /// A signal beyond a limit of the test, and a rig or board that is not there.
-    fn play(&self, test: &TestFile, signal: &Signal, seed: u64) -> Result<Played, Failure>;
+    fn play(&self, test: &TestFile, signal: &SignalPoints, seed: u64) -> Result<Played, Failure>;
 }
 
 /// A test that was designed since a diagnosis had left something open.
 #[derive(Clone, Debug)]
-pub struct Designed {
+pub struct DesignedTest {
     /// Its design.
     pub next: Next,
     /// Its record.
@@ -83,17 +83,17 @@ pub struct Designed {
 
 /// A test, the diagnosis of its record, and the same test with what was found.
 #[derive(Clone, Debug)]
-pub struct Story {
+pub struct Improvement {
     /// The test as it was declared.
     pub experiment: Experiment,
     /// What it is compared with.
     pub ideal: Response,
     /// It, on the rig as it is.
-    pub before: Run,
+    pub before: JudgedRun,
     /// What its record says alone.
     pub first: Diagnosis,
     /// The tests that were designed to settle what that left open, one after the other.
-    pub designed: Vec<Designed>,
+    pub designed: Vec<DesignedTest>,
     /// What all records say together.
     pub diagnosis: Diagnosis,
     /// What was done about it.
@@ -101,14 +101,14 @@ pub struct Story {
     /// The test with what was found.
     pub improved: Experiment,
     /// It, on the same rig.
-    pub after: Run,
+    pub after: JudgedRun,
     /// What the record of the second test says of the improved model.
     pub remains: Diagnosis,
     /// The first test on a rig without what was undeclared: nothing better can be expected. `None` on a real rig.
-    pub possible: Option<Run>,
+    pub possible: Option<JudgedRun>,
 }
 
-impl Story {
+impl Improvement {
     /// Tells it. `model` is what is declared.
     ///
     /// # Errors
@@ -116,13 +116,13 @@ impl Story {
     pub fn of(
         experiment: Experiment,
         model: &Model,
-        site: &impl Site,
+        site: &impl TestSite,
         seed: u64,
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let method = experiment.test.config.compensation.kind;
         let ideal = experiment.ideal()?;
-        let before = site.run(&experiment, method, &ideal, seed, true, progress.witness())?;
+        let before = site.run(&experiment, method, &ideal, seed, true, progress.observer())?;
         let (train, held_out) = parted(&experiment, &before)?;
         let (mut train, held_out) = (vec![train], vec![held_out]);
         let ask = |train: &[Recording]| {
@@ -131,7 +131,7 @@ impl Story {
         };
         let first = ask(&train)?;
         let mut changes = Vec::new();
-        let mut designed: Vec<Designed> = Vec::new();
+        let mut designed: Vec<DesignedTest> = Vec::new();
         let limited = with_limits(model, &experiment.test);
         while designed.len() < DESIGNED {
             let found = designed.last().map_or(&first, |d| &d.diagnosis);
@@ -144,7 +144,7 @@ impl Story {
             let Some(next) = next.filter(tells) else {
                 break;
             };
-            let signal = Signal::of(&next)?;
+            let signal = SignalPoints::of(&next)?;
             let played = site.play(&experiment.test, &signal, seed + 1 + designed.len() as u64)?;
             // What the rig did not let through tells nothing.
             if let Some(why) = &played.early {
@@ -154,7 +154,7 @@ impl Story {
                 break;
             }
             train.push(played.recording()?);
-            designed.push(Designed {
+            designed.push(DesignedTest {
                 next,
                 played,
                 diagnosis: ask(&train)?,
@@ -171,7 +171,7 @@ impl Story {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
         let better = improved.test.config.compensation.kind;
-        let after = site.run(&improved, better, &ideal, seed, true, progress.witness())?;
+        let after = site.run(&improved, better, &ideal, seed, true, progress.observer())?;
         let (train, held_out) = parted(&improved, &after)?;
         let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
         let remains = remains.map_err(|e| Failure::input(e.to_string()))?;
@@ -181,7 +181,7 @@ impl Story {
             let mut without = experiment.clone();
             let test = &mut without.test;
             test.plant = declared::as_declared(&test.config, &test.plant, test.declared.as_ref());
-            Some(site.run(&without, method, &ideal, seed, false, progress.witness())?)
+            Some(site.run(&without, method, &ideal, seed, false, progress.observer())?)
         };
         Ok(Self {
             experiment,
@@ -214,16 +214,16 @@ impl Story {
     }
 
     /// What became of the test.
-    pub fn outcome(&self) -> Outcome {
-        let lost = |run: &Run| run.summary.verdict != summary::Verdict::Completed;
+    pub fn outcome(&self) -> ImprovementOutcome {
+        let lost = |run: &JudgedRun| run.summary.verdict != summary::TestVerdict::Completed;
         let [before, after] = [&self.before, &self.after].map(|run| run.summary.eps_rms);
         match (lost(&self.before), lost(&self.after)) {
-            (true, false) => Outcome::Better,
-            (false, true) => Outcome::Worse,
-            _ if self.changes.is_empty() => Outcome::Same,
-            _ if after > before * (1.0 + SAME) => Outcome::Worse,
-            _ if after < before * (1.0 - SAME) => Outcome::Better,
-            _ => Outcome::Same,
+            (true, false) => ImprovementOutcome::Better,
+            (false, true) => ImprovementOutcome::Worse,
+            _ if self.changes.is_empty() => ImprovementOutcome::Same,
+            _ if after > before * (1.0 + SAME) => ImprovementOutcome::Worse,
+            _ if after < before * (1.0 - SAME) => ImprovementOutcome::Better,
+            _ => ImprovementOutcome::Same,
         }
     }
 
@@ -299,7 +299,7 @@ fn with_limits(model: &Model, test: &TestFile) -> Model {
 }
 
 /// The first part of the record to train with, the last to judge on; the rest before the motion tells the noise.
-fn parted(experiment: &Experiment, run: &Run) -> Result<(Recording, Recording), Failure> {
+fn parted(experiment: &Experiment, run: &JudgedRun) -> Result<(Recording, Recording), Failure> {
     let cannot = || {
         Failure::test("the test ended before it had a record: accepted is one that ran".to_owned())
     };

@@ -1,38 +1,43 @@
 //! The way from target to target, between integration steps: extrapolated while the next target is not known, then the
 //! cubic that meets it.
 
-use super::blocks::Signal;
+use super::blocks::StateFunction;
 use outerloop_core::config::Timing;
 
 /// The command on its way through one integration step.
 #[derive(Clone, Debug)]
-pub struct Way {
+pub struct Interpolation {
     /// Command of each axis.
-    pub command: Vec<Signal>,
+    pub command: Vec<StateFunction>,
     /// Its velocity, a control step.
-    pub velocity: Vec<Signal>,
+    pub velocity: Vec<StateFunction>,
     /// Its acceleration, a control step squared.
-    pub acceleration: Vec<Signal>,
-    from: (Vec<Signal>, Vec<Signal>),
+    pub acceleration: Vec<StateFunction>,
+    from: (Vec<StateFunction>, Vec<StateFunction>),
     substeps: u16,
     solve_substeps: u16,
 }
 
-impl Way {
+impl Interpolation {
     /// At a target `u` that was reached with `q` and `s` of the step before.
-    pub fn from_target(u: &[Signal], q: &[Signal], s: &[Signal], timing: &Timing) -> Self {
+    pub fn from_target(
+        u: &[StateFunction],
+        q: &[StateFunction],
+        s: &[StateFunction],
+        timing: &Timing,
+    ) -> Self {
         Self::at_target(u, q, s, timing.substeps, timing.solve_substeps)
     }
 
     fn at_target(
-        u: &[Signal],
-        q: &[Signal],
-        s: &[Signal],
+        u: &[StateFunction],
+        q: &[StateFunction],
+        s: &[StateFunction],
         substeps: u16,
         solve_substeps: u16,
     ) -> Self {
         let per = 1.0 / f64::from(substeps);
-        let velocity: Vec<Signal> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
+        let velocity: Vec<StateFunction> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
         Self {
             command: u.to_vec(),
             acceleration: s.iter().map(|s| s * (per * per)).collect(),
@@ -44,7 +49,13 @@ impl Way {
     }
 
     /// The command of control step `tick` towards the next target `u`, `q + s`.
-    pub fn advance(&mut self, tick: u16, u: &[Signal], q: &[Signal], s: &[Signal]) {
+    pub fn advance(
+        &mut self,
+        tick: u16,
+        u: &[StateFunction],
+        q: &[StateFunction],
+        s: &[StateFunction],
+    ) {
         if tick >= self.substeps {
             *self = Self::at_target(u, q, s, self.substeps, self.solve_substeps);
             return;

@@ -1,25 +1,25 @@
 //! Where a test runs.
 
 use crate::bench;
-use crate::board::emulated::{self, Emulated, Laboratory};
-use crate::board::limits::Plan;
+use crate::board::emulated::{self, Emulated, EmulatedRig};
+use crate::board::limits::PlannedMotion;
 use crate::board::{
-    BoardBench, BoardConnection, Connection, Course, Operator, Patience, Played, Port, Serial,
+    BoardBench, BoardConnection, Connection, Operator, Played, Port, Serial, Timeouts, Trajectory,
     calibrate, commission, identify,
 };
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::files::signal::Signal;
+use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
-use crate::judged::Run;
-use crate::story::Site;
-use crate::trace::{Response, Witness};
+use crate::improve::TestSite;
+use crate::judged::JudgedRun;
+use crate::trace::{Response, TestObserver};
 use outerloop_core::Method;
 use serde::{Deserialize, Serialize};
 
 /// On the simulated rig, on a board, or on an emulated one.
 #[derive(clap::Args, Clone, Debug, Default)]
-pub struct Place {
+pub struct RigArguments {
     /// Run on the board at this serial port instead of the simulated rig
     #[arg(long, value_name = "DEV", conflicts_with = "emulated")]
     port: Option<String>,
@@ -33,7 +33,7 @@ pub struct Place {
 }
 
 /// An actuator that was moved alone.
-pub struct Turn {
+pub struct MovedActuator {
     /// Which, from 0.
     pub actuator: usize,
     /// How many are moved, one after the other.
@@ -45,7 +45,7 @@ pub struct Turn {
 /// The kind of rig that a test ran on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Where {
+pub enum RigKind {
     /// The simulated rig, in this process.
     Simulated,
     /// An emulated board, with the simulated rig behind its converters.
@@ -57,26 +57,26 @@ pub enum Where {
 /// A board and who is asked before it moves.
 pub type Board = (BoardConnection, Operator);
 
-impl Place {
+impl RigArguments {
     /// A simulated or emulated rig; of a board the port is not known.
-    pub fn at(place: Where) -> Self {
+    pub fn at(place: RigKind) -> Self {
         Self {
-            emulated: place == Where::Emulated,
+            emulated: place == RigKind::Emulated,
             ..Self::default()
         }
     }
 
     /// What kind of rig it is.
-    pub fn kind(&self) -> Where {
+    pub fn kind(&self) -> RigKind {
         match (&self.port, self.emulated) {
-            (Some(_), _) => Where::Board,
-            (None, true) => Where::Emulated,
-            (None, false) => Where::Simulated,
+            (Some(_), _) => RigKind::Board,
+            (None, true) => RigKind::Emulated,
+            (None, false) => RigKind::Simulated,
         }
     }
 }
 
-impl Place {
+impl RigArguments {
     /// On the board at a port, else on an emulated one.
     pub fn on_board(port: Option<String>, yes: bool) -> Self {
         Self {
@@ -93,7 +93,7 @@ impl Place {
     pub fn connect(
         &self,
         test: &TestFile,
-        plan: &Plan,
+        plan: &PlannedMotion,
         seed: u64,
     ) -> Result<Option<Board>, Failure> {
         if let Some(device) = &self.port {
@@ -103,39 +103,40 @@ impl Place {
                 Operator::person()?
             };
             let port: Box<dyn Port> = Box::new(Serial::open(device)?);
-            return Ok(Some((Connection::new(port, Patience::BOARD), operator)));
+            return Ok(Some((Connection::new(port, Timeouts::BOARD), operator)));
         }
         if !self.emulated {
             return Ok(None);
         }
         emulated::can_run(test)?;
         let limits = plan.without_board(&test.config.limits);
-        let laboratory = Laboratory::of(test, seed).sized_for(&limits, plan);
+        let laboratory = EmulatedRig::of(test, seed).sized_for(&limits, plan);
         let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-        let mut connection = Connection::new(port, Patience::EMULATED);
+        let mut connection = Connection::new(port, Timeouts::EMULATED);
         calibrate(&mut connection, laboratory.calibration)?;
         Ok(Some((connection, Operator::nobody())))
     }
 
-    /// Moves actuators of a board by `course` under the limits of `test`: the one that is wanted, from 0, or each in its
+    /// Moves actuators of a board by `trajectory` under the limits of `test`: the one that is wanted, from 0, or each in its
     /// turn. `keep` is given what each has left, and says whether the next one moves.
     ///
     /// # Errors
-    /// A course beyond a limit that the test states; a board that cannot be set up; what `keep` says.
+    /// A trajectory beyond a limit that the test states; a board that cannot be set up; what `keep` says.
     pub fn commission(
         &self,
         test: &TestFile,
-        course: &Course,
+        trajectory: &Trajectory,
         wanted: Option<usize>,
         seed: u64,
-        witness: &mut impl Witness,
-        mut keep: impl FnMut(Turn) -> Result<(), Failure>,
+        observer: &mut impl TestObserver,
+        mut keep: impl FnMut(MovedActuator) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        course.check(&test.config)?;
+        trajectory.check(&test.config)?;
         let storeys = test.config.physical_storeys();
-        let plans = (0..storeys).map(|actuator| Plan::of_course(test, course, actuator));
+        let plans =
+            (0..storeys).map(|actuator| PlannedMotion::of_trajectory(test, trajectory, actuator));
         let widest = plans.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
-        let plan = widest.unwrap_or_else(|| Plan::of_course(test, course, 0));
+        let plan = widest.unwrap_or_else(|| PlannedMotion::of_trajectory(test, trajectory, 0));
         let Some((mut board, operator)) = self.connect(test, &plan, seed)? else {
             return Err(Failure::input(
                 "the simulated rig makes no signals by itself: accepted is a board",
@@ -147,8 +148,14 @@ impl Place {
             None => (0..all, all),
         };
         for actuator in turns {
-            let played = commission(&mut board, test, (course, actuator), &operator, witness)?;
-            keep(Turn {
+            let played = commission(
+                &mut board,
+                test,
+                (trajectory, actuator),
+                &operator,
+                observer,
+            )?;
+            keep(MovedActuator {
                 actuator,
                 of,
                 played,
@@ -157,35 +164,35 @@ impl Place {
         Ok(())
     }
 
-    /// Moves the first actuator by `course` under the limits of `test`.
+    /// Moves the first actuator by `trajectory` under the limits of `test`.
     ///
     /// # Errors
-    /// A course beyond a limit that the test states; a rig or board that cannot be set up.
-    pub fn play_course(
+    /// A trajectory beyond a limit that the test states; a rig or board that cannot be set up.
+    pub fn play_trajectory(
         &self,
         test: &TestFile,
-        course: &Course,
+        trajectory: &Trajectory,
         seed: u64,
-        witness: &mut impl Witness,
+        observer: &mut impl TestObserver,
     ) -> Result<Played, Failure> {
-        course.check(&test.config)?;
-        let plan = Plan::of_course(test, course, 0);
-        match (self.connect(test, &plan, seed)?, course) {
+        trajectory.check(&test.config)?;
+        let plan = PlannedMotion::of_trajectory(test, trajectory, 0);
+        match (self.connect(test, &plan, seed)?, trajectory) {
             (Some((mut board, operator)), _) => {
-                commission(&mut board, test, (course, 0), &operator, witness)
+                commission(&mut board, test, (trajectory, 0), &operator, observer)
             }
-            (None, Course::Points(signal)) => {
+            (None, Trajectory::Points(signal)) => {
                 let limits = plan.without_board(&test.config.limits);
-                bench::play(test, limits, signal, seed, witness)
+                bench::play(test, limits, signal, seed, observer)
             }
-            (None, Course::Formula(_)) => Err(Failure::input(
+            (None, Trajectory::Formula(_)) => Err(Failure::input(
                 "the simulated rig makes no signals by itself: accepted is a file with time_s and command_mm",
             )),
         }
     }
 }
 
-impl Site for Place {
+impl TestSite for RigArguments {
     fn run(
         &self,
         experiment: &Experiment,
@@ -193,20 +200,20 @@ impl Site for Place {
         ideal: &Response,
         seed: u64,
         keep: bool,
-        tell: impl Witness,
-    ) -> Result<Run, Failure> {
-        let plan = Plan::of(experiment, ideal);
+        observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure> {
+        let plan = PlannedMotion::of(experiment, ideal);
         let Some((connection, operator)) = self.connect(&experiment.test, &plan, seed)? else {
-            return experiment.run(method, ideal, seed, keep, tell);
+            return experiment.run(method, ideal, seed, keep, observer);
         };
         let bench = BoardBench::new(connection, plan, operator)
             .expecting(experiment.test.board.calibration.clone())
             .with_bits(experiment.test.board.converter_bits);
-        experiment.run_on(&bench, method, ideal, keep, tell)
+        experiment.run_on(&bench, method, ideal, keep, observer)
     }
 
-    fn play(&self, test: &TestFile, signal: &Signal, seed: u64) -> Result<Played, Failure> {
-        let course = Course::Points(signal.clone());
-        self.play_course(test, &course, seed, &mut ())
+    fn play(&self, test: &TestFile, signal: &SignalPoints, seed: u64) -> Result<Played, Failure> {
+        let trajectory = Trajectory::Points(signal.clone());
+        self.play_trajectory(test, &trajectory, seed, &mut ())
     }
 }

@@ -2,9 +2,9 @@
 
 use super::Check;
 use crate::failure::Failure;
-use crate::provenance::Told;
+use crate::provenance::WithProvenance;
 use crate::soundness::monitor;
-use crate::soundness::survey::{self, Case, Truth};
+use crate::soundness::survey::{self, ActualOutcome, SurveyCase};
 use crate::terminal::{Progress, table};
 use crate::verb::json;
 use serde::Serialize;
@@ -13,14 +13,14 @@ use serde::Serialize;
 #[derive(Serialize)]
 struct Watched<'a> {
     rows: &'a [monitor::StopCounts],
-    cases: &'a [monitor::Case],
+    cases: &'a [monitor::MonitorCase],
 }
 
 /// A survey as JSON.
 #[derive(Serialize)]
 struct Survey<'a> {
     rows: &'a [survey::VerdictCounts],
-    cases: &'a [Case],
+    cases: &'a [SurveyCase],
 }
 
 impl Check {
@@ -42,7 +42,7 @@ impl Check {
             cases: &cases,
         };
         if self.json {
-            answer!("{}", json(&Told::seeded(&watched, self.seed))?);
+            answer!("{}", json(&WithProvenance::seeded(&watched, self.seed))?);
         } else {
             let [energy, hsem, displacement, tracking, reading] = monitor::INDICATORS;
             let mut t = table(&[
@@ -106,7 +106,7 @@ impl Check {
             cases: &cases,
         };
         if self.json {
-            answer!("{}", json(&Told::seeded(&surveyed, self.seed))?);
+            answer!("{}", json(&WithProvenance::seeded(&surveyed, self.seed))?);
         } else {
             let mut t = table(&["tests", "which", "", "stable", "doubtful", "unstable"]);
             for r in rows.iter().filter(|r| r.count > 0) {
@@ -122,8 +122,8 @@ impl Check {
             }
             println!("{t}");
         }
-        let all = |truth: Truth| rows.iter().find(|r| r.tests == "all" && r.truth == truth);
-        let missed = all(Truth::RanAway).map_or(0, |r| r.called[0]);
+        let all = |truth: ActualOutcome| rows.iter().find(|r| r.tests == "all" && r.truth == truth);
+        let missed = all(ActualOutcome::RanAway).map_or(0, |r| r.called[0]);
         if missed > 0 {
             return Err(Failure::test(format!(
                 "{missed} tests were called stable and ran away"

@@ -1,22 +1,22 @@
 //! What a rig is to a session, control step by control step, whatever it stands in.
 
-use super::mover::{Reached, Stop};
+use super::mover::{Stop, TargetMeasurement};
 use crate::bench::OnBoard;
 use crate::failure::Failure;
 use outerloop_core::{Event, Record};
 
 /// A control step that has been.
-pub struct Seen<const N: usize> {
+pub struct ServedStep<const N: usize> {
     /// Its record.
     pub record: Record<N>,
     /// What was measured in it.
-    pub reached: Reached,
+    pub reached: TargetMeasurement,
     /// Why the rig goes no further, where this was its last step.
     pub ended: Option<Stop>,
 }
 
 /// A rig with `N` storeys in the laboratory.
-pub trait Rig<const N: usize> {
+pub trait ServedRig<const N: usize> {
     /// Arms, and approaches zero.
     ///
     /// # Errors
@@ -33,13 +33,13 @@ pub trait Rig<const N: usize> {
     ///
     /// # Errors
     /// A rig that is gone.
-    fn step(&mut self) -> Result<Seen<N>, Stop>;
+    fn step(&mut self) -> Result<ServedStep<N>, Stop>;
 
     /// The steps that a rig with a time of its own has made meanwhile; none of one whose time stands while nobody asks.
     ///
     /// # Errors
     /// A rig that is gone.
-    fn meanwhile(&mut self) -> Result<Vec<Seen<N>>, Stop>;
+    fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop>;
 
     /// Whether it has such a time, and has to be looked after every millisecond or two.
     fn has_own_time(&self) -> bool;
@@ -48,7 +48,7 @@ pub trait Rig<const N: usize> {
     ///
     /// # Errors
     /// A rig that is gone.
-    fn wish(&mut self, wish: Event) -> Result<(), Stop>;
+    fn request(&mut self, event: Event) -> Result<(), Stop>;
 
     /// The force that the target of the latest solved step is answered with, N, where the rig moves continuously.
     ///

@@ -4,7 +4,7 @@ use super::words::{Malformed, Message, Words, push, push_long};
 
 /// The account of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Summary {
+pub struct SessionAccount {
     /// Hash over the records of all steps.
     pub hash: u64,
     /// All steps together, in ticks of the stopwatch.
@@ -25,7 +25,7 @@ pub struct Summary {
     pub state_bytes: u32,
 }
 
-impl Summary {
+impl SessionAccount {
     /// Length in bytes.
     pub const BYTES: usize = 44;
 
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn comes_back_as_it_was() {
-        let summary = Summary {
+        let summary = SessionAccount {
             hash: 0x0123_4567_89ab_cdef,
             total_ticks: 1 << 40,
             steps: 3,
@@ -92,8 +92,8 @@ mod tests {
             state_bytes: 9,
         };
         let bytes = summary.encode();
-        assert_eq!(bytes.len(), Summary::BYTES);
-        assert_eq!(Summary::decode(&bytes), Ok(summary));
+        assert_eq!(bytes.len(), SessionAccount::BYTES);
+        assert_eq!(SessionAccount::decode(&bytes), Ok(summary));
         assert!((summary.instructions(6.0 + 1376.0) - 1024.0).abs() < 1e-9);
     }
 }

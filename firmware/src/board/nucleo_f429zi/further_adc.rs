@@ -12,9 +12,9 @@ use embassy_stm32::triggers::TIM2_TRGO;
 pub const INPUTS: usize = 3;
 
 /// The converter.
-pub struct Beside(());
+pub struct FurtherAdc(());
 
-impl Beside {
+impl FurtherAdc {
     /// Ready for TIM2, which does not run yet. The inputs are converted in their order.
     pub fn new(adc: Peri<'static, ADC2>, inputs: [AnyAdcChannel<'static, ADC2>; INPUTS]) -> Self {
         // The registers that the converters share, with the divider of their clock, have ADC1's.

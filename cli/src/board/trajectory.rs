@@ -5,9 +5,9 @@ use super::orders::done;
 use super::port::Port;
 use super::upload::load;
 use crate::failure::Failure;
-use crate::files::signal::Signal as Points;
+use crate::files::signal::SignalPoints as Points;
 use link::Command;
-use link::command::{MAX_POINTS, Shape, Signal};
+use link::command::{CommissioningSignal, MAX_POINTS, Shape};
 use outerloop_core::Config;
 
 /// Rise of a constant signal, s.
@@ -15,14 +15,14 @@ const RISE_S: f64 = 0.5;
 
 /// A way of the actuator over time.
 #[derive(Clone, Debug)]
-pub enum Course {
+pub enum Trajectory {
     /// The board's own.
-    Formula(Signal),
+    Formula(CommissioningSignal),
     /// Sent to it.
     Points(Points),
 }
 
-impl Course {
+impl Trajectory {
     /// Largest displacement, m.
     pub fn peak_m(&self) -> f64 {
         match self {
@@ -85,7 +85,7 @@ impl Course {
         actuator: u8,
     ) -> Result<(), Failure> {
         let signal = match self {
-            Self::Formula(signal) => Signal {
+            Self::Formula(signal) => CommissioningSignal {
                 actuator,
                 ..*signal
             },
@@ -97,7 +97,7 @@ impl Course {
                 let amplitude_m = sent.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
                 // Laid over integration steps, which are of model time.
                 load(board, &sent, interval_s / config.timing.time_scale)?;
-                Signal {
+                CommissioningSignal {
                     actuator,
                     shape: Shape::Points,
                     amplitude_m,
