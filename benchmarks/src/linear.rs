@@ -6,8 +6,9 @@ use nalgebra::SMatrix;
 /// operations, in the very order, that it would have alone.
 #[derive(Clone, Debug)]
 pub struct Lanes<const S: usize, const I: usize, const L: usize> {
+    /// By column, then by row: what is added up for all rows at once are products of one state.
     transition: [[[f64; L]; S]; S],
-    input: [[[f64; L]; I]; S],
+    input: [[[f64; L]; S]; I],
     /// The states.
     pub state: [[f64; L]; S],
 }
@@ -17,8 +18,8 @@ impl<const S: usize, const I: usize, const L: usize> Lanes<S, I, L> {
     pub fn new(systems: &[(SMatrix<f64, S, S>, SMatrix<f64, S, I>); L]) -> Self {
         use std::array::from_fn;
         Self {
-            transition: from_fn(|i| from_fn(|j| from_fn(|l| systems[l].0[(i, j)]))),
-            input: from_fn(|i| from_fn(|j| from_fn(|l| systems[l].1[(i, j)]))),
+            transition: from_fn(|j| from_fn(|i| from_fn(|l| systems[l].0[(i, j)]))),
+            input: from_fn(|j| from_fn(|i| from_fn(|l| systems[l].1[(i, j)]))),
             state: [[0.0; L]; S],
         }
     }
@@ -27,15 +28,11 @@ impl<const S: usize, const I: usize, const L: usize> Lanes<S, I, L> {
     #[inline(always)]
     pub fn step(&mut self, input: &[[f64; L]; I]) {
         let mut next = [[0.0; L]; S];
-        for i in 0..S {
-            for j in 0..S {
+        let columns = self.transition.iter().zip(&self.state);
+        for (column, state) in columns.chain(self.input.iter().zip(input)) {
+            for (next, row) in next.iter_mut().zip(column) {
                 for l in 0..L {
-                    next[i][l] += self.transition[i][j][l] * self.state[j][l];
-                }
-            }
-            for j in 0..I {
-                for l in 0..L {
-                    next[i][l] += self.input[i][j][l] * input[j][l];
+                    next[l] += row[l] * state[l];
                 }
             }
         }

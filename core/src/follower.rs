@@ -19,6 +19,7 @@ use crate::energy::{EnergyErrors, Observation};
 use crate::force::{Correction, Law, LawInput, LawOutput};
 use crate::newmark::Newmark;
 use crate::predict::{LastCommand, Predictor, TargetMotion};
+use crate::structure::actuated;
 
 /// Differences that are kept: the polynomial's order.
 const ORDER: usize = 4;
@@ -28,6 +29,36 @@ const ORDER: usize = 4;
 struct Course {
     /// The target and its backward differences.
     differences: [f32; ORDER + 1],
+}
+
+/// Weights of the differences in the value and the first two derivatives some control steps ahead.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    displacement: [f32; ORDER],
+    velocity: [f32; ORDER - 1],
+    acceleration: [f32; ORDER - 2],
+}
+
+impl Weights {
+    /// `h` control steps ahead.
+    #[inline]
+    fn ahead(h: f32) -> Self {
+        let (h2, h3) = (h * h, h * h * h);
+        Self {
+            displacement: [
+                h,
+                (h2 + h) * (1.0 / 2.0),
+                (h3 + 3.0 * h2 + 2.0 * h) * (1.0 / 6.0),
+                (h2 * h2 + 6.0 * h3 + 11.0 * h2 + 6.0 * h) * (1.0 / 24.0),
+            ],
+            velocity: [
+                (2.0 * h + 1.0) * (1.0 / 2.0),
+                (3.0 * h2 + 6.0 * h + 2.0) * (1.0 / 6.0),
+                (4.0 * h3 + 18.0 * h2 + 22.0 * h + 6.0) * (1.0 / 24.0),
+            ],
+            acceleration: [h + 1.0, (12.0 * h2 + 36.0 * h + 22.0) * (1.0 / 24.0)],
+        }
+    }
 }
 
 impl Course {
@@ -41,22 +72,19 @@ impl Course {
         }
     }
 
-    /// Value, first and second derivative `steps` control steps ahead.
+    /// Value, first and second derivative where `weights` are for.
     #[inline]
-    fn ahead(&self, h: f32) -> TargetMotion {
+    fn ahead(&self, weights: &Weights) -> TargetMotion {
         let [u, d1, d2, d3, d4] = self.differences;
-        let (h2, h3) = (h * h, h * h * h);
+        let Weights {
+            displacement: x,
+            velocity: v,
+            acceleration: a,
+        } = weights;
         TargetMotion {
-            displacement_m: u
-                + h * d1
-                + (h2 + h) * (1.0 / 2.0) * d2
-                + (h3 + 3.0 * h2 + 2.0 * h) * (1.0 / 6.0) * d3
-                + (h2 * h2 + 6.0 * h3 + 11.0 * h2 + 6.0 * h) * (1.0 / 24.0) * d4,
-            velocity_m: d1
-                + (2.0 * h + 1.0) * (1.0 / 2.0) * d2
-                + (3.0 * h2 + 6.0 * h + 2.0) * (1.0 / 6.0) * d3
-                + (4.0 * h3 + 18.0 * h2 + 22.0 * h + 6.0) * (1.0 / 24.0) * d4,
-            acceleration_m: d2 + (h + 1.0) * d3 + (12.0 * h2 + 36.0 * h + 22.0) * (1.0 / 24.0) * d4,
+            displacement_m: u + x[0] * d1 + x[1] * d2 + x[2] * d3 + x[3] * d4,
+            velocity_m: d1 + v[0] * d2 + v[1] * d3 + v[2] * d4,
+            acceleration_m: d2 + a[0] * d3 + a[1] * d4,
         }
     }
 }
@@ -76,7 +104,11 @@ pub struct Follower<const N: usize> {
     late_steps: f32,
     /// The copy has something to answer.
     corrects: bool,
+    /// Axes whose course is followed: those with an actuator, or all where the predictor looks at all.
+    followed: usize,
     course: [Course; N],
+    /// Of the course, to the time that a command is for.
+    weights: Weights,
     /// Target that the last command was for, and that command, m.
     aim_m: [f32; N],
     sent_m: [f32; N],
@@ -99,8 +131,14 @@ impl<const N: usize> Follower<N> {
             corrects: late_steps != 0.0 || !matches!(law, Law::None(..)),
             law,
             shown: Correction::NONE,
+            followed: if predictor.sees_all() {
+                N
+            } else {
+                actuated::<N>(step.physical)
+            },
             predictor,
             course: [Course::default(); N],
+            weights: Weights::ahead(1.0 + step.lead_steps),
             aim_m: [0.0; N],
             sent_m: [0.0; N],
             design: step,
@@ -108,7 +146,7 @@ impl<const N: usize> Follower<N> {
     }
 
     /// One control step: the target of this sample, what was measured at it (displacement, m; force, N), and the command
-    /// until the next sample, m.
+    /// until the next sample, m. Of axes without an actuator the target comes back.
     #[inline(never)]
     pub fn step(
         &mut self,
@@ -123,7 +161,7 @@ impl<const N: usize> Follower<N> {
                 target_m[j] += moved[j];
             }
         }
-        for j in 0..N {
+        for j in 0..self.followed.min(N) {
             self.course[j].go_on(target_m[j]);
         }
         if self.corrects {
@@ -132,24 +170,29 @@ impl<const N: usize> Follower<N> {
                 .advance(&self.design.newmark, &[0.0; N], &correction_n, &[0.0; N]);
         }
         let k = &self.design;
-        let followed = core::array::from_fn(|j| LastCommand {
-            target_m: self.aim_m[j],
-            sent_m: self.sent_m[j],
-            measured_m: displacement_m[j],
-            learn: true,
-        });
-        let steps = 1.0 + k.lead_steps;
-        let ahead: [TargetMotion; N] = core::array::from_fn(|j| self.course[j].ahead(steps));
-        self.aim_m = ahead.map(|a| a.displacement_m);
-        let mut send_m = self.aim_m;
+        let (mut followed, mut ahead) = ([LastCommand::AT_REST; N], [TargetMotion::AT_REST; N]);
+        let mut send_m = target_m;
+        for j in 0..self.followed.min(N) {
+            followed[j] = LastCommand {
+                target_m: self.aim_m[j],
+                sent_m: self.sent_m[j],
+                measured_m: displacement_m[j],
+                learn: true,
+            };
+            ahead[j] = self.course[j].ahead(&self.weights);
+            self.aim_m[j] = ahead[j].displacement_m;
+            send_m[j] = self.aim_m[j];
+        }
         self.predictor
             .command(&followed, &ahead, k.physical, &mut send_m);
-        for j in 0..N {
+        let mut command_m = target_m;
+        for j in 0..actuated::<N>(k.physical) {
             if send_m[j].is_finite() {
                 self.sent_m[j] = send_m[j];
             }
+            command_m[j] = k.command[j].towards(self.sent_m[j]);
         }
-        core::array::from_fn(|j| k.command[j].towards(self.sent_m[j]))
+        command_m
     }
 
     /// What the force is corrected by, N.
@@ -161,16 +204,21 @@ impl<const N: usize> Follower<N> {
         force_n: [f32; N],
     ) -> [f32; N] {
         let k = &self.design;
-        let motion = self.course.map(|course| course.ahead(0.0));
-        let now = Observation {
-            command_m: target_m,
-            increment_m: self.course.map(|course| course.differences[1]),
-            displacement_m,
-            force_n,
-        };
-        let velocity_dt_m = motion.map(|m| m.velocity_m);
+        let physical = actuated::<N>(k.physical);
+        let here = Weights::ahead(0.0);
+        let (mut velocity_dt_m, mut increment_m) = ([0.0; N], [0.0; N]);
+        for j in 0..physical {
+            velocity_dt_m[j] = self.course[j].ahead(&here).velocity_m;
+            increment_m[j] = self.course[j].differences[1];
+        }
         let mut correction_n = [0.0; N];
         if !matches!(self.law, Law::None(..)) {
+            let now = Observation {
+                command_m: target_m,
+                increment_m,
+                displacement_m,
+                force_n,
+            };
             let energy = self.energy.update(&now, k.physical);
             let reached = LawInput {
                 now: &now,
@@ -182,13 +230,13 @@ impl<const N: usize> Follower<N> {
                 force_n: acting_n,
                 damping,
             } = self.law.act(&reached, &mut self.shown);
-            for j in 0..N {
+            for j in 0..physical {
                 let added_n = damping[j] * velocity_dt_m[j] * k.newmark.rate_hz;
                 correction_n[j] = acting_n[j] - force_n[j] + added_n;
             }
         }
-        for i in 0..k.physical.min(N) {
-            for j in 0..N {
+        for i in 0..physical {
+            for j in 0..physical {
                 correction_n[i] += self.late_steps * k.specimen_stiffness[i][j] * velocity_dt_m[j];
             }
         }
@@ -210,7 +258,7 @@ mod tests {
             course.go_on(p(f32::from(i)));
         }
         for steps in [0.0, 1.0, 1.5, 2.0] {
-            let ahead = course.ahead(steps);
+            let ahead = course.ahead(&Weights::ahead(steps));
             for (found, exact) in [
                 (ahead.displacement_m, p(steps)),
                 (ahead.velocity_m, slope(steps)),

@@ -261,34 +261,65 @@ pub fn delay_ms(early: &[f64], late: &[f64]) -> f64 {
 }
 
 /// The longest delay that is looked for, samples: a quarter of a second.
-const LONGEST: i32 = 1024;
+const LONGEST: usize = 1024;
+
+/// How far apart the delays are that are tried first, samples; every [`STRIDE`]-th sample counts then.
+const COARSE: usize = 16;
+const STRIDE: usize = 8;
+
+/// Rest around a response, samples: as much as any delay reaches beyond its ends.
+const MARGIN: usize = LONGEST + 9 * COARSE;
 
 /// The correlation of a narrow-band response is smooth: the best of every 16th delay, by every eighth sample, then of
 /// those around it.
 fn lag_samples(early: &[f64], late: &[f64]) -> i32 {
-    const COARSE: usize = 8;
     let n = early.len().min(late.len());
-    let correlation = |lag: i32, stride: usize| -> f64 {
-        let shift = (lag.unsigned_abs() as usize).min(n);
-        let (early, late) = if lag >= 0 {
-            (&early[..n - shift], &late[shift..n])
-        } else {
-            (&early[shift..n], &late[..n - shift])
-        };
-        let products = early.iter().zip(late).map(|(a, b)| a * b);
-        if stride == 1 {
-            products.sum()
-        } else {
-            products.step_by(stride).sum()
+    // Rest on both sides: it adds nothing to a correlation.
+    let mut padded = vec![0.0; n + 2 * MARGIN];
+    padded[MARGIN..MARGIN + n].copy_from_slice(&late[..n]);
+    let best = |correlations: Vec<f64>| {
+        let sums = correlations.into_iter().enumerate();
+        sums.max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |(i, _)| i)
+    };
+    let first = MARGIN - LONGEST;
+    let count = 2 * LONGEST / COARSE + 1;
+    let coarse = best(correlations::<COARSE, STRIDE>(
+        &early[..n],
+        &padded[first..],
+        count,
+    ));
+    let first = first + COARSE * coarse - COARSE;
+    let fine = best(correlations::<1, 1>(
+        &early[..n],
+        &padded[first..],
+        2 * COARSE + 1,
+    ));
+    (first + fine) as i32 - MARGIN as i32
+}
+
+/// Sums of `early[i] late[i + lag]` over every `STRIDE`-th sample, of `count` lags from 0, `EVERY` apart. Several are
+/// added up side by side; each has the bits that it has alone.
+fn correlations<const EVERY: usize, const STRIDE: usize>(
+    early: &[f64],
+    late: &[f64],
+    count: usize,
+) -> Vec<f64> {
+    const ABREAST: usize = 8;
+    let mut found = Vec::with_capacity(count + ABREAST);
+    while found.len() < count {
+        let late = &late[EVERY * found.len()..];
+        let mut sums = [0.0; ABREAST];
+        let windows = late.windows(EVERY * (ABREAST - 1) + 1);
+        for (e, window) in early.iter().zip(windows).step_by(STRIDE) {
+            for (l, sum) in sums.iter_mut().enumerate() {
+                *sum += e * window[EVERY * l];
+            }
         }
-    };
-    let best = |lags: &mut dyn Iterator<Item = i32>, stride| {
-        lags.map(|lag| (lag, correlation(lag, stride)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0, |(lag, _)| lag)
-    };
-    let coarse = best(&mut (-LONGEST..=LONGEST).step_by(16), COARSE);
-    best(&mut (coarse - 16..=coarse + 16), 1)
+        found.extend(sums);
+    }
+    found.truncate(count);
+    found
 }
 
 #[cfg(test)]

@@ -31,7 +31,24 @@ pub(crate) struct TargetMotion {
     pub acceleration_m: f32,
 }
 
+impl LastCommand {
+    /// Of an axis that is not looked at.
+    pub const AT_REST: Self = Self {
+        target_m: 0.0,
+        sent_m: 0.0,
+        measured_m: 0.0,
+        learn: false,
+    };
+}
+
 impl TargetMotion {
+    /// Of an axis that is not looked at.
+    pub const AT_REST: Self = Self {
+        displacement_m: 0.0,
+        velocity_m: 0.0,
+        acceleration_m: 0.0,
+    };
+
     /// The motion `steps` control steps later, at constant acceleration, m.
     #[inline]
     pub fn after(&self, steps: f32) -> f32 {
@@ -56,6 +73,9 @@ pub(crate) trait Predict<const N: usize>: Sized {
 
     /// It learns while a test runs.
     const LEARNS: bool = false;
+
+    /// It looks at where axes without an actuator go, too.
+    const SEES_ALL: bool = false;
 
     /// Checks the parameters of the predictor.
     ///

@@ -97,6 +97,14 @@ macro_rules! predictors {
                 }
             }
 
+            /// Whether it looks at where axes without an actuator go, too.
+            pub fn sees_all(&self) -> bool {
+                match self {
+                    Self::None => false,
+                    $(Self::$V(..) => <$axes as Predict<N>>::SEES_ALL,)*
+                }
+            }
+
             /// The linear form of `of`.
             pub fn linear(of: Prediction, setting: &mut Setting<'_>) -> Linear {
                 match of {

@@ -78,6 +78,8 @@ pub(crate) struct ModelPrediction;
 impl<const N: usize> Predict<N> for ModelPrediction {
     type Constants = Constants<N>;
 
+    const SEES_ALL: bool = true;
+
     fn design(context: &Context<'_, N>) -> Result<Constants<N>, Refusal> {
         let step_s = 1.0 / (context.rate_hz * context.time_scale);
         Constants::new(
