@@ -8,7 +8,7 @@
 #[path = "your_controller.rs"]
 mod your_controller;
 
-use benchmarks::rths::{Bench, Contestant, Row, Rules};
+use benchmarks::rths::{Bench, Contestant, RthsRow, Rules};
 
 /// Drawn plants' worst J4 in an independent port of the problem, cases 1 to 4, per cent.
 const PORT: [(&str, [f64; 4]); 4] = [
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .iter()
             .map(|(name, _)| Contestant::named(name))
             .collect::<Result<_, _>>()?;
-        let mut rows: Vec<Row> = Vec::new();
+        let mut rows: Vec<RthsRow> = Vec::new();
         for seed in 1..=SEEDS {
             let bench = Bench {
                 rules: &rules,

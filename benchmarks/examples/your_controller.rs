@@ -7,9 +7,9 @@
 //!
 //! Without a record the ground is shaken by a few sines. `outerloop benchmark rths` prints the rows of the others.
 
-use benchmarks::rths::controller::{Controller, Declared, Outside, Seen};
+use benchmarks::rths::controller::{Controller, ControllerInput, Declared, Outside};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, Row, Rules};
+use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow, Rules};
 
 /// The target 25 ms ahead, along a line: what one would try first.
 struct Ahead {
@@ -18,7 +18,7 @@ struct Ahead {
 }
 
 impl Controller for Ahead {
-    fn command_m(&mut self, seen: &Seen) -> f64 {
+    fn command_m(&mut self, seen: &ControllerInput) -> f64 {
         let target_m = seen.floors_m[0];
         let step_m = target_m - self.last_m;
         self.last_m = target_m;
@@ -26,7 +26,7 @@ impl Controller for Ahead {
     }
 }
 
-/// What the table is told of it.
+/// What the table says of it.
 static ENTRY: Outside = Outside {
     name: "ahead",
     told: "the delay",
@@ -39,7 +39,11 @@ static ENTRY: Outside = Outside {
 };
 
 /// Its rows, one a case.
-pub fn rows(record: Record, rules: &Rules, plants: usize) -> Result<Vec<Row>, benchmarks::Refused> {
+pub fn rows(
+    record: Record,
+    rules: &Rules,
+    plants: usize,
+) -> Result<Vec<RthsRow>, benchmarks::Refused> {
     let bench = Bench {
         rules,
         records: &[record],

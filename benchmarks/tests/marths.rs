@@ -1,7 +1,7 @@
 //! The multi-axial benchmark against the figures that an independent port of the problem gave.
 #![allow(missing_docs)]
 
-use benchmarks::marths::bench::{Problem, Record, Row, rows};
+use benchmarks::marths::bench::{MarthsRow, Problem, Record, rows};
 use benchmarks::marths::contestants::Contestant;
 use std::path::{Path, PathBuf};
 
@@ -44,7 +44,7 @@ fn close(name: &str, found: [f64; 2], known: [f64; 2], within: f64) {
 fn published_controllers_have_the_figures_that_others_found() {
     let Some(folder) = data() else { return };
     let (problem, record) = problem(&folder);
-    let of = |contestant| -> Row {
+    let of = |contestant| -> MarthsRow {
         rows(
             &problem,
             std::slice::from_ref(&record),

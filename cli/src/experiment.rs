@@ -46,7 +46,7 @@ const USUAL_DAMPING: f64 = 0.2;
 /// A mean above this share of the peak is no earthquake's.
 const MOST_OFFSET: f64 = 0.1;
 
-/// The longest test that is laid out, s of model time: beyond it a duration is a slip of the pen.
+/// The longest test that is laid out, s of model time; a longer duration is refused as a typing error.
 const LONGEST_S: f64 = 3600.0;
 
 /// A ground motion as it is laid under a test, before its factor.
@@ -62,7 +62,7 @@ pub struct LaidOutShaking {
     pub shaken_s: f64,
 }
 
-/// Lays `shaking` out: the whole of it, or so many seconds, after the rest that the excitation wants.
+/// Lays `shaking` out: the whole of it, or so many seconds, after the rest that the excitation asks for.
 ///
 /// # Errors
 /// A duration that is no positive number.
@@ -154,7 +154,7 @@ impl Experiment {
         }
     }
 
-    /// The test file's factor, or the one with which the elastic structure answers as the file wants it to.
+    /// The test file's factor, or the one with which the elastic structure responds as strongly as the file asks for.
     fn wanted_scale(&self) -> Result<f64, Failure> {
         let wanted = &self.test.excitation;
         let Some(peak_mm) = wanted.peak_response_mm else {
@@ -257,7 +257,7 @@ impl Experiment {
         })
     }
 
-    /// The same on a rig that differs by `vary`, which the loop is not told.
+    /// The same on a rig that differs by `vary`, which is not declared to the loop.
     pub fn on_rig(&self, vary: &Variation) -> Self {
         let mut own = self.clone();
         own.test.plant = vary.of(&own.test.plant, &own.test.config);
@@ -313,7 +313,7 @@ impl Experiment {
         )
     }
 
-    /// What an engineer would want to be told of the test before it runs, where something looks like a slip.
+    /// Warnings before the test runs, where a value looks like a typing error.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if let Some(hz) = self.natural_frequencies_hz().first()

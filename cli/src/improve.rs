@@ -138,7 +138,7 @@ impl Improvement {
             if !found.channels.iter().any(is_open) {
                 break;
             }
-            // Where no motion inside the limits tells more, none is made.
+            // Where no motion inside the limits would be more informative, none is made.
             let next = diagnosis::next(&limited, found, &train, &held_out).ok();
             let tells = |n: &Next| n.channels.iter().any(|o| o.tells);
             let Some(next) = next.filter(tells) else {
@@ -146,7 +146,7 @@ impl Improvement {
             };
             let signal = SignalPoints::of(&next)?;
             let played = site.play(&experiment.test, &signal, seed + 1 + designed.len() as u64)?;
-            // What the rig did not let through tells nothing.
+            // A test that the rig ended early is not used.
             if let Some(why) = &played.early {
                 changes.push(format!(
                     "a designed test is left out: it ended early, {why}"
@@ -250,7 +250,7 @@ fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
     declared::undeclared(&test.config, &test.plant, test.declared.as_ref())
 }
 
-/// What a correction has to know of the displacement's noise, which the record tells; a filter has been told already.
+/// What a correction has to know of the displacement's noise, which comes from the record; a filter has its own setting already.
 fn tell_noise(found: &Diagnosis, config: &mut Config) {
     let actuator = found
         .channels

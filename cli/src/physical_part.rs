@@ -7,7 +7,7 @@ use benchmarks::marths::bench::{Problem, Record};
 use benchmarks::marths::contestants::Contestant;
 use benchmarks::marths::declared::{self, COORDINATES, Floor};
 use benchmarks::marths::rig::Parameters;
-use benchmarks::marths::structure::{Kind, Part};
+use benchmarks::marths::structure::{MatrixKind, PhysicalMatrices};
 use diagnosis::{CoupledDiagnosis, CoupledRecord, CoupledSpecimen, Declared, Model};
 use std::path::Path;
 
@@ -27,8 +27,8 @@ const TOLERANCE: f64 = 0.05;
 const SEARCHED: f64 = 0.5;
 
 /// A part as a model declares it.
-pub fn specimen(part: &Part) -> CoupledSpecimen {
-    let matrix = |kind: Kind| {
+pub fn specimen(part: &PhysicalMatrices) -> CoupledSpecimen {
+    let matrix = |kind: MatrixKind| {
         let m = part.matrix(kind);
         let entry = |i: usize, j: usize| Declared {
             value: m[(i, j)],
@@ -40,18 +40,18 @@ pub fn specimen(part: &Part) -> CoupledSpecimen {
     };
     CoupledSpecimen {
         coordinates: COORDINATES.map(String::from).to_vec(),
-        stiffness: matrix(Kind::Stiffness),
-        damping: matrix(Kind::Damping),
-        mass: matrix(Kind::Mass),
+        stiffness: matrix(MatrixKind::Stiffness),
+        damping: matrix(MatrixKind::Damping),
+        mass: matrix(MatrixKind::Mass),
     }
 }
 
-fn part(specimen: &CoupledSpecimen) -> Part {
-    Part::from_fn(|kind, i, j| {
+fn part(specimen: &CoupledSpecimen) -> PhysicalMatrices {
+    PhysicalMatrices::from_fn(|kind, i, j| {
         let matrix = match kind {
-            Kind::Stiffness => &specimen.stiffness,
-            Kind::Damping => &specimen.damping,
-            Kind::Mass => &specimen.mass,
+            MatrixKind::Stiffness => &specimen.stiffness,
+            MatrixKind::Damping => &specimen.damping,
+            MatrixKind::Mass => &specimen.mass,
         };
         let entry = matrix.get(i).and_then(|row| row.get(j));
         entry.map_or(0.0, |e| e.value)
@@ -62,7 +62,7 @@ fn part(specimen: &CoupledSpecimen) -> Part {
 ///
 /// # Errors
 /// A file that cannot be used, or that declares other coordinates.
-pub fn load(path: &Path) -> Result<Part, Failure> {
+pub fn load(path: &Path) -> Result<PhysicalMatrices, Failure> {
     let declared = model::load(path)?.coupled.unwrap_or_default();
     if declared.coordinates != COORDINATES {
         return Err(Failure::input(format!(
@@ -79,7 +79,7 @@ pub fn load(path: &Path) -> Result<Part, Failure> {
 ///
 /// # Errors
 /// None that a part can have.
-pub fn to_toml(part: &Part) -> Result<String, Failure> {
+pub fn to_toml(part: &PhysicalMatrices) -> Result<String, Failure> {
     model::to_toml(&Model {
         coupled: Some(specimen(part)),
         ..Model::default()
@@ -148,9 +148,12 @@ impl PhysicalPartEstimate {
 }
 
 /// The part as declared, and with one matrix after the other as found.
-fn steps(declared: &Part, found: &Part) -> [(&'static str, Part); 5] {
-    let with = |kinds: &[Kind]| {
-        Part::from_fn(|kind, i, j| {
+fn steps(
+    declared: &PhysicalMatrices,
+    found: &PhysicalMatrices,
+) -> [(&'static str, PhysicalMatrices); 5] {
+    let with = |kinds: &[MatrixKind]| {
+        PhysicalMatrices::from_fn(|kind, i, j| {
             let from = if kinds.contains(&kind) {
                 found
             } else {
@@ -159,7 +162,7 @@ fn steps(declared: &Part, found: &Part) -> [(&'static str, Part); 5] {
             from.matrix(kind)[(i, j)]
         })
     };
-    use Kind::{Damping, Mass, Stiffness};
+    use MatrixKind::{Damping, Mass, Stiffness};
     [
         ("as declared", declared.clone()),
         ("mass as found", with(&[Mass])),

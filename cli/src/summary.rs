@@ -43,7 +43,7 @@ impl TestVerdict {
 
 /// What the figures of a test are worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Worth {
+pub enum Validity {
     /// The structure's own response, as far as the actuator goes.
     Good,
     /// Usable if its error is said beside it.
@@ -102,7 +102,7 @@ pub struct Summary {
     pub record_scale: f64,
     /// Seconds on the wall clock.
     pub wall_s: f64,
-    /// What a board had to tell.
+    /// What a board reports.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board: Option<OnBoard>,
     /// The fault with its value and limit.
@@ -194,12 +194,12 @@ impl Summary {
     }
 
     /// What the figures are worth.
-    pub fn worth(&self) -> Worth {
+    pub fn worth(&self) -> Validity {
         match self.verdict {
-            TestVerdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Worth::Bad,
-            TestVerdict::Completed if self.eps_rms > GOOD_EPS_RMS => Worth::Fair,
-            TestVerdict::Completed => Worth::Good,
-            TestVerdict::Tripped | TestVerdict::Diverged | TestVerdict::Stopped => Worth::Bad,
+            TestVerdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Validity::Bad,
+            TestVerdict::Completed if self.eps_rms > GOOD_EPS_RMS => Validity::Fair,
+            TestVerdict::Completed => Validity::Good,
+            TestVerdict::Tripped | TestVerdict::Diverged | TestVerdict::Stopped => Validity::Bad,
         }
     }
 
@@ -209,8 +209,8 @@ impl Summary {
     /// A test that tripped, ran away, or is not the structure's response.
     pub fn outcome(&self) -> Result<(), Failure> {
         match self.worth() {
-            Worth::Good | Worth::Fair => Ok(()),
-            Worth::Bad => Err(Failure::test(self.sentence())),
+            Validity::Good | Validity::Fair => Ok(()),
+            Validity::Bad => Err(Failure::test(self.sentence())),
         }
     }
 
@@ -263,15 +263,15 @@ impl Summary {
                 self.locked_share * 100.0
             ),
             _ => match self.worth() {
-                Worth::Good => format!(
+                Validity::Good => format!(
                     "Ran to its end and moved as the structure would: the error is {rms} rms and {max} at most, of the \
                      largest ideal displacement."
                 ),
-                Worth::Fair => format!(
+                Validity::Fair => format!(
                     "Ran to its end with a visible error: {rms} rms and {max} at most, of the largest ideal \
                      displacement. Say so beside the result."
                 ),
-                Worth::Bad => format!(
+                Validity::Bad => format!(
                     "Stable but wrong: the error is {rms} rms and {max} at most, of the largest ideal displacement. \
                      This is not the structure's response."
                 ),

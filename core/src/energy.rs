@@ -1,6 +1,6 @@
 //! Energy errors of a step, three ways, and the HSEM monitor.
 //!
-//! Signs: all three are negative where the actuator puts energy *in*, as Eq 14 wants it. Eq 7 as printed has the
+//! Signs: all three are negative where the actuator puts energy *in*, as Eq 14 needs it. Eq 7 as printed has the
 //! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
 //! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 

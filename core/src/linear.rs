@@ -126,7 +126,7 @@ pub struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    /// A law that knows what it was told.
+    /// A law with the parameters that were declared to it.
     pub fn told(config: &'a Config) -> Self {
         Self {
             config,
@@ -208,7 +208,7 @@ mod tests {
     use crate::config::Config;
     use crate::method::Prediction;
 
-    /// What a law has learnt answers as it was wanted to, and a wish beyond its bounds is told of.
+    /// What a law has learnt responds as required, and a requirement beyond its bounds is reported.
     #[test]
     fn a_law_that_has_learnt_answers_as_wanted_or_is_at_its_bounds() {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);

@@ -277,7 +277,7 @@ mod tests {
             },
             noise_m,
         );
-        // Of 300 N; where the noise is not told, its fast steps keep the friction from its full size.
+        // Of 300 N; where the noise is not declared, its fast steps keep the friction from its full size.
         assert!(forgotten > 20.0, "{forgotten} N");
         assert!(mean.abs() < 5.0, "{mean} N");
     }

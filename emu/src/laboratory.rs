@@ -8,7 +8,7 @@ mod timer;
 mod updates;
 
 use crate::chain::{Chain, Converters, Instant, Shown};
-use crate::log::{Fault, Log, Planned, Seen};
+use crate::log::{Fault, Log, LoggedEvent, Planned};
 use crate::nucleo::Nucleo;
 use crate::permission::Permission;
 use crate::registers::{
@@ -168,7 +168,7 @@ impl Laboratory {
     }
 
     /// Notes something, behind the commands that were written before it.
-    fn note(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos, seen: Seen) {
+    fn note(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos, seen: LoggedEvent) {
         self.note_commands(session);
         self.log_mut().seen.push((at.0, seen));
     }
@@ -177,7 +177,7 @@ impl Laboratory {
         let commands = self.chain.commands(session);
         let seen = commands
             .into_iter()
-            .map(|(at, code)| (at, Seen::Command(code)));
+            .map(|(at, code)| (at, LoggedEvent::Command(code)));
         self.log_mut().seen.extend(seen);
     }
 
@@ -271,7 +271,7 @@ impl Laboratory {
         let set = value >> PERMIT_PIN & 1 == 1;
         let cleared = value >> (PERMIT_PIN + 16) & 1 == 1;
         if (set || cleared) && self.permission.set_level(set) {
-            self.note(session, now.at, Seen::Permit(set));
+            self.note(session, now.at, LoggedEvent::Permit(set));
         }
         let pulsed = (value >> PULSE_PIN | value >> (PULSE_PIN + 16)) & 1 == 1;
         if pulsed {

@@ -23,9 +23,9 @@ pub enum Fault {
     Button,
     /// The contact of the permission's chain is stuck.
     Chain(Contact),
-    /// An external output converter stays where it is, whatever it is told.
+    /// An external output converter stays where it is, whatever is commanded.
     DeadOutput,
-    /// The servo valve sticks: the rig stays where it is, whatever it is told.
+    /// The servo valve sticks: the rig stays where it is, whatever is commanded.
     DeadValve,
     /// The servo goes to so many hundredths of where it is sent, by and by within 100 control steps.
     Gain {
@@ -54,7 +54,7 @@ pub struct Planned {
 
 /// Something that was seen, and when, ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
+pub enum LoggedEvent {
     /// The PERMIT line changed.
     Permit(bool),
     /// The code of the first actuator's command was written.
@@ -69,7 +69,7 @@ pub enum Seen {
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Everything that was seen.
-    pub seen: Vec<(u64, Seen)>,
+    pub seen: Vec<(u64, LoggedEvent)>,
     /// Instants of the conversions' triggers, ns.
     pub triggers_ns: Vec<u64>,
     /// From each trigger to the write of the command, ns.

@@ -23,7 +23,7 @@ struct Arguments {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Room {
+struct EmulatedRig {
     rig: RigSpec,
     storey_n_per_m: Vec<f64>,
     rate_hz: f64,
@@ -46,7 +46,8 @@ fn go(arguments: &Arguments) -> Result<(), String> {
     let firmware = Firmware::read(&arguments.image)?;
     let file = &arguments.laboratory;
     let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    let room: Room = toml::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))?;
+    let room: EmulatedRig =
+        toml::from_str(&text).map_err(|e| format!("{}: {e}", file.display()))?;
     let rig = Rig::new(&room.rig, &room.storey_n_per_m, room.rate_hz, room.seed)
         .map_err(|e| e.to_string())?;
     let wire = Wire::default();

@@ -12,14 +12,14 @@ const KEPT: usize = 1000;
 /// A servo between the command and the rig.
 #[derive(Clone, Debug, Default)]
 pub struct Servo {
-    /// What it was told, the last first, m.
+    /// Its commands, the last first, m.
     told_m: VecDeque<f64>,
     /// Periods since its gain has begun to change.
     since: u32,
 }
 
 impl Servo {
-    /// The command that the rig follows where this is told and `fault` is wrong.
+    /// The command that the rig follows with this command and this `fault`.
     pub fn follow(&mut self, told_m: f64, fault: Option<Fault>) -> f64 {
         self.told_m.push_front(told_m);
         self.told_m.truncate(KEPT);

@@ -120,7 +120,7 @@ fn told(what: &str, more: &str) -> (Improvement, [f64; 3]) {
     (story, eps)
 }
 
-/// What the telemetry tells makes the next test on the same board as good as without the effect.
+/// What the diagnosis finds in the telemetry makes the next test on the same board as good as without the effect.
 fn comes_back(what: &str, more: &str) {
     let (story, eps) = told(what, more);
     assert!(!story.changes.is_empty(), "{what}");

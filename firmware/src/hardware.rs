@@ -1,11 +1,11 @@
-//! What the control period wants from a board. Nothing of it waits.
+//! What the control period requires of a board. Nothing of it waits.
 
 use crate::station::heartbeats::Heartbeat;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
 
-/// The hands of a board with `A` actuators. Codes are the board's own; how wide they are, it says.
+/// The inputs and outputs of a board with `A` actuators. Codes are the board's own; how wide they are, it says.
 pub trait Hardware<const A: usize = 1> {
     /// Widths of the converters' codes.
     const CODES: CodeRange;

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!  station     what runs on every board: the control period (station/period.rs), commands, upload, calibration, limits
-//!  hardware    what it wants from a board: one trait
+//!  hardware    what it requires of a board: one trait
 //!  board/X     one folder a board: pins, clocks, converters, flash. bin/X: its start and its tasks
 //!  sim         the board that the tests on this machine share
 //!  session     the QEMU image's talk with its driver

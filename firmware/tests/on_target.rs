@@ -24,7 +24,7 @@ mod tests {
     use embassy_stm32::gpio::{Level, Output, Speed};
     use embassy_stm32::{Peripherals, pac};
     use firmware::board::nucleo_f429zi::converters::Converters;
-    use firmware::board::nucleo_f429zi::internal::{CODES, Command, Internal, Sensors};
+    use firmware::board::nucleo_f429zi::internal::{CODES, DacOutput, Internal, Sensors};
     use firmware::board::nucleo_f429zi::period::Period;
     use firmware::board::nucleo_f429zi::store::{Memory, Store};
     use firmware::board::nucleo_f429zi::{Irqs, clocks, lower_priorities};
@@ -82,7 +82,7 @@ mod tests {
     fn what_the_dac_shows_both_channels_read(bench: Bench) {
         let p = bench.p;
         let mut sensors = Sensors::new(p.ADC1, p.PA3, p.PC0);
-        let command = Command::new(p.DAC1, p.PA4, *SPAN.start());
+        let command = DacOutput::new(p.DAC1, p.PA4, *SPAN.start());
         let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS, OUTPUT_DELAY_US);
         period.start();
         let mut last = 0;
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn the_dac_takes_a_command_over_at_its_instant(bench: Bench) {
         let p = bench.p;
-        let command = Command::new(p.DAC1, p.PA4, 1000);
+        let command = DacOutput::new(p.DAC1, p.PA4, 1000);
         let mut period = Period::new(p.TIM2, p.TIM4, PERIOD_TICKS, OUTPUT_DELAY_US);
         let ticks_per_us = clocks::TIMER_HZ / 1_000_000;
         period.start();

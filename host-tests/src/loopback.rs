@@ -14,12 +14,12 @@ use std::collections::VecDeque;
 use std::io;
 
 /// A simulated rig with `A` actuators that is blocked where it stands while PERMIT is low.
-pub struct Blocked<const A: usize = 1> {
+pub struct BlockedRig<const A: usize = 1> {
     rig: Rig,
     stands_at_m: [f64; A],
 }
 
-impl<const A: usize> Plant<A> for Blocked<A> {
+impl<const A: usize> Plant<A> for BlockedRig<A> {
     fn step(&mut self, command_m: [f64; A], permit: bool) -> [[f64; 2]; A] {
         let command_m = if permit { command_m } else { self.stands_at_m };
         let reading = self.rig.step(&command_m);
@@ -31,12 +31,12 @@ impl<const A: usize> Plant<A> for Blocked<A> {
 }
 
 /// What happens to a loopback after some steps of it.
-pub type Mishap<const A: usize = 1> = Box<dyn FnMut(&mut Loopback<A>)>;
+pub type FaultInjection<const A: usize = 1> = Box<dyn FnMut(&mut Loopback<A>)>;
 
 /// A board at the other end of a port.
 pub struct Loopback<const A: usize = 1> {
     /// The board, its tasks and its rig.
-    pub board: Bench<Blocked<A>, A>,
+    pub board: Bench<BlockedRig<A>, A>,
     decoder: Decoder,
     commands: VecDeque<(u16, Command)>,
     sequence: u16,
@@ -49,13 +49,13 @@ pub struct Loopback<const A: usize = 1> {
     /// The wire is cut: nothing comes and nothing goes.
     pub cut: bool,
     /// What happens, and at which step, in this order.
-    pub mishaps: VecDeque<(u64, Mishap<A>)>,
+    pub mishaps: VecDeque<(u64, FaultInjection<A>)>,
 }
 
 impl<const A: usize> Loopback<A> {
     /// A board that has just got power, with `rig` behind its converters.
     pub fn new(rig: Rig) -> Self {
-        let blocked = Blocked {
+        let blocked = BlockedRig {
             rig,
             stands_at_m: [0.0; A],
         };

@@ -1,7 +1,7 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
 use diagnosis::{ChannelAnswer, Verdict};
-use outerloop_cli::files::measured::{Library, Part};
+use outerloop_cli::files::measured::{FilePart, Library};
 use outerloop_cli::files::model;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -85,7 +85,7 @@ impl Case {
         let first = self.test.first().ok_or("nothing is held out")?;
         let (file, span) = first.split_once('@').unwrap_or((first, "0.."));
         let from_s = span.split_once("..").and_then(|s| s.0.parse().ok());
-        let part: Part = folder.join(file).display().to_string().parse()?;
+        let part: FilePart = folder.join(file).display().to_string().parse()?;
         let whole = Library::default()
             .parts(&[part])
             .map_err(|e| e.to_string())?;
@@ -117,9 +117,9 @@ impl Case {
                 } else {
                     format!("@{span}")
                 };
-                format!("{}{at}", folder.join(file).display()).parse::<Part>()
+                format!("{}{at}", folder.join(file).display()).parse::<FilePart>()
             };
-            let parts: Vec<Part> = spans.iter().map(parse).collect::<Result<_, _>>()?;
+            let parts: Vec<FilePart> = spans.iter().map(parse).collect::<Result<_, _>>()?;
             library.parts(&parts).map_err(|e| e.to_string())
         };
         let (train, test, rest) = (parts(train)?, parts(test)?, parts(&self.rest)?);

@@ -190,7 +190,7 @@ pub struct ErrorFeedback {
 }
 
 impl ErrorFeedback {
-    /// Owes nothing.
+    /// Without a remainder.
     pub const fn new() -> Self {
         Self {
             owed: 0.0,

@@ -85,7 +85,7 @@ pub struct CommissioningSignal {
     /// Which actuator it moves, from 0.
     pub actuator: u8,
     /// Its shape.
-    pub shape: Shape,
+    pub shape: SignalShape,
     /// Largest displacement, m.
     pub amplitude_m: f32,
     /// Its length, s, the half second of rise and of fall included.
@@ -94,7 +94,7 @@ pub struct CommissioningSignal {
 
 /// The shape of a commissioning signal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Shape {
+pub enum SignalShape {
     /// To the amplitude, and back at the end.
     Constant,
     /// A sine.

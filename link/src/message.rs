@@ -50,10 +50,10 @@ impl Message for NumberedReply {
 mod tests {
     use super::*;
     use crate::channel::{Calibration, TWELVE_BITS};
-    use crate::command::{CHUNK, Channel, CommissioningSignal, Shape};
+    use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
     use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
-    use crate::status::{Cause, CrashReport, Start, Status, Timing};
+    use crate::status::{CrashCause, CrashReport, StartCause, Status, Timing};
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
     use outerloop_core::{
@@ -153,9 +153,9 @@ mod tests {
                 points: [f32::MIN; CHUNK].into_iter().collect()
             },
             Command::Signal(None),
-            Command::Signal(signal(Shape::Constant)),
-            Command::Signal(signal(Shape::Sine { frequency_hz: 1.0 })),
-            Command::Signal(signal(Shape::Chirp {
+            Command::Signal(signal(SignalShape::Constant)),
+            Command::Signal(signal(SignalShape::Sine { frequency_hz: 1.0 })),
+            Command::Signal(signal(SignalShape::Chirp {
                 from_hz: 0.1,
                 to_hz: 20.0
             })),
@@ -217,9 +217,9 @@ mod tests {
                 link: DecoderCounts::default(),
                 dropped_steps: 3,
                 stack_bytes: 4096,
-                started: Start::Watchdog,
+                started: StartCause::Watchdog,
                 last_words: Some(CrashReport {
-                    cause: Cause::Panic,
+                    cause: CrashCause::Panic,
                     tick: 77,
                     state: Mode::Running,
                     text: cut(&long),

@@ -40,7 +40,7 @@ pub struct Status {
     /// Bytes of stack used at most.
     pub stack_bytes: u32,
     /// Why the board last started.
-    pub started: Start,
+    pub started: StartCause,
     /// What the program said last before a start that nobody asked for.
     pub last_words: Option<CrashReport>,
 }
@@ -64,7 +64,7 @@ pub struct Timing {
 
 /// Why a board started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Start {
+pub enum StartCause {
     /// Power came.
     Power,
     /// The supply had been too low.
@@ -81,7 +81,7 @@ pub enum Start {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CrashReport {
     /// What had happened.
-    pub cause: Cause,
+    pub cause: CrashCause,
     /// Control step at which it happened.
     pub tick: u32,
     /// Mode of the test at the time.
@@ -92,7 +92,7 @@ pub struct CrashReport {
 
 /// What a program can die of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Cause {
+pub enum CrashCause {
     /// A panic.
     Panic,
     /// A fault of the processor that has no other name.
@@ -101,7 +101,7 @@ pub enum Cause {
     StackOverflow,
     /// A task gave no sign of life, so the watchdog was not fed.
     Starved,
-    /// The control interrupt itself had stopped: the watchdog bit with no word left.
+    /// The control interrupt itself had stopped: the watchdog reset the board without a message.
     Silent,
     /// The external clock stopped.
     ClockStopped,

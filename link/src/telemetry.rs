@@ -50,7 +50,7 @@ pub const fn frame_bytes(actuators: usize, inputs: usize) -> usize {
 /// What a board records beside displacement and force, in every control step. No part of the test hangs on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Input {
-    /// An actuator's command where it leaves the board, by codes of the command: tells a dead output converter from a dead
+    /// An actuator's command where it leaves the board, by codes of the command: distinguishes a dead output converter from a dead
     /// valve. The actuator counts from 0.
     CommandReadBack(u8),
     /// A second displacement, by codes of the sensors.
@@ -99,7 +99,7 @@ pub fn digest<const N: usize>(record: &Record<N>) -> u32 {
 
 impl StepReport {
     /// The report of `record`, whose sample had these codes, displacement and force of each actuator. `moves`: the actuator
-    /// whose command is told, from 0.
+    /// whose command it is, from 0.
     #[inline]
     pub fn of<const A: usize, const N: usize>(
         record: &Record<N>,

@@ -6,11 +6,11 @@
 
 use heapless::Vec;
 use link::channel::{Calibration, CodeRange};
-use link::command::{Channel, CommissioningSignal, Shape};
+use link::command::{Channel, CommissioningSignal, SignalShape};
 use link::frame::{Decoder, DecoderCounts, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{Cause, CrashReport, Start, Status, Timing};
+use link::status::{CrashCause, CrashReport, StartCause, Status, Timing};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::{Config, Event, Fault, Mode, Pace, Trip};
@@ -79,11 +79,14 @@ fn commands() -> std::vec::Vec<(String, Command)> {
             },
         ),
         ("signal none", Command::Signal(None)),
-        ("signal constant", signal(Shape::Constant)),
-        ("signal sine", signal(Shape::Sine { frequency_hz: 1.0 })),
+        ("signal constant", signal(SignalShape::Constant)),
+        (
+            "signal sine",
+            signal(SignalShape::Sine { frequency_hz: 1.0 }),
+        ),
         (
             "signal chirp",
-            signal(Shape::Chirp {
+            signal(SignalShape::Chirp {
                 from_hz: 0.1,
                 to_hz: 20.0,
             }),
@@ -136,7 +139,7 @@ fn identity(others: &[Calibration]) -> Identity {
     }
 }
 
-fn status(trip: Option<Trip>, started: Start, last_words: Option<CrashReport>) -> Status {
+fn status(trip: Option<Trip>, started: StartCause, last_words: Option<CrashReport>) -> Status {
     Status {
         tick: 70_000,
         state: Mode::Tripped,
@@ -222,20 +225,20 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
         all.push((name, Reply::Done { tick: 1, state }));
     }
     for fault in Fault::ALL {
-        let status = status(Some(trip(fault)), Start::Power, None);
+        let status = status(Some(trip(fault)), StartCause::Power, None);
         all.push((format!("status {fault:?}"), Reply::Status(status)));
     }
-    let mut three = status(None, Start::Power, None);
+    let mut three = status(None, StartCause::Power, None);
     three.other_codes = [[1, 2], [300, 400]].into_iter().collect();
     all.push(("status of three actuators".to_owned(), Reply::Status(three)));
     for (started, cause) in [
-        (Start::Power, Cause::Panic),
-        (Start::BrownOut, Cause::HardFault),
-        (Start::Pin, Cause::StackOverflow),
-        (Start::Software, Cause::Starved),
-        (Start::Watchdog, Cause::Silent),
-        (Start::Watchdog, Cause::ClockStopped),
-        (Start::Watchdog, Cause::LowSupply),
+        (StartCause::Power, CrashCause::Panic),
+        (StartCause::BrownOut, CrashCause::HardFault),
+        (StartCause::Pin, CrashCause::StackOverflow),
+        (StartCause::Software, CrashCause::Starved),
+        (StartCause::Watchdog, CrashCause::Silent),
+        (StartCause::Watchdog, CrashCause::ClockStopped),
+        (StartCause::Watchdog, CrashCause::LowSupply),
     ] {
         let words = CrashReport {
             cause,
@@ -278,7 +281,7 @@ fn telemetry() -> Telemetry {
     }
 }
 
-/// Bytes of a long body are told by their number and check sum.
+/// Of a long body the number of bytes and the check sum are compared.
 fn line(text: &mut String, name: &str, wire: &[u8]) {
     let mut decoder = Decoder::new();
     let mut body: Vec<u8, 1000> = Vec::new();

@@ -7,13 +7,13 @@ pub(crate) use floor::Floor;
 
 /// All floors.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
+pub(crate) struct Floors {
     floors: Vec<Floor>,
     at_m: Vec<f64>,
     gives_way: bool,
 }
 
-impl Frame {
+impl Floors {
     pub(crate) fn new(floors: Vec<Floor>) -> Self {
         Self {
             at_m: vec![0.0; floors.len()],

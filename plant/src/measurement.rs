@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::converter::Converter;
 use crate::delay_line::DelayLine;
-use crate::effect::{Additions, Signal};
+use crate::effect::{Additions, ChannelAdditions};
 use crate::error::{Accept, RigError};
 use crate::random::{Normal, Purpose};
 use crate::sensor::{Sensor, SensorSpec};
@@ -200,7 +200,7 @@ impl SensorsSpec {
             given => given,
         };
         let skew = check("skew_ms", self.skew_ms, SKEW)? * rate_hz / 1e3;
-        let channel = |late: f64, spec: &SensorSpec, normal, range, added: &Signal| {
+        let channel = |late: f64, spec: &SensorSpec, normal, range, added: &ChannelAdditions| {
             let mut before_sampling = added.before_sampling.clone();
             if late > 0.0 {
                 before_sampling.push(Stage::Delay(DelayLine::new(late, 0.0)));

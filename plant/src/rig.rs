@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::actuator::{Actuator, ActuatorSpec, Load};
 use crate::effect::{Effect, EffectSpec, additions};
 use crate::error::{Accept, RigError};
-use crate::frame::{Floor, Frame};
+use crate::frame::{Floor, Floors};
 use crate::measurement::{Channels, SensorsSpec};
 use crate::specimen::SpecimenSpec;
 
@@ -97,7 +97,7 @@ pub struct Reading {
 #[derive(Clone, Debug)]
 pub struct Rig {
     axes: Vec<Axis>,
-    frame: Frame,
+    frame: Floors,
     reading: Reading,
 }
 
@@ -175,7 +175,7 @@ impl Rig {
         let zeros = vec![0.0; mass.len()];
         Ok(Self {
             axes,
-            frame: Frame::new(frame),
+            frame: Floors::new(frame),
             reading: Reading {
                 displacement_m: zeros.clone(),
                 force_n: zeros.clone(),

@@ -8,8 +8,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::any_table;
-use outerloop_cli::files::ground_motion::{Columns, GroundMotionFile};
-use outerloop_cli::files::measured::{self, Library, Part};
+use outerloop_cli::files::ground_motion::{ColumnChoice, GroundMotionFile};
+use outerloop_cli::files::measured::{self, FilePart, Library};
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording;
 use outerloop_cli::files::test::TestFile;
@@ -43,7 +43,7 @@ enum Motion<'py> {
 impl Motion<'_> {
     fn read(&self) -> PyResult<GroundMotionFile> {
         match self {
-            Self::File(path) => GroundMotionFile::load(path, Columns::default()),
+            Self::File(path) => GroundMotionFile::load(path, ColumnChoice::default()),
             Self::Points(time_s, acc_g) => {
                 let (time_s, acc_g) = (time_s.as_array().to_vec(), acc_g.as_array().to_vec());
                 GroundMotionFile::of_columns("record", time_s, acc_g)
@@ -56,7 +56,7 @@ impl Motion<'_> {
 /// Recorded data: a file with or without a span, or columns by their names.
 #[derive(FromPyObject)]
 enum Recorded<'py> {
-    Part(String),
+    FilePart(String),
     Columns(Vec<(String, PyReadonlyArray1<'py, f64>)>),
 }
 
@@ -66,8 +66,8 @@ fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
     let (mut parts, mut has_unit) = (Vec::new(), true);
     for each in all {
         parts.push(match each {
-            Recorded::Part(text) => {
-                let part: Part = text.parse().map_err(|e: String| Refused::new_err(e))?;
+            Recorded::FilePart(text) => {
+                let part: FilePart = text.parse().map_err(|e: String| Refused::new_err(e))?;
                 let mut part = library.parts(&[part]).map_err(refused)?;
                 part.remove(0)
             }
@@ -94,7 +94,9 @@ fn experiment(
 ) -> PyResult<Experiment> {
     let shaking = match (record, &test.excitation.record) {
         (Some(record), _) => record.read()?,
-        (None, Some(path)) => GroundMotionFile::load(path, Columns::default()).map_err(refused)?,
+        (None, Some(path)) => {
+            GroundMotionFile::load(path, ColumnChoice::default()).map_err(refused)?
+        }
         (None, None) => near_fault(),
     };
     Experiment::new(test.clone(), &shaking, duration).map_err(refused)
@@ -225,7 +227,9 @@ fn diagnose<'py>(
 /// The columns of a table of numbers: text in any dialect, MAT or HDF5.
 #[pyfunction]
 fn read_record(py: Python<'_>, file: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let table = py.detach(|| any_table::read(&file, false)).map_err(refused)?;
+    let table = py
+        .detach(|| any_table::read(&file, false))
+        .map_err(refused)?;
     let columns = PyDict::new(py);
     for (header, values) in table.headers.iter().zip(table.columns) {
         columns.set_item(&header.text, PyArray1::from_vec(py, values))?;

@@ -4,7 +4,7 @@ use super::contestants::{Calibration, Contestant};
 use super::criteria::{Both, Criteria, deviation};
 use super::declared;
 use super::rig::{Parameters, noise_m};
-use super::structure::{Matrices, Part, sampled};
+use super::structure::{Matrices, PhysicalMatrices, sampled};
 use super::trial::{self, Trace};
 use crate::Refused;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ pub struct Problem {
     /// What is computed.
     pub numerical: Matrices,
     /// What is subtracted as physical.
-    pub part: Part,
+    pub part: PhysicalMatrices,
     /// What contestants start from.
     pub calibration: Calibration,
 }
@@ -42,8 +42,8 @@ impl Problem {
         let reference = Matrices::parse(stiffness, mass)?;
         Ok(Self {
             calibration: Calibration::new(super::regression::parse(start)?, &reference)?,
-            numerical: reference.less(&Part::declared()),
-            part: Part::declared(),
+            numerical: reference.less(&PhysicalMatrices::declared()),
+            part: PhysicalMatrices::declared(),
             reference,
         })
     }
@@ -51,7 +51,7 @@ impl Problem {
     /// The same with another part subtracted as physical, but for [`Matrices::held_by`]. It is a deviation from the
     /// problem's rules.
     #[must_use]
-    pub fn with(mut self, part: &Part) -> Self {
+    pub fn with(mut self, part: &PhysicalMatrices) -> Self {
         let part = self.reference.held_by(part);
         self.numerical = self.reference.less(&part);
         self.part = part;
@@ -135,7 +135,7 @@ impl Record {
 
 /// One controller under one record; pairs are actuator 1 and 2, or x and rotation. Per cent, J1 and J4 in ms.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct MarthsRow {
     /// Name of the controller.
     pub controller: &'static str,
     /// The problem has one structure.
@@ -180,7 +180,7 @@ pub struct Worst {
     pub lost: usize,
 }
 
-/// All rows: by record, then by controller. `tell` hears of every trial.
+/// All rows: by record, then by controller. `done` is called after every trial.
 ///
 /// # Errors
 /// A numerical part that cannot be integrated.
@@ -191,7 +191,7 @@ pub fn rows(
     plants: usize,
     draw: u64,
     tell: impl Fn() + Sync,
-) -> Result<Vec<Row>, Refused> {
+) -> Result<Vec<MarthsRow>, Refused> {
     let pairs: Vec<(&Record, Contestant)> = records
         .iter()
         .flat_map(|r| contestants.iter().map(move |&c| (r, c)))
@@ -219,7 +219,7 @@ pub fn rows(
                 .into_par_iter()
                 .map(|k| judge(&Parameters::drawn(k), draw + 1 + k))
                 .collect::<Result<_, _>>()?;
-            Ok(Row {
+            Ok(MarthsRow {
                 controller: contestant.name(),
                 case: 1,
                 record: record.name.clone(),

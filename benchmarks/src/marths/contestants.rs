@@ -1,6 +1,6 @@
 //! The contestants, by name.
 
-use super::controller::{Controller, Target, Uncompensated};
+use super::controller::{Controller, TargetSample, Uncompensated};
 use super::regression::{FourTaps, Start};
 use super::rig::{COUPLER, FRAME_RATIO, Parameters, noise_m};
 use super::structure::{Matrices, ROTATION, X};
@@ -220,7 +220,7 @@ impl Controller for CoreTracker {
         }
     }
 
-    fn command(&mut self, target: &Target) -> [f64; 2] {
+    fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         let interface = target.interface.map(|x| x as f32);
         let (command_m, _) = self
             .tracker

@@ -4,7 +4,7 @@
 
 /// What a controller gets to see of a sample beside the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
+pub struct TargetSample {
     /// x (m) and rotation (rad, in the rig's sign) that the interface is to have.
     pub interface: [f64; 2],
     /// The same as strokes of the actuators, m.
@@ -23,7 +23,7 @@ pub trait Controller {
     }
 
     /// Commands until the next sample, m.
-    fn command(&mut self, target: &Target) -> [f64; 2];
+    fn command(&mut self, target: &TargetSample) -> [f64; 2];
 }
 
 /// The target itself is sent.
@@ -31,7 +31,7 @@ pub trait Controller {
 pub struct Uncompensated;
 
 impl Controller for Uncompensated {
-    fn command(&mut self, target: &Target) -> [f64; 2] {
+    fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         target.stroke_m
     }
 }

@@ -5,7 +5,7 @@
 
 use super::SIGN;
 use super::criteria::{Both, deviation};
-use super::structure::{Matrices, Part};
+use super::structure::{Matrices, PhysicalMatrices};
 use super::trial::{Trace, computed, without_error};
 use crate::Refused;
 use serde::Serialize;
@@ -24,14 +24,18 @@ pub struct Floor {
 ///
 /// # Errors
 /// A structure that cannot be integrated.
-pub fn floor(reference: &Matrices, part: &Part, ground: &[f64]) -> Result<Both, Refused> {
+pub fn floor(
+    reference: &Matrices,
+    part: &PhysicalMatrices,
+    ground: &[f64],
+) -> Result<Both, Refused> {
     let exact = computed(reference, ground)?;
     let tracked = without_error(&reference.less(part), ground)?;
     let column = |t: &Trace, i: usize| t.numerical.iter().map(|p| p[i]).collect::<Vec<_>>();
     Ok([0, 1].map(|i| deviation(&column(&tracked, i), &column(&exact, i))))
 }
 
-/// The coordinates of a [`Part`], as a record and a model name them.
+/// The coordinates of a [`PhysicalMatrices`], as a record and a model name them.
 pub const COORDINATES: [&str; 3] = ["x_m", "free_rotation_rad", "rotation_rad"];
 
 /// One coordinate of a part as the loop has it, in the structure's sign.

@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, SMatrix, SymmetricEigen, Vector2};
 
 /// Mass, damping and stiffness for x and the rotation of the interface, in the rig's sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct InterfaceFrame {
     /// kg, kg m^2.
     pub mass: Matrix2<f64>,
     /// N s/m and so on.
@@ -17,7 +17,7 @@ pub struct Frame {
     pub stiffness: Matrix2<f64>,
 }
 
-impl Frame {
+impl InterfaceFrame {
     /// As published.
     pub fn published() -> Self {
         let inch4 = 0.0254_f64.powi(4);
@@ -104,7 +104,7 @@ const RATIO: f64 = 0.7;
 /// The force of a frame that is moved.
 #[derive(Clone, Debug)]
 pub struct Resistance {
-    frame: Frame,
+    frame: InterfaceFrame,
     last: Vector2<f64>,
     smooth: Vector2<f64>,
     velocity: Vector2<f64>,
@@ -112,7 +112,7 @@ pub struct Resistance {
 
 impl Resistance {
     /// At rest.
-    pub fn new(frame: Frame) -> Self {
+    pub fn new(frame: InterfaceFrame) -> Self {
         Self {
             frame,
             last: Vector2::zeros(),
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn stiffness_and_mass_are_those_that_others_found() {
-        let frame = Frame::published();
+        let frame = InterfaceFrame::published();
         for (found, known) in [
             (frame.stiffness[(0, 0)], 2.324e6),
             (frame.stiffness[(0, 1)], 0.861e6),
@@ -162,7 +162,7 @@ mod tests {
     /// Work in a period over pi times the squared amplitude and the angular frequency: the damping that a motion finds.
     #[test]
     fn a_slow_sine_finds_the_damping_of_the_frame() {
-        let f = Frame::published();
+        let f = InterfaceFrame::published();
         let (mut frame, samples) = (Resistance::new(f), 512);
         let w = std::f64::consts::TAU / f64::from(samples);
         let (mut work, mut before) = (0.0, ([0.0; 2], 0.0));
@@ -187,12 +187,12 @@ mod tests {
 
     #[test]
     fn held_still_only_the_stiffness_answers() {
-        let mut frame = Resistance::new(Frame::published());
+        let mut frame = Resistance::new(InterfaceFrame::published());
         let mut force = [0.0; 2];
         for _ in 0..2000 {
             force = frame.step([1e-3, 2e-3]);
         }
-        let k = Frame::published().stiffness;
+        let k = InterfaceFrame::published().stiffness;
         assert!((force[0] - (k[(0, 0)] * 1e-3 + k[(0, 1)] * 2e-3)).abs() < 1e-6);
     }
 }

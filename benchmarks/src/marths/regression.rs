@@ -9,7 +9,7 @@
 //! others come out (J2 3.4 and 1.8 %); in metres the least squares hardly move from their start (J2 27 and 7 %).
 
 use super::RATE_HZ;
-use super::controller::{Controller, Target};
+use super::controller::{Controller, TargetSample};
 use crate::Refused;
 use nalgebra::{Matrix4, Vector4};
 
@@ -23,7 +23,7 @@ pub struct Start {
 /// Reads the published table: lines `theta0_1,x` and `P0_1,x,x,x,x`, four of each for each actuator.
 ///
 /// # Errors
-/// A line that is missing or is no number.
+/// A line that is missing or is not a number.
 pub fn parse(csv: &str) -> Result<[Start; 2], Refused> {
     let rows = |key: String, width: usize| -> Result<Vec<f64>, Refused> {
         let all: Vec<f64> = csv
@@ -165,7 +165,7 @@ impl Controller for FourTaps {
         read_m
     }
 
-    fn command(&mut self, target: &Target) -> [f64; 2] {
+    fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         let adapts = self.adapts;
         let [a, b] = &mut self.axes;
         [

@@ -16,7 +16,7 @@ pub const FREE_ROTATION: usize = 28;
 /// x of the second and third storey.
 pub const STOREYS: [usize; 2] = [25, 12];
 
-/// Degrees of freedom of a [`Part`], in its order.
+/// Degrees of freedom of a [`PhysicalMatrices`], in its order.
 const INTERFACE: [usize; 3] = [X, FREE_ROTATION, ROTATION];
 
 /// A matrix of the whole structure.
@@ -36,7 +36,7 @@ pub struct Matrices {
 
 /// What a motion is multiplied by for a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum MatrixKind {
     /// Acceleration.
     Mass,
     /// Velocity.
@@ -47,7 +47,7 @@ pub enum Kind {
 
 /// Mass, damping and stiffness that stand in the laboratory, for x, the free rotation and the controlled one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct PhysicalMatrices {
     /// kg, kg m^2.
     pub mass: Matrix3<f64>,
     /// N s/m and so on.
@@ -79,7 +79,7 @@ impl Matrices {
 
     /// What is left for the computer when `part` stands in the laboratory.
     #[must_use]
-    pub fn less(&self, part: &Part) -> Self {
+    pub fn less(&self, part: &PhysicalMatrices) -> Self {
         let mut rest = self.clone();
         rest.add(-1.0, part);
         rest
@@ -88,7 +88,7 @@ impl Matrices {
     /// `part` without the masses that the structure itself does not have: less than no mass cannot be integrated with a
     /// force that comes a sample late.
     #[must_use]
-    pub fn held_by(&self, part: &Part) -> Part {
+    pub fn held_by(&self, part: &PhysicalMatrices) -> PhysicalMatrices {
         let heavy = |i: usize| self.mass[(INTERFACE[i], INTERFACE[i])] > 0.0;
         let mut held = part.clone();
         held.mass = Matrix3::from_fn(|i, j| match heavy(i) && heavy(j) {
@@ -100,13 +100,13 @@ impl Matrices {
 
     /// The other way round.
     #[must_use]
-    pub fn plus(&self, part: &Part) -> Self {
+    pub fn plus(&self, part: &PhysicalMatrices) -> Self {
         let mut whole = self.clone();
         whole.add(1.0, part);
         whole
     }
 
-    fn add(&mut self, sign: f64, part: &Part) {
+    fn add(&mut self, sign: f64, part: &PhysicalMatrices) {
         for (i, &row) in INTERFACE.iter().enumerate() {
             for (j, &column) in INTERFACE.iter().enumerate() {
                 self.mass[(row, column)] += sign * part.mass[(i, j)];
@@ -168,7 +168,7 @@ impl Matrices {
     }
 }
 
-impl Part {
+impl PhysicalMatrices {
     /// What the problem declares to stand in the laboratory: one bay with pinned feet, without vertical motion. Its density
     /// is a hundred times that of steel, as published; rotations keep their stiffness and damping and lose their mass.
     pub fn declared() -> Self {
@@ -207,21 +207,21 @@ impl Part {
     }
 
     /// The matrix of each kind, mass, damping and stiffness, as `entry` gives it.
-    pub fn from_fn(entry: impl Fn(Kind, usize, usize) -> f64) -> Self {
+    pub fn from_fn(entry: impl Fn(MatrixKind, usize, usize) -> f64) -> Self {
         let matrix = |kind| Matrix3::from_fn(|i, j| entry(kind, i, j));
         Self {
-            mass: matrix(Kind::Mass),
-            damping: matrix(Kind::Damping),
-            stiffness: matrix(Kind::Stiffness),
+            mass: matrix(MatrixKind::Mass),
+            damping: matrix(MatrixKind::Damping),
+            stiffness: matrix(MatrixKind::Stiffness),
         }
     }
 
     /// One of the three.
-    pub fn matrix(&self, kind: Kind) -> &Matrix3<f64> {
+    pub fn matrix(&self, kind: MatrixKind) -> &Matrix3<f64> {
         match kind {
-            Kind::Mass => &self.mass,
-            Kind::Damping => &self.damping,
-            Kind::Stiffness => &self.stiffness,
+            MatrixKind::Mass => &self.mass,
+            MatrixKind::Damping => &self.damping,
+            MatrixKind::Stiffness => &self.stiffness,
         }
     }
 
@@ -231,9 +231,9 @@ impl Part {
         let two = |i: usize| [Some(0), None, Some(1)][i];
         Self::from_fn(|kind, i, j| {
             let matrix = match kind {
-                Kind::Mass => mass,
-                Kind::Damping => damping,
-                Kind::Stiffness => stiffness,
+                MatrixKind::Mass => mass,
+                MatrixKind::Damping => damping,
+                MatrixKind::Stiffness => stiffness,
             };
             two(i).zip(two(j)).map_or(0.0, |at| matrix[at])
         })
@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn the_declared_part_is_the_published_one() {
-        let part = Part::declared();
+        let part = PhysicalMatrices::declared();
         assert!((part.mass[(0, 0)] - 902.527).abs() < 1e-2);
         assert!((part.stiffness[(0, 0)] - 4_915_814.0).abs() < 10.0);
         assert!((part.stiffness[(2, 1)] + 133_981.0).abs() < 1.0);

@@ -1,6 +1,6 @@
 //! The rows as cells of a table, for terminal and page.
 
-use super::bench::Row;
+use super::bench::MarthsRow;
 use super::criteria::Both;
 
 /// What the columns are called.
@@ -32,7 +32,7 @@ pub fn both([a, b]: Both) -> String {
 }
 
 /// What stands beside the rows of a record: what no controller can be better than.
-pub fn floors(row: &Row) -> String {
+pub fn floors(row: &MarthsRow) -> String {
     format!(
         "{}: the noise of the readings is a J2 of {}; raw readings make the target itself uncertain by {}; a tracker \
          without error or delay has a J7 of {}",
@@ -44,7 +44,7 @@ pub fn floors(row: &Row) -> String {
 }
 
 /// A row under [`HEAD`].
-pub fn cells(row: &Row) -> Vec<String> {
+pub fn cells(row: &MarthsRow) -> Vec<String> {
     let worst = |x: Both| match row.worst.perturbed {
         0 => String::new(),
         _ => both(x),

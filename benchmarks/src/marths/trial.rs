@@ -6,10 +6,10 @@
 //! has to be solved for.
 
 use super::contestants::{Calibration, Contestant};
-use super::controller::Target;
-use super::frame::{Frame, Resistance};
+use super::controller::TargetSample;
+use super::frame::{InterfaceFrame, Resistance};
 use super::rig::{COUPLER, Channels, Parameters, at_rest};
-use super::structure::{FREE_ROTATION, Matrices, Newmark, Part, ROTATION, STOREYS, X};
+use super::structure::{FREE_ROTATION, Matrices, Newmark, PhysicalMatrices, ROTATION, STOREYS, X};
 use super::{RATE_HZ, SIGN};
 use crate::Refused;
 
@@ -67,7 +67,7 @@ pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
 /// # Errors
 /// A structure that cannot be integrated.
 pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
-    let frame = Part::of_two(&Frame::published().in_structure());
+    let frame = PhysicalMatrices::of_two(&InterfaceFrame::published().in_structure());
     let mut newmark = Newmark::new(&numerical.plus(&frame))?;
     newmark.shake(numerical);
     let mut trace = Trace::default();
@@ -92,7 +92,7 @@ pub fn run(
 ) -> Result<Trace, Refused> {
     let mut controller = calibration.controller(contestant);
     let mut newmark = Newmark::new(numerical)?;
-    let mut resistance = Resistance::new(Frame::published());
+    let mut resistance = Resistance::new(InterfaceFrame::published());
     let (mut rig, mut channels) = (at_rest(plant), Channels::new(seed, noise));
     let mut trace = Trace::default();
     let mut limited = 0;
@@ -115,7 +115,7 @@ pub fn run(
             break;
         }
         if let Some(controller) = &mut controller {
-            let (sent, at_limit) = channels.send(controller.command(&Target {
+            let (sent, at_limit) = channels.send(controller.command(&TargetSample {
                 ground_m_per_s2: g,
                 ..target
             }));
@@ -132,14 +132,14 @@ const LOST: f64 = 1.0;
 
 impl Trace {
     /// Takes the state of the numerical part, and gives it as a target.
-    fn see(&mut self, newmark: &Newmark) -> Target {
+    fn see(&mut self, newmark: &Newmark) -> TargetSample {
         let interface = [newmark.at(X), SIGN * newmark.at(ROTATION)];
         let stroke_m = strokes_m(interface);
         self.numerical.push(interface);
         self.target_m.push(stroke_m);
         self.free_rotation.push(newmark.at(FREE_ROTATION));
         self.storeys_m.push(STOREYS.map(|s| newmark.at(s)));
-        Target {
+        TargetSample {
             interface,
             stroke_m,
             ground_m_per_s2: 0.0,

@@ -3,7 +3,7 @@
 use super::case::CASES;
 use super::channels::Noise;
 use super::controller::{Contestant, Controller};
-use super::criteria::{Judge, Verdict, delay_ms};
+use super::criteria::{Judge, TrialVerdict, delay_ms};
 use super::parameters::Parameters;
 use super::record::Record;
 use super::rules::{Deviation, Rules};
@@ -21,10 +21,10 @@ const LANES: usize = 4;
 
 /// One controller in one case under one record. J1 in ms, else per cent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Row {
+pub struct RthsRow {
     /// Name of the controller.
     pub controller: String,
-    /// What it is told beside target and readings.
+    /// What it knows beside target and readings.
     pub told: &'static str,
     /// Number of the case.
     pub case: u8,
@@ -101,11 +101,11 @@ struct Task<'a> {
 }
 
 impl Bench<'_> {
-    /// All rows: by record, then by case, then by controller. `tell` hears how many trials are done.
+    /// All rows: by record, then by case, then by controller. `done` is called with the number of trials that are done.
     ///
     /// # Errors
     /// What core refuses of a controller.
-    pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<Row>, Refused> {
+    pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<RthsRow>, Refused> {
         let samples = self.records.iter().map(Record::samples).max().unwrap_or(0);
         let noise: Vec<Noise> = (0..=self.plants)
             .into_par_iter()
@@ -124,7 +124,7 @@ impl Bench<'_> {
                 })
             })
             .collect();
-        let found: Vec<Vec<Vec<Verdict>>> = tasks
+        let found: Vec<Vec<Vec<TrialVerdict>>> = tasks
             .par_iter()
             .map(|task| self.verdicts(task, &noise, &tell))
             .collect::<Result<_, _>>()?;
@@ -165,7 +165,7 @@ impl Bench<'_> {
         task: &Task<'_>,
         noise: &[Noise],
         tell: &(impl Fn(usize) + Sync),
-    ) -> Result<Vec<Vec<Verdict>>, Refused> {
+    ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         match 1 + self.plants - task.first {
             1 => self.batch::<1>(task, noise, tell),
             2 => self.batch::<2>(task, noise, tell),
@@ -179,7 +179,7 @@ impl Bench<'_> {
         task: &Task<'_>,
         noise: &[Noise],
         tell: &(impl Fn(usize) + Sync),
-    ) -> Result<Vec<Vec<Verdict>>, Refused> {
+    ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         let case = &CASES[task.place];
         let index: [usize; L] = std::array::from_fn(|l| task.first + l);
         let plants = index.map(|i| self.plant(case.number, i));
@@ -192,7 +192,7 @@ impl Bench<'_> {
                 let mut trace = (task.first == 0).then(Trace::default);
                 let judge =
                     self.trial(contestant, task, &plants, ground, &noise, trace.as_mut())?;
-                let mut verdicts: Vec<Verdict> = (0..L)
+                let mut verdicts: Vec<TrialVerdict> = (0..L)
                     .map(|l| judge.verdict(l, scale, self.about_mean()))
                     .collect();
                 if let (Some(trace), Some(first)) = (trace, verdicts.first_mut()) {
@@ -270,9 +270,9 @@ fn row<'a>(
     place: usize,
     contestant: &Contestant,
     floor: [f64; 9],
-    verdicts: impl Iterator<Item = &'a Verdict>,
-) -> Row {
-    let mut row = Row {
+    verdicts: impl Iterator<Item = &'a TrialVerdict>,
+) -> RthsRow {
+    let mut row = RthsRow {
         controller: contestant.name.clone(),
         told: contestant.told(),
         case: CASES[place].number,

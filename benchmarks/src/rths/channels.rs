@@ -16,7 +16,7 @@ pub const DISPLACEMENT_NOISE_M: f64 = NOISE_V * M_PER_V;
 /// Noise of the force reading, N rms.
 pub const FORCE_NOISE_N: f64 = NOISE_V * N_PER_V;
 
-/// What the sensors' noise is at each sample, V: drawn once, heard by every controller alike.
+/// What the sensors' noise is at each sample, V: drawn once, the same for every controller.
 #[derive(Clone, Debug, Default)]
 pub struct Noise {
     displacement_v: Vec<f32>,

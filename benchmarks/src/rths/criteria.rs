@@ -167,12 +167,12 @@ impl<const L: usize> Judge<L> {
     }
 
     /// The verdict on lane `l` but for J1.
-    pub fn verdict(&self, l: usize, reference: &Scale, about_mean: bool) -> Verdict {
+    pub fn verdict(&self, l: usize, reference: &Scale, about_mean: bool) -> TrialVerdict {
         let n = self.samples.max(1.0);
         let target = self.target.size(l, n, about_mean);
         let size = |i: usize| self.errors[i].size(l, n, about_mean);
         let [x, v, f] = [0, 1, 2].map(|i: usize| self.demand[i][l]);
-        Verdict {
+        TrialVerdict {
             j: [
                 0.0,
                 percent(size(0), target),
@@ -206,7 +206,7 @@ pub fn percent(error: f64, scale: f64) -> f64 {
 
 /// What a trial came to in one lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
+pub struct TrialVerdict {
     /// J1 in ms, J2 to J9 in per cent, by the reading.
     pub j: [f64; 9],
     /// J2 of the displacement as it was.

@@ -8,7 +8,7 @@
 use super::FLOORS;
 use super::case::{CASES, Structure};
 use super::channels::Noise;
-use super::criteria::{Verdict, delay_ms};
+use super::criteria::{TrialVerdict, delay_ms};
 use super::parameters::{Parameters, Specimen};
 use super::record::Record;
 use super::rules::{Deviation, Rules};
@@ -31,7 +31,7 @@ pub fn judge(
     commands_m: &[f64],
     seed: u64,
     rules: &Rules,
-) -> Result<Verdict, Refused> {
+) -> Result<TrialVerdict, Refused> {
     let samples = record.samples();
     if commands_m.len() != samples {
         return Err(Refused::new(format!(

@@ -36,7 +36,7 @@ pub mod trial;
 pub mod verdict;
 pub mod yielding;
 
-pub use bench::{Bench, Row};
+pub use bench::{Bench, RthsRow};
 pub use controller::Contestant;
 pub use record::Record;
 pub use rules::Rules;

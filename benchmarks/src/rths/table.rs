@@ -1,10 +1,10 @@
 //! Rows as cells, for the terminal and for the report.
 
-use super::bench::{LOST_PERCENT, Row};
+use super::bench::{LOST_PERCENT, RthsRow};
 
 /// Head of the summary of one ground motion: a controller a row, cases 1 to 4 side by side. A specimen that yields has a
 /// column more.
-pub fn summary_head(rows: &[Row]) -> Vec<&'static str> {
+pub fn summary_head(rows: &[RthsRow]) -> Vec<&'static str> {
     let yields = rows.iter().any(|r| r.energy_error.is_some());
     let mut head = SUMMARY_HEAD.to_vec();
     if yields {
@@ -53,22 +53,23 @@ pub fn number(x: f64) -> String {
 }
 
 /// The summary of the rows of one ground motion: the noise alone first, then a row a controller.
-pub fn summary(rows: &[Row]) -> Vec<Vec<String>> {
+pub fn summary(rows: &[RthsRow]) -> Vec<Vec<String>> {
     let mut names: Vec<&str> = Vec::new();
     for row in rows {
         if !names.contains(&row.controller.as_str()) {
             names.push(&row.controller);
         }
     }
-    let own = |name: &str| -> Vec<&Row> { rows.iter().filter(|r| r.controller == name).collect() };
-    let join = |rows: &[&Row], figure: &dyn Fn(&Row) -> f64| {
+    let own =
+        |name: &str| -> Vec<&RthsRow> { rows.iter().filter(|r| r.controller == name).collect() };
+    let join = |rows: &[&RthsRow], figure: &dyn Fn(&RthsRow) -> f64| {
         let cells: Vec<_> = rows.iter().map(|r| number(figure(r))).collect();
         cells.join("/")
     };
     let mut cells = Vec::new();
     if let Some(first) = names.first() {
         let rows = own(first);
-        let floor = |i: usize| join(&rows, &move |r: &Row| r.floor[i]);
+        let floor = |i: usize| join(&rows, &move |r: &RthsRow| r.floor[i]);
         let none = || String::from("0");
         cells.push(vec![
             "(the noise alone)".into(),
@@ -107,7 +108,7 @@ pub fn summary(rows: &[Row]) -> Vec<Vec<String>> {
 }
 
 /// The cells of a row, under [`HEAD`].
-pub fn cells(row: &Row) -> Vec<String> {
+pub fn cells(row: &RthsRow) -> Vec<String> {
     let mut cells = vec![
         row.case.to_string(),
         row.controller.clone(),
@@ -131,7 +132,7 @@ pub fn cells(row: &Row) -> Vec<String> {
 }
 
 /// The cells of the noise alone in the case of `row`, under [`HEAD`].
-pub fn floor_cells(row: &Row) -> Vec<String> {
+pub fn floor_cells(row: &RthsRow) -> Vec<String> {
     let mut cells = vec![
         row.case.to_string(),
         "(the noise alone)".into(),

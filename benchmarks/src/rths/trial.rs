@@ -8,7 +8,7 @@
 
 use super::case::{Case, Structure};
 use super::channels::{Noise, read, send};
-use super::controller::interface::{Controller, Seen};
+use super::controller::interface::{Controller, ControllerInput};
 use super::criteria::{Judge, Moment};
 use super::parameters::{Parameters, Specimen};
 use super::rules::{Deviation, Rules};
@@ -94,7 +94,7 @@ impl<const L: usize> Hybrid<L> for Official<L> {
         let floors_m = self.structure.floors_m();
         let (mut command_m, mut judged_m) = ([0.0; L], readings.displacement_m);
         for l in 0..L {
-            command_m[l] = self.controllers[l].command_m(&Seen {
+            command_m[l] = self.controllers[l].command_m(&ControllerInput {
                 floors_m: floors_m.map(|lanes| lanes[l]),
                 displacement_m: readings.displacement_m[l],
                 force_n: readings.force_n[l],

@@ -1,12 +1,12 @@
 //! What was to be beaten and to be reached, and by how much it is.
 
-use super::bench::Row;
+use super::bench::RthsRow;
 use super::rules::Rules;
 use serde::Serialize;
 
 /// A statement with its figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Target {
+pub struct Statement {
     /// What is asked.
     pub asked: String,
     /// What was found, per cent, cases 1 to 4.
@@ -19,7 +19,7 @@ pub struct Target {
     pub none_lost: bool,
 }
 
-impl Target {
+impl Statement {
     /// It is reached.
     pub fn reached(&self) -> bool {
         self.missed_by <= 0.0 && self.none_lost
@@ -52,10 +52,10 @@ pub const RIGHT_TRACKING: &str = "hydraulic/mu=0.78/lead=0.5";
 pub const BEST_KNOWN: &str = "amb/lead=1";
 
 /// A figure of a row.
-type Figure = fn(&Row) -> f64;
+type Figure = fn(&RthsRow) -> f64;
 
 /// All that can be said of these rows: by official rules, El Centro, 20 perturbed plants and more.
-pub fn targets(rules: &Rules, rows: &[Row]) -> Vec<Target> {
+pub fn targets(rules: &Rules, rows: &[RthsRow]) -> Vec<Statement> {
     if *rules != Rules::official() {
         return Vec::new();
     }
@@ -106,17 +106,17 @@ pub fn targets(rules: &Rules, rows: &[Row]) -> Vec<Target> {
     asked
         .into_iter()
         .filter_map(|(asked, controller, figure, limit, perturbed)| {
-            let own: Vec<&Row> = rows
+            let own: Vec<&RthsRow> = rows
                 .iter()
                 .filter(|r| r.controller == controller && r.record == "ElCentro")
                 .collect();
-            let own: [&Row; 4] = own.try_into().ok()?;
+            let own: [&RthsRow; 4] = own.try_into().ok()?;
             if perturbed && own.iter().any(|r| r.perturbed < 20) {
                 return None;
             }
             let found = own.map(figure);
             let missed = found.iter().zip(limit).map(|(f, l)| f - l);
-            Some(Target {
+            Some(Statement {
                 asked: format!("{controller}, {asked}"),
                 found,
                 limit,
@@ -131,7 +131,7 @@ pub fn targets(rules: &Rules, rows: &[Row]) -> Vec<Target> {
 pub const TIE: f64 = 0.05;
 
 /// Who has the least J4 as read, the mean of all cases and records, and who is as good: names, the best first.
-pub fn best(rows: &[Row]) -> Vec<String> {
+pub fn best(rows: &[RthsRow]) -> Vec<String> {
     let mut names: Vec<&str> = Vec::new();
     for row in rows {
         if !names.contains(&row.controller.as_str()) {

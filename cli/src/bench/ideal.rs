@@ -89,7 +89,7 @@ impl<const N: usize> Elastic<N> {
 }
 
 /// The response of `rig`, whose actuators and sensors are ideal, over `steps` control steps or to the end of `ground`. It
-/// ends where a number is none.
+/// ends where a number is NaN.
 ///
 /// # Errors
 /// A parameter of the rig that is refused, with its name and value.

@@ -35,11 +35,11 @@ pub struct Ending {
     pub by_hand: bool,
     /// Seconds on the wall clock.
     pub wall_s: f64,
-    /// What only a board has to tell.
+    /// What only a board reports.
     pub board: Option<OnBoard>,
 }
 
-/// What a board has to tell beside the test.
+/// What a board reports beside the test.
 #[derive(Clone, Debug, Serialize)]
 pub struct OnBoard {
     /// Its name.

@@ -275,7 +275,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         Ok(())
     }
 
-    /// Somebody who looks on wants something. What the board refuses by now does not happen, and nothing is lost.
+    /// An event that an observer asks for. If the board refuses it by now, it does not happen, and nothing is lost.
     ///
     /// # Errors
     /// As [`ConfiguredTest::send`], where the event means something now.
@@ -290,7 +290,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         }
     }
 
-    /// What the board has to tell beside the test, once. `link`: why the link was lost; `trip`: what it tripped on.
+    /// What the board reports beside the test, once. `link`: why the link was lost; `trip`: what it tripped on.
     pub fn account<P: Port>(
         &mut self,
         board: &Connection<P>,

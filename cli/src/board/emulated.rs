@@ -62,7 +62,7 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
 /// How long a read waits for the first byte.
 const WAIT: Duration = Duration::from_millis(5);
 
-/// What the emulator is told on its command line's file.
+/// The rig file that the emulator is started with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EmulatedRig {
     /// The rig behind the converters.

@@ -1,4 +1,4 @@
-//! What a board records beside displacement and force: no part of the test hangs on it, and it tells what is broken.
+//! What a board records beside displacement and force: no part of the test depends on it, and it shows what is broken.
 
 use link::channel::ChannelCalibration;
 use link::reply::Identity;

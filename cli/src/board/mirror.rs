@@ -24,7 +24,7 @@ pub struct MirrorCounts {
     pub missing: u64,
 }
 
-/// What the board was told.
+/// What was sent to the board.
 #[derive(Clone, Copy, Debug)]
 enum SentToBoard<const N: usize> {
     Event(Event),
@@ -35,7 +35,7 @@ enum SentToBoard<const N: usize> {
 pub struct Mirror<'a, const N: usize> {
     outer: OuterLoop<N>,
     ground: GroundMotion<'a>,
-    /// Of each actuator its calibration, and what its command's codes owe.
+    /// Of each actuator its calibration, and the remainder of its command's codes.
     actuators: Vec<(Calibration, ErrorFeedback)>,
     codes: CodeRange,
     out_of_range: bool,
@@ -165,7 +165,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
                 SentToBoard::Target(target_m) => self.outer.set_next_target(target_m),
             }
         }
-        // The board's own button: nothing else tells of it.
+        // The board's own button: nothing else reports it.
         let own = match (report.state(), self.outer.state()) {
             (Some(Mode::Holding), Mode::Running | Mode::Resuming | Mode::Returning) => {
                 Some(Event::Hold)

@@ -1,4 +1,4 @@
-//! A board before a test: idle, calibrated as the test wants it, with limits that can act.
+//! A board before a test: idle, calibrated as the test requires, with limits that can act.
 
 use super::connection::Connection;
 use super::image::{Image, converter_bits};
@@ -30,7 +30,7 @@ pub(crate) fn ready<P: Port>(
     Ok((identity, config))
 }
 
-/// An idle board, or why it is none.
+/// Checks that the board is idle.
 fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     let now = status(board)?;
     if let Some(said) = describe_words(now.started, now.last_words.as_ref()) {

@@ -7,7 +7,7 @@ use super::upload::load;
 use crate::failure::Failure;
 use crate::files::signal::SignalPoints as Points;
 use link::Command;
-use link::command::{CommissioningSignal, MAX_POINTS, Shape};
+use link::command::{CommissioningSignal, MAX_POINTS, SignalShape};
 use outerloop_core::Config;
 
 /// Rise of a constant signal, s.
@@ -37,9 +37,9 @@ impl Trajectory {
             Self::Points(points) => points.speed_m_per_s(),
             Self::Formula(signal) => {
                 let top_hz = match signal.shape {
-                    Shape::Constant | Shape::Points => 1.0 / RISE_S,
-                    Shape::Sine { frequency_hz } => f64::from(frequency_hz),
-                    Shape::Chirp { from_hz, to_hz } => f64::from(from_hz.max(to_hz)),
+                    SignalShape::Constant | SignalShape::Points => 1.0 / RISE_S,
+                    SignalShape::Sine { frequency_hz } => f64::from(frequency_hz),
+                    SignalShape::Chirp { from_hz, to_hz } => f64::from(from_hz.max(to_hz)),
                 };
                 std::f64::consts::TAU * top_hz * self.peak_m()
             }
@@ -99,7 +99,7 @@ impl Trajectory {
                 load(board, &sent, interval_s / config.timing.time_scale)?;
                 CommissioningSignal {
                     actuator,
-                    shape: Shape::Points,
+                    shape: SignalShape::Points,
                     amplitude_m,
                     seconds: points.seconds() as f32,
                 }

@@ -1,22 +1,22 @@
 //! What a board says, in words.
 
 use link::reply::Identity;
-use link::status::{Cause, CrashReport, Start, Status};
+use link::status::{CrashCause, CrashReport, StartCause, Status};
 
 /// Why the board last started, where nobody had asked for it.
-pub fn describe_words(started: Start, words: Option<&CrashReport>) -> Option<String> {
+pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
     let Some(words) = words else {
-        return (started == Start::Watchdog)
+        return (started == StartCause::Watchdog)
             .then(|| "the watchdog reset the board, and no word is left of why".into());
     };
     let cause = match words.cause {
-        Cause::Panic => "panicked",
-        Cause::HardFault => "took a hard fault",
-        Cause::StackOverflow => "ran out of stack",
-        Cause::Starved => "was reset because a task starved",
-        Cause::ClockStopped => "lost its clock",
-        Cause::LowSupply => "lost its supply",
-        Cause::Silent => "was reset because its control interrupt had stopped",
+        CrashCause::Panic => "panicked",
+        CrashCause::HardFault => "took a hard fault",
+        CrashCause::StackOverflow => "ran out of stack",
+        CrashCause::Starved => "was reset because a task starved",
+        CrashCause::ClockStopped => "lost its clock",
+        CrashCause::LowSupply => "lost its supply",
+        CrashCause::Silent => "was reset because its control interrupt had stopped",
     };
     Some(format!(
         "the board {cause} at control step {} while {}: {}",

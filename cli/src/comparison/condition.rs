@@ -12,7 +12,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Family {
-    /// A linear specimen, delays from 1 to 60 ms, told exactly.
+    /// A linear specimen, delays from 1 to 60 ms, declared exactly.
     Linear,
     /// The same with a specimen that yields.
     Yielding,
@@ -20,7 +20,7 @@ pub enum Family {
     MeasuredRig,
     /// Noise on both sensors.
     Noise,
-    /// A delay that was told wrong.
+    /// A delay that was declared wrong.
     DelayError,
     /// A delay that changes in the middle of the test.
     DelayJump,
@@ -54,7 +54,7 @@ impl Family {
     }
 }
 
-/// A rig, and the delay that the compensation is told.
+/// A rig, and the delay that is declared to the compensation.
 #[derive(Clone, Debug)]
 pub struct Condition {
     /// What it asks.

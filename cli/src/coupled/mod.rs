@@ -6,7 +6,7 @@
 //! | [`load`] | from a file to a test, and to a test on a ground motion |
 //! | [`file`](mod@file) | a whole test file of this kind |
 //! | [`experiment`] | a test on a ground motion |
-//! | [`settings`] | the same as core's loop wants it |
+//! | [`settings`] | the same as the settings of core's loop |
 //! | [`trial`] | the test on the simulated rig, and its ideal |
 //! | [`record`] | what it leaves: every quantity in both systems of coordinates |
 //! | [`summary`] | the figures and the verdict |

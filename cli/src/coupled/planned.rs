@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::numbers::percent;
 use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
-use crate::summary::{POOR_EPS_RMS, Worth};
+use crate::summary::{POOR_EPS_RMS, Validity};
 use plant::coupled::CoupledRigSpec;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -116,7 +116,7 @@ fn judge(
     worst: f64,
     limits: &[LimitUse],
 ) -> (SoundnessVerdict, String) {
-    if planned.worth() == Worth::Bad {
+    if planned.worth() == Validity::Bad {
         return (
             SoundnessVerdict::Unstable,
             format!(

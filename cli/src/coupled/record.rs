@@ -100,7 +100,7 @@ impl CoupledRecord {
     }
 }
 
-/// How an axis is told apart in a column's name.
+/// How axes are distinguished in a column's name.
 fn number(i: usize) -> String {
     if i == 0 {
         String::new()

@@ -1,4 +1,4 @@
-//! What a test file declares, as core's loop wants it.
+//! What a test file declares, as the settings of core's loop.
 
 use super::file::CoupledTest;
 use super::table::{

@@ -6,7 +6,7 @@ use super::table::CoupledCompensation;
 use super::trial::{Ideal, Trial};
 use crate::failure::Failure;
 use crate::numbers::{percent, si};
-use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict, Worth};
+use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict, Validity};
 use outerloop_core::{Mode, Trip};
 use serde::Serialize;
 
@@ -154,11 +154,11 @@ impl CoupledSummary {
     }
 
     /// What the figures are worth.
-    pub fn worth(&self) -> Worth {
+    pub fn worth(&self) -> Validity {
         match self.verdict {
-            TestVerdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Worth::Good,
-            TestVerdict::Completed if self.eps_rms <= POOR_EPS_RMS => Worth::Fair,
-            _ => Worth::Bad,
+            TestVerdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Validity::Good,
+            TestVerdict::Completed if self.eps_rms <= POOR_EPS_RMS => Validity::Fair,
+            _ => Validity::Bad,
         }
     }
 
@@ -168,8 +168,8 @@ impl CoupledSummary {
     /// A test that tripped, ran away, or is not the structure's response.
     pub fn outcome(&self) -> Result<(), Failure> {
         match self.worth() {
-            Worth::Good | Worth::Fair => Ok(()),
-            Worth::Bad => Err(Failure::test(self.sentence())),
+            Validity::Good | Validity::Fair => Ok(()),
+            Validity::Bad => Err(Failure::test(self.sentence())),
         }
     }
 
@@ -205,15 +205,15 @@ impl CoupledSummary {
                 "Ran away: the error grew to {max} of the largest ideal motion, because the actuators put in more energy than \
                  the structure dissipates."
             ),
-            Worth::Good => format!(
+            Validity::Good => format!(
                 "Ran to its end and moved as the structure would: the error is {rms} rms and {max} at most, of the largest \
                  ideal motion of the worst coordinate."
             ),
-            Worth::Fair => format!(
+            Validity::Fair => format!(
                 "Ran to its end with a visible error: {rms} rms and {max} at most, of the largest ideal motion of the worst \
                  coordinate. Say so beside the result."
             ),
-            Worth::Bad => format!(
+            Validity::Bad => format!(
                 "Ran to its end, but this is not how the structure moves: the error is {rms} rms and {max} at most, of the \
                  largest ideal motion of the worst coordinate."
             ),

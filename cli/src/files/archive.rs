@@ -212,7 +212,7 @@ pub struct ArchivedTest {
 /// Reads an archive, or the `record.h5` of a folder that `run --out` wrote.
 ///
 /// # Errors
-/// A file that cannot be read or is none.
+/// A file that cannot be read, or that is no archive.
 pub fn load(path: &Path) -> Result<ArchivedTest, Failure> {
     let within = path.join("record.h5");
     let path = if path.is_dir() { &within } else { path };

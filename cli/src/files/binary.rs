@@ -169,7 +169,7 @@ fn collect(group: &Group, path: &str, of_matlab: bool, all: &mut Series) -> Resu
             [rows, columns] => [rows, columns],
             _ => continue,
         };
-        // What is no number, such as text, is no series.
+        // What is not a number, such as text, is no series.
         if !data.dtype().is_ok_and(|kind| is_number(&kind)) {
             continue;
         }

@@ -1,6 +1,6 @@
 //! Records of a specimen of several coordinates: coordinate 1 of the model is axis 1 of the file, and so on.
 
-use super::measured::{Library, Part};
+use super::measured::{FilePart, Library};
 use super::recording::{Column, Recording};
 use crate::failure::Failure;
 use diagnosis::{CoupledRecord, CoupledSpecimen};
@@ -25,10 +25,10 @@ struct Placed {
 pub fn parts(
     library: &mut Library,
     specimen: &CoupledSpecimen,
-    [train, test]: [&[Part]; 2],
+    [train, test]: [&[FilePart]; 2],
 ) -> Result<[Vec<CoupledRecord>; 2], Failure> {
-    let mut placed = |parts: &[Part]| -> Result<Vec<Placed>, Failure> {
-        let one = |p: &Part| part(library.whole(&p.file)?, p.span_s, specimen);
+    let mut placed = |parts: &[FilePart]| -> Result<Vec<Placed>, Failure> {
+        let one = |p: &FilePart| part(library.whole(&p.file)?, p.span_s, specimen);
         parts.iter().map(one).collect()
     };
     let (train, test) = (placed(train)?, placed(test)?);

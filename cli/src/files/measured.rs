@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// A file, and the part of it that is meant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct FilePart {
     /// The file.
     pub file: PathBuf,
     /// From when to when, s, infinite where it is open; the first belongs to it and the last does not. `None`: the
@@ -17,7 +17,7 @@ pub struct Part {
     pub span_s: Option<[f64; 2]>,
 }
 
-impl std::str::FromStr for Part {
+impl std::str::FromStr for FilePart {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -40,7 +40,7 @@ impl std::str::FromStr for Part {
             let s: f64 = what
                 .trim()
                 .parse()
-                .map_err(|_| refuse(&format!("`{what}` is no number")))?;
+                .map_err(|_| refuse(&format!("`{what}` is not a number")))?;
             let finite = s.is_finite().then_some(s);
             finite.ok_or_else(|| refuse(&format!("`{what}` is not finite")))
         };
@@ -75,7 +75,7 @@ impl Library {
     ///
     /// # Errors
     /// A file that cannot be used; a span that is not inside its record.
-    pub fn parts(&mut self, parts: &[Part]) -> Result<Vec<diagnosis::Recording>, Failure> {
+    pub fn parts(&mut self, parts: &[FilePart]) -> Result<Vec<diagnosis::Recording>, Failure> {
         parts.iter().map(|p| self.part(p)).collect()
     }
 
@@ -90,7 +90,7 @@ impl Library {
         self.force_has_unit() && self.read.values().any(|r| r.force().is_some())
     }
 
-    fn part(&mut self, part: &Part) -> Result<diagnosis::Recording, Failure> {
+    fn part(&mut self, part: &FilePart) -> Result<diagnosis::Recording, Failure> {
         part_of(self.whole(&part.file)?, part.span_s)
     }
 
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn a_part_is_a_file_and_a_span() {
-        let part = |text: &str| text.parse::<Part>();
+        let part = |text: &str| text.parse::<FilePart>();
         assert_eq!(part("a@b.csv").unwrap().file, PathBuf::from("a@b.csv"));
         let p = part("rig@lab.csv@-1.5..20").unwrap();
         assert_eq!(p.file, PathBuf::from("rig@lab.csv"));
@@ -200,8 +200,8 @@ mod tests {
         );
         for (text, said) in [
             ("a.csv@5..2", "5 s is not below 2 s"),
-            ("a.csv@five..9", "`five` is no number"),
-            ("a.csv@1..two", "`two` is no number"),
+            ("a.csv@five..9", "`five` is not a number"),
+            ("a.csv@1..two", "`two` is not a number"),
             ("a.csv@1..inf", "`inf` is not finite"),
         ] {
             let e = part(text).unwrap_err();

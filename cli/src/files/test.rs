@@ -154,7 +154,7 @@ impl TestFile {
             .or_else(|| declared::from_plant(&self.config, &self.plant))
     }
 
-    /// A sentence where the compensation is told what no laboratory knows.
+    /// A warning where the compensation is given what no laboratory knows.
     pub fn told_the_truth(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
@@ -203,7 +203,7 @@ impl TestFile {
                     "{} has {} and structure.mass_kg {floors}: accepted are {}",
                     e.name, e.value, e.accepted
                 ),
-                // The delay that the loop is told was not in the file: the simulated actuator's stands behind it.
+                // The delay that is declared to the loop was not in the file: the simulated actuator's stands behind it.
                 _ if e.name == "compensation.delay_ms" && expected == Expected::Truth => format!(
                     "plant.actuator.delay_ms and lag_ms are {} together: accepted are {} where nothing else says what the \
                      compensation is told (compensation.delay_ms, [declared.actuator])",

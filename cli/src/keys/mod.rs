@@ -18,7 +18,7 @@ use crate::serve::settings::Settings;
 use outerloop_core::Config;
 use plant::RigSpec;
 use serde_json::{Value, json};
-use source::{Structure, ValueKind};
+use source::{SourceStruct, ValueKind};
 use std::collections::HashMap;
 
 /// The tables at the top, and the structures behind them.
@@ -73,7 +73,7 @@ fn coupled_defaults() -> Value {
 fn walk(
     path: &str,
     name: &str,
-    structures: &HashMap<String, Structure>,
+    structures: &HashMap<String, SourceStruct>,
     defaults: &Value,
     groups: &mut Vec<Group>,
 ) {

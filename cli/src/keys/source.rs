@@ -63,7 +63,7 @@ pub struct Field {
 
 /// A structure: what it is, and its fields.
 #[derive(Clone, Debug)]
-pub struct Structure {
+pub struct SourceStruct {
     /// Its documentation.
     pub meaning: String,
     /// Its fields, in their order.
@@ -71,7 +71,7 @@ pub struct Structure {
 }
 
 /// Every structure with named fields, by its name.
-pub fn structures() -> HashMap<String, Structure> {
+pub fn structures() -> HashMap<String, SourceStruct> {
     let mut all = HashMap::new();
     for source in SOURCES {
         // It has been compiled: it can be parsed.
@@ -86,7 +86,7 @@ pub fn structures() -> HashMap<String, Structure> {
             {
                 let fields = fields.named.iter().map(field).collect();
                 let meaning = documentation(&s.attrs);
-                all.insert(s.ident.to_string(), Structure { meaning, fields });
+                all.insert(s.ident.to_string(), SourceStruct { meaning, fields });
             }
         }
     }

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 
 /// A check as the report shows it.
 #[derive(Clone, Copy, Debug)]
-pub struct Checked<'a> {
+pub struct CheckSection<'a> {
     /// The verdict.
     pub judgement: &'a Judgement,
     /// What the eigenvalues say.
@@ -29,7 +29,7 @@ pub struct Checked<'a> {
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_check(c: &Checked<'_>) -> Result<String, Failure> {
+pub fn of_check(c: &CheckSection<'_>) -> Result<String, Failure> {
     let body = || -> Drawn {
         Ok([
             verdict(c.judgement),
@@ -65,7 +65,7 @@ fn verdict(j: &Judgement) -> String {
     )
 }
 
-fn tiles(c: &Checked<'_>) -> String {
+fn tiles(c: &CheckSection<'_>) -> String {
     let (j, a) = (c.judgement, c.answer);
     let delay = &a.limits.delay;
     let limit = delay.limit.map_or_else(
@@ -98,7 +98,7 @@ fn tiles(c: &Checked<'_>) -> String {
 }
 
 /// Growth over the delay and over the drawn rigs, with the notes on what eigenvalues cannot say.
-fn how_near(c: &Checked<'_>) -> Drawn {
+fn how_near(c: &CheckSection<'_>) -> Drawn {
     let a = c.answer;
     let mut html = String::from("<h2>How near it is to running away</h2>");
     if !a.notes.is_empty() {

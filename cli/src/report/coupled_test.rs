@@ -3,8 +3,8 @@
 use super::figures::{figure, time_plot};
 use super::page::{Drawn, cannot, escape, page, tile};
 use super::plot::{
-    Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, Shape, TALL, TESTED, THIRD, WIDE, WRONG, history,
-    path, plot,
+    Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, PlotShape, TALL, TESTED, THIRD, WIDE, WRONG,
+    history, path, plot,
 };
 use super::rths::table;
 use crate::coupled::experiment::CoupledExperiment;
@@ -15,7 +15,7 @@ use crate::coupled::trial::Ideal;
 use crate::failure::Failure;
 use crate::numbers::{joule, length, percent, three};
 use crate::soundness::SoundnessVerdict;
-use crate::summary::{TestVerdict, Worth};
+use crate::summary::{TestVerdict, Validity};
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
@@ -162,9 +162,9 @@ fn setting(s: &CoupledSection<'_>) -> String {
 
 fn verdict(s: &CoupledSummary) -> String {
     let class = match s.worth() {
-        Worth::Good => "good",
-        Worth::Fair => "fair",
-        Worth::Bad => "bad",
+        Validity::Good => "good",
+        Validity::Fair => "fair",
+        Validity::Bad => "bad",
     };
     format!("<p class=\"verdict {class}\">{}</p>", escape(&s.sentence()))
 }
@@ -229,7 +229,7 @@ fn axis(name: &str) -> (String, &'static str) {
     }
 }
 
-fn shape(s: &CoupledSection<'_>, shape: Shape, j: usize) -> Shape {
+fn shape(s: &CoupledSection<'_>, shape: PlotShape, j: usize) -> PlotShape {
     match s.summary.verdict {
         TestVerdict::Diverged | TestVerdict::Tripped => {
             shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peak(j))
@@ -344,7 +344,7 @@ fn beside(group: &[CoupledSection<'_>]) -> Drawn {
     };
     let mut html = format!(
         "<p class=\"verdict {}\"><b>{}</b> is nearest to ideal actuators: {}</p>",
-        if best.summary.worth() == Worth::Bad {
+        if best.summary.worth() == Validity::Bad {
             "bad"
         } else {
             "good"

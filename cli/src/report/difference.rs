@@ -103,7 +103,7 @@ fn overlaid(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Curv
     ]
 }
 
-fn in_time(shape: plot::Shape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
+fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
     Ok(figure(
         &plot::plot(shape, "model time [s]", label, curves)?,
         caption,

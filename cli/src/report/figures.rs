@@ -2,10 +2,10 @@
 
 use super::page::{Drawn, TestSection};
 use super::plot::{
-    self, Colour, Curve, GROUND, HALF, IDEAL, RAW, Shape, TALL, TESTED, THIRD, WIDE, WRONG,
+    self, Colour, Curve, GROUND, HALF, IDEAL, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path,
 };
-use crate::summary::{TestVerdict, Worth};
+use crate::summary::{TestVerdict, Validity};
 use crate::trace::FloorTrace;
 use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
@@ -51,8 +51,8 @@ impl<'a> Figures<'a> {
             section,
             look: peak.saturating_sub(half)..(peak + half).min(solved.len()),
             colour: match section.summary.worth() {
-                Worth::Bad => WRONG,
-                Worth::Fair | Worth::Good => TESTED,
+                Validity::Bad => WRONG,
+                Validity::Fair | Validity::Good => TESTED,
             },
             solved,
             step_s,
@@ -143,7 +143,7 @@ impl<'a> Figures<'a> {
     }
 
     /// A shape whose vertical axis ends where a test that ran away has nothing more to show.
-    fn cut(&self, shape: Shape, j: usize) -> Shape {
+    fn cut(&self, shape: PlotShape, j: usize) -> PlotShape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {
             TestVerdict::Completed | TestVerdict::Stopped => shape,
@@ -153,7 +153,7 @@ impl<'a> Figures<'a> {
 
     fn displacement_of(
         &self,
-        shape: Shape,
+        shape: PlotShape,
         j: usize,
         floor: &FloorTrace,
         range: Range<usize>,
@@ -381,7 +381,7 @@ impl<'a> Figures<'a> {
     }
 }
 
-pub(super) fn time_plot(shape: Shape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
+pub(super) fn time_plot(shape: PlotShape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
     let svg = plot::plot(shape, "time of the model [s]", y_label, curves)?;
     Ok(figure(&svg, caption))
 }

@@ -9,7 +9,7 @@ use super::rths::table;
 use crate::failure::Failure;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
-use benchmarks::marths::bench::{Problem, Record, Row};
+use benchmarks::marths::bench::{MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
@@ -27,7 +27,7 @@ pub type DeclaredPart<'a> = (&'a Record, PhysicalPartEstimate);
 pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
-    rows: &[Row],
+    rows: &[MarthsRow],
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
     let mut body = String::new();
@@ -63,8 +63,8 @@ pub fn of_marths(
 
 /// Whose true strokes come nearest to their targets on the worst of the drawn plants; where none was drawn, on the nominal
 /// one.
-fn verdict(rows: &[Row]) -> String {
-    let error = |r: &Row| match r.worst.perturbed {
+fn verdict(rows: &[MarthsRow]) -> String {
+    let error = |r: &MarthsRow| match r.worst.perturbed {
         0 => r.j.j2_true,
         _ => r.worst.j2_true,
     };
@@ -72,7 +72,7 @@ fn verdict(rows: &[Row]) -> String {
         .iter()
         .filter(|r| r.controller != Contestant::Perfect.name());
     let nearest = controllers.min_by(|a, b| {
-        let sum = |r: &Row| error(r).iter().sum::<f64>();
+        let sum = |r: &MarthsRow| error(r).iter().sum::<f64>();
         sum(a).total_cmp(&sum(b))
     });
     nearest.map_or_else(String::new, |best| {

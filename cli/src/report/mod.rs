@@ -17,7 +17,7 @@ mod scale;
 mod served;
 mod sweep;
 
-pub use check::{Checked, of_check};
+pub use check::{CheckSection, of_check};
 pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
 pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};

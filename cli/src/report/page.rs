@@ -4,7 +4,7 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{joule, length, percent};
 use crate::provenance::Provenance;
-use crate::summary::{Summary, Worth};
+use crate::summary::{Summary, Validity};
 use crate::trace::{Response, Trace};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -30,9 +30,9 @@ pub(super) fn cannot(e: Box<dyn Error>) -> Failure {
 
 pub(super) fn class(s: &Summary) -> &'static str {
     match s.worth() {
-        Worth::Good => "good",
-        Worth::Fair => "fair",
-        Worth::Bad => "bad",
+        Validity::Good => "good",
+        Validity::Fair => "fair",
+        Validity::Bad => "bad",
     }
 }
 

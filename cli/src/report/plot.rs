@@ -87,14 +87,14 @@ const DENSE: f64 = 0.12;
 
 /// What a plot looks like.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape {
+pub struct PlotShape {
     width: u32,
     height: u32,
     reach: Option<f64>,
     percent: bool,
 }
 
-impl Shape {
+impl PlotShape {
     const fn new(width: u32, height: u32) -> Self {
         Self {
             width,
@@ -122,11 +122,11 @@ impl Shape {
 }
 
 /// Over the whole width of the page.
-pub const WIDE: Shape = Shape::new(1000, 220);
+pub const WIDE: PlotShape = PlotShape::new(1000, 220);
 /// The same, taller: for the plot that matters most.
-pub const TALL: Shape = Shape::new(1000, 300);
+pub const TALL: PlotShape = PlotShape::new(1000, 300);
 /// Two beside each other.
-pub const HALF: Shape = Shape::new(490, 340);
+pub const HALF: PlotShape = PlotShape::new(490, 340);
 
 /// Room for the tick labels: left and below.
 const LEFT: f64 = 58.0;
@@ -178,7 +178,7 @@ pub fn path(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
 /// # Errors
 /// None today: the type is that of everything that is drawn.
 pub fn plot(
-    shape: Shape,
+    shape: PlotShape,
     x_label: &str,
     y_label: &str,
     curves: &[Curve],
@@ -273,7 +273,7 @@ fn classes(curve: &Curve) -> String {
     format!("curve {}{broad}{dots}", curve.colour.0)
 }
 
-fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: Shape) {
+fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: PlotShape) {
     let (left, right) = (x.place(x.range.start), x.place(x.range.end));
     let (bottom, top) = (y.place(y.range.start), y.place(y.range.end));
     let across = if shape.width > 600 { 11 } else { 6 };

@@ -10,8 +10,8 @@ use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{HEAD, SUMMARY_LEGEND, cells, floor_cells, summary, summary_head};
 use benchmarks::rths::trial::{Ground, Trace};
-use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, Target, best};
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, Row};
+use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, Statement, best};
+use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow};
 use std::fmt::Write as _;
 
 /// The published controller, for the pictures.
@@ -21,13 +21,17 @@ const BASELINE: &str = "pi-phase-lead";
 ///
 /// # Errors
 /// The drawing library's; a controller that core refuses.
-pub fn of_rths(bench: &Bench<'_>, rows: &[Row], targets: &[Target]) -> Result<String, Failure> {
+pub fn of_rths(
+    bench: &Bench<'_>,
+    rows: &[RthsRow],
+    targets: &[Statement],
+) -> Result<String, Failure> {
     let mut body = verdict(rows, targets);
     for record in bench.records {
         body += &closer_look(bench, record)?;
     }
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
-    let groups: Vec<&[Row]> = rows.chunk_by(|a, b| a.record == b.record).collect();
+    let groups: Vec<&[RthsRow]> = rows.chunk_by(|a, b| a.record == b.record).collect();
     for group in &groups {
         let name = group.first().map_or("", |r| &r.record);
         let table = table(&summary_head(group), summary(group).into_iter());
@@ -65,7 +69,7 @@ pub fn of_rths(bench: &Bench<'_>, rows: &[Row], targets: &[Target]) -> Result<St
     ))
 }
 
-fn verdict(rows: &[Row], targets: &[Target]) -> String {
+fn verdict(rows: &[RthsRow], targets: &[Statement]) -> String {
     let mut html = String::new();
     for target in targets {
         let class = if target.reached() { "" } else { " fair" };

@@ -136,7 +136,7 @@ fn over(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
     Curve::new(colour, points)
 }
 
-fn in_time(shape: plot::Shape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
+fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
     let svg = plot::plot(shape, "time in the laboratory [s]", label, curves)?;
     Ok(figure(&svg, caption))
 }

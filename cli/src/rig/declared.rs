@@ -1,7 +1,7 @@
 //! What a laboratory declares of its rig, and the simulated rig as it would be if that were true.
 //!
 //! `[plant]` of a test file is the truth of the simulation. `[declared]`, in the words of a model file, is what the
-//! laboratory believes; what the loop is told comes from there. Without it the truth is told, and that is said.
+//! laboratory believes; what the loop is configured with comes from there. Without it the loop gets the true values, with a warning.
 
 use super::{Departures, Quantity, ROWS, improvement};
 use diagnosis::{ActuatorModel, Declared, ForceUnit, Model, SpecimenModel};
@@ -77,7 +77,7 @@ fn times_ms(model: &Model) -> Option<[f64; 2]> {
     Some(Departures::of_model(model, f64::INFINITY).to_expect_ms())
 }
 
-/// Fills in what the compensation and the filter are told about time, where the test file leaves it out.
+/// Fills in the delays of the compensation and of the filter, where the test file leaves it out.
 pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
     // True where the file had left it out.
     let mut fill = |part: &str, key: &str, ms: f64| {

@@ -35,7 +35,7 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
     said
 }
 
-/// The same without the timing, which a test file may tell its compensation otherwise.
+/// The same without the timing, which a test file may state otherwise.
 pub(crate) fn correct(model: &Model, config: &mut Config) {
     let known = Departures::of_model(model, config.compensation.delay_ms);
     space(&known, config);

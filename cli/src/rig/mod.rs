@@ -31,7 +31,7 @@ pub struct QuantityRow {
     simulate: fn(&mut RigSpec, f64),
     /// What a model says of it.
     declared: fn(&ActuatorModel, &SpecimenModel) -> Option<Declared>,
-    /// What the loop does about it: its unit per unit of the quantity, where it is told, and that in a sentence.
+    /// What the loop does about it: its unit per unit of the quantity, its place in the loop's configuration, and a sentence.
     correction: Option<Correction>,
 }
 
@@ -172,7 +172,7 @@ rows! {
             |rig, ms| rig.actuator.set_times_ms(|[delay, _]| [delay, ms])),
         declared: |actuator, _| actuator.lag_ms.map(exact),
     }
-    /// Mass on the load cell, kg. The loop is told in its structure.
+    /// Mass on the load cell, kg. The loop has it in its structure.
     Mass "physical_mass_kg" 0.0 {
         error: (Specimen, Effect::InertiaForce, "mass_kg"),
         simulated: (each specimen.physical_mass_kg),

@@ -55,7 +55,7 @@ impl Band {
 
 /// What is counted of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Columns {
+pub struct StepColumns {
     /// Control step.
     pub tick: u32,
     /// Integration steps.
@@ -64,7 +64,7 @@ pub struct Columns {
     pub late: bool,
 }
 
-impl Columns {
+impl StepColumns {
     /// Of a record.
     pub fn of<const N: usize>(r: &Record<N>) -> Self {
         Self {
@@ -88,7 +88,7 @@ pub struct Point {
 }
 
 impl Point {
-    fn of(columns: &Columns, band: &Band) -> Self {
+    fn of(columns: &StepColumns, band: &Band) -> Self {
         Self {
             first_tick: columns.tick,
             steps: 1,
@@ -154,7 +154,7 @@ impl PendingPoints {
     }
 
     /// Takes a step in.
-    pub fn take(&mut self, columns: &Columns, band: &Band) {
+    pub fn take(&mut self, columns: &StepColumns, band: &Band) {
         let step = Point::of(columns, band);
         match self.points.last_mut() {
             Some(point) if point.steps < self.span => point.and(&step),
@@ -200,7 +200,7 @@ mod tests {
                 if tick == count / 2 {
                     (band[0], band[1]) = (1e6, -1e6);
                 }
-                let columns = Columns {
+                let columns = StepColumns {
                     tick,
                     step: tick,
                     late: tick % 10 == 0,
@@ -229,7 +229,7 @@ mod tests {
     fn a_point_is_json_whatever_is_in_it() {
         let mut band = [0.0; CHANNELS.len()];
         (band[0], band[1], band[2]) = (f64::NAN, 1.234_567_89e-3, -9.999_999_9e12);
-        let columns = Columns {
+        let columns = StepColumns {
             tick: 7,
             step: 1,
             late: true,

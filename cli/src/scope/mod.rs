@@ -14,7 +14,7 @@ mod server;
 
 use crate::failure::Failure;
 use crate::trace::TestObserver;
-use decimate::{Band, Columns};
+use decimate::{Band, StepColumns};
 use outerloop_core::{Event, Mode, Record};
 use server::Shared;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -59,7 +59,7 @@ impl Scope {
         self.shared.take(
             record.mode().unwrap_or(Mode::Idle),
             &Band::of(record),
-            &Columns::of(record),
+            &StepColumns::of(record),
         );
         if let Some((began, steps)) = &mut self.clock {
             *steps += 1;

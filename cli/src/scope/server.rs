@@ -1,6 +1,6 @@
 //! The page and its WebSocket: bound to one address, behind a random token, for pages of its own origin alone.
 
-use super::decimate::{Band, CHANNELS, Columns, PendingPoints};
+use super::decimate::{Band, CHANNELS, PendingPoints, StepColumns};
 use crate::failure::Failure;
 use crate::files::plain;
 use outerloop_core::{Event, Mode};
@@ -15,7 +15,7 @@ use tungstenite::{Message, WebSocket};
 const PAGE: &str = include_str!("page.html");
 /// Between two messages to a browser.
 const PERIOD: Duration = Duration::from_millis(20);
-/// How long a browser may take to say what it wants, or to read a message, before it is dropped.
+/// How long a browser may take to send its request, or to read a message, before it is dropped.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// The longest request.
 const HEAD: usize = 8192;
@@ -119,7 +119,7 @@ impl Shared {
     }
 
     /// A step.
-    pub fn take(&self, mode: Mode, band: &Band, columns: &Columns) {
+    pub fn take(&self, mode: Mode, band: &Band, columns: &StepColumns) {
         let mut state = self.state();
         (state.mode, state.step) = (mode, columns.step);
         state.waiting.take(columns, band);
@@ -246,7 +246,7 @@ impl Shared {
         );
     }
 
-    /// Sends what there is and hears buttons, until one of both ends goes.
+    /// Sends what there is and receives buttons, until either end closes.
     fn talk(&self, mut socket: WebSocket<TcpStream>) {
         let _ = socket.get_ref().set_read_timeout(Some(PERIOD));
         let mut next = self.state().first;

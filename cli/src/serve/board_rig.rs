@@ -255,7 +255,7 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
 
     fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop> {
         if self.test.is_none() {
-            // Between two clients the board hears that the PC is there.
+            // Between two clients the board needs heartbeats of the PC.
             let steps = self.board.steps().map_err(|e| Stop::Lost(e.to_string()))?;
             return Ok(steps.into_iter().filter_map(|s| self.idle(s)).collect());
         }

@@ -127,7 +127,7 @@ pub struct SessionSummary {
     pub late_s: f64,
     /// The longest of these waits, ms.
     pub longest_late_ms: f64,
-    /// What only a board has to tell.
+    /// What only a board reports.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board: Option<OnBoard>,
 }

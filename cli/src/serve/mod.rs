@@ -10,7 +10,7 @@
 //! | [`settings`] | the `[serve]` table of a test file |
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
-//! | `mover` | what a session wants from a rig |
+//! | `mover` | what a session requires of a rig |
 //! | `served_rig` | what a rig is, control step by control step |
 //! | `travel` | from target to target: stop and go, or continuously |
 //! | `simulated` | the rig in this process |

@@ -1,4 +1,4 @@
-//! What a session wants from a rig, whatever it stands in.
+//! What a session requires of a rig, whatever it stands in.
 
 use super::ledger::Ledger;
 use crate::bench::OnBoard;
@@ -26,7 +26,7 @@ pub enum Stop {
     Lost(String),
 }
 
-/// A rig that goes where it is told.
+/// A rig that moves to the targets that it is given.
 pub trait Mover {
     /// Arms, and approaches zero. The first target follows.
     ///
@@ -64,7 +64,7 @@ pub trait Mover {
     /// Every step, where they are kept; a second time there are none.
     fn take_trace(&mut self) -> Option<Trace>;
 
-    /// What a board has to tell.
+    /// What a board reports.
     fn on_board(&self) -> Option<OnBoard> {
         None
     }

@@ -44,7 +44,7 @@ pub trait ServedRig<const N: usize> {
     /// Whether it has such a time, and has to be looked after every millisecond or two.
     fn has_own_time(&self) -> bool;
 
-    /// Somebody who looks on wants something. What means nothing now does not happen.
+    /// An event that an observer asks for. One that is not allowed in the present mode is ignored.
     ///
     /// # Errors
     /// A rig that is gone.
@@ -65,7 +65,7 @@ pub trait ServedRig<const N: usize> {
     /// Whether the rig may move: the PERMIT line.
     fn permit(&self) -> bool;
 
-    /// What a board has to tell.
+    /// What a board reports.
     fn on_board(&self) -> Option<OnBoard> {
         None
     }

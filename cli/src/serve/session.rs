@@ -4,7 +4,7 @@ use super::ledger::{Ledger, SessionSummary, SessionVerdict};
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::settings::Settings;
 use super::travel::shear_frame;
-use super::wire::{Action, ClientGone, Trial, Wire};
+use super::wire::{Action, ClientConnection, ClientGone, TrialResponse};
 use crate::board::operator::stop_is_asked;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
@@ -119,9 +119,9 @@ struct Session<'a> {
     element: &'a DeclaredElement,
     rig: &'a mut dyn Mover,
     /// What the model last wanted to try.
-    trial: Option<Trial>,
+    trial: Option<TrialResponse>,
     /// Where the rig was last sent, and what it answered; `None` before the first.
-    last: Option<(Trial, TargetMeasurement)>,
+    last: Option<(TrialResponse, TargetMeasurement)>,
     /// The step of the last target has been accepted.
     committed: bool,
     commits: usize,
@@ -133,7 +133,7 @@ struct Session<'a> {
 pub struct Served {
     /// The figures.
     pub summary: SessionSummary,
-    wire: Option<Wire>,
+    wire: Option<ClientConnection>,
 }
 
 /// How long a client that is no longer served may be silent before the connection is closed.
@@ -190,11 +190,11 @@ pub fn serve_client(
 }
 
 impl Session<'_> {
-    fn talk(&mut self, stream: TcpStream) -> (End, Option<Wire>) {
+    fn talk(&mut self, stream: TcpStream) -> (End, Option<ClientConnection>) {
         let patience_s = self.element.settings.patience_s;
         let rig = &mut *self.rig;
         let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
-        match Wire::open(stream, self.element.storeys, patience_s, watch) {
+        match ClientConnection::open(stream, self.element.storeys, patience_s, watch) {
             Ok(mut wire) => {
                 let end = self.converse(&mut wire).err().unwrap_or(End::Completed);
                 (end, Some(wire))
@@ -203,7 +203,7 @@ impl Session<'_> {
         }
     }
 
-    fn converse(&mut self, wire: &mut Wire) -> Result<(), End> {
+    fn converse(&mut self, wire: &mut ClientConnection) -> Result<(), End> {
         loop {
             operator()?;
             let Some(message) = wire.hear()? else {
@@ -216,7 +216,7 @@ impl Session<'_> {
             let n = self.element.storeys;
             let (length, force) = self.units();
             match message.action {
-                Action::Trial => {}
+                Action::TrialResponse => {}
                 Action::Commit => {
                     self.committed = true;
                     self.commits += 1;
@@ -254,7 +254,7 @@ impl Session<'_> {
     }
 
     /// A trial in metres that may be gone to.
-    fn checked(&self, mut trial: Trial) -> Result<Trial, End> {
+    fn checked(&self, mut trial: TrialResponse) -> Result<TrialResponse, End> {
         let stroke_m = self.element.stroke_m;
         let time_s = trial.time_s;
         for (u, j) in trial.displacement.iter_mut().zip(1..) {
@@ -276,7 +276,7 @@ impl Session<'_> {
     }
 
     /// The force at the trial: by moving there, or as it was, where the rig is there already.
-    fn move_to_trial(&mut self, wire: &mut Wire) -> Result<&TargetMeasurement, End> {
+    fn move_to_trial(&mut self, wire: &mut ClientConnection) -> Result<&TargetMeasurement, End> {
         let Some(trial) = self.trial.clone() else {
             return Err(End::Refused(
                 "the client asks for a force before it has sent a displacement: accepted is a trial response first".into(),
@@ -312,7 +312,7 @@ impl Session<'_> {
             .ok_or_else(|| End::Refused("no force was measured".into()))
     }
 
-    fn go_to(&mut self, trial: Trial) -> Result<(), End> {
+    fn go_to(&mut self, trial: TrialResponse) -> Result<(), End> {
         self.committed = false;
         let reached = self.rig.go_to(&trial.displacement)?;
         self.last = Some((trial, reached));

@@ -1,4 +1,4 @@
-//! What OpenSees' element `genericClient` says and hears: TCP, doubles and 32-bit integers of the sender's order (little
+//! What OpenSees' element `genericClient` sends and receives: TCP, doubles and 32-bit integers of the sender's order (little
 //! endian on every machine that it is built for). Seen on the wire of OpenSeesPy 3.7; the source is
 //! `SRC/element/generic/GenericClient.cpp` and `SRC/actor/channel/TCP_Socket.cpp` of OpenSees.
 //!
@@ -22,7 +22,7 @@ const LONGEST: i32 = 65_536;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// The response of a trial follows; no answer.
-    Trial,
+    TrialResponse,
     /// The step is accepted; no answer.
     Commit,
     /// The displacement that was reached.
@@ -46,13 +46,13 @@ pub enum Action {
 impl Action {
     /// Whether the client waits for an answer to it.
     fn is_answered(self) -> bool {
-        !matches!(self, Self::Trial | Self::Commit | Self::End)
+        !matches!(self, Self::TrialResponse | Self::Commit | Self::End)
     }
 
     /// From its number on the wire.
     fn of(number: f64) -> Option<Self> {
         Some(match number {
-            3.0 => Self::Trial,
+            3.0 => Self::TrialResponse,
             5.0 => Self::Commit,
             7.0 => Self::Displacement,
             10.0 => Self::Force,
@@ -69,23 +69,23 @@ impl Action {
 
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
+pub struct ClientMessage {
     /// What it asks for.
     pub action: Action,
     /// The trial, where it is one.
-    pub trial: Option<Trial>,
+    pub trial: Option<TrialResponse>,
 }
 
 /// The response of a trial, in the client's units.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trial {
+pub struct TrialResponse {
     /// Displacement of each degree of freedom.
     pub displacement: Vec<f64>,
     /// Model time, s.
     pub time_s: f64,
 }
 
-/// Why nothing more is heard from a client.
+/// Why nothing more comes from a client.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClientGone {
     /// It closed the connection; so many bytes of a message had come.
@@ -173,7 +173,7 @@ impl Sizes {
 }
 
 /// A connection to a client.
-pub struct Wire {
+pub struct ClientConnection {
     stream: TcpStream,
     sizes: Sizes,
     bytes: Vec<u8>,
@@ -189,8 +189,8 @@ const GLANCE: Duration = Duration::from_millis(1);
 /// How long a read waits where the rig needs nobody.
 const REST: Duration = Duration::from_millis(50);
 
-impl Wire {
-    /// Takes a connection and hears its first message. `meanwhile` is called while nothing comes.
+impl ClientConnection {
+    /// Takes a connection and receives its first message. `meanwhile` is called while nothing comes.
     ///
     /// # Errors
     /// Why there is none.
@@ -244,7 +244,7 @@ impl Wire {
     ///
     /// # Errors
     /// Why none will come.
-    pub fn hear(&mut self) -> Result<Option<Message>, ClientGone> {
+    pub fn hear(&mut self) -> Result<Option<ClientMessage>, ClientGone> {
         if !self.receive()? {
             return Ok(None);
         }
@@ -261,11 +261,11 @@ impl Wire {
             ))
         })?;
         self.owes = action.is_answered();
-        let trial = (action == Action::Trial).then(|| Trial {
+        let trial = (action == Action::TrialResponse).then(|| TrialResponse {
             displacement: (1..=self.sizes.axes).map(at).collect(),
             time_s: at(self.sizes.time),
         });
-        Ok(Some(Message { action, trial }))
+        Ok(Some(ClientMessage { action, trial }))
     }
 
     /// Answers with `values`, the rest of the message zero.

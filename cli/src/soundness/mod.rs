@@ -23,7 +23,7 @@ use crate::numbers::percent;
 use crate::stability;
 use crate::stability::closed_loop::Question;
 use crate::stability::perturbed::Spread;
-use crate::stability::predictor::Law;
+use crate::stability::predictor::LawKnowledge;
 use crate::stability::rig::Variation;
 use crate::stability::structure_matrices::StructureMatrices;
 use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict};
@@ -91,7 +91,7 @@ impl Eigenvalues {
         let question = Question {
             config: &test.config,
             rig: &test.plant,
-            law: Law::Learnt,
+            law: LawKnowledge::Learnt,
         };
         let frame = StructureMatrices::of(&test.config)?;
         let row = stability::linear_verdict::linear_verdict(&question, &frame, &Variation::NONE)?;
@@ -165,7 +165,7 @@ pub(crate) fn ran_away(s: &Summary) -> bool {
     }
 }
 
-/// Judges a test. `tell` hears of every test that has run, of three.
+/// Judges a test. `one_done` is called after each of its three runs.
 ///
 /// # Errors
 /// A test that cannot run.

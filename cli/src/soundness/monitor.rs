@@ -1,7 +1,7 @@
 //! The promise of the monitor: it never stops a sound test, and it stops one that runs away in time.
 //!
 //! Sound tests: every method but Eq 14 without its guards and those with `amb`, whose gains belong to one size of motion;
-//! delays within 20 % of what was told, specimens that yield, noise, converters, ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
+//! delays within 20 % of what was declared, specimens that yield, noise, converters, ground motions of three lengths. Unstable ones: the same, in which something breaks in the strong part. A broken test
 //! counts where its motion would exceed [`TOO_FAR`] times the planned peak; it is stopped in time where an indicator
 //! passes its threshold no later than in the step in which that happens.
 //!
@@ -10,11 +10,11 @@
 //! | energy | core's: HSEM error and work of the correction over the energy in the test (`limits.energy_trip`) |
 //! | hsem | the published one: Mosqueda, Stojadinovic and Mahin, J. Struct. Eng. 133 (2007): HSEM error alone |
 //! | displacement | what is sent over the planned peak (`limits.displacement_m`) |
-//! | tracking | the reading's distance from where the actuator was sent, over what the told delay and the planned speed make
+//! | tracking | the reading's distance from where the actuator was sent, over what the declared delay and the planned speed make
 //!   of it and a twentieth of the planned peak (`limits.tracking_m`) |
 //! | reading | what is measured over the planned peak; the same `limits.displacement_m` bounds it, 3 % further out |
 
-use super::survey::{Range, UniformDraws, test_file};
+use super::survey::{DrawRange, UniformDraws, test_file};
 use super::{Eigenvalues, fixed};
 use crate::bench::{Breakage, PlantBench};
 use crate::experiment::Experiment;
@@ -60,7 +60,7 @@ pub enum BreakageKind {
     Gain,
     /// The specimen is not as stiff as was declared, from the start.
     Stiffness,
-    /// A transducer dies.
+    /// A transducer fails.
     DeadSensor,
 }
 
@@ -175,7 +175,7 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
     // The gains of `amb` are tuned for one size of motion; on a rig of another it sends several times the planned peak.
     let mut predictors = Prediction::ALL.to_vec();
     predictors.retain(|&predictor| predictor != Prediction::Amb);
-    let range = Range {
+    let range = DrawRange {
         seconds: SECONDS,
         latest: |hz| SOUND_PHASE_RAD / (std::f64::consts::TAU * hz) * 1e3,
         rightly_told: 0.0,
@@ -269,7 +269,7 @@ impl MonitorPlan {
         let (score, gauge) = observers;
         let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
         let (counts, largest) = match self.kind {
-            // A test that something else has stopped is none that nothing may stop.
+            // A test that another interlock has stopped is not counted as one that no indicator may stop.
             BreakageKind::Sound => {
                 let good = ending.trip.is_none() && eps_rms <= SOUND_EPS_RMS;
                 (good && decays(e)?, gauge.largest)
@@ -286,7 +286,7 @@ impl MonitorPlan {
     }
 }
 
-/// All of `plans`, on all cores. `tell` hears of each.
+/// All of `plans`, on all cores. `one_done` is called after each.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -301,7 +301,7 @@ pub fn run(plans: &[MonitorPlan], one_done: impl Fn() + Sync) -> Result<Vec<Moni
         .collect()
 }
 
-/// By how much each actuator will be off its command where all is well: its planned speed times the delay that is told, and
+/// By how much each actuator will be off its command where all is well: its planned speed times the declared delay, and
 /// a twentieth of its planned peak for noise and what is not known.
 fn tracking_m(e: &Experiment, ideal: &Response) -> Vec<f64> {
     let config = &e.test.config;

@@ -1,5 +1,5 @@
 //! The verdicts against what the tests then do, over many rigs: every method and predictor, delays of 0 to 80 ms, one to
-//! three storeys, specimens that yield, noise, converters, and compensations that were told a wrong delay.
+//! three storeys, specimens that yield, noise, converters, and compensations with a wrong declared delay.
 //!
 //! The test that counts is not the one that was looked at: it has other noise, twice.
 
@@ -103,7 +103,7 @@ impl UniformDraws {
 /// So many test files; each method has its turn.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let mut dice = UniformDraws::new(seed);
-    let range = Range {
+    let range = DrawRange {
         seconds: SECONDS,
         latest: |_| LONGEST_MS,
         rightly_told: 0.6,
@@ -117,18 +117,18 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
 }
 
 /// What is drawn from.
-pub(super) struct Range {
+pub(super) struct DrawRange {
     /// Length of the tests, s of model time.
     pub(super) seconds: f64,
     /// Longest delay, ms, on a structure of so many Hz.
     pub(super) latest: fn(f64) -> f64,
-    /// Share of compensations that are told the right delay; the others are told one that is up to 20 % off.
+    /// Share of compensations with the right declared delay; the others have one that is up to 20 % off.
     pub(super) rightly_told: f64,
     /// Behind one of which half of the force laws are put.
     pub(super) predictors: Vec<Prediction>,
 }
 
-pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &Range) -> String {
+pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRange) -> String {
     let storeys = dice.one_of(&[1_usize, 1, 2, 3]);
     let first_hz = dice.between(0.5, 4.0);
     // Equal storeys: omega_1 = 2 sqrt(k/m) sin(pi / (4 n + 2)).
@@ -239,7 +239,7 @@ fn case(text: &str) -> Result<SurveyCase, Failure> {
     })
 }
 
-/// All of `tests`, on all cores. `tell` hears of each.
+/// All of `tests`, on all cores. `one_done` is called after each.
 ///
 /// # Errors
 /// A test that cannot be judged.

@@ -9,10 +9,10 @@
 //! correction is that share of `K (u_c - u_m)`.
 
 use super::blocks::{Block, StateFunction, nothing};
-use super::filter::Filter;
+use super::filter::LinearFilter;
 use super::interpolation::Interpolation;
 use super::largest;
-use super::predictor::{Ahead, Law, Predictor};
+use super::predictor::{Ahead, LawKnowledge, LinearPredictor};
 use super::rig::{LinearRig, Variation};
 use super::spectrum;
 use super::structure_matrices::StructureMatrices;
@@ -30,7 +30,7 @@ pub struct Question<'a> {
     /// The rig.
     pub rig: &'a RigSpec,
     /// What an adaptive predictor knows.
-    pub law: Law,
+    pub law: LawKnowledge,
 }
 
 impl Question<'_> {
@@ -59,7 +59,8 @@ impl Question<'_> {
         frame: &StructureMatrices,
         vary: &Variation,
     ) -> Result<Vec<Complex<f64>>, Failure> {
-        let learns = self.law == Law::Learnt && self.config.compensation.kind.predictor.learns();
+        let learns =
+            self.law == LawKnowledge::Learnt && self.config.compensation.kind.predictor.learns();
         let mut at = frame.omega[0];
         let mut rounds = if learns { ROUNDS } else { 1 };
         loop {
@@ -133,8 +134,8 @@ impl Question<'_> {
         Ok(self.predictor(frame, &rig).at_bounds)
     }
 
-    fn predictor(&self, frame: &StructureMatrices, rig: &LinearRig) -> Predictor {
-        Predictor::new(self.config, frame, rig, self.law, frame.omega[0])
+    fn predictor(&self, frame: &StructureMatrices, rig: &LinearRig) -> LinearPredictor {
+        LinearPredictor::new(self.config, frame, rig, self.law, frame.omega[0])
     }
 }
 
@@ -147,8 +148,8 @@ const ROUNDS: usize = 6;
 struct Loop<'a> {
     config: &'a Config,
     rig: LinearRig,
-    filter: Filter,
-    predictor: Predictor,
+    filter: LinearFilter,
+    predictor: LinearPredictor,
     /// What was sent last.
     sent: Vec<StateFunction>,
     /// `dt^2 (M + dt/2 C)^-1`.
@@ -189,8 +190,8 @@ impl<'a> Loop<'a> {
         let rig = LinearRig::new(question.rig, config, vary)?;
         Ok(Self {
             config,
-            filter: Filter::new(config, &rig.storeys()),
-            predictor: Predictor::new(config, frame, &rig, question.law, at),
+            filter: LinearFilter::new(config, &rig.storeys()),
+            predictor: LinearPredictor::new(config, frame, &rig, question.law, at),
             sent: vec![nothing(); config.physical_storeys()],
             rig,
             flexibility,

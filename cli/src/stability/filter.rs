@@ -3,11 +3,11 @@
 use super::blocks::{Block, Delay, Lag, StateFunction, nothing};
 use nalgebra::{Matrix2, Vector2};
 use outerloop_core::Config;
-use outerloop_core::config::{Estimation, Filter as Kind};
+use outerloop_core::config::{Estimation, Filter};
 
 /// The filter of all axes.
 #[derive(Clone, Debug)]
-pub enum Filter {
+pub enum LinearFilter {
     /// Samples as they are.
     Off,
     /// Both channels of each axis.
@@ -16,18 +16,18 @@ pub enum Filter {
     Kalman(Vec<Tracker>, Vec<f64>),
 }
 
-impl Filter {
+impl LinearFilter {
     /// As configured; `storeys` is what the second stage converges to, N/m.
     pub fn new(config: &Config, storeys: &[f64]) -> Self {
         let (e, rate_hz) = (&config.estimation, config.timing.rate_hz);
         let axes = storeys.len();
         match e.kind {
-            Kind::Off => Self::Off,
-            Kind::LowPass => {
+            Filter::Off => Self::Off,
+            Filter::LowPass => {
                 let biquad = Biquad::butterworth(e.cutoff_hz, rate_hz);
                 Self::LowPass(vec![[biquad.clone(), biquad]; axes])
             }
-            Kind::Kalman => Self::Kalman(vec![Tracker::new(e, rate_hz); axes], storeys.to_vec()),
+            Filter::Kalman => Self::Kalman(vec![Tracker::new(e, rate_hz); axes], storeys.to_vec()),
         }
     }
 
@@ -71,7 +71,7 @@ impl Filter {
     }
 }
 
-impl Block for Filter {
+impl Block for LinearFilter {
     fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
         match self {
             Self::Off => {}

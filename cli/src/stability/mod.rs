@@ -43,11 +43,11 @@ use linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_core::Method;
 use outerloop_core::linear::LinearForce;
 use perturbed::{Perturbed, Spread};
-use predictor::Law;
+use predictor::LawKnowledge;
 use rayon::prelude::*;
 use rig::Variation;
 use serde::Serialize;
-use spectrum::Mode;
+use spectrum::LoopMode;
 use structure_matrices::StructureMatrices;
 
 /// What is found out about a test.
@@ -69,7 +69,7 @@ pub struct Stability {
     /// First natural frequency of the structure, Hz of model time.
     pub first_hz: f64,
     /// The structure's modes in the loop.
-    pub modes: Vec<Mode>,
+    pub modes: Vec<LoopMode>,
     /// Delay, gain and time scale: present and limit.
     #[serde(flatten)]
     pub limits: StabilityLimits,
@@ -86,7 +86,7 @@ pub struct Stability {
     pub notes: Vec<String>,
 }
 
-/// Everything about `test` with its own compensation. `tell` hears of every perturbed rig.
+/// Everything about `test` with its own compensation. `one_done` is called after every perturbed rig.
 ///
 /// # Errors
 /// A test or rig that cannot be written down.
@@ -99,7 +99,7 @@ pub fn answer(
     let question = Question {
         config,
         rig: &test.plant,
-        law: Law::Learnt,
+        law: LawKnowledge::Learnt,
     };
     let frame = StructureMatrices::of(config)?;
     // A rig that cannot be built is refused by its own words.
@@ -121,7 +121,7 @@ pub fn answer(
         .learns()
         .then(|| {
             let told = Question {
-                law: Law::Told,
+                law: LawKnowledge::Told,
                 ..question
             };
             self::linear_verdict(&told, &frame, &Variation::NONE)

@@ -9,8 +9,8 @@ use outerloop_core::linear::{FrequencyResponse, Linear, Setting, Sum};
 
 /// What adaptive predictors know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
-    /// What they were told.
+pub enum LawKnowledge {
+    /// What was declared to them.
     Told,
     /// What they come to on the rig.
     Learnt,
@@ -40,7 +40,7 @@ enum Kind {
 
 /// The predictors of all axes in the laboratory.
 #[derive(Clone, Debug)]
-pub struct Predictor {
+pub struct LinearPredictor {
     axes: Vec<Kind>,
     /// Control steps by which the target is led.
     lead: f64,
@@ -61,13 +61,13 @@ pub struct Ahead<'a> {
     pub acceleration: &'a [StateFunction],
 }
 
-impl Predictor {
+impl LinearPredictor {
     /// As configured, on `rig`; what learns has learnt at `at` rad/s of model time.
     pub fn new(
         config: &Config,
         frame: &StructureMatrices,
         rig: &LinearRig,
-        law: Law,
+        law: LawKnowledge,
         at: f64,
     ) -> Self {
         let omega = at / (config.timing.time_scale * config.timing.rate_hz);
@@ -75,8 +75,8 @@ impl Predictor {
         let axes: Vec<Kind> = (0..config.physical_storeys())
             .map(|j| {
                 let mut setting = match law {
-                    Law::Told => Setting::told(config),
-                    Law::Learnt => {
+                    LawKnowledge::Told => Setting::told(config),
+                    LawKnowledge::Learnt => {
                         let wanted = rig.response(j, omega).inv();
                         let (real, imaginary) = (wanted.re, wanted.im);
                         Setting::learnt(config, FrequencyResponse { real, imaginary }, omega)
@@ -275,7 +275,7 @@ impl Kind {
     }
 }
 
-impl Block for Predictor {
+impl Block for LinearPredictor {
     fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
         if self.lead != 0.0 {
             all.extend(&mut self.led);

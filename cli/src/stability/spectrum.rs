@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// A mode of the closed loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Mode {
+pub struct LoopMode {
     /// Natural frequency that the structure has, Hz of model time.
     pub structure_hz: f64,
     /// Frequency in the loop, Hz of model time.
@@ -29,7 +29,7 @@ pub fn eigenvalues(transition: &DMatrix<f64>) -> Vec<Complex<f64>> {
 }
 
 /// What has become of the structure's natural frequencies `omega` (rad/s) in steps of `step_s`.
-pub fn modes(eigenvalues: &[Complex<f64>], omega: &[f64], step_s: f64) -> Vec<Mode> {
+pub fn modes(eigenvalues: &[Complex<f64>], omega: &[f64], step_s: f64) -> Vec<LoopMode> {
     let mut free: Vec<Complex<f64>> = eigenvalues
         .iter()
         .filter(|z| z.im > 0.0 && z.norm() > 0.0)
@@ -47,7 +47,7 @@ pub fn modes(eigenvalues: &[Complex<f64>], omega: &[f64], step_s: f64) -> Vec<Mo
                 // Further away than that it is another motion.
                 .filter(|(_, s)| (s - own).norm() < *w)?;
             free.swap_remove(i);
-            Some(Mode {
+            Some(LoopMode {
                 structure_hz: w / std::f64::consts::TAU,
                 frequency_hz: s.norm() / std::f64::consts::TAU,
                 damping_ratio: -s.re / s.norm(),

@@ -31,7 +31,7 @@ impl Range {
             .ok_or_else(|| refuse("has no `=`".into()))?;
         let number = |text: &str| match text.trim().parse::<f64>() {
             Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(refuse(format!("`{}` is no number", text.trim()))),
+            _ => Err(refuse(format!("`{}` is not a number", text.trim()))),
         };
         let mut values: Vec<f64> = match values.split_once("..") {
             None => values.split(',').map(number).collect::<Result<_, _>>()?,
@@ -43,7 +43,7 @@ impl Range {
                 let n: usize = n
                     .trim()
                     .parse()
-                    .map_err(|_| refuse(format!("`{}` is no number of values", n.trim())))?;
+                    .map_err(|_| refuse(format!("`{}` is not a number of values", n.trim())))?;
                 if !(2..=MOST).contains(&n) {
                     return Err(refuse(format!("has {n} values")));
                 }
@@ -89,7 +89,7 @@ mod tests {
             ("a=1..2", "no `/N`"),
             ("a=1..2/1", "has 1 values"),
             ("a=1", "has 1 value"),
-            ("a=1,x", "`x` is no number"),
+            ("a=1,x", "`x` is not a number"),
             ("a=1,1", "1 twice"),
             ("a=1..2/many", "`many`"),
         ] {

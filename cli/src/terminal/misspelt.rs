@@ -63,7 +63,7 @@ pub fn sentence(error: &Error) -> Option<String> {
     })
 }
 
-/// What the parser tells of a mistake.
+/// The parser's error.
 struct Told<'a>(&'a Error);
 
 impl Told<'_> {

@@ -1,7 +1,7 @@
 //! Standard output that may fail: a full disk or a closed pipe is one sentence at the end, never a panic.
 //!
 //! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
-//! [`failure`] tells of it when the verb has done its work.
+//! [`failure`] returns it when the verb has finished.
 
 use crate::failure::Failure;
 use crate::files::plain;
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Why standard output could not be written, the first time.
 static BROKEN: OnceLock<String> = OnceLock::new();
 
-/// Nobody wants tables, sentences and progress.
+/// Tables, sentences and progress are switched off.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// From now on only what was asked for by name and what goes wrong is printed.
@@ -21,7 +21,7 @@ pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Nobody wants tables, sentences and progress.
+/// Tables, sentences and progress are switched off.
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
@@ -33,7 +33,7 @@ pub fn print_line(text: Arguments<'_>) {
     }
 }
 
-/// A line on standard error; dropped where that cannot be written, since there is nobody left to tell.
+/// A line on standard error; dropped where that cannot be written, since nobody is left to read it.
 pub fn print_note(text: Arguments<'_>) {
     let mut out = stderr().lock();
     let _ = out.write_fmt(text).and_then(|()| out.write_all(b"\n"));

@@ -47,7 +47,7 @@ impl Progress {
         }
     }
 
-    /// What a test tells its steps to.
+    /// The observer that counts a test's steps.
     pub fn observer(&self) -> Steps<'_> {
         Steps {
             progress: self,

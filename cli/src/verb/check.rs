@@ -12,7 +12,7 @@ use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
 use crate::provenance::{WithProvenance, note_seed};
-use crate::report::{self, Checked, TestSection};
+use crate::report::{self, CheckSection, TestSection};
 use crate::soundness::{self, Eigenvalues, Judgement, SoundnessVerdict};
 use crate::stability::linear_verdict::LinearVerdict;
 use crate::stability::perturbed::Spread;
@@ -227,7 +227,7 @@ fn write(
     let method = experiment.test.config.compensation.kind;
     let seed = whole.answer.perturbed.spread.seed;
     let run = experiment.run(method, &ideal, seed, true, ())?;
-    let page = report::of_check(&Checked {
+    let page = report::of_check(&CheckSection {
         judgement: whole.judgement,
         answer: whole.answer,
         over_delay: &stability::limits::over_delay(&experiment.test, &whole.answer.limits)?,

@@ -10,7 +10,7 @@ use crate::files::test::TestFile;
 use crate::judged::JudgedRun;
 use crate::provenance::WithProvenance;
 use crate::report::{self, TestSection};
-use crate::summary::{Summary, Worth};
+use crate::summary::{Summary, Validity};
 use crate::terminal::{self, Progress, interrupt};
 use outerloop_core::Method;
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ impl Compare {
         }
         whole(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
-        if rows.iter().all(|r| r.worth() == Worth::Bad) {
+        if rows.iter().all(|r| r.worth() == Validity::Bad) {
             return Err(Failure::test(
                 "no compensation gave the structure's response in this test",
             ));

@@ -18,7 +18,7 @@ use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CoupledSection};
 use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
-use crate::summary::Worth;
+use crate::summary::Validity;
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
@@ -248,7 +248,7 @@ pub(super) fn compare(
             println!("Look at {}", folder.join("report.html").display());
         }
     }
-    if rows.iter().all(|r| r.worth() == Worth::Bad) {
+    if rows.iter().all(|r| r.worth() == Validity::Bad) {
         return Err(Failure::test(
             "no compensation gave the structure's response in this test",
         ));

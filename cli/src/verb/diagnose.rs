@@ -5,7 +5,7 @@ mod coupled;
 use super::json;
 use crate::failure::Failure;
 use crate::files::columns::Columns;
-use crate::files::measured::{Library, Part};
+use crate::files::measured::{FilePart, Library};
 use crate::files::{model, output, signal};
 use crate::provenance::WithProvenance;
 use crate::report;
@@ -23,13 +23,13 @@ pub struct Diagnose {
     model: PathBuf,
     /// Data to search in; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
-    train: Vec<Part>,
+    train: Vec<FilePart>,
     /// Data to judge on, which takes no part in the search; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
-    test: Vec<Part>,
+    test: Vec<FilePart>,
     /// Data in which nothing moves, which tells the noise; left out: looked for before and after the motion
     #[arg(long, value_name = "FILE@T0..T1")]
-    rest: Vec<Part>,
+    rest: Vec<FilePart>,
     /// Write the improved model there
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,

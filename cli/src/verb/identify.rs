@@ -3,7 +3,7 @@
 use super::json;
 use crate::failure::Failure;
 use crate::files::columns::Columns;
-use crate::files::measured::{Library, Part};
+use crate::files::measured::{FilePart, Library};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
@@ -19,7 +19,7 @@ use toml_edit::{DocumentMut, Item, Table, value};
 pub struct Identify {
     /// The record, e.g. of `outerloop board commission`
     #[arg(value_name = "FILE[@T0..T1]")]
-    record: Part,
+    record: FilePart,
     /// Write the actuator into this test file: plant.actuator, and the delays that compensation and estimation begin with
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,

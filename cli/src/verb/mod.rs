@@ -24,7 +24,7 @@ pub mod sweep;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::files::ground_motion::{Columns, GroundMotionFile, Unit};
+use crate::files::ground_motion::{ColumnChoice, GroundMotionFile, Unit};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::provenance::note_seed;
@@ -47,8 +47,8 @@ pub struct MotionArguments {
 }
 
 impl MotionArguments {
-    fn columns(&self) -> Columns {
-        Columns {
+    fn columns(&self) -> ColumnChoice {
+        ColumnChoice {
             interval_s: self.dt,
             unit: self.unit,
             sensitivity: self.sensitivity,

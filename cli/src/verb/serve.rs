@@ -48,7 +48,7 @@ pub struct Serve {
     scope: Scoped,
 }
 
-/// How often it is looked whether the operator wants to end.
+/// How often it is checked for the operator's wish to end.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl Serve {
@@ -122,7 +122,7 @@ impl Serve {
         Ok(())
     }
 
-    /// Keeps what a client left, then tells of it.
+    /// Writes what a client left, then prints it.
     fn keep(
         &self,
         test: &TestFile,
@@ -167,7 +167,7 @@ impl Serve {
     }
 }
 
-/// Looks after the rig for a while, and whether somebody wants something.
+/// Serves the rig for a while, and passes on what observers ask for.
 fn wait(rig: &mut dyn Mover) -> Result<(), Failure> {
     let began = std::time::Instant::now();
     rig.meanwhile().map_err(|e| Failure::test(e.to_string()))?;

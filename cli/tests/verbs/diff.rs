@@ -4,7 +4,7 @@ use crate::common::{json, json_with, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
-/// On a rig that does what it is told.
+/// On an ideal rig.
 const IDEAL: [&str; 4] = [
     "--compensation",
     "none",

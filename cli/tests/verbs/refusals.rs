@@ -1,4 +1,4 @@
-//! What a command line or a file that cannot be used is told: one sentence each, exit status 2, nothing half written.
+//! The refusal of a command line or a file that cannot be used: one sentence each, exit status 2, nothing half written.
 
 use crate::common::{json, outerloop, refused};
 

@@ -1,4 +1,4 @@
-//! What shells and `man` are told of the command line.
+//! Completions and the man page of the command line.
 
 use crate::common::outerloop;
 

@@ -140,7 +140,7 @@ pub enum Filter {
     LowPass,
 }
 
-/// The estimator and what it is told about the rig.
+/// The estimator and what is known of the rig.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]

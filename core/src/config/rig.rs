@@ -31,7 +31,7 @@ pub struct RigConfig {
     /// Measured force where the true one is 0, N.
     pub force_offset_n: PerActuator,
     /// By how much the force channel is behind the displacement channel, ms of laboratory time; negative: ahead. The
-    /// channel that is ahead is held back, so that both tell of the same instant.
+    /// channel that is ahead is held back, so that both are of the same instant.
     pub force_late_ms: PerActuator,
     /// Friction of the bearings that the load cell feels and the structure does not have, N.
     pub bearing_friction_n: PerActuator,

@@ -17,7 +17,7 @@ const CAUTION: f32 = 3.0;
 /// No logarithm of a parameter moves farther from its declared value.
 const FARTHEST: f32 = 0.3;
 
-/// What the estimator is told.
+/// Settings of the estimator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EstimatorSettings {
     /// The plant as declared.

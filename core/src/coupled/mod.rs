@@ -1,4 +1,4 @@
-//! Two actuators on one coupler: what one is told, the other feels.
+//! Two actuators on one coupler: the command of one also moves the other.
 //!
 //! A test with a translation and a rotation is moved by two actuators that share a stiff coupler. Each has its own
 //! dynamics, the specimen couples them, and the coordinates of the structure (`x`, `theta`) are not the strokes of the

@@ -23,7 +23,7 @@ pub struct VibrationMode {
     pub participation: f64,
 }
 
-/// What the observer of one coordinate is told.
+/// Settings of the observer of one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObserverSettings {
     /// The modes that matter.

@@ -37,7 +37,7 @@ pub struct Bounds {
     pub tracking: f32,
 }
 
-/// What a test is told.
+/// Settings of a test.
 #[derive(Clone, Debug)]
 pub struct CoupledSettings<const N: usize> {
     /// The structure; degrees of freedom 0 and 1 are x and rotation of the interface.
@@ -93,7 +93,7 @@ pub struct CoupledLoop<const N: usize> {
     motion: Pair,
     sent_m: Pair,
     standing: Option<Pair>,
-    /// Share of the ground's acceleration that the observers are told: beside a running test nothing shakes, and a jump of it
+    /// Share of the ground's acceleration that the observers get: beside a running test nothing shakes, and a jump of it
     /// would be a jerk.
     shaken: f32,
     tick: u32,

@@ -5,7 +5,7 @@ use crate::matrix;
 use crate::refusal::Refusal;
 use crate::structure::Structure;
 
-/// What an observer of degree of freedom `axis` is told: the lowest modes of `structure`, their damping ratios
+/// What an observer of degree of freedom `axis` is configured with: the lowest modes of `structure`, their damping ratios
 /// `phi^T C phi / 2 omega` and their parts in the axis' acceleration, `-phi_axis phi^T M iota` for mass-normalised `phi`.
 ///
 /// `noise` is what the target carries, m (or rad) rms; `process_per_s2` the white acceleration beside the ground's.

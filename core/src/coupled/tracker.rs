@@ -8,7 +8,7 @@ use super::pair::Pair;
 use super::plant::Plant;
 use crate::refusal::Refusal;
 
-/// What the tracker is told.
+/// Settings of the tracker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
     /// Geometry between the structure's coordinates and the strokes.

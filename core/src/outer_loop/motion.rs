@@ -74,7 +74,7 @@ impl<const N: usize> OuterLoop<N> {
         next_m
     }
 
-    /// A commissioning signal in place of the test: the command goes where it is told.
+    /// A commissioning signal in place of the test: the command follows it.
     fn pursue(&mut self) -> [f32; N] {
         self.signal.follow(self.goal_m);
         self.goal_m

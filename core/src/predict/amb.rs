@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use crate::predict::checks::{self, Axis};
 
-    /// Of a pure delay in control steps at 2 kHz, told `told` of it.
+    /// Of a pure delay in control steps at 2 kHz, with `told` of it declared.
     fn constants(told: f32) -> Constants {
         let rate = 2000.0_f32;
         let gain = |g: f32, power: f32| g * power * power / rate;

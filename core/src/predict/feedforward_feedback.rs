@@ -9,7 +9,7 @@
 //! `feedback`. State 8 bytes an axis. Cost: some 20 operations.
 //!
 //! # When not to use it
-//! It knows what it was told: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
+//! It uses the declared values: no adaptation. The feedback makes a loop with the actuator, stable by the small gain
 //! theorem while its share times the actuator's largest gain stays below 1.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};

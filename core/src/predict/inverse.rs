@@ -6,7 +6,7 @@
 //! Parameters: `delay_ms`. No state. Cost: 4 operations.
 //!
 //! # When not to use it
-//! First order: the amplitude grows by `(omega tau)^2 / 2`. It knows what it was told.
+//! First order: the amplitude grows by `(omega tau)^2 / 2`. It uses the declared delay.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::Context;

@@ -7,7 +7,7 @@
 //!
 //! # When not to use it
 //! With order 3 the gain at `omega tau` = 1.57 is 15: a mode there is driven to instability, damping or none. Nothing
-//! tells it that the delay is not what it was said to be, and a gain error stays.
+//! shows it that the delay differs from the declared one, and a gain error stays.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::past::{Past, REACH};

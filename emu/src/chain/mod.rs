@@ -229,7 +229,7 @@ impl Chain {
         }
     }
 
-    /// An actuator's output no longer does what it is told.
+    /// An actuator's output no longer follows its command.
     pub fn break_output(&mut self, session: &mut Session<Nucleo>, actuator: usize) {
         match self {
             Self::Internal(internal) => internal.break_output(),
@@ -238,7 +238,7 @@ impl Chain {
     }
 }
 
-/// What a code tells the actuator, m.
+/// The displacement that a code commands, m.
 pub fn command_m(wired: &Calibration, code: u16) -> f64 {
     let line = wired.command;
     (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)

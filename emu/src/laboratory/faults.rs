@@ -3,7 +3,7 @@
 use super::Laboratory;
 use super::pins::{BUTTON, drive, stop_contact};
 use crate::chain::{self, Shown};
-use crate::log::{Fault, Planned, Seen};
+use crate::log::{Fault, LoggedEvent, Planned};
 use crate::nucleo::Nucleo;
 use rigless::device::Level;
 use rigless::emulator::{Host, Stop};
@@ -55,7 +55,7 @@ impl Laboratory {
             return;
         };
         self.gone_wrong += 1;
-        self.note(session, stop.at, Seen::Fault);
+        self.note(session, stop.at, LoggedEvent::Fault);
         self.active = Some(planned.fault);
         match planned.fault {
             Fault::EmergencyStop => stop_contact(session, stop.at, false),
@@ -90,9 +90,9 @@ impl Laboratory {
     /// A reset: every pin of the chip floats at once, and PERMIT is pulled down outside.
     pub(super) fn pins_float(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
         self.resets = session.resets().len();
-        self.note(session, at, Seen::Reset);
+        self.note(session, at, LoggedEvent::Reset);
         if self.permission.set_level(false) {
-            self.note(session, at, Seen::Permit(false));
+            self.note(session, at, LoggedEvent::Permit(false));
         }
         self.permission.reset();
         self.registers.reset();

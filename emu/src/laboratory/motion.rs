@@ -1,4 +1,4 @@
-//! The rig's part of a period: what its actuators are told, where they go, and what its sensors show of it.
+//! The rig's part of a period: the commands of its actuators, where they go, and what its sensors show of it.
 
 use super::Laboratory;
 use crate::chain::{self, Shown};

@@ -1,10 +1,10 @@
 //! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
-use emu::{Fault, Planned, Seen};
+use emu::{Fault, LoggedEvent, Planned};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
-use link::status::{Cause, CrashReport, Start, Status};
+use link::status::{CrashCause, CrashReport, StartCause, Status};
 use outerloop_cli::board::Image;
 use outerloop_core::{Event, Fault as LoopFault, Mode};
 
@@ -47,7 +47,7 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
     let course = desk.course();
     assert_eq!(
         (status.started, status.state),
-        (Start::Watchdog, Mode::Idle)
+        (StartCause::Watchdog, Mode::Idle)
     );
     assert!(!status.permit);
     // The specimen stands where the last command put it, and the converter begins there again.
@@ -68,9 +68,9 @@ fn words(status: &Status) -> &CrashReport {
     status.last_words.as_ref().expect("last words")
 }
 
-/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is told. Gives the
+/// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is reported. Gives the
 /// program's last words.
-fn dies_at_once(drill: u32, cause: Cause) -> String {
+fn dies_at_once(drill: u32, cause: CrashCause) -> String {
     let (course, status) = crash(drill);
     let after = course.permit_low_ns - course.fault_ns;
     assert!(after <= NOTICED_NS + PERIOD_NS, "{after} ns");
@@ -90,7 +90,7 @@ fn dies_at_once(drill: u32, cause: Cause) -> String {
 
 #[test]
 fn a_panic() {
-    let text = dies_at_once(1, Cause::Panic);
+    let text = dies_at_once(1, CrashCause::Panic);
     assert!(
         text.starts_with("drill.rs:") && text.ends_with("a drill"),
         "{text}"
@@ -99,19 +99,19 @@ fn a_panic() {
 
 #[test]
 fn a_hard_fault() {
-    let text = dies_at_once(2, Cause::HardFault);
+    let text = dies_at_once(2, CrashCause::HardFault);
     assert!(text.starts_with("pc 0x080"), "{text}");
 }
 
 #[test]
 fn a_clock_that_stops() {
-    let text = dies_at_once(7, Cause::ClockStopped);
+    let text = dies_at_once(7, CrashCause::ClockStopped);
     assert_eq!(text, "the external clock stopped");
 }
 
 #[test]
 fn a_supply_that_falls() {
-    let text = dies_at_once(8, Cause::LowSupply);
+    let text = dies_at_once(8, CrashCause::LowSupply);
     assert_eq!(text, "the supply fell below 2.9 V");
 }
 
@@ -136,7 +136,7 @@ fn the_watchdogs_clock_at_both_ends_of_its_range() {
 
 #[test]
 fn an_exhausted_stack() {
-    dies_at_once(3, Cause::StackOverflow);
+    dies_at_once(3, CrashCause::StackOverflow);
 }
 
 /// The fault status in such words has a bit of the memory protection unit, and none of the bus, which on this chip need not
@@ -167,7 +167,12 @@ fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
         desk.until_reset();
         let status = desk.status();
         let last = words(&status);
-        assert_eq!(last.cause, Cause::StackOverflow, "{eights}: {}", last.text);
+        assert_eq!(
+            last.cause,
+            CrashCause::StackOverflow,
+            "{eights}: {}",
+            last.text
+        );
         assert!(refused_by_memory_protection(&last.text), "{}", last.text);
     }
     let seen = desk.log().seen;
@@ -176,14 +181,14 @@ fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
             .filter(move |(_, s)| *s == what)
             .map(|(ns, _)| ns)
     };
-    for (fault, reset) in when_ns(Seen::Fault).zip(when_ns(Seen::Reset)) {
+    for (fault, reset) in when_ns(LoggedEvent::Fault).zip(when_ns(LoggedEvent::Reset)) {
         let after = reset - fault;
         assert!(after <= NOTICED_NS + WATCHDOG_NS, "{after} ns");
     }
 }
 
 #[test]
-fn a_starved_task_trips_the_test_before_the_watchdog_bites() {
+fn a_starved_task_trips_the_test_before_the_watchdog_resets() {
     let (course, status) = crash(4);
     let after = course.permit_low_ns - course.fault_ns;
     // Noticed, then the patience with a task.
@@ -197,7 +202,7 @@ fn a_starved_task_trips_the_test_before_the_watchdog_bites() {
     );
     let reset = course.reset_ns.expect("a reset") - course.permit_low_ns;
     assert!(reset <= WATCHDOG_NS, "{reset} ns");
-    assert_eq!(words(&status).cause, Cause::Starved);
+    assert_eq!(words(&status).cause, CrashCause::Starved);
 }
 
 #[test]
@@ -205,7 +210,7 @@ fn a_program_that_hangs_with_interrupts_off_is_reset() {
     let (course, status) = crash(5);
     let after = course.permit_low_ns - course.fault_ns;
     assert!(after <= NOTICED_NS + WATCHDOG_NS, "{after} ns");
-    assert_eq!(words(&status).cause, Cause::Silent);
+    assert_eq!(words(&status).cause, CrashCause::Silent);
 }
 
 #[test]
@@ -218,7 +223,7 @@ fn a_step_that_takes_too_long_trips_in_the_next() {
         Some(LoopFault::DeadlineMissed)
     );
     assert_eq!(status.timing.overruns, 1);
-    assert_eq!(status.started, Start::Power);
+    assert_eq!(status.started, StartCause::Power);
     let course = desk.course();
     let after = course.permit_low_ns - course.fault_ns;
     assert!(after <= 2 * PERIOD_NS + PERIOD_NS / 2, "{after} ns");
@@ -269,13 +274,13 @@ fn the_reset_button_in_mid_test() {
     let status = desk.status();
     assert_eq!(
         (status.started, status.state, status.permit),
-        (Start::Pin, Mode::Idle, false)
+        (StartCause::Pin, Mode::Idle, false)
     );
     let course = desk.course();
     // The pins float at once.
     assert_eq!(course.permit_low_ns, course.fault_ns);
     if crate::IMAGE == Image::Internal {
-        // The chip's own output floats with it: until the relay has fallen, 10 ms, nobody tells the rig where to stand.
+        // The chip's own output floats with it: until the relay has fallen, 10 ms, nothing commands the rig.
         return;
     }
     let first = course.first_after_reset.expect("the board started again");
@@ -289,7 +294,7 @@ fn the_reset_button_in_mid_test() {
     desk.until(Mode::Running);
 }
 
-/// Oil leaks: without PERMIT the rig sinks. The board begins where it is then, and not where it was told to be.
+/// Oil leaks: without PERMIT the rig sinks. The board begins where it is then, and not where it was commanded to be.
 #[test]
 fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     if crate::IMAGE == Image::Internal {
@@ -353,7 +358,7 @@ fn a_wrong_or_missing_crystal_is_seen_and_nothing_can_be_armed() {
                 .log()
                 .seen
                 .iter()
-                .any(|(_, s)| *s == Seen::Permit(true))
+                .any(|(_, s)| *s == LoggedEvent::Permit(true))
         );
     }
 }

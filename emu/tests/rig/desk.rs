@@ -1,7 +1,7 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Converters, Firmware, Laboratory, Log, Mutant, Planned, Seen, Wire};
+use emu::{Converters, Firmware, Laboratory, Log, LoggedEvent, Mutant, Planned, Wire};
 use link::command::Command;
 use link::frame::checksum;
 use link::reply::Reply;
@@ -343,21 +343,21 @@ impl Desk {
         let seen = self.log().seen;
         let at = seen
             .iter()
-            .position(|(_, s)| *s == Seen::Fault)
+            .position(|(_, s)| *s == LoggedEvent::Fault)
             .expect("the fault came");
         let fault_ns = seen[at].0;
         let low = at
             + seen[at..]
                 .iter()
-                .position(|(_, s)| *s == Seen::Permit(false))
+                .position(|(_, s)| *s == LoggedEvent::Permit(false))
                 .expect("PERMIT goes low");
-        let code = |s: &(u64, Seen)| match s.1 {
-            Seen::Command(code) => Some(code),
+        let code = |s: &(u64, LoggedEvent)| match s.1 {
+            LoggedEvent::Command(code) => Some(code),
             _ => None,
         };
         let reset = seen[at..]
             .iter()
-            .position(|(_, s)| *s == Seen::Reset)
+            .position(|(_, s)| *s == LoggedEvent::Reset)
             .map(|i| at + i);
         let end = reset.unwrap_or(seen.len()).max(low);
         Course {

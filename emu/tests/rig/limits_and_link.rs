@@ -2,7 +2,7 @@
 //! reason readable, and every step that was sent received.
 
 use crate::desk::{Desk, PERIOD_NS, config, fine};
-use emu::{Contact, Fault, Planned, Seen};
+use emu::{Contact, Fault, LoggedEvent, Planned};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault as Reason, Method, Mode};
@@ -41,10 +41,10 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
     let seen = desk.log().seen;
     let low = seen
         .iter()
-        .rposition(|(_, s)| *s == Seen::Permit(false))
+        .rposition(|(_, s)| *s == LoggedEvent::Permit(false))
         .unwrap();
-    let code = |s: &(u64, Seen)| match s.1 {
-        Seen::Command(code) => Some(code),
+    let code = |s: &(u64, LoggedEvent)| match s.1 {
+        LoggedEvent::Command(code) => Some(code),
         _ => None,
     };
     let held = seen[..low].iter().rev().find_map(code).unwrap();
@@ -60,7 +60,10 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
     );
     desk.order(Command::Event(Event::Clear));
     assert_eq!(desk.status().state, Mode::Idle);
-    let at = seen.iter().find(|(_, s)| *s == Seen::Fault).map(|s| s.0);
+    let at = seen
+        .iter()
+        .find(|(_, s)| *s == LoggedEvent::Fault)
+        .map(|s| s.0);
     at.map(|at| seen[low].0 - at)
 }
 

@@ -31,7 +31,7 @@ const SLOW: Shaking = Shaking {
     seconds: 7.0,
 };
 
-/// A test of Table 1 that is told 3 ms.
+/// A test of Table 1 with a declared delay of 3 ms.
 const TEST: &str = "
 [structure]
 mass_kg = 1000

@@ -1,7 +1,7 @@
 //! A test that a person stops: the board slows down on its ramp, PERMIT goes when it stands, and nothing that was is lost.
 
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, codes, fine};
-use emu::Seen;
+use emu::LoggedEvent;
 use link::Calibration;
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
@@ -76,15 +76,15 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     assert_eq!(status.trip, None);
     let seen = desk.log().seen;
     let permits = seen.iter().enumerate().filter_map(|(i, (_, s))| match s {
-        Seen::Permit(high) => Some((i, *high)),
+        LoggedEvent::Permit(high) => Some((i, *high)),
         _ => None,
     });
     let permits: Vec<(usize, bool)> = permits.collect();
     let [(_, true), (low, false)] = permits[..] else {
         panic!("PERMIT: {permits:?}");
     };
-    let code = |s: &(u64, Seen)| match s.1 {
-        Seen::Command(code) => Some(code),
+    let code = |s: &(u64, LoggedEvent)| match s.1 {
+        LoggedEvent::Command(code) => Some(code),
         _ => None,
     };
     let before: Vec<u16> = seen[..low].iter().filter_map(code).collect();

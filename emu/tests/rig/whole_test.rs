@@ -1,7 +1,7 @@
 //! A whole pseudodynamic test on the flashed image, over the link, as `outerloop run` does it.
 
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, fine, image};
-use emu::{Firmware, Seen};
+use emu::{Firmware, LoggedEvent};
 use outerloop_cli::board::Image;
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
@@ -100,7 +100,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
         .seen
         .iter()
         .filter_map(|(_, s)| match s {
-            Seen::Command(code) => Some(i32::from(*code)),
+            LoggedEvent::Command(code) => Some(i32::from(*code)),
             _ => None,
         })
         .collect();

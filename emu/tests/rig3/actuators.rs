@@ -1,7 +1,7 @@
 //! Every actuator has its own outputs, limits and faults, and all stop together.
 
 use crate::desk::{ACTUATORS, Bench, Desk, codes};
-use emu::{Fault as Wrong, Log, Planned, Seen};
+use emu::{Fault as Wrong, Log, LoggedEvent, Planned};
 use link::Command;
 use link::reply::Reply;
 use link::telemetry::Input;
@@ -39,7 +39,11 @@ fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
 
 /// What the three outputs have shown in each period since PERMIT went low.
 fn since_the_trip(log: &Log) -> Vec<[Option<u16>; ACTUATORS]> {
-    let low = log.seen.iter().rev().find(|s| s.1 == Seen::Permit(false));
+    let low = log
+        .seen
+        .iter()
+        .rev()
+        .find(|s| s.1 == LoggedEvent::Permit(false));
     let low_ns = low.expect("PERMIT goes low").0;
     let periods = log.triggers_ns.iter().filter(|at| **at > low_ns).count();
     let shown = log.pin.iter().zip(&log.other_pins);

@@ -31,7 +31,7 @@ fn each_wrong_register_is_seen_for_what_it_is() {
     each_is_seen(&CASES);
 }
 
-/// SYNC drives nothing: the AD5754R hears no command.
+/// SYNC drives nothing: the AD5754R receives no command.
 #[test]
 fn commands_that_do_not_reach_their_converter_are_noticed_and_nothing_can_be_armed() {
     is_noticed(GPIOD_MODER, 3 << 4);

@@ -3,7 +3,7 @@
 use super::words::{Malformed, Message, Words, push};
 use outerloop_core::{Fault, Record, Sample};
 
-/// What the PC wants of a control period.
+/// What the PC asks for in a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PeriodRequest<const N: usize> {
     /// A step with this sample, after the command that follows the order if there is one.

@@ -12,7 +12,7 @@ use link::Calibration;
 use link::command::Command;
 use link::frame::DecoderCounts;
 use link::reply::{NumberedReply, Reply};
-use link::status::Start;
+use link::status::StartCause;
 use outerloop_core::Mode;
 
 /// The simulated board with its tasks, and what is broken in it.
@@ -81,7 +81,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     output_delay_us: 40.0,
                     crystal_ok: true,
                     converters_ok: true,
-                    started: Start::Power,
+                    started: StartCause::Power,
                     last_words: None,
                 },
                 Parts {

@@ -1,6 +1,6 @@
 //! Orders from the tasks, carried out in the control interrupt, one a period.
 
-use super::order::{Order, Refused, Returned, Vitals};
+use super::order::{Order, RefusedOrder, Returned, Vitals};
 use super::period::{Output, Station};
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
@@ -12,7 +12,7 @@ impl<const A: usize> Station<A> {
         &mut self,
         order: Order,
         hardware: &mut impl Hardware<A>,
-    ) -> Result<Returned, Refused> {
+    ) -> Result<Returned, RefusedOrder> {
         let idle = self.state() == Mode::Idle;
         match order {
             Order::Event(event) => self.event(event),
@@ -25,14 +25,14 @@ impl<const A: usize> Station<A> {
                 Ok(Returned::Record(words))
             }
             Order::Target(target_m) => {
-                // Without effect where the loop integrates by itself; what is no number never moves anything.
+                // Without effect where the loop integrates by itself; what is not a number never moves anything.
                 if target_m.iter().all(|m| m.is_finite()) {
                     self.setup.outer.set_next_target(&target_m);
                 }
                 Ok(Returned::Nothing)
             }
             Order::Vitals => Ok(Returned::Vitals(self.vitals())),
-            order if !idle => Err(Refused::NotIdle(Some(order))),
+            order if !idle => Err(RefusedOrder::NotIdle(Some(order))),
             Order::Exchange(setup) => {
                 let old = core::mem::replace(&mut self.setup, setup);
                 hardware.set_period(self.setup.period_ticks);
@@ -65,21 +65,23 @@ impl<const A: usize> Station<A> {
         }
     }
 
-    fn event(&mut self, event: Event) -> Result<Returned, Refused> {
+    fn event(&mut self, event: Event) -> Result<Returned, RefusedOrder> {
         if event == Event::Arm && !self.setup.configured {
-            return Err(Refused::NotConfigured);
+            return Err(RefusedOrder::NotConfigured);
         }
         let shaken = self.motion.is_some() && !self.points_are_commands;
         let something = shaken || self.signal.is_some() || self.targets_from_pc;
         if event == Event::Arm && !something {
-            return Err(Refused::NothingToRun);
+            return Err(RefusedOrder::NothingToRun);
         }
         let state = self.setup.outer.handle(event);
         if state == Ok(Mode::Idle) {
             self.output.out_of_range = false;
             self.signal = None;
         }
-        state.map(|_| Returned::Nothing).map_err(Refused::Event)
+        state
+            .map(|_| Returned::Nothing)
+            .map_err(RefusedOrder::Event)
     }
 
     fn vitals(&self) -> Vitals {

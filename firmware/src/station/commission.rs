@@ -5,7 +5,7 @@
 //! commanded is in the record. The control path has libm instead.
 
 use core::num::NonZeroU32;
-use link::command::{CommissioningSignal, Shape};
+use link::command::{CommissioningSignal, SignalShape};
 use micromath::F32Ext;
 use outerloop_core::{Config, GroundMotion, Refusal};
 
@@ -58,7 +58,7 @@ impl Generator {
         }
         let rate_hz = config.timing.rate_hz as f32;
         let top_hz = rate_hz / 20.0;
-        if signal.shape == Shape::Points {
+        if signal.shape == SignalShape::Points {
             let most_m = uploaded_m.unwrap_or(f32::NAN);
             if !(most_m <= signal.amplitude_m) {
                 return refuse(
@@ -69,9 +69,9 @@ impl Generator {
             }
         }
         let frequencies: &[f32] = match &signal.shape {
-            Shape::Constant | Shape::Points => &[],
-            Shape::Sine { frequency_hz } => &[*frequency_hz],
-            Shape::Chirp { from_hz, to_hz } => &[*from_hz, *to_hz],
+            SignalShape::Constant | SignalShape::Points => &[],
+            SignalShape::Sine { frequency_hz } => &[*frequency_hz],
+            SignalShape::Chirp { from_hz, to_hz } => &[*from_hz, *to_hz],
         };
         for &f in frequencies {
             if !(f > 0.0 && f <= top_hz) {
@@ -99,7 +99,7 @@ impl Generator {
 
     /// Whether it goes through the points that were sent.
     pub fn plays_points(&self) -> bool {
-        self.signal.shape == Shape::Points
+        self.signal.shape == SignalShape::Points
     }
 
     /// The next command, m; `None` after the end, where the command is zero. `points` are those that were sent.
@@ -107,7 +107,7 @@ impl Generator {
         if self.step > self.steps {
             return None;
         }
-        if self.signal.shape == Shape::Points {
+        if self.signal.shape == SignalShape::Points {
             let at = self.step / self.substeps;
             let share = (self.step % self.substeps) as f32 / self.substeps.get() as f32;
             let here_m = points.at(at);
@@ -117,8 +117,8 @@ impl Generator {
         let t_s = self.step as f32 * self.step_s;
         let rest_s = (self.steps - self.step) as f32 * self.step_s;
         let shape = match self.signal.shape {
-            Shape::Constant | Shape::Points => 1.0,
-            Shape::Sine { .. } | Shape::Chirp { .. } => {
+            SignalShape::Constant | SignalShape::Points => 1.0,
+            SignalShape::Sine { .. } | SignalShape::Chirp { .. } => {
                 F32Ext::sin(self.phase * core::f32::consts::TAU)
             }
         };
@@ -130,9 +130,9 @@ impl Generator {
 
     fn frequency_hz(&self, t_s: f32) -> f32 {
         match self.signal.shape {
-            Shape::Constant | Shape::Points => 0.0,
-            Shape::Sine { frequency_hz } => frequency_hz,
-            Shape::Chirp { from_hz, to_hz } => {
+            SignalShape::Constant | SignalShape::Points => 0.0,
+            SignalShape::Sine { frequency_hz } => frequency_hz,
+            SignalShape::Chirp { from_hz, to_hz } => {
                 from_hz + (to_hz - from_hz) * t_s / self.signal.seconds
             }
         }
@@ -155,7 +155,7 @@ mod tests {
         config
     }
 
-    fn run(shape: Shape) -> Vec<f32> {
+    fn run(shape: SignalShape) -> Vec<f32> {
         let signal = CommissioningSignal {
             actuator: 0,
             shape,
@@ -175,7 +175,7 @@ mod tests {
         let motion = GroundMotion::new(&points, 1.0, config.model_step_s()).unwrap();
         let signal = CommissioningSignal {
             actuator: 0,
-            shape: Shape::Points,
+            shape: SignalShape::Points,
             amplitude_m: 0.008,
             seconds: 3.0,
         };
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_signal_begins_and_ends_at_zero_and_keeps_its_amplitude_and_frequency() {
-        let sine = run(Shape::Sine { frequency_hz: 2.0 });
+        let sine = run(SignalShape::Sine { frequency_hz: 2.0 });
         assert_eq!(sine.len(), 20_001);
         assert!(sine[0] == 0.0 && sine[20_000].abs() < 1e-7);
         let largest = sine.iter().fold(0.0_f32, |a, x| a.max(x.abs()));
@@ -229,7 +229,7 @@ mod tests {
         let bound = 0.01 * (core::f32::consts::TAU * 2.0 + 1.5 / RAMP_S) / 2000.0 + 3e-5;
         assert!(sine.windows(2).all(|w| (w[1] - w[0]).abs() < bound));
 
-        let constant = run(Shape::Constant);
+        let constant = run(SignalShape::Constant);
         assert_eq!(
             (constant[0], constant[10_000], constant[20_000]),
             (0.0, 0.01, 0.0)
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn a_chirp_goes_through_its_frequencies() {
-        let chirp = run(Shape::Chirp {
+        let chirp = run(SignalShape::Chirp {
             from_hz: 1.0,
             to_hz: 9.0,
         });
@@ -256,7 +256,7 @@ mod tests {
     fn a_signal_beyond_the_limits_is_refused_with_its_name() {
         let good = CommissioningSignal {
             actuator: 0,
-            shape: Shape::Sine { frequency_hz: 2.0 },
+            shape: SignalShape::Sine { frequency_hz: 2.0 },
             amplitude_m: 0.01,
             seconds: 10.0,
         };
@@ -275,7 +275,7 @@ mod tests {
             assert_eq!(name, Some("signal.seconds"));
         }
         for frequency_hz in [0.0, -1.0, 101.0, f32::INFINITY] {
-            let shape = Shape::Chirp {
+            let shape = SignalShape::Chirp {
                 from_hz: 1.0,
                 to_hz: frequency_hz,
             };

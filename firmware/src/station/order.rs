@@ -44,7 +44,7 @@ pub struct Outcome {
     /// The state now.
     pub state: Mode,
     /// What comes back, or why nothing was done.
-    pub result: Result<Returned, Refused>,
+    pub result: Result<Returned, RefusedOrder>,
 }
 
 /// What comes back.
@@ -62,7 +62,7 @@ pub enum Returned {
 }
 
 /// Nothing was done; what was given comes back.
-pub enum Refused {
+pub enum RefusedOrder {
     /// The event means nothing now, or an interlock stands against it.
     Event(Rejected),
     /// There is no test.

@@ -48,7 +48,7 @@ pub struct Station<const A: usize = 1> {
     reports: Producer<'static, Report>,
 }
 
-/// What the converters and the PERMIT line were last told.
+/// The last outputs to the converters and the PERMIT line.
 pub(super) struct Output<const A: usize> {
     feedback: [ErrorFeedback; A],
     /// The last command of one of them could not be shown.
@@ -179,7 +179,7 @@ impl<const A: usize> Station<A> {
         }
     }
 
-    /// What the station has to report with the sample. A starved task means that the PC is not heard any more.
+    /// What the station has to report with the sample. A starved task means that nothing of the PC is received any more.
     fn fault<H: Hardware<A>>(
         &mut self,
         hardware: &H,

@@ -9,7 +9,7 @@ mod uploads;
 
 use super::commission::Generator;
 use super::motion::Writable;
-use super::order::{Order, Outcome, PerActuator, Refused, Returned, Vitals};
+use super::order::{Order, Outcome, PerActuator, RefusedOrder, Returned, Vitals};
 use super::period::Report;
 use super::settings::Wiring;
 use super::setup::{Clock, Setup};
@@ -20,7 +20,7 @@ use link::channel::Calibration;
 use link::command::{Command, CommissioningSignal, MAX_POINTS};
 use link::frame::DecoderCounts;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{CrashReport, Start, Status};
+use link::status::{CrashReport, StartCause, Status};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input, MAX_ACTUATORS};
 use outerloop_core::{Config, Event, Mode, Refusal};
@@ -51,7 +51,7 @@ pub struct Board {
     /// The converters answered at the start.
     pub converters_ok: bool,
     /// Why the board started.
-    pub started: Start,
+    pub started: StartCause,
     /// What was kept across the reset.
     pub last_words: Option<CrashReport>,
 }
@@ -158,7 +158,7 @@ impl Service {
         self.tick = report.tick;
     }
 
-    /// Hears a command. `link` and `stack_bytes` are for the status.
+    /// Receives a command. `link` and `stack_bytes` are for the status.
     pub fn receive(
         &mut self,
         request: u16,
@@ -199,7 +199,7 @@ impl Service {
         }
     }
 
-    /// Hears a good frame that holds no command of this version.
+    /// Receives a good frame that holds no command of this version.
     pub fn not_understood(&mut self, request: u16) -> NumberedReply {
         NumberedReply {
             request,
@@ -309,14 +309,16 @@ impl Service {
         }
     }
 
-    fn refuse(&mut self, refused: Refused) -> CommandResult {
+    fn refuse(&mut self, refused: RefusedOrder) -> CommandResult {
         let reply = match refused {
-            Refused::Event(rejected) => rejected.into(),
-            Refused::NotConfigured => {
+            RefusedOrder::Event(rejected) => rejected.into(),
+            RefusedOrder::NotConfigured => {
                 self.rejected(Some(Event::Arm), Some(Obstacle::NotConfigured))
             }
-            Refused::NothingToRun => self.rejected(Some(Event::Arm), Some(Obstacle::NothingToRun)),
-            Refused::NotIdle(order) => {
+            RefusedOrder::NothingToRun => {
+                self.rejected(Some(Event::Arm), Some(Obstacle::NothingToRun))
+            }
+            RefusedOrder::NotIdle(order) => {
                 match order {
                     Some(Order::Exchange(setup)) => self.spare = Some(setup),
                     Some(Order::Load(motion)) => self.writable = Some(motion.unload()),

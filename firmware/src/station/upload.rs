@@ -23,7 +23,7 @@ pub enum Uploaded {
     Whole,
     /// Out of turn; this point is expected.
     Expected(u32),
-    /// A point is no number.
+    /// A point is NaN or infinite.
     NoNumber {
         /// Its index.
         index: u32,

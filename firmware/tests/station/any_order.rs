@@ -3,7 +3,7 @@
 use crate::common::{Bench, bench, config, pulse};
 use firmware::sim::CODES;
 use link::Calibration;
-use link::command::{Channel, Command, CommissioningSignal, Shape};
+use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::frame::checksum;
 use link::reply::Reply;
 use outerloop_core::{Event, Mode, Pace};
@@ -45,7 +45,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => Just(Command::Zero { actuator: 0, channel: Channel::Force, value: 0.0 }),
         1 => Just(Command::Save),
         1 => Just(Command::Signal(None)),
-        1 => Just(Command::Signal(Some(CommissioningSignal { actuator: 0, shape: Shape::Constant, amplitude_m: 0.001, seconds: 1.0 }))),
+        1 => Just(Command::Signal(Some(CommissioningSignal { actuator: 0, shape: SignalShape::Constant, amplitude_m: 0.001, seconds: 1.0 }))),
         1 => (0_u8..20).prop_map(Command::History),
         1 => prop_oneof![Just(None), Just(Some(Pace::StopAndGo)), Just(Some(Pace::Continuous))].prop_map(Command::Pace),
         1 => prop_oneof![Just(0.002), Just(-1.0), Just(f32::NAN)].prop_map(|m| Command::Target([m].into_iter().collect())),

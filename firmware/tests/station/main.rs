@@ -9,7 +9,7 @@ use common::{Bench, bench, config, fresh, pulse};
 use firmware::sim::CODES;
 use firmware::station::Heartbeat;
 use link::Calibration;
-use link::command::{Channel, Command, CommissioningSignal, Shape};
+use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
@@ -310,7 +310,7 @@ fn a_commissioning_signal_runs_and_ends_by_itself() {
     done(&b.ask(Command::Configure(config())));
     done(&b.ask(Command::Signal(Some(CommissioningSignal {
         actuator: 0,
-        shape: Shape::Sine { frequency_hz: 2.0 },
+        shape: SignalShape::Sine { frequency_hz: 2.0 },
         amplitude_m: 0.01,
         seconds: 3.0,
     }))));
@@ -326,7 +326,7 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
     done(&b.ask(Command::Configure(config())));
     let signal = CommissioningSignal {
         actuator: 0,
-        shape: Shape::Points,
+        shape: SignalShape::Points,
         amplitude_m: 0.01,
         seconds: 3.0,
     };

@@ -41,7 +41,7 @@ fn armed(config: Config, pace: Pace) -> (Bench, u32, u32) {
     (b, since, at)
 }
 
-/// Every step again, fed with the board's codes and what it was told at the steps at which it took it; the targets of the
+/// Every step again, fed with the board's codes and the events at the steps at which it took them; the targets of the
 /// observations and the forces that they are answered with.
 fn again(
     b: &Bench,

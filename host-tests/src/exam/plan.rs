@@ -38,7 +38,7 @@ impl Item {
     /// The record with this id, `class-seed`.
     ///
     /// # Errors
-    /// A sentence where there is no such class or the seed is no number.
+    /// A sentence where there is no such class or the seed is not a number.
     pub fn from_id(id: &str) -> Result<Self, String> {
         let refused = || format!("record id `{id}`: expected CLASS-SEED, as in `unseen-12`");
         let (class, seed) = id.split_once('-').ok_or_else(refused)?;

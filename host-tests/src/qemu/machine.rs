@@ -37,7 +37,7 @@ pub struct Test<'a> {
     pub shaking: &'a Shaking,
 }
 
-/// How the emulator's clock runs and what it tells.
+/// How the emulator's clock runs and what it measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// As fast as it can; what the image times means nothing.

@@ -1,7 +1,7 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 
-use host_tests::loopback::{Loopback, Mishap};
-use link::command::{CommissioningSignal, Shape};
+use host_tests::loopback::{FaultInjection, Loopback};
+use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
     self, BoardBench, Connection, Operator, Played, Port, Timeouts, Trajectory,
@@ -345,7 +345,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
     let mut connection = connect(loopback(&t));
     let signal = CommissioningSignal {
         actuator: 0,
-        shape: Shape::Chirp {
+        shape: SignalShape::Chirp {
             from_hz: 0.5,
             to_hz: 10.0,
         },
@@ -424,11 +424,12 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     let t = test(&[]);
     let mut board = loopback(&t);
     let (person, go) = channel();
-    let enter = || -> Mishap {
+    let enter = || -> FaultInjection {
         let person = person.clone();
         Box::new(move |_| person.send(()).unwrap())
     };
-    let press = |down| -> Mishap { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
+    let press =
+        |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
     // Steps of the board: nothing begins before the first Enter, nothing goes on before the second.
     board.mishaps.extend([
         (3000, enter()),

@@ -4,7 +4,7 @@ use firmware::sim::{CODES, Wire};
 use host_tests::loopback::Loopback;
 use link::Calibration;
 use link::channel::number_of;
-use link::command::{CommissioningSignal, Shape};
+use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
     self, BoardBench, BoardConnection, Connection, Operator, Played, Port, Timeouts, Trajectory,
@@ -63,7 +63,7 @@ fn connect(loopback: Loopback<3>) -> Connection<Loopback<3>> {
 fn chirp() -> Trajectory {
     Trajectory::Formula(CommissioningSignal {
         actuator: 0,
-        shape: Shape::Chirp {
+        shape: SignalShape::Chirp {
             from_hz: 0.5,
             to_hz: 4.0,
         },

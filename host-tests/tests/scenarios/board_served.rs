@@ -130,7 +130,7 @@ fn a_board_serves_one_client_after_another_and_every_step_is_proven() {
 fn a_cut_wire_is_told_and_what_came_before_it_is_kept() {
     let t = test("stop_and_go");
     let mut rig = served(&t, |board| {
-        let cut: host_tests::loopback::Mishap = Box::new(|b| b.cut = true);
+        let cut: host_tests::loopback::FaultInjection = Box::new(|b| b.cut = true);
         board.mishaps.push_back((4000, cut));
     });
     let (forces, summary, trace) = session(&t, rig.as_mut(), &swing(400));
@@ -151,7 +151,7 @@ fn a_lost_frame_ends_a_continuous_test_whose_answer_it_may_have_held_and_no_othe
     ] {
         let t = test(pace);
         let mut rig = served(&t, |board| {
-            let lose: host_tests::loopback::Mishap = Box::new(|b| b.drop_frames = 1);
+            let lose: host_tests::loopback::FaultInjection = Box::new(|b| b.drop_frames = 1);
             board.mishaps.push_back((2500, lose));
         });
         let (_, summary, _) = session(&t, rig.as_mut(), &swing(200));
@@ -181,7 +181,7 @@ fn a_force_beyond_its_limit_trips_the_board_and_stands_against_the_next_client()
     let (forces, summary, _) = session(&tight, rig.as_mut(), &[0.004, 0.01]);
     assert_eq!(summary.trip, Some("force"), "{}", summary.sentences());
     assert!(forces[1].is_nan() && !summary.permit);
-    // It stands where it tripped, beyond its limit: the next client is told so, and nothing moves.
+    // It stands where it tripped, beyond its limit: the next client is refused for that, and nothing moves.
     let (_, summary, _) = session(&tight, rig.as_mut(), &[0.002, 0.004]);
     assert_eq!(
         (summary.verdict, summary.permit),

@@ -2,7 +2,7 @@
 
 use benchmarks::rths::channels::Noise;
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, Record, Row, Rules};
+use benchmarks::rths::{Bench, Contestant, Record, RthsRow, Rules};
 use host_tests::data;
 
 /// Table 3 of the problem: J1 in ms, J2 to J9 in per cent, El Centro, nominal plant.
@@ -26,7 +26,7 @@ fn record(name: &str) -> Option<Record> {
 }
 
 /// The rows of some controllers, nominal plant.
-fn rows(record: Record, names: &[&str], seed: u64) -> Vec<Row> {
+fn rows(record: Record, names: &[&str], seed: u64) -> Vec<RthsRow> {
     let contestants: Vec<_> = names
         .iter()
         .map(|n| Contestant::named(n).expect("a controller"))

@@ -6,7 +6,7 @@ use outerloop_core::Method;
 
 const BILINEAR: &str = "kind = 'bilinear'\nhardening_ratio = 0.05\nyield_mm = ";
 
-/// A yielding specimen behind a second-order actuator; the predictor is told half of the delay.
+/// A yielding specimen behind a second-order actuator; half of the delay is declared to the predictor.
 fn bilinear(delay_ms: f64) -> Scenario {
     let mut s = Scenario::delayed(table1(), delay_ms).with(Method::Tangent);
     s.actuator = format!("kind = 'second_order'\ndelay_ms = {delay_ms:?}");

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorPairSpec {
-    /// Stroke i at rest per command j, rows of strokes: what one actuator is told, the other feels by the second number.
+    /// Stroke i at rest per command j, rows of strokes: the command of one actuator moves the other by the second number.
     #[serde(default = "unit_gain")]
     pub gain: [[f64; 2]; 2],
     /// The slow pole of each command's way, valve and oil, Hz, 0.001 to 10000.

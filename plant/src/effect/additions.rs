@@ -1,7 +1,7 @@
 //! What the effects of a rig add to each of its axes.
 
 use super::catalogue::Effect;
-use super::given::Given;
+use super::given::CheckedEffect;
 use super::row::Channel;
 use super::spec::EffectSpec;
 use crate::delay_line::DelayLine;
@@ -33,14 +33,14 @@ pub(crate) struct Additions {
     /// On the load cell, kg.
     pub(crate) mass_kg: f64,
     /// On the displacement before it is sampled, and on its signal.
-    pub(crate) displacement: Signal,
+    pub(crate) displacement: ChannelAdditions,
     /// On the force before it is sampled, and on its signal.
-    pub(crate) force: Signal,
+    pub(crate) force: ChannelAdditions,
 }
 
 /// The additions to a measuring channel.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Signal {
+pub(crate) struct ChannelAdditions {
     pub(crate) before_sampling: Stages,
     pub(crate) after_sensor: Stages,
 }
@@ -54,7 +54,7 @@ pub(crate) fn additions(
     let mut axes = vec![Additions::default(); stiffness_n_per_m.len()];
     for (i, effect) in effects.iter().enumerate() {
         let path = format!("plant.effects[{i}]");
-        let given = Given::new(effect, &path)?;
+        let given = CheckedEffect::new(effect, &path)?;
         if let Some(axis) = effect.axis {
             Accept::new(1.0, axes.len() as f64, "").check(&format!("{path}.axis"), axis as f64)?;
         }
@@ -89,7 +89,7 @@ fn needs_stiffness(effect: Effect) -> bool {
 }
 
 impl Additions {
-    fn add(&mut self, effect: Effect, given: &Given, stiffness: f64, rate_hz: f64) {
+    fn add(&mut self, effect: Effect, given: &CheckedEffect, stiffness: f64, rate_hz: f64) {
         let step_s = 1.0 / rate_hz;
         let get = |name| given.get(name);
         let milli = |name| given.milli(name);

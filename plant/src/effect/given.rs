@@ -6,12 +6,12 @@ use crate::error::RigError;
 
 /// An effect whose parameters are complete and in range.
 #[derive(Debug)]
-pub(crate) struct Given {
+pub(crate) struct CheckedEffect {
     pub(crate) channel: Channel,
     values: Vec<(&'static str, f64)>,
 }
 
-impl Given {
+impl CheckedEffect {
     /// Checks `spec`, which is at `path` in the test file.
     pub(crate) fn new(spec: &EffectSpec, path: &str) -> Result<Self, RigError> {
         let entry = spec.name.entry();
@@ -78,6 +78,6 @@ impl EffectSpec {
     /// # Errors
     /// A parameter that is missing, unknown or out of its range, by its name.
     pub fn check(&self, path: &str) -> Result<(), RigError> {
-        Given::new(self, path).map(drop)
+        CheckedEffect::new(self, path).map(drop)
     }
 }

@@ -10,7 +10,7 @@ mod given;
 mod row;
 mod spec;
 
-pub(crate) use additions::{Additions, Signal, additions};
+pub(crate) use additions::{Additions, ChannelAdditions, additions};
 pub use catalogue::{Effect, Entry, catalogue};
 pub use row::{Channel, Family, Parameter};
 pub use spec::EffectSpec;

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug)]
 pub struct Drift {
     rate_per_s: f64,
-    grown: Grown,
+    grown: GrowthTime,
 }
 
 impl Drift {
@@ -12,7 +12,7 @@ impl Drift {
     pub fn new(rate_per_s: f64, time_constant_s: f64, step_s: f64) -> Self {
         Self {
             rate_per_s,
-            grown: Grown::new(time_constant_s, step_s),
+            grown: GrowthTime::new(time_constant_s, step_s),
         }
     }
 
@@ -27,7 +27,7 @@ impl Drift {
 #[derive(Clone, Debug)]
 pub struct WarmUp {
     change_per_s: f64,
-    grown: Grown,
+    grown: GrowthTime,
 }
 
 impl WarmUp {
@@ -35,7 +35,7 @@ impl WarmUp {
     pub fn new(change: f64, time_constant_s: f64, step_s: f64) -> Self {
         Self {
             change_per_s: change / time_constant_s,
-            grown: Grown::new(time_constant_s, step_s),
+            grown: GrowthTime::new(time_constant_s, step_s),
         }
     }
 
@@ -48,13 +48,13 @@ impl WarmUp {
 
 /// Seconds, the later ones counting less: `T (1 - exp(-t / T))`, or `t` where T is 0.
 #[derive(Clone, Debug)]
-struct Grown {
+struct GrowthTime {
     time_constant_s: f64,
     step_s: f64,
     steps: u64,
 }
 
-impl Grown {
+impl GrowthTime {
     fn new(time_constant_s: f64, step_s: f64) -> Self {
         Self {
             time_constant_s,

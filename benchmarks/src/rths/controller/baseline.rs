@@ -1,6 +1,6 @@
 //! The published controller: PI with phase lead.
 
-use super::interface::{Controller, Declared, Seen};
+use super::interface::{Controller, ControllerInput, Declared};
 use crate::linear::Section;
 use crate::rths::size::RATE_HZ;
 
@@ -19,7 +19,7 @@ pub(super) fn make(_: &Declared) -> Box<dyn Controller> {
 }
 
 impl Controller for Baseline {
-    fn command_m(&mut self, seen: &Seen) -> f64 {
+    fn command_m(&mut self, seen: &ControllerInput) -> f64 {
         let error_m = self.lead.step(seen.floors_m[0]) - seen.displacement_m;
         let command_m = 2.0 * error_m + self.integral_m;
         // The error is a reading: held until the next, its integral is exactly this sum.

@@ -1,6 +1,6 @@
 //! Core's methods, in f32 as they fly: behind the problem's numerical part, or with core's own integration.
 
-use super::interface::{Controller, Declared, Seen};
+use super::interface::{Controller, ControllerInput, Declared};
 use crate::Refused;
 use crate::rths::case::Case;
 use crate::rths::channels;
@@ -15,9 +15,9 @@ use outerloop_core::{
     config::{Adaptation, Compensation, Hydraulic, StructureConfig, Tangent, Timing},
 };
 
-/// What core is told.
+/// Settings of core.
 #[derive(Clone, Debug)]
-pub(super) struct Setup {
+pub(super) struct CoreSetup {
     compensation: Compensation,
     /// Command of the rig per command of the loop: found when the rig was calibrated, at rest.
     calibration: f64,
@@ -25,7 +25,7 @@ pub(super) struct Setup {
     late_steps: f64,
 }
 
-impl Setup {
+impl CoreSetup {
     /// For `method`: the same for all. Adaptive ones may learn in motions of a fifth of a millimetre, and the time series
     /// from what moves below 8 Hz, twice the first natural frequency: above is noise.
     pub fn new(declared: &Declared, method: Method, lead_steps: f64, late_steps: f64) -> Self {
@@ -100,7 +100,7 @@ struct Behind {
 }
 
 impl Controller for Behind {
-    fn command_m(&mut self, seen: &Seen) -> f64 {
+    fn command_m(&mut self, seen: &ControllerInput) -> f64 {
         let [_, above, top] = seen.floors_m.map(|u| u as f32);
         let command_m = self.follower.step(
             seen.floors_m.map(|u| u as f32),
@@ -124,7 +124,7 @@ const STEPS_AT_REST: usize = 300;
 impl<'a, const L: usize> CoreLoops<'a, L> {
     pub(super) fn new(
         declared: &Declared,
-        setup: &Setup,
+        setup: &CoreSetup,
         shaking: &'a Shaking,
     ) -> Result<Self, Refused> {
         let cannot = |e: &dyn std::fmt::Display| Refused::new(format!("rths: {e}"));
@@ -176,7 +176,7 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
     }
 }
 
-/// Delay of the declared plant at the first natural frequency, ms: what methods that are told a delay are told.
+/// Delay of the declared plant at the first natural frequency, ms: the delay that methods with a delay parameter are given.
 fn delay_ms(declared: &Declared) -> f64 {
     let case = &declared.case;
     let stiffness = case.reference().stiffness / case.mass_kg;

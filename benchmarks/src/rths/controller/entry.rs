@@ -1,7 +1,7 @@
 //! Who is on trial, by name.
 
 use super::core_method::CoreLoops;
-use super::core_method::Setup;
+use super::core_method::CoreSetup;
 use super::interface::{Controller, Declared};
 use super::outside::{OUTSIDE, Outside};
 use crate::Refused;
@@ -126,7 +126,7 @@ impl Contestant {
         }
     }
 
-    /// What it is told beside the target and its readings.
+    /// What it knows beside the target and its readings.
     pub fn told(&self) -> &'static str {
         match self.who {
             Who::Outside(outside) => outside.told,
@@ -180,8 +180,8 @@ impl Contestant {
         }
     }
 
-    fn setup(&self, declared: &Declared, method: Method) -> Setup {
-        Setup::new(declared, method, self.lead_steps, self.late_steps)
+    fn setup(&self, declared: &Declared, method: Method) -> CoreSetup {
+        CoreSetup::new(declared, method, self.lead_steps, self.late_steps)
     }
 
     fn declared(&self, case: &Case) -> Declared {

@@ -1,7 +1,7 @@
 //! The inverse of the declared plant to third order, fixed: `A_0 r + A_1 r' + A_2 r'' + A_3 r'''` over the numerator, with
 //! backward differences of the target.
 
-use super::interface::{Controller, Declared, Seen};
+use super::interface::{Controller, ControllerInput, Declared};
 use crate::rths::size::RATE_HZ;
 
 struct FixedInverse {
@@ -20,7 +20,7 @@ pub(super) fn make(declared: &Declared) -> Box<dyn Controller> {
 }
 
 impl Controller for FixedInverse {
-    fn command_m(&mut self, seen: &Seen) -> f64 {
+    fn command_m(&mut self, seen: &ControllerInput) -> f64 {
         let r = seen.floors_m[0];
         let first = r - self.last_m[0];
         let second = first - self.last_m[1];

@@ -1,4 +1,4 @@
-//! What a controller sees, does and is told.
+//! What a controller measures, does and knows beforehand.
 
 use crate::rths::case::Case;
 use crate::rths::parameters::Parameters;
@@ -6,7 +6,7 @@ use crate::rths::size::FLOORS;
 
 /// What a controller gets to see at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct ControllerInput {
     /// Floors of the numerical part at this sample, m; the first is the target of the specimen.
     pub floors_m: [f64; FLOORS],
     /// Displacement of the specimen at this sample as it was read, noise and all, m.
@@ -18,7 +18,7 @@ pub struct Seen {
 /// A controller on trial, at rest when it is made.
 pub trait Controller: Send {
     /// One sample; the command is held until the next, m.
-    fn command_m(&mut self, seen: &Seen) -> f64;
+    fn command_m(&mut self, seen: &ControllerInput) -> f64;
 
     /// What the controller believes the displacement of this sample to be, m. Officially nobody is judged by it; it is
     /// used where the rules deviate so.
@@ -27,7 +27,7 @@ pub trait Controller: Send {
     }
 }
 
-/// What a controller is told before the test. The drawn plant is nobody's to know.
+/// What a controller knows before the test: never the drawn plant.
 #[derive(Clone, Copy, Debug)]
 pub struct Declared {
     /// The structure.

@@ -6,7 +6,7 @@ mod miniseed;
 mod points;
 mod strong_motion;
 
-pub use points::{Columns, Unit};
+pub use points::{ColumnChoice, Unit};
 
 use super::header::Header;
 use super::table::{NumberTable, number};
@@ -34,7 +34,7 @@ impl GroundMotionFile {
     ///
     /// # Errors
     /// Anything that cannot be what it says, with the line.
-    pub fn load(path: &Path, columns: Columns) -> Result<Self, Failure> {
+    pub fn load(path: &Path, columns: ColumnChoice) -> Result<Self, Failure> {
         let file = path.display().to_string();
         let points = Self::points(path, &file, columns)?;
         if let (Some(own), Some(said)) = (points.unit, columns.unit)
@@ -59,7 +59,7 @@ impl GroundMotionFile {
     }
 
     /// What the file holds, by its format.
-    fn points(path: &Path, file: &str, columns: Columns) -> Result<Points, Failure> {
+    fn points(path: &Path, file: &str, columns: ColumnChoice) -> Result<Points, Failure> {
         if let Some(sensitivity) = columns.sensitivity
             && !(sensitivity > 0.0 && sensitivity.is_finite())
         {
@@ -175,7 +175,7 @@ fn points_of(table: &NumberTable) -> Result<Points, Failure> {
 }
 
 /// The variables of a MAT or HDF5 file: a table with times, or one series with what is said beside it.
-fn of_variables(table: &NumberTable, columns: Columns) -> Result<Points, Failure> {
+fn of_variables(table: &NumberTable, columns: ColumnChoice) -> Result<Points, Failure> {
     match (&table.columns[..], columns.interval_s, columns.unit) {
         ([acc], Some(interval_s), Some(unit)) if interval_s > 0.0 && interval_s < 10.0 => Ok(Points {
             interval_s,
@@ -226,7 +226,7 @@ fn interval_s(table: &NumberTable, time: &[f64]) -> Result<f64, Failure> {
 }
 
 /// Accelerations alone, any number of them a line, or time and acceleration in two columns without a header.
-fn read_numbers(file: &str, text: &str, columns: Columns) -> Result<Points, Failure> {
+fn read_numbers(file: &str, text: &str, columns: ColumnChoice) -> Result<Points, Failure> {
     let Some(unit) = columns.unit else {
         return Err(Failure::input(format!(
             "{file}: has numbers and no header: accepted with --unit g|m/s2|gal, and --dt S unless it has two columns, \

@@ -6,7 +6,7 @@ use crate::files::header::unit_named;
 
 /// What is said on the command line about a file that does not say it itself.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Columns {
+pub struct ColumnChoice {
     /// `--dt`, s.
     pub interval_s: Option<f64>,
     /// `--unit`.

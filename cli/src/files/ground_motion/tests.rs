@@ -1,14 +1,14 @@
 use super::*;
 
-fn load(name: &str, text: &str, columns: Columns) -> Result<GroundMotionFile, String> {
+fn load(name: &str, text: &str, columns: ColumnChoice) -> Result<GroundMotionFile, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
     GroundMotionFile::load(&path, columns).map_err(|e| e.to_string())
 }
 
-fn plain(dt: f64, unit: Unit) -> Columns {
-    Columns {
+fn plain(dt: f64, unit: Unit) -> ColumnChoice {
+    ColumnChoice {
         interval_s: Some(dt),
         unit: Some(unit),
         sensitivity: None,
@@ -22,7 +22,7 @@ fn miniseed(
     sensitivity: Option<f64>,
 ) -> Result<GroundMotionFile, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/miniseed");
-    let columns = Columns {
+    let columns = ColumnChoice {
         interval_s: None,
         unit,
         sensitivity,
@@ -82,7 +82,7 @@ fn miniseed_that_cannot_be_an_acceleration_is_refused() {
         assert!(e.contains(said) && !e.contains('\n'), "{e}");
     }
     let whole = include_bytes!("../../../tests/miniseed/steim2.mseed");
-    let columns = Columns {
+    let columns = ColumnChoice {
         interval_s: None,
         unit: metres,
         sensitivity: Some(1e6),
@@ -126,14 +126,14 @@ fn the_same_motion_in_every_format_is_the_same() {
     let csv = load(
         "a.csv",
         "time_s,acc_g\n0,0.1\n0.02,-0.2\n0.04,0.3\n",
-        Columns::default(),
+        ColumnChoice::default(),
     )
     .unwrap();
     let head = "PEER\nx\nACCELERATION TIME SERIES IN UNITS OF G\n";
     let text = format!("{head}NPTS=   3, DT= .0200 SEC\n .1 -.2\n .3\n");
-    let at2 = load("a.AT2", &text, Columns::default()).unwrap();
+    let at2 = load("a.AT2", &text, ColumnChoice::default()).unwrap();
     let text = format!("{head}   3   .0200   NPTS, DT\n .1 -.2\n .3\n");
-    let old_at2 = load("a.at2", &text, Columns::default()).unwrap();
+    let old_at2 = load("a.at2", &text, ColumnChoice::default()).unwrap();
     let text = "# gal\n98.0665\n-196.133\n294.1995\n";
     let column = load("a.txt", text, plain(0.02, Unit::Gal)).unwrap();
     for other in [&at2, &old_at2, &column] {
@@ -196,7 +196,7 @@ fn the_networks_formats_hold_the_same_motion() {
         ("e.txt", at2),
         ("f.csv", dialect),
     ] {
-        let g = load(name, text, Columns::default()).unwrap();
+        let g = load(name, text, ColumnChoice::default()).unwrap();
         assert!(
             (g.interval_s - 0.02).abs() < 1e-9,
             "{name}: {}",
@@ -210,9 +210,9 @@ fn the_networks_formats_hold_the_same_motion() {
     }
     let one_line = load("g.txt", "98.0665 -196.133 294.1995", plain(0.02, Unit::Gal)).unwrap();
     assert_eq!(one_line.acc_m_per_s2.len(), 3);
-    let unit = Columns {
+    let unit = ColumnChoice {
         unit: Some(Unit::Gal),
-        ..Columns::default()
+        ..ColumnChoice::default()
     };
     let two = load("h.txt", "0 98.0665\n0.02 -196.133\n0.04 294.1995\n", unit).unwrap();
     assert!((two.interval_s - 0.02).abs() < 1e-9 && two.acc_m_per_s2.len() == 3);
@@ -226,7 +226,7 @@ fn the_networks_formats_hold_the_same_motion() {
         ("a.v2", &few, "line 5: `3 po`"),
         ("e.txt", &at2.replace("CM/SEC/SEC", "FT/SEC/SEC"), "line 3"),
     ] {
-        let e = load(name, text, Columns::default()).unwrap_err();
+        let e = load(name, text, ColumnChoice::default()).unwrap_err();
         assert!(e.contains(said), "{said} is not in: {e}");
     }
     let e = load("a.csv", "time_s,acc_g\n0,0\n0.02,1\n", unit).unwrap_err();
@@ -234,7 +234,7 @@ fn the_networks_formats_hold_the_same_motion() {
 }
 
 /// A MAT file of version 7.3, which is HDF5, with these vectors.
-fn variables(named: &[(&str, &[f64])], columns: Columns) -> Result<GroundMotionFile, String> {
+fn variables(named: &[(&str, &[f64])], columns: ColumnChoice) -> Result<GroundMotionFile, String> {
     use hdf5_pure::mat::{Options, builder::MatBuilder};
     let mut file = MatBuilder::new(Options::default());
     for (name, values) in named {
@@ -252,7 +252,7 @@ fn variables_of_a_binary_file_are_columns() {
     let g = |acc: &[f64]| -> Vec<f32> { acc.iter().map(|a| (a * 9.80665) as f32).collect() };
     let one = variables(
         &[("time_s", &time_s), ("acc_g", &acc), ("vel_x", &acc)],
-        Columns::default(),
+        ColumnChoice::default(),
     );
     assert_eq!(one.as_ref().unwrap().acc_m_per_s2, g(&acc));
     assert_eq!(one.unwrap().interval_s, 0.01);
@@ -273,7 +273,7 @@ fn variables_of_a_binary_file_are_columns() {
             "acc_g has 2 values",
         ),
     ] {
-        let e = variables(named, Columns::default()).unwrap_err();
+        let e = variables(named, ColumnChoice::default()).unwrap_err();
         assert!(e.contains(said) && !e.contains('\n'), "{e}");
     }
 }
@@ -284,7 +284,7 @@ fn rounded_times_are_a_constant_interval() {
     for i in 0..4000 {
         text += &format!("{:.4},0.1\n", f64::from(i) / 256.0);
     }
-    let g = load("a.csv", &text, Columns::default()).unwrap();
+    let g = load("a.csv", &text, ColumnChoice::default()).unwrap();
     assert!((g.interval_s - 1.0 / 256.0).abs() < 1e-7);
 }
 
@@ -343,7 +343,7 @@ fn each_mistake_is_refused_with_its_line() {
         ),
         ("a.txt", "0\n1\n", "--dt"),
     ] {
-        let e = load(name, text, Columns::default()).unwrap_err();
+        let e = load(name, text, ColumnChoice::default()).unwrap_err();
         assert!(e.contains(said), "{said} is not in: {e}");
         assert!(!e.contains('\n'));
     }

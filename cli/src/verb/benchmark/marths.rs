@@ -2,14 +2,14 @@
 
 use super::shared::refused;
 use crate::failure::Failure;
-use crate::files::ground_motion::{Columns, GroundMotionFile};
+use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
 use crate::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{self, Progress, table};
 use crate::verb::json;
-use benchmarks::marths::bench::{self, Problem, Record, Row};
+use benchmarks::marths::bench::{self, MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ impl Marths {
             .into_iter()
             .map(|name| {
                 let file = folder.join(format!("ground-motion/RTHSBENCH_{name}.csv"));
-                let motion = GroundMotionFile::load(&file, Columns::default())?;
+                let motion = GroundMotionFile::load(&file, ColumnChoice::default())?;
                 let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
                 problem
                     .record(name, &points, motion.interval_s)
@@ -191,7 +191,7 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
     .map_err(refused)
 }
 
-fn print(rows: &[Row]) {
+fn print(rows: &[MarthsRow]) {
     println!("{LEGEND}\n");
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         let Some(first) = group.first() else { continue };

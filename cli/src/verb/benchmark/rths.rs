@@ -2,7 +2,7 @@
 
 use super::shared::{data_folder, named, refused};
 use crate::failure::Failure;
-use crate::files::ground_motion::{Columns, GroundMotionFile};
+use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
 use crate::files::table::NumberTable;
 use crate::provenance::{WithProvenance, note_seed};
@@ -12,9 +12,9 @@ use crate::verb::json;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{SUMMARY_LEGEND, number, summary, summary_head};
-use benchmarks::rths::verdict::{CAUTION, Target, best, targets};
+use benchmarks::rths::verdict::{CAUTION, Statement, best, targets};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, Row, Rules, follow};
+use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow, Rules, follow};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -169,7 +169,7 @@ impl Rths {
         files
             .iter()
             .map(|path| {
-                let file = GroundMotionFile::load(path, Columns::default())?;
+                let file = GroundMotionFile::load(path, ColumnChoice::default())?;
                 Ok(Record::new(
                     &file.name,
                     &file.acc_m_per_s2,
@@ -285,7 +285,7 @@ fn commands(file: &Path, targets_m: &[f64]) -> Result<Vec<f64>, Failure> {
     }
 }
 
-fn print(rules: &Rules, rows: &[Row], targets: &[Target]) {
+fn print(rules: &Rules, rows: &[RthsRow], targets: &[Statement]) {
     println!("Rules: {}.", rules.name());
     for target in targets {
         println!("  {}", target.sentence());

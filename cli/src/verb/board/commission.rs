@@ -12,7 +12,7 @@ use crate::verb::rig_arguments::{MovedActuator, RigArguments};
 use crate::wording::digits;
 use clap::Args;
 use diagnosis::Identified;
-use link::command::Shape;
+use link::command::SignalShape;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -97,11 +97,11 @@ impl Commission {
     fn trajectory(&self) -> Result<Trajectory, Failure> {
         let shape = match &self.signal {
             Wanted::File(path) => return SignalPoints::load(path).map(Trajectory::Points),
-            Wanted::Constant => Shape::Constant,
-            Wanted::Sine => Shape::Sine {
+            Wanted::Constant => SignalShape::Constant,
+            Wanted::Sine => SignalShape::Sine {
                 frequency_hz: self.from_hz,
             },
-            Wanted::Chirp => Shape::Chirp {
+            Wanted::Chirp => SignalShape::Chirp {
                 from_hz: self.from_hz,
                 to_hz: self.to_hz,
             },

@@ -10,7 +10,7 @@ use core::cell::UnsafeCell;
 pub struct Control<C, const A: usize = 1> {
     /// The loop and what is around it.
     pub station: Station<A>,
-    /// The board's hands.
+    /// The board's inputs and outputs.
     pub metal: Metal<C>,
 }
 

@@ -1,4 +1,4 @@
-//! What the control interrupt wants from the converters of an image: the chip's own ([`internal`](super::internal)), or
+//! What the control interrupt requires of the converters of an image: the chip's own ([`internal`](super::internal)), or
 //! external ones of 16 bits for one actuator ([`nucleo_f429zi_16`](crate::board::nucleo_f429zi_16)) or for three
 //! ([`nucleo_f429zi_3`](crate::board::nucleo_f429zi_3)).
 

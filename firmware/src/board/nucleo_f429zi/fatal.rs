@@ -14,7 +14,7 @@ use core::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
 use embassy_stm32::{interrupt, pac};
 use heapless::String;
-use link::status::{Cause, CrashReport};
+use link::status::{CrashCause, CrashReport};
 
 /// Bytes at the end of the stack that a fault's frame and its floating-point registers need.
 const FRAME: u32 = 104 + 8;
@@ -50,7 +50,7 @@ fn drop_permit() {
 }
 
 /// The end, with PERMIT low: the reason is kept, and the watchdog resets the chip.
-fn die(cause: Cause, text: String<96>) -> ! {
+fn die(cause: CrashCause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
     pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
     // SAFETY: null or what `note_heartbeats` was given.
@@ -82,7 +82,7 @@ fn write_panic(info: &core::panic::PanicInfo<'_>) -> ! {
         let _ = write!(text, "{file}:{} ", at.line());
     }
     let _ = write!(text, "{}", info.message());
-    die(Cause::Panic, text.0)
+    die(CrashCause::Panic, text.0)
 }
 
 /// As much of a text as fits.
@@ -102,7 +102,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// Stack that is left for telling of a fault, at least: what tells takes some 900 bytes of it.
+/// Stack that is left for writing down a fault, at least: that takes some 900 bytes of it.
 pub const ROOM_TO_TELL: u32 = 2048;
 
 /// A fault of the processor: drops PERMIT, then finds a stack that can be used.
@@ -137,12 +137,12 @@ extern "C" fn faulted(frame: u32) -> ! {
             text,
             "the stack grew beyond {end:#010x}, CFSR {status:#010x}"
         );
-        die(Cause::StackOverflow, text.0)
+        die(CrashCause::StackOverflow, text.0)
     }
     // SAFETY: the frame lies in the stack; its seventh word is the program counter.
     let pc = unsafe { (frame as *const u32).add(6).read_volatile() };
     let _ = write!(text, "pc {pc:#010x}, CFSR {status:#010x}");
-    die(Cause::HardFault, text.0)
+    die(CrashCause::HardFault, text.0)
 }
 
 /// The external clock has stopped.
@@ -150,7 +150,7 @@ extern "C" fn faulted(frame: u32) -> ! {
 unsafe fn NonMaskableInt() -> ! {
     drop_permit();
     die(
-        Cause::ClockStopped,
+        CrashCause::ClockStopped,
         link::reply::cut("the external clock stopped"),
     )
 }
@@ -160,7 +160,7 @@ unsafe fn NonMaskableInt() -> ! {
 fn PVD() {
     drop_permit();
     die(
-        Cause::LowSupply,
+        CrashCause::LowSupply,
         link::reply::cut("the supply fell below 2.9 V"),
     )
 }

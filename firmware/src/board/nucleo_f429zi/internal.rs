@@ -83,9 +83,9 @@ impl Sensors {
 }
 
 /// Channel 1 of the DAC: what is written waits for TIM4.
-pub struct Command;
+pub struct DacOutput;
 
-impl Command {
+impl DacOutput {
     /// Puts the pin at `code` at once, then leaves it to TIM4.
     pub fn new(_dac: Peri<'static, DAC1>, pin: Peri<'static, PA4>, code: u16) -> Self {
         rcc::enable_and_reset::<DAC1>();
@@ -114,7 +114,7 @@ impl Command {
 /// The chip's own converters.
 pub struct Internal {
     sensors: Sensors,
-    command: Command,
+    command: DacOutput,
     further_adc: FurtherAdc,
     period: Period,
 }
@@ -144,7 +144,7 @@ impl Converters for Internal {
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
         // SAFETY: the DAC drives the pin and ADC2 looks at it; both want it analogue and nothing else.
         let command_pin = unsafe { r.pa4.clone_unchecked() };
-        let command = Command::new(r.dac1, r.pa4, standing(0, first[0]));
+        let command = DacOutput::new(r.dac1, r.pa4, standing(0, first[0]));
         let inputs = [
             command_pin.degrade_adc(),
             r.pc3.degrade_adc(),

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 use embassy_stm32::pac;
 use link::frame::checksum;
-use link::status::{Cause, CrashReport, Start};
+use link::status::{CrashCause, CrashReport, StartCause};
 use outerloop_core::Mode;
 
 /// Bytes of coded last words, at most.
@@ -75,28 +75,28 @@ pub fn take() -> Option<CrashReport> {
 }
 
 /// Why the chip started; the flags are cleared for the next time.
-pub fn start() -> Start {
+pub fn start() -> StartCause {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
     if flags.wdgrstf() || flags.wwdgrstf() {
-        Start::Watchdog
+        StartCause::Watchdog
     } else if flags.sftrstf() {
-        Start::Software
+        StartCause::Software
     } else if flags.porrstf() {
-        Start::Power
+        StartCause::Power
     } else if flags.borrstf() {
-        Start::BrownOut
+        StartCause::BrownOut
     } else {
-        Start::Pin
+        StartCause::Pin
     }
 }
 
 /// The last words that belong to such a start. A watchdog that nobody has announced is news too.
-pub fn last_words(start: Start) -> Option<CrashReport> {
+pub fn last_words(start: StartCause) -> Option<CrashReport> {
     match (start, take()) {
-        (Start::Power | Start::BrownOut, _) => None,
-        (Start::Watchdog, None) => Some(CrashReport {
-            cause: Cause::Silent,
+        (StartCause::Power | StartCause::BrownOut, _) => None,
+        (StartCause::Watchdog, None) => Some(CrashReport {
+            cause: CrashCause::Silent,
             tick: 0,
             state: Mode::Idle,
             text: link::reply::cut("the control interrupt stopped"),

@@ -1,4 +1,4 @@
-//! The hands of the control interrupt.
+//! What the control interrupt reads and switches on the chip.
 
 use super::converters::Converters;
 use super::kept;
@@ -9,12 +9,12 @@ use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{Input as Pin, Output};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
-use link::status::{Cause, CrashReport};
+use link::status::{CrashCause, CrashReport};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use outerloop_core::Mode;
 
-/// The watchdog bites so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
+/// The watchdog resets the chip so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
 pub const WATCHDOG_US: u32 = 25_000;
 
 /// The processor's cycles.
@@ -123,11 +123,11 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     fn starving(&mut self, task: Heartbeat, tick: u32, state: Mode) {
         if !core::mem::replace(&mut self.starving, true) {
             kept::keep(&CrashReport {
-                cause: Cause::Starved,
+                cause: CrashCause::Starved,
                 tick,
                 state,
                 text: link::reply::cut(match task {
-                    Heartbeat::Listen => "the task that hears commands",
+                    Heartbeat::Listen => "the task that receives commands",
                     Heartbeat::Report => "the task that sends reports",
                     Heartbeat::Pc => "the PC",
                 }),

@@ -22,12 +22,12 @@ const CONTROL: u16 = 1 << 9 | 1 << 6 | 1 << 5 | 1 << 3;
 const CONTROL_MASK: u32 = 0xfff;
 
 /// The converter.
-pub struct Dac {
+pub struct Ad5761r {
     bus: OutputBus,
     answered: bool,
 }
 
-impl Dac {
+impl Ad5761r {
     /// Set up, unless it already is and holds its voltage.
     pub fn new(bus: OutputBus) -> Self {
         let mut dac = Self {

@@ -28,7 +28,7 @@ const US: u32 = super::super::nucleo_f429zi::clocks::CORE_HZ / 1_000_000;
 const FIRST_SAMPLE_CYCLES: u32 = 100 * US;
 
 /// The converter.
-pub struct Adc {
+pub struct Ad7606 {
     bus: Bus,
     select: Output<'static>,
 }
@@ -39,7 +39,7 @@ pub struct ConversionPins {
     busy: Flex<'static>,
 }
 
-impl Adc {
+impl Ad7606 {
     /// Reset and ready.
     pub fn new(
         _spi: Peri<'static, SPI1>,

@@ -16,7 +16,7 @@ const AF_SPI3: u8 = 6;
 /// A bus with one chip on it.
 pub struct Bus(Spi);
 
-/// How the chip wants to be talked to.
+/// Clock, edge and word length that the chip needs.
 pub struct SpiMode {
     /// The clock's level between words.
     pub idle: Cpol,

@@ -33,8 +33,8 @@ pub(super) mod timers;
 
 use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
 use super::nucleo_f429zi::period::Period;
-use ad5761r::Dac;
-use ad7606::Adc;
+use ad5761r::Ad5761r;
+use ad7606::Ad7606;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use output::OutputBus;
@@ -54,8 +54,8 @@ pub(super) const SPAN_V: [f32; 2] = [-10.0, 10.0];
 
 /// The external converters.
 pub struct External {
-    adc: Adc,
-    dac: Dac,
+    adc: Ad7606,
+    dac: Ad5761r,
     period: Period,
     /// V3 to V5 of the last sample.
     further: [u16; MAX_INPUTS],
@@ -80,12 +80,12 @@ impl Converters for External {
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
     ) -> StartedConverters<Self> {
-        let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
+        let mut adc = Ad7606::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let first = sampled.unwrap_or([CODES.sensor_top / 2; 2]);
         let wires = (r.pc10, r.pc11, r.pc12);
         let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
-        let mut dac = Dac::new(bus);
+        let mut dac = Ad5761r::new(bus);
         let answered = dac.answered() && sampled.is_some();
         dac.write(standing(0, first[0]));
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);

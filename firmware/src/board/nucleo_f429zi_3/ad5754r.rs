@@ -44,12 +44,12 @@ const SIGN: u16 = 0x8000;
 pub const OUTPUTS: usize = 3;
 
 /// The converter.
-pub struct Dac {
+pub struct Ad5754r {
     bus: OutputBus,
     answered: bool,
 }
 
-impl Dac {
+impl Ad5754r {
     /// Set up, unless it already is and holds its voltages.
     pub fn new(bus: OutputBus) -> Self {
         let mut dac = Self {

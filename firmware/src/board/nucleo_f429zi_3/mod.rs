@@ -39,11 +39,11 @@ mod ad5754r;
 use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
 use super::nucleo_f429zi::further_adc::FurtherAdc;
 use super::nucleo_f429zi::period::Period;
-use super::nucleo_f429zi_16::ad7606::Adc;
+use super::nucleo_f429zi_16::ad7606::Ad7606;
 use super::nucleo_f429zi_16::output::OutputBus;
 use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US, LATEST_BEGIN_US};
 use super::nucleo_f429zi_16::{CODES, SPAN_V};
-use ad5754r::{Dac, OUTPUTS};
+use ad5754r::{Ad5754r, OUTPUTS};
 use embassy_stm32::adc::AdcChannel;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
@@ -53,8 +53,8 @@ const INPUTS: usize = 8;
 
 /// The external converters.
 pub struct ExternalThree {
-    adc: Adc,
-    dac: Dac,
+    adc: Ad7606,
+    dac: Ad5754r,
     further_adc: FurtherAdc,
     period: Period,
     /// V7 and V8 of the last sample.
@@ -82,12 +82,12 @@ impl Converters<OUTPUTS> for ExternalThree {
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
     ) -> StartedConverters<Self, OUTPUTS> {
-        let mut adc = Adc::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
+        let mut adc = Ad7606::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
         let (first, further) = sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
         let wires = (r.pc10, r.pc11, r.pc12);
         let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
-        let mut dac = Dac::new(bus);
+        let mut dac = Ad5754r::new(bus);
         let answered = dac.answered() && sampled.is_some();
         for (actuator, [displacement, _]) in first.into_iter().enumerate() {
             dac.write(actuator, standing(actuator, displacement));

@@ -9,7 +9,7 @@ mod samples;
 mod version2;
 mod version3;
 
-use super::points::{Columns, Points};
+use super::points::{ColumnChoice, Points};
 use crate::failure::Failure;
 use piece::Piece;
 
@@ -22,7 +22,7 @@ pub fn is_miniseed(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// A record that is cut or damaged, another channel, a gap, a unit or a sensitivity that is not said.
-pub fn parse(file: &str, bytes: &[u8], columns: Columns) -> Result<Points, Failure> {
+pub fn parse(file: &str, bytes: &[u8], columns: ColumnChoice) -> Result<Points, Failure> {
     let refuse = |number: usize, why: &str| {
         Failure::input(format!("{file}: record {number} of MiniSEED {why}"))
     };

@@ -1,4 +1,4 @@
-//! The task that hears commands.
+//! The task that receives commands.
 
 use super::report::Answers;
 use crate::board::nucleo_f429zi::store::Store;
