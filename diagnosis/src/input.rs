@@ -265,16 +265,16 @@ pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
     };
     let least = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
     let least = least.into_iter().fold(1.0, f64::min);
-    let other = if change < 0.0 {
-        Effect::Softening
+    let others = if change < 0.0 {
+        &[Effect::Degradation, Effect::Softening][..]
     } else {
-        Effect::Hardening
+        &[Effect::Hardening]
     };
     (least > TOGETHER).then(|| Lack {
         sentence: "The largest displacement so far grows as that change does: a stiffness that changes with time cannot be told \
                    from one that is changed by displacement, whatever fits. Smaller cycles after the largest tell them apart."
             .into(),
-        alike: vec![vec![name, other]],
+        alike: vec![[others, &[name]].concat()],
     })
 }
 

@@ -235,6 +235,16 @@ impl Recording {
         }
     }
 
+    /// Largest displacement either way of what the file holds before these samples, mm: what damage remembers.
+    pub fn largest_before_mm(&self) -> f64 {
+        let past = self.before.as_deref();
+        let x = past.and_then(|b| b.displacement_mm.as_deref());
+        // A hole in the record is passed over: the larger of a number and NaN is the number.
+        x.unwrap_or_default()
+            .iter()
+            .fold(0.0, |largest, x| x.abs().max(largest))
+    }
+
     /// These samples behind those that the file holds before them, no more than they are themselves, and how many those are.
     /// None where the file has another channel there.
     pub fn behind_its_past(&self) -> (Self, usize) {

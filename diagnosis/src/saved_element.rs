@@ -82,6 +82,7 @@ impl SavedElement {
             interval_s,
             fine: 1,
             x: x.to_vec(),
+            largest_before_mm: 0.0,
             v: v.to_vec(),
             a: Vec::new(),
             first: 0,

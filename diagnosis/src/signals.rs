@@ -10,6 +10,8 @@ pub struct Signals {
     pub time_s: Vec<f64>,
     /// Displacement, mm.
     pub x: Vec<f64>,
+    /// Largest displacement before, either way, mm.
+    pub largest_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
     /// Acceleration, mm/s^2.

@@ -125,6 +125,11 @@ fn cases() -> Vec<(Channel, EffectSpec)> {
             Softening,
             &[("reference_mm", 25.0), ("exponent", 1.5)],
         ),
+        case(
+            Specimen,
+            Degradation,
+            &[("reference_mm", 25.0), ("exponent", 0.7)],
+        ),
         case(Specimen, AsymmetricStiffness, &[("difference", 0.1)]),
         case(Specimen, InertiaForce, &[("mass_kg", 60.0)]),
         case(

@@ -66,12 +66,8 @@ fn details(a: &ChannelAnswer) -> Drawn {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     html += &found(a);
-    // The first note says in figures what the verdict has said, unless there is none.
-    for note in a
-        .notes
-        .iter()
-        .skip(usize::from(a.verdict != Verdict::NotAssessed))
-    {
+    // The first note says in figures what the verdict has said.
+    for note in a.notes.iter().skip(1) {
         let _ = write!(html, "<p>{}</p>", escape(note));
     }
     html += &errors(a);

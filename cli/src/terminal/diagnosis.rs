@@ -8,7 +8,7 @@ use crate::wording::{
     sureness, verdict,
 };
 use comfy_table::CellAlignment;
-use diagnosis::{ChannelAnswer, Diagnosis, Verdict};
+use diagnosis::{ChannelAnswer, Diagnosis};
 use std::fmt::Write as _;
 
 /// Effects that are listed as tried.
@@ -27,9 +27,8 @@ pub fn diagnosis(d: &Diagnosis) -> String {
                 let _ = writeln!(text, "    {:22} {}", e.name.name(), parameter(p));
             }
         }
-        // The first note says in figures what the headline has said, unless there is no verdict.
-        let told = usize::from(a.verdict != Verdict::NotAssessed);
-        for note in a.notes.iter().skip(told) {
+        // The first note says in figures what the headline has said.
+        for note in a.notes.iter().skip(1) {
             let _ = writeln!(text, "    {note}");
         }
         for sentence in rest(a)

@@ -26,10 +26,54 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
+/// Columns of the terminal on standard output; those that `COLUMNS` says where it is none.
+pub fn columns() -> Option<u16> {
+    let terminal = terminal_size::terminal_size_of(stdout()).map(|(width, _)| width.0);
+    let said = || std::env::var("COLUMNS").ok()?.parse().ok();
+    terminal.or_else(said).filter(|columns| *columns > 0)
+}
+
+/// Where the text begins whose rest goes below it: behind a label and a gap, else where the line begins, columns.
+fn hanging(line: &str, columns: usize) -> usize {
+    let start = line.len() - line.trim_start_matches(' ').len();
+    let gap = line[start..].find("  ").map(|at| start + at);
+    let behind = gap.map(|at| at + line[at..].len() - line[at..].trim_start_matches(' ').len());
+    let behind = behind.map(|at| textwrap::core::display_width(&line[..at]));
+    behind.filter(|at| 2 * at <= columns).unwrap_or(start)
+}
+
+/// Lines that are longer than the terminal, broken between words; the rest of a sentence goes below its start.
+fn wrapped(text: &str, columns: usize) -> String {
+    let fits = |line: &str| textwrap::core::display_width(line) <= columns;
+    let lines = text.split('\n').map(|line| {
+        if fits(line) {
+            return line.to_owned();
+        }
+        let below = " ".repeat(hanging(line, columns));
+        // A path or a command that is longer than the line stays whole, so that it can be copied.
+        let options = textwrap::Options::new(columns)
+            .subsequent_indent(&below)
+            .word_separator(textwrap::WordSeparator::AsciiSpace)
+            .word_splitter(textwrap::WordSplitter::NoHyphenation)
+            .break_words(false);
+        textwrap::fill(line, options)
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// What `println!` is in this crate.
 pub fn print_line(text: Arguments<'_>) {
-    if !is_quiet() {
-        print_answer(text);
+    if is_quiet() {
+        return;
+    }
+    match columns() {
+        Some(columns) => {
+            print_answer(format_args!(
+                "{}",
+                wrapped(&text.to_string(), columns.into())
+            ));
+        }
+        None => print_answer(text),
     }
 }
 
@@ -63,5 +107,26 @@ pub fn finish() -> Result<(), Failure> {
         Some(why) => Err(Failure::input(format!(
             "standard output cannot be written: {why}; what was printed is not complete"
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wrapped;
+
+    #[test]
+    fn a_sentence_breaks_between_words_and_keeps_its_indent_and_a_path_stays_whole() {
+        let text = "short\n    the restoring force of the specimen in newtons\n  /a/very/long/path/that/goes/on.csv";
+        assert_eq!(
+            wrapped(text, 24),
+            "short\n    the restoring force\n    of the specimen in\n    newtons\n  /a/very/long/path/that/goes/on.csv"
+        );
+        // A label keeps its column to itself.
+        assert_eq!(
+            wrapped("gain   of the valve, 1/s", 16),
+            "gain   of the\n       valve, 1/s"
+        );
+        // A blank line and what fits stay as they are.
+        assert_eq!(wrapped("a  b\n\n", 4), "a  b\n\n");
     }
 }

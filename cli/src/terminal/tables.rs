@@ -98,15 +98,6 @@ impl Table {
     }
 }
 
-/// The columns that `COLUMNS` says, where standard output is no terminal that says its own.
-fn said_columns() -> Option<u16> {
-    std::env::var("COLUMNS")
-        .ok()?
-        .parse()
-        .ok()
-        .filter(|n| *n > 0)
-}
-
 /// A table with a head; numbers, from the second column on, to the right.
 pub fn table(head: &[&str]) -> Table {
     let mut table = comfy_table::Table::new();
@@ -118,7 +109,7 @@ pub fn table(head: &[&str]) -> Table {
         // As wide as the terminal; as wide as it needs where there is none.
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_header(head);
-    if let (None, Some(columns)) = (table.width(), said_columns()) {
+    if let Some(columns) = super::output::columns() {
         table.set_width(columns);
     }
     for column in table.column_iter_mut().skip(1) {

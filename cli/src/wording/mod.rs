@@ -40,7 +40,14 @@ pub fn headline(a: &ChannelAnswer) -> String {
                  {nearest}"
             )
         }
-        Verdict::NotAssessed => format!("The {channel} was not assessed."),
+        // The first note says why.
+        Verdict::NotAssessed => match a.notes.first() {
+            Some(why) => format!(
+                "The {channel} was not assessed: {}.",
+                why.trim_end_matches('.')
+            ),
+            None => format!("The {channel} was not assessed."),
+        },
     }
 }
 

@@ -137,6 +137,7 @@ fn effects_lists_every_fixed_name() {
         "maxwell_damper",
         "hardening",
         "softening",
+        "degradation",
         "asymmetric_actuator",
         "asymmetric_stiffness",
         "inertia_force",

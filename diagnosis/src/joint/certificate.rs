@@ -387,6 +387,7 @@ fn rest_columns(library: &Library) -> Vec<(Kind, Vec<f64>)> {
             Law::Slider => Kind::Memory,
             Law::Relaxing => Kind::Linear,
             Law::Settling => Kind::Time,
+            Law::Lessened => Kind::Damage,
             _ => continue,
         };
         all.push((kind, library.columns[DECLARED + i].clone()));
@@ -404,8 +405,10 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
 
 /// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.
 fn beside_the_rest(library: &Library, kind: Kind, elements: &[usize]) -> f64 {
-    // What a play takes off a spring is a slider that pulls.
-    let own = |k: Kind| k == kind || (kind == Kind::Play && k == Kind::Memory);
+    // What a play takes off a spring is a slider that pulls; and sliders of many gives and either sign remember the largest
+    // displacement (a Preisach model keeps the extremes that nothing later has wiped out), so they draw any damage.
+    let sliders = matches!(kind, Kind::Play | Kind::Damage);
+    let own = |k: Kind| k == kind || (sliders && k == Kind::Memory);
     let rest = rest_columns(library).into_iter().filter(|r| !own(r.0));
     let mut columns: Vec<Vec<f64>> = library.columns[..DECLARED].to_vec();
     columns.extend(rest.map(|r| r.1));

@@ -63,6 +63,9 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
     for exponent in [0.5, 1.0, 2.0, 3.0, 5.0] {
         add(Law::PowerOfPlace, [exponent, 0.0, 0.0, 0.0]);
     }
+    for exponent in [0.15, 0.4, 0.8, 1.4, 2.5] {
+        add(Law::Lessened, [exponent, 0.0, 0.0, 0.0]);
+    }
     for place in [-0.5, -0.25, 0.0, 0.25, 0.5] {
         add(Law::Away, [c + place * x, 0.0, 0.0, 0.0]);
         for side in [-1.0, 1.0] {
@@ -114,6 +117,6 @@ mod tests {
         assert!((200..300).contains(&all.len()), "{}", all.len());
         let laws: std::collections::HashSet<String> =
             all.iter().map(|e| format!("{:?}", e.law)).collect();
-        assert_eq!(laws.len(), 19, "{laws:?}");
+        assert_eq!(laws.len(), 20, "{laws:?}");
     }
 }

@@ -31,6 +31,8 @@ pub enum Law {
     Relaxing,
     /// `|x|^p x` [exponent].
     PowerOfPlace,
+    /// What a spring has lost for good: `-|largest x so far|^p x` [exponent].
+    Lessened,
     /// `|x - place|` [place mm].
     Away,
     /// `x^2`.
@@ -84,6 +86,8 @@ pub enum Kind {
     Memory,
     /// Lost motion.
     Play,
+    /// The largest displacement so far.
+    Damage,
     /// A linear filter.
     Linear,
     /// Time.
@@ -118,6 +122,14 @@ impl Element {
             Law::Saturating => of_v(&|v| (v / p).tanh()),
             Law::Relaxing => laws::relaxing(x, h, p),
             Law::PowerOfPlace => of_x(&|x| x * (x / sizes.x).abs().powf(p)),
+            Law::Lessened => {
+                let mut largest = t.largest_before_mm;
+                let lost = |x: &f64| {
+                    largest = largest.max(x.abs());
+                    -x * (largest / sizes.x).powf(p)
+                };
+                x.iter().map(lost).collect()
+            }
             Law::Away => of_x(&|x| (x - p).abs()),
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
@@ -152,6 +164,7 @@ impl Element {
             interval_s: sizes.interval_s,
             fine: 1,
             x: places.to_vec(),
+            largest_before_mm: 0.0,
             v: vec![0.0; places.len()],
             a: Vec::new(),
             first: 0,
@@ -199,6 +212,7 @@ impl Element {
             | Law::Worn
             | Law::Pinched => Kind::Memory,
             Law::Lost => Kind::Play,
+            Law::Lessened => Kind::Damage,
             // What hardly grows with speed is friction whose reversals are smooth.
             Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => Kind::Memory,
             Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => Kind::Memory,
@@ -240,6 +254,7 @@ impl Element {
             Law::Beyond if q == 0.0 => Effect::Hardening,
             Law::Away | Law::Square | Law::Beyond => Effect::AsymmetricStiffness,
             Law::Lost => Effect::Backlash,
+            Law::Lessened => Effect::Degradation,
             Law::Settling => Effect::Drift,
         }
     }
@@ -297,6 +312,7 @@ impl Element {
             | Law::Saturating
             | Law::Relaxing
             | Law::Lost
+            | Law::Lessened
             | Law::Settling => &[(0, Log)],
             Law::Stribeck => &[(0, Log), (1, Log)],
             // Where it is written in its own rates, the give is the unit of its force.
@@ -338,6 +354,7 @@ impl Element {
             Law::Saturating => (3e-3 * sizes.v..=2.0 * sizes.v).contains(&p),
             Law::Relaxing => (2.0 * sizes.interval_s..=0.3 * sizes.seconds).contains(&p),
             Law::PowerOfPlace => (0.3..=7.0).contains(&p),
+            Law::Lessened => (0.1..=4.0).contains(&p),
             Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
             Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
             Law::Settling => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,

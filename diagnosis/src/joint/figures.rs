@@ -71,6 +71,11 @@ pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED
             ("reference_mm", "mm", fit.sizes.x),
             ("exponent", "", p),
         ],
+        Effect::Degradation => vec![
+            ("stiffness_lost_at_reference_n_per_mm", "N/mm", strength),
+            ("reference_mm", "mm", fit.sizes.x),
+            ("exponent", "", p),
+        ],
         Effect::Backlash => vec![
             ("width_mm", "mm", 2.0 * p),
             ("stiffness_n_per_mm", "N/mm", strength),

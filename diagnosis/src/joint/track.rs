@@ -28,6 +28,8 @@ pub struct Track {
     pub fine: usize,
     /// Displacement, mm, from before the span on.
     pub x: Vec<f64>,
+    /// Largest displacement before, either way, mm.
+    pub largest_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
     /// Acceleration, mm/s^2.
@@ -95,6 +97,7 @@ impl<'a> Source<'a> {
             interval_s: self.recording.interval_s() / fine as f64,
             fine,
             x: motion.x,
+            largest_before_mm: self.recording.largest_before_mm(),
             v: motion.v,
             a: motion.a,
             first: self.before * fine,

@@ -12,6 +12,14 @@ pub fn play(x: &[f64], width: f64) -> Vec<f64> {
         .collect()
 }
 
+/// The largest size so far, from a first one on.
+pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
+    x.iter().scan(before, |largest, x| {
+        *largest = x.abs().max(*largest);
+        Some(*largest)
+    })
+}
+
 /// Nothing within `width` in all around zero.
 pub fn dead_zone(x: &[f64], width: f64) -> impl Iterator<Item = f64> + '_ {
     let half = 0.5 * width;

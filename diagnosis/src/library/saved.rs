@@ -109,7 +109,9 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
             let at_largest = (get("reference_mm") / k.x).powf(-exponent);
             (vec![at_largest], vec![exponent])
         }
-        Effect::Softening => (once, vec![get("reference_mm"), get("exponent")]),
+        Effect::Softening | Effect::Degradation => {
+            (once, vec![get("reference_mm"), get("exponent")])
+        }
         Effect::AsymmetricActuator => {
             let retract_s = milli("retract_lag_ms");
             let whole = f64::from(retract_s > 0.0);

@@ -277,6 +277,24 @@ pub const CANDIDATES: &[Candidate] = &[
         ..BASIS
     },
     Candidate {
+        effect: Effect::Degradation,
+        shapes: |s| {
+            vec![
+                Shape::new(0.1 * s.x, 30.0 * s.x, 10),
+                Shape::new(0.2, 4.0, 5),
+            ]
+        },
+        columns: |s, p, k| {
+            let largest = op::largest(&s.x, s.largest_before_mm);
+            let lost = |l: f64| 1.0 - 1.0 / (1.0 + (l / p[0]).powf(p[1]));
+            let forces = s.x.iter().zip(largest);
+            vec![forces.map(|(x, l)| -k.stiffness * x * lost(l)).collect()]
+        },
+        bounds: once,
+        parameters: |_, p, _| vec![("reference_mm", "mm", p[0]), ("exponent", "", p[1])],
+        ..BASIS
+    },
+    Candidate {
         effect: Effect::AsymmetricStiffness,
         columns: |s, _, k| vec![s.x.iter().map(|x| 0.5 * k.stiffness * x.abs()).collect()],
         parameters: |a, _, _| vec![("difference", "", a[0])],

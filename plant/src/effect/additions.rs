@@ -84,6 +84,7 @@ fn needs_stiffness(effect: Effect) -> bool {
             | SlipGap
             | Hardening
             | Softening
+            | Degradation
             | AsymmetricStiffness
     )
 }
@@ -204,16 +205,16 @@ impl Additions {
                 milli("relaxation_ms"),
                 step_s,
             ))),
-            Effect::Hardening | Effect::Softening => {
+            Effect::Hardening | Effect::Softening | Effect::Degradation => {
                 let power = Power {
                     stiffness_n_per_m: stiffness,
                     reference_m: milli("reference_mm"),
                     exponent: get("exponent"),
                 };
-                self.forces.push(if effect == Effect::Hardening {
-                    Added::Hardening(power)
-                } else {
-                    Added::Softening(power)
+                self.forces.push(match effect {
+                    Effect::Hardening => Added::Hardening(power),
+                    Effect::Softening => Added::Softening(power),
+                    _ => Added::Degradation(power, 0.0),
                 });
             }
             Effect::AsymmetricActuator => {

@@ -191,6 +191,12 @@ catalogue! {
         reference_mm: TINY => 1e6, "mm", "drift at which the secant stiffness has halved";
         exponent = 1.0: 0.2 => 10.0, "", "power of the drift; above 1 the force falls in the end";
     }
+    Degradation "degradation" Stiffness [Specimen]
+        "the storey loses stiffness for good with the largest drift so far, as concrete that cracks or rubber that is \
+         stretched for the first time" {
+        reference_mm: TINY => 1e6, "mm", "largest drift at which the secant stiffness has halved";
+        exponent = 1.0: 0.1 => 10.0, "", "power of the largest drift; above 1 the force of a first loading falls in the end";
+    }
     AsymmetricActuator "asymmetric_actuator" Asymmetry [Actuator]
         "a piston with unequal areas pushes and pulls differently" {
         difference: -1.0 => 1.0, "", "gain pushing less gain pulling, over their mean";

@@ -20,6 +20,8 @@ pub(crate) enum Added {
     Hardening(Power),
     /// `K x / (1 + |x / ref|^p) - K x`: the secant stiffness is halved at the reference drift.
     Softening(Power),
+    /// `K x / (1 + (largest |x| so far / ref)^p) - K x`, and the largest so far, m.
+    Degradation(Power, f64),
     /// `d/2 K |x|`: stiffness `1 + d/2` one way, `1 - d/2` the other.
     Unequal(f64),
     /// Yielding in place of elasticity: a bilinear element less the linear one.
@@ -62,6 +64,11 @@ impl Added {
             Self::Softening(power) => {
                 let (linear, ratio) = power.at(x);
                 -linear * ratio / (1.0 + ratio)
+            }
+            Self::Degradation(power, largest_m) => {
+                *largest_m = largest_m.max(x.abs());
+                let (_, ratio) = power.at(*largest_m);
+                -power.stiffness_n_per_m * x * ratio / (1.0 + ratio)
             }
             Self::Unequal(half) => *half * x.abs(),
             Self::Bilinear(bilinear, stiffness) => bilinear.step(x) - *stiffness * x,
@@ -145,6 +152,22 @@ mod tests {
         for (t, _, f) in &forces(Added::Quadratic(300.0), |t| 0.01 * (w * t).sin(), 1.0)[4..] {
             let v = 0.2 * (w * t).cos();
             assert!((f - 300.0 * v * v.abs()).abs() < 300.0 * 0.04 * 2e-4);
+        }
+    }
+
+    #[test]
+    fn what_the_largest_drift_has_taken_stays_lost() {
+        let power = Power {
+            stiffness_n_per_m: 1e5,
+            reference_m: 0.02,
+            exponent: 0.5,
+        };
+        // Out to 40 mm, back through zero, and 20 mm the other way.
+        let motion = |t: f64| 0.04 * (1.0 - (2.0 * t - 1.0).abs()).max(-0.5);
+        for (t, x, f) in forces(Added::Degradation(power, 0.0), motion, 2.0) {
+            let largest = if t <= 0.5 { x.abs() } else { 0.04 };
+            let secant = 1e5 / (1.0 + (largest / 0.02_f64).sqrt());
+            assert!((1e5 * x + f - secant * x).abs() < 1e-6, "{t} s");
         }
     }
 

@@ -335,6 +335,10 @@ fn what_dissipates_takes_the_energy_that_its_equation_says() {
             cycle_loss(Effect::Softening, &[("reference_mm", 20.0)]),
         ),
         (
+            "damage, behind the first cycle,",
+            cycle_loss(Effect::Degradation, &[("reference_mm", 20.0)]),
+        ),
+        (
             "asymmetric stiffness",
             cycle_loss(Effect::AsymmetricStiffness, &[("difference", 0.3)]),
         ),
