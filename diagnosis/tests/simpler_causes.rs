@@ -1,7 +1,7 @@
 //! Textbook causes that a more flexible name fits as well: it is not given alone.
 #![allow(missing_docs)]
 
-use diagnosis::{ChannelAnswer, Declared, Model, Recording, SpecimenModel, Verdict, diagnose};
+use diagnosis::{ChannelAnswer, Declared, Model, Recording, SpecimenModel, diagnose};
 use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
