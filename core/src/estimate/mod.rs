@@ -6,7 +6,7 @@ mod low_pass;
 mod stiffness;
 
 pub(crate) use kalman::KalmanGains;
-pub(crate) use low_pass::Biquad;
+pub(crate) use low_pass::{Biquad, prewarped};
 pub(crate) use stiffness::StiffnessPrior;
 
 use crate::structure::actuated;

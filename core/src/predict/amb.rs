@@ -16,6 +16,7 @@
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
+use crate::estimate::prewarped;
 use crate::float::larger;
 use crate::linear::{Linear, Setting, Sum};
 use crate::method::Prediction;
@@ -46,7 +47,7 @@ pub(crate) struct Section {
 impl Section {
     /// With the cut-off `hz`, a damping of `ratio`, at `rate_hz`.
     fn new(hz: f64, ratio: f64, rate_hz: f64) -> Self {
-        let g = libm::tan(core::f64::consts::PI * hz / rate_hz);
+        let g = prewarped(hz, rate_hz);
         let first = 1.0 / (1.0 + g * (g + 2.0 * ratio));
         Self {
             first: first as f32,
@@ -65,10 +66,10 @@ impl Section {
     }
 }
 
-/// The fourth-order Butterworth filter's two sections.
+/// The fourth-order Butterworth filter's two sections: their damping ratios are sine and cosine of pi / 8.
 fn butterworth(hz: f64, rate_hz: f64) -> [Section; 2] {
-    use core::f64::consts::FRAC_PI_8;
-    [libm::sin(FRAC_PI_8), libm::cos(FRAC_PI_8)].map(|ratio| Section::new(hz, ratio, rate_hz))
+    use core::f64::consts::SQRT_2;
+    [2.0 - SQRT_2, 2.0 + SQRT_2].map(|x| Section::new(hz, 0.5 * libm::sqrt(x), rate_hz))
 }
 
 /// One axis.
