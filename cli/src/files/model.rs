@@ -19,20 +19,19 @@ pub fn load(path: &Path) -> Result<Model, Failure> {
 /// # Errors
 /// As [`load`], but for the file.
 pub fn parse(file: &str, text: &str) -> Result<Model, Failure> {
-    let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
     let read = match with_units(text).map_err(|why| Failure::input(format!("{file}: {why}")))? {
         Some(model) => Ok(model),
         None => toml::from_str(text),
     };
     let model: Model = read.map_err(|e| {
-        let at = e.span().map_or(1, |s| line(s.start));
-        let said = match fit_vectors(text) {
-            true => "its effects are amplitudes and shapes, as an earlier version wrote them: accepted are the parameters \
-                     that `outerloop effects` lists; diagnose the records again with --save-model"
-                .to_owned(),
-            false => plain::sentence(e.message()),
-        };
-        Failure::input(format!("{file}, line {at}: {said}"))
+        Failure::input(if fit_vectors(text) {
+            format!(
+                "{file}: its effects are amplitudes and shapes, as an earlier version wrote them: accepted are the \
+                 parameters that `outerloop effects` lists; diagnose the records again with --save-model"
+            )
+        } else {
+            format!("{file}, {}", plain::in_line(text, &e))
+        })
     })?;
     model
         .check()

@@ -3,11 +3,30 @@
 use serde::de::DeserializeOwned;
 use toml::Value;
 
+/// A longer line is not quoted.
+const LONGEST_LINE: usize = 80;
+
 /// Rust's words and an engineer's.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 16] = [
     (
         "invalid mantissa, expected digits",
         "a number needs a digit before its point, as in 0.02",
+    ),
+    (
+        "invalid fraction, expected digits",
+        "a number needs a digit behind its point, as in 4.0",
+    ),
+    (
+        "unexpected leading zero, expected nothing",
+        "a number does not begin with a zero and another digit: write 4, or 0.4",
+    ),
+    (
+        "unexpected key or value, expected newline, `#`",
+        "something stands behind the value; a number has a point and no comma, as in 4.5",
+    ),
+    (
+        "string values must be quoted, expected literal string",
+        "a value is missing here, or a text without its quotes",
     ),
     (
         "floating-point number overflowed",
@@ -48,6 +67,21 @@ pub fn sentence(said: &str) -> String {
     text
 }
 
+/// The line of a file that a mistake in its TOML stands in, and what is wrong there.
+pub fn in_line(text: &str, mistake: &toml::de::Error) -> String {
+    let said = sentence(mistake.message());
+    let Some(span) = mistake.span() else {
+        return format!("line 1: {said}");
+    };
+    let before = &text[..span.start.min(text.len())];
+    let number = 1 + before.matches('\n').count();
+    let line = text.lines().nth(number - 1).unwrap_or_default().trim();
+    if line.is_empty() || line.chars().count() > LONGEST_LINE {
+        return format!("line {number}: {said}");
+    }
+    format!("line {number}, `{line}`: {said}")
+}
+
 /// What went wrong with a file, without the number that the system gives it.
 pub fn reason(e: &std::io::Error) -> String {
     let text = e.to_string();
@@ -75,4 +109,28 @@ pub fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String>
             format!("{path}: {said}")
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_line;
+
+    #[test]
+    fn a_line_that_is_no_toml_is_quoted_and_says_how_a_number_is_written() {
+        for (value, said) in [
+            ("4,5", "a point and no comma, as in 4.5"),
+            ("04", "write 4, or 0.4"),
+            ("5.", "a digit behind its point"),
+            (".5", "a digit before its point"),
+            ("", "a value is missing here"),
+        ] {
+            let text = format!("[plant.actuator]\ndelay_ms = {value}\n");
+            let mistake = text.parse::<toml::Table>().unwrap_err();
+            let sentence = in_line(&text, &mistake);
+            let line = format!("delay_ms = {value}");
+            let place = format!("line 2, `{}`: ", line.trim());
+            assert!(sentence.starts_with(&place), "{sentence}");
+            assert!(sentence.contains(said), "{sentence}");
+        }
+    }
 }

@@ -239,13 +239,7 @@ pub(crate) fn parse<T>(
     build: impl Fn(Table) -> Result<T, String>,
 ) -> Result<T, Failure> {
     let plain: Table = text.parse().map_err(|e: toml::de::Error| {
-        let line = e
-            .span()
-            .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
-        Failure::input(format!(
-            "{file}, line {line}: {}",
-            plain::sentence(e.message())
-        ))
+        Failure::input(format!("{file}, {}", plain::in_line(text, &e)))
     })?;
     let mut table = plain.clone();
     for assignment in overrides {
