@@ -49,14 +49,17 @@ fn wrapped(text: &str, columns: usize) -> String {
         if fits(line) {
             return line.to_owned();
         }
+        let sentence = line.trim_start_matches(' ');
+        let indent = &line[..line.len() - sentence.len()];
         let below = " ".repeat(hanging(line, columns));
         // A path or a command that is longer than the line stays whole, so that it can be copied.
         let options = textwrap::Options::new(columns)
+            .initial_indent(indent)
             .subsequent_indent(&below)
             .word_separator(textwrap::WordSeparator::AsciiSpace)
             .word_splitter(textwrap::WordSplitter::NoHyphenation)
             .break_words(false);
-        textwrap::fill(line, options)
+        textwrap::fill(sentence, options)
     });
     lines.collect::<Vec<_>>().join("\n")
 }
@@ -123,7 +126,7 @@ mod tests {
         );
         // A label keeps its column to itself.
         assert_eq!(
-            wrapped("gain   of the valve, 1/s", 16),
+            wrapped("gain   of the valve, 1/s", 18),
             "gain   of the\n       valve, 1/s"
         );
         // A blank line and what fits stay as they are.
