@@ -2,6 +2,7 @@
 
 mod at2;
 mod fortran;
+mod knet;
 mod miniseed;
 mod points;
 mod strong_motion;
@@ -86,6 +87,8 @@ impl GroundMotionFile {
         let first = text.lines().find(|l| !is_comment(l)).unwrap_or("");
         if at2 || at2::is_at2(&text) {
             at2::parse(file, &text)
+        } else if knet::is_knet(&text) {
+            knet::parse(file, &text)
         } else if let Some(format) = strong_motion::Format::of(&text) {
             format.parse(file, &text)
         } else if first.split_whitespace().all(|w| number(w).is_some()) && !first.is_empty() {
@@ -160,7 +163,7 @@ fn points_of(table: &NumberTable) -> Result<Points, Failure> {
         let header: String = names.join(",").chars().take(SHOWN).collect();
         table.refuse_header(format!(
             "the header `{header}` is refused: accepted are time_s and one of acc_g, acc_m_per_s2 and acc_gal; read too \
-             are PEER AT2, COSMOS, CSMIP, SMC and ESM files, and plain numbers with --dt and --unit"
+             are PEER AT2, COSMOS, CSMIP, SMC, ESM and K-NET files, and plain numbers with --dt and --unit"
         ))
     })?;
     let interval = interval_s(table, &table.columns[time])?;

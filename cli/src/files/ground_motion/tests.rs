@@ -15,6 +15,63 @@ fn plain(dt: f64, unit: Unit) -> ColumnChoice {
     }
 }
 
+/// As NIED writes them: labels of 18 columns, then eight counts a line.
+fn knet(scale: &str, duration_s: usize) -> String {
+    let head = [
+        ("Origin Time", "2011/03/11 14:46:00"),
+        ("Lat.", "38.103"),
+        ("Long.", "142.860"),
+        ("Depth. (km)", "24"),
+        ("Mag.", "9.0"),
+        ("Station Code", "MYG004"),
+        ("Station Lat.", "38.7292"),
+        ("Station Long.", "141.0217"),
+        ("Station Height(m)", "40"),
+        ("Record Time", "2011/03/11 14:46:36"),
+        ("Sampling Freq(Hz)", "100Hz"),
+        ("Duration Time(s)", &duration_s.to_string()),
+        ("Dir.", "E-W"),
+        ("Scale Factor", scale),
+        ("Max. Acc. (gal)", "300.000"),
+        ("Last Correction", "2011/03/11 14:46:36"),
+        ("Memo.", ""),
+    ];
+    let head: String = head
+        .iter()
+        .map(|(label, value)| format!("{label:<18}{value}\n"))
+        .collect();
+    let counts: Vec<String> = (0..200)
+        .map(|i| format!("{:9}", if i % 2 == 0 { 5_000 } else { -3_000 }))
+        .collect();
+    let lines: String = counts.chunks(8).map(|c| c.concat() + "\n").collect();
+    head + &lines
+}
+
+#[test]
+fn knet_is_scaled_from_counts_behind_its_mean() {
+    let g = load(
+        "MYG004.EW",
+        &knet("7845(gal)/8223790", 2),
+        ColumnChoice::default(),
+    )
+    .unwrap();
+    assert_eq!((g.interval_s, g.acc_m_per_s2.len()), (0.01, 200));
+    // 4000 counts either side of the recorder's zero.
+    let expected = 4_000.0 * 7845.0 / 8_223_790.0 / 100.0;
+    for (i, a) in g.acc_m_per_s2.iter().enumerate() {
+        let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+        assert!((f64::from(*a) - sign * expected).abs() < 1e-6, "{i}: {a}");
+    }
+    let wrong = |text: &str| load("MYG004.EW", text, ColumnChoice::default()).unwrap_err();
+    let cut = wrong(&knet("7845(gal)/8223790", 3));
+    assert!(cut.contains("300") && cut.contains("200"), "{cut}");
+    let scale = wrong(&knet("7845/8223790", 2));
+    assert!(
+        scale.contains("line 14") && scale.contains("7845(gal)/8223790"),
+        "{scale}"
+    );
+}
+
 /// A file that pymseed has written: `cli/tests/miniseed/write.py`.
 fn miniseed(
     name: &str,
