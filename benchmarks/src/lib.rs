@@ -7,11 +7,9 @@
 //! | [`rths`] | one actuator, a three-storey frame (Silva et al. 2020) |
 //! | [`marths`] | two coupled actuators, a frame of 29 degrees of freedom (Condori Uribe et al. 2023) |
 //! | [`linear`] | linear systems over a sampling period, exactly |
-//! | [`noise`] | seeded noise: one stream a purpose |
 
 pub mod linear;
 pub mod marths;
-pub mod noise;
 pub mod rths;
 
 /// Why a benchmark cannot be run: one sentence that names what, where and which value.

@@ -133,16 +133,28 @@ impl Difference {
 }
 
 impl ChannelDifference {
-    /// Whether this is the computed displacement of a floor.
+    /// True of the computed displacement of a floor.
     fn is_target(&self) -> bool {
         self.channel.starts_with("target")
     }
 
-    /// Whether it is one of those that a test is about, of which a table for people is made.
+    /// True of the channels that a test is about: those of the table in the terminal.
     pub fn is_motion(&self) -> bool {
         ["target", "displacement", "force", "energy_error_j"]
             .iter()
             .any(|name| self.channel.starts_with(name))
+    }
+
+    /// Channel, peak, rms difference, the same over the peak, largest difference and its time, as text.
+    pub fn cells(&self) -> [String; 6] {
+        [
+            self.channel.clone(),
+            si(self.peak, self.unit),
+            si(self.rms, self.unit),
+            self.rms_of_peak.map_or_else(String::new, percent),
+            si(self.largest, self.unit),
+            si(self.largest_at_s, "s"),
+        ]
     }
 }
 

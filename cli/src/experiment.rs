@@ -201,7 +201,7 @@ impl Experiment {
         config.rig = Default::default();
         let ground = self.ground(&config)?;
         let responses = with_floors!(config.degrees_of_freedom(), N => {
-            let design = Design::<N>::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+            let design = Design::<N>::new(&config).map_err(Failure::input)?;
             ideal::responses(rigs, &config, &design, &ground, self.control_steps())
         })?;
         for response in &responses {
@@ -224,7 +224,7 @@ impl Experiment {
     ///
     /// # Errors
     /// A parameter that is refused, with its name and value; a bench that cannot be set up.
-    pub fn on(
+    pub fn run_config(
         &self,
         bench: &impl Bench,
         config: &Config,
@@ -233,7 +233,7 @@ impl Experiment {
         let ground = self.ground(config)?;
         let steps = self.control_steps();
         with_floors!(config.degrees_of_freedom(), N => {
-            let design = Design::<N>::new(config).map_err(|e| Failure::input(e.to_string()))?;
+            let design = Design::<N>::new(config).map_err(Failure::input)?;
             let assignment = PreparedTest {
                 config,
                 design,

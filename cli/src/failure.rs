@@ -21,13 +21,13 @@ pub enum Failure {
 
 impl Failure {
     /// Bad input.
-    pub fn input(sentence: impl Into<String>) -> Self {
-        Self::Input(sentence.into())
+    pub fn input(sentence: impl fmt::Display) -> Self {
+        Self::Input(sentence.to_string())
     }
 
     /// A test that failed.
-    pub fn test(sentence: impl Into<String>) -> Self {
-        Self::Test(sentence.into())
+    pub fn test(sentence: impl fmt::Display) -> Self {
+        Self::Test(sentence.to_string())
     }
 
     /// The exit status that the contract gives.

@@ -127,7 +127,7 @@ impl Improvement {
         let (mut train, held_out) = (vec![train], vec![held_out]);
         let ask = |train: &[Recording]| {
             let found = diagnosis::diagnose(model, train, &held_out, &[]);
-            found.map_err(|e| Failure::input(e.to_string()))
+            found.map_err(Failure::input)
         };
         let first = ask(&train)?;
         let mut changes = Vec::new();
@@ -174,7 +174,7 @@ impl Improvement {
         let after = site.run(&improved, better, &ideal, seed, true, progress.observer())?;
         let (train, held_out) = parted(&improved, &after)?;
         let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
-        let remains = remains.map_err(|e| Failure::input(e.to_string()))?;
+        let remains = remains.map_err(Failure::input)?;
         let possible = if undeclared(&experiment).is_empty() {
             None
         } else {
@@ -272,7 +272,7 @@ fn or_nothing(names: &[&str]) -> String {
 
 /// Designed tests at most: what two do not settle is not settled by motion.
 const DESIGNED: usize = 2;
-/// Whether a diagnosis has left something open.
+/// True if a diagnosis has left something open.
 fn is_open(a: &ChannelAnswer) -> bool {
     matches!(
         a.verdict,

@@ -55,7 +55,7 @@ impl Experiment {
         config.compensation.kind = method;
         let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
         let mut observers = (Score::against(ideal), (trace, observer));
-        let ending = self.on(bench, &config, &mut observers)?;
+        let ending = self.run_config(bench, &config, &mut observers)?;
         let (score, (trace, _)) = observers;
         Ok(JudgedRun {
             summary: Summary::of(self, method, &score, &ending),

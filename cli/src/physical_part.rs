@@ -122,7 +122,7 @@ impl PhysicalPartEstimate {
         let declared = specimen(&problem.part);
         let diagnosis =
             diagnosis::diagnose_coupled(&declared, &[span(0, cut)], &[span(cut, samples)])
-                .map_err(|e| Failure::input(e.to_string()))?;
+                .map_err(Failure::input)?;
         let found = part(&diagnosis.improved);
         let floors = steps(&problem.part, &found)
             .into_iter()

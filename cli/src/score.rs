@@ -67,7 +67,7 @@ impl<'a> Score<'a> {
         self.relative(&self.square_m2.map(|s| (s / n).sqrt()))
     }
 
-    /// Whether, towards its end, the error of some floor was larger than its largest ideal displacement, or the test went
+    /// True if, towards its end, the error of some floor was larger than its largest ideal displacement, or the test went
     /// so far that a simulation of it is stopped.
     pub fn ran_away(&self) -> bool {
         self.peak_m > self.ideal.runaway_m()

@@ -52,6 +52,17 @@ pub enum Validity {
     Bad,
 }
 
+impl Validity {
+    /// Its class in the style sheet of reports.
+    pub const fn class(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Fair => "fair",
+            Self::Bad => "bad",
+        }
+    }
+}
+
 /// The figures of one test. The keys are a contract.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
@@ -180,7 +191,7 @@ impl Summary {
         }
     }
 
-    /// Whether the added damping held the structure in place.
+    /// True if the added damping held the structure in place.
     pub fn locked(&self) -> bool {
         self.locked_share > LOCKED_SHARE
     }

@@ -222,7 +222,7 @@ impl Trace {
         self.step.len()
     }
 
-    /// Whether the test has not begun.
+    /// True if the test has not begun.
     pub fn is_empty(&self) -> bool {
         self.step.is_empty()
     }

@@ -45,7 +45,7 @@ impl<const N: usize> IdealTest<N> {
         self.signal.at_target()
     }
 
-    /// Whether the integration has passed the end of `ground`.
+    /// True if the integration has passed the end of `ground`.
     #[inline]
     pub fn is_over(&self, ground: &GroundMotion<'_>) -> bool {
         self.step > ground.steps()

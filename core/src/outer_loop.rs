@@ -59,7 +59,7 @@ impl<const N: usize> Sample<N> {
 pub struct Step<'a, const N: usize> {
     /// Command for the next control period, m; always finite.
     pub command_m: [f32; N],
-    /// Whether the actuator may move on it.
+    /// True if the actuator may move on it.
     pub permit: bool,
     /// The record of this step.
     pub record: &'a Record<N>,

@@ -130,7 +130,7 @@ impl<const N: usize> Record<N> {
         innovation: [0.0; 2],
     };
 
-    /// Whether a [`flag`] is set.
+    /// True if a [`flag`] is set.
     pub const fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }

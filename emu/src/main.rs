@@ -33,7 +33,7 @@ struct EmulatedRig {
 }
 
 fn main() -> ExitCode {
-    match go(&Arguments::parse()) {
+    match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(sentence) => {
             eprintln!("emu: {sentence}");
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn go(arguments: &Arguments) -> Result<(), String> {
+fn run(arguments: &Arguments) -> Result<(), String> {
     let firmware = Firmware::read(&arguments.image)?;
     let file = &arguments.laboratory;
     let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;

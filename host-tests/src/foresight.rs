@@ -18,7 +18,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Whether what came lies inside.
+    /// True if what came lies inside.
     pub fn holds(&self) -> bool {
         (self.foretold[0]..=self.foretold[1]).contains(&self.came)
     }

@@ -80,7 +80,7 @@ pub struct Calibration {
     pub force: ChannelCalibration,
     /// Command, m, to the command's codes.
     pub command: ChannelCalibration,
-    /// Whether the command's codes toggle so that their mean is finer than a code ([`ErrorFeedback`]); off for a specimen
+    /// True if the command's codes toggle so that their mean is finer than a code ([`ErrorFeedback`]); off for a specimen
     /// so stiff that a code is a force that matters.
     #[serde(default = "yes")]
     pub command_feedback: bool,

@@ -21,6 +21,7 @@
 //! | `parameters` | what a laboratory declares of a rig: one row a parameter |
 //! | [`coupled`] | two actuators on one coupler, in place of the above: x and rotation |
 //! | [`effect`] | what else may be wrong with a rig, by name: the list that the diagnosis answers with |
+//! | [`random`] | seeded noise: one stream a purpose |
 //! | `stage` | what an effect puts into the way of a displacement or a signal |
 //! | [`kinematics`] | velocity and acceleration in lab time |
 //!
@@ -40,7 +41,7 @@ pub mod linear;
 pub mod measurement;
 mod parameters;
 mod per_axis;
-mod random;
+pub mod random;
 pub mod rig;
 pub mod sensor;
 pub mod specimen;

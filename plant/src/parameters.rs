@@ -92,7 +92,7 @@ impl Channel {
 }
 
 impl ChannelParameter {
-    /// Whether its error is a share of its value.
+    /// True if its error is a share of its value.
     fn is_relative(&self) -> bool {
         self.error_parameter != self.name
     }

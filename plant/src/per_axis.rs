@@ -62,7 +62,7 @@ impl PerAxis {
         }
     }
 
-    /// Whether every axis has exactly `value`.
+    /// True if every axis has exactly `value`.
     pub(crate) fn is(&self, value: f64) -> bool {
         match self {
             Self::All(one) => *one == value,

@@ -1,30 +1,43 @@
-//! Seeded randomness: every source of a rig has a stream of its own, so that adding one leaves the others as they were.
+//! Seeded randomness: every purpose has a stream of its own, so that adding one leaves the others as they were.
 
 use rand_core::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// What a stream is for; part of its seed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Purpose {
+pub enum Purpose {
+    /// The random part of an actuator's delay.
     RandomMultiplier = 1,
+    /// Noise of the displacement reading.
     DisplacementNoise = 2,
+    /// Noise of the force reading.
     ForceNoise = 3,
+    /// The draw of a plant with uncertain parameters.
+    DrawnPlant = 4,
 }
 
-/// Standard normal numbers.
+/// Random numbers, normal unless said otherwise.
 #[derive(Clone, Debug)]
-pub(crate) struct Normal(Xoshiro256PlusPlus);
+pub struct Normal(Xoshiro256PlusPlus);
 
 impl Normal {
-    pub(crate) fn new(seed: u64, purpose: Purpose, axis: usize) -> Self {
+    /// The stream of `purpose` and `axis` under `seed`.
+    pub fn new(seed: u64, purpose: Purpose, axis: usize) -> Self {
         // An odd multiplier keeps different (purpose, axis) pairs different; the generator's own seeding scrambles.
         let stream = ((purpose as u64) << 32 | axis as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         Self(Xoshiro256PlusPlus::seed_from_u64(seed ^ stream))
     }
 
+    /// The next number.
     #[inline]
-    pub(crate) fn sample(&mut self) -> f64 {
+    pub fn sample(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// The next, evenly drawn from `-most` to `most` instead.
+    pub fn even(&mut self, most: f64) -> f64 {
+        let share: f64 = StandardUniform.sample(&mut self.0);
+        most * (2.0 * share - 1.0)
     }
 }

@@ -3,9 +3,9 @@
 //! Command `j` passes the poles of its column; a gain and a zero make of it what stroke `i` shows.
 
 use super::{PERIOD_S, RATE_HZ};
-use crate::noise::{Normal, Purpose};
 use outerloop_core::coupled::Coupler;
 use plant::coupled::{ActuatorPair, ActuatorPairSpec};
+use plant::random::{Normal, Purpose};
 use std::f64::consts::TAU;
 
 /// Pins of the coupler, as published.
@@ -60,7 +60,7 @@ impl Parameters {
     /// A plant of the published spread: 6 % of the first column's poles, 5.5 % of its zeros, 3 % of the second's poles and
     /// zeros, 5 % of the frame's poles; gains at rest stay.
     pub fn drawn(seed: u64) -> Self {
-        let mut normal = Normal::new(seed, Purpose::Plant, 1);
+        let mut normal = Normal::new(seed, Purpose::DrawnPlant, 1);
         let mut off = |spread: f64| {
             // Farther than three deviations would be another machine.
             1.0 + spread * normal.sample().clamp(-3.0, 3.0)
@@ -128,7 +128,7 @@ impl Channels {
     /// The same seed repeats the same noise; `scale` multiplies it.
     pub fn new(seed: u64, scale: f64) -> Self {
         Self {
-            noise: [0, 1].map(|i| Normal::new(seed, Purpose::Displacement, i)),
+            noise: [0, 1].map(|i| Normal::new(seed, Purpose::DisplacementNoise, i)),
             scale,
         }
     }

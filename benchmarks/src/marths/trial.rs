@@ -57,7 +57,7 @@ pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
     let mut trace = Trace::default();
     for &g in ground {
         newmark.step(g, [0.0; 2]);
-        trace.see(&newmark);
+        trace.record_target(&newmark);
     }
     Ok(trace)
 }
@@ -73,7 +73,7 @@ pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refu
     let mut trace = Trace::default();
     for &g in ground {
         newmark.step(g, [0.0; 2]);
-        trace.see(&newmark);
+        trace.record_target(&newmark);
     }
     Ok(trace)
 }
@@ -110,7 +110,7 @@ pub fn run(
         trace.stroke_m.push(stroke_m);
         trace.interface.push(at);
         trace.force.push(force);
-        let target = trace.see(&newmark);
+        let target = trace.record_target(&newmark);
         if !target.interface.iter().all(|x| x.abs() < LOST) {
             break;
         }
@@ -132,7 +132,7 @@ const LOST: f64 = 1.0;
 
 impl Trace {
     /// Takes the state of the numerical part, and gives it as a target.
-    fn see(&mut self, newmark: &Newmark) -> TargetSample {
+    fn record_target(&mut self, newmark: &Newmark) -> TargetSample {
         let interface = [newmark.at(X), SIGN * newmark.at(ROTATION)];
         let stroke_m = strokes_m(interface);
         self.numerical.push(interface);
@@ -146,7 +146,7 @@ impl Trace {
         }
     }
 
-    /// Whether it reached the end of the record.
+    /// True if it reached the end of the record.
     pub fn is_whole(&self, ground: &[f64]) -> bool {
         self.numerical.len() == ground.len()
             && self.numerical.iter().flatten().all(|x| x.is_finite())

@@ -3,7 +3,7 @@
 //! The command is limited to +-3.8 V. The readings are not: at 1096 N/V that range would end at 4165 N, of a rig for
 //! 8900 N, and with a clipped force the published figures are not met (case 3: J4 = 69 instead of 50 %).
 
-use crate::noise::{Normal, Purpose};
+use plant::random::{Normal, Purpose};
 
 const RANGE_V: f64 = 3.8;
 const M_PER_V: f64 = 7.89e-3;
@@ -33,8 +33,8 @@ impl Noise {
                 .collect()
         };
         Self {
-            displacement_v: draw(Purpose::Displacement),
-            force_v: draw(Purpose::Force),
+            displacement_v: draw(Purpose::DisplacementNoise),
+            force_v: draw(Purpose::ForceNoise),
         }
     }
 

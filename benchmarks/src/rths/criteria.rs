@@ -135,7 +135,7 @@ impl<const L: usize> Default for Judge<L> {
 impl<const L: usize> Judge<L> {
     /// Takes a sample in; `reference_m` are the floors of the reference.
     #[inline(always)]
-    pub fn see(&mut self, now: &Moment<'_, L>, reference_m: &[f64; FLOORS]) {
+    pub fn add_sample(&mut self, now: &Moment<'_, L>, reference_m: &[f64; FLOORS]) {
         let target = &now.floors_m[0];
         let less = |x: &[f64; L], y: &[f64; L]| -> [f64; L] { from_fn(|l| x[l] - y[l]) };
         let off = |x: &[f64; L], y: f64| -> [f64; L] { from_fn(|l| x[l] - y) };
@@ -349,7 +349,7 @@ mod tests {
             floors.push([x, 2.0 * x, 3.0 * x]);
             // Lane 0 is 3 % short, lane 1 is 0.5 beside it.
             let read = [0.97 * x, x + 0.5];
-            judge.see(
+            judge.add_sample(
                 &Moment {
                     floors_m: &[[x, x], [2.02 * x, 2.0 * x], [3.0 * x, f64::NAN]],
                     read_m: &read,

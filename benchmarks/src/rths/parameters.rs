@@ -3,8 +3,8 @@
 //! With the natural velocity feedback and the unity feedback of the displacement inside, command to displacement is
 //! `G = B0 / (A5 s^5 + ... + A0)`.
 
-use crate::noise::{Normal, Purpose};
 use nalgebra::Complex;
+use plant::random::{Normal, Purpose};
 
 /// What stands in the laboratory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Parameters {
 
     /// With `deviations` from the stream, in standard deviations.
     fn drawn(seed: u64, mut deviations: impl FnMut(&mut Normal) -> f64) -> Self {
-        let mut stream = Normal::new(seed, Purpose::Plant, 0);
+        let mut stream = Normal::new(seed, Purpose::DrawnPlant, 0);
         let mut off = |spread: f64| spread * deviations(&mut stream);
         let mut plant = Self::NOMINAL;
         let [stiffness, a3, b1, b2] = Self::SPREAD;

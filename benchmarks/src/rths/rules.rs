@@ -92,7 +92,7 @@ impl Rules {
         Ok(self)
     }
 
-    /// Whether they deviate so.
+    /// True if they deviate so.
     pub fn deviates(&self, deviation: Deviation) -> bool {
         self.deviations.contains(&deviation)
     }

@@ -166,7 +166,7 @@ pub fn run<const L: usize>(
                 read(true_m[l], force_n[l], noise[l].at(k));
         }
         let answers = hybrid.step(&readings);
-        judge.see(
+        judge.add_sample(
             &Moment {
                 floors_m: &answers.floors_m,
                 read_m: &answers.judged_m,

@@ -48,8 +48,6 @@ impl Statement {
 pub const RIGHT_STRUCTURE: &str = "hydraulic/mu=1.5";
 /// The setting in which some of that is given for tracking.
 pub const RIGHT_TRACKING: &str = "hydraulic/mu=0.78/lead=0.5";
-/// What was the best known by official rules.
-pub const BEST_KNOWN: &str = "amb/lead=1";
 
 /// A figure of a row.
 type Figure = fn(&RthsRow) -> f64;

@@ -25,7 +25,7 @@ pub fn responses<const N: usize>(
         .iter()
         .map(|rig| rig.elastic_n_per_m(storeys))
         .collect::<Result<_, _>>()
-        .map_err(|e| Failure::input(e.to_string()))?;
+        .map_err(Failure::input)?;
     let Some(elastic) = elastic else {
         let one = |rig| response(rig, config, design, ground, steps);
         return rigs.iter().map(one).collect();
@@ -102,8 +102,7 @@ fn response<const N: usize>(
 ) -> Result<Response, Failure> {
     let physical = config.physical_storeys().min(N);
     let storeys = &config.structure.stiffness_n_per_m[..physical];
-    let mut rig = Rig::new(rig, storeys, config.timing.rate_hz, 0)
-        .map_err(|e| Failure::input(e.to_string()))?;
+    let mut rig = Rig::new(rig, storeys, config.timing.rate_hz, 0).map_err(Failure::input)?;
     let mut test = IdealTest::new(design);
     let mut response = Response::with_room(N, steps / usize::from(config.timing.substeps));
     for _ in 0..steps {

@@ -49,7 +49,7 @@ impl Bench for PlantBench<'_> {
         let physical = config.physical_storeys().min(N);
         let storeys = &config.structure.stiffness_n_per_m[..physical];
         let mut rig = Rig::new(self.spec, storeys, config.timing.rate_hz, self.seed)
-            .map_err(|e| Failure::input(e.to_string()))?;
+            .map_err(Failure::input)?;
         let began = Instant::now();
         let mut by_hand = false;
         let mut outer = OuterLoop::new(assignment.design.clone());
@@ -103,9 +103,7 @@ impl Bench for PlantBench<'_> {
                     }
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {
-                    outer
-                        .handle(Event::Arm)
-                        .map_err(|e| Failure::test(e.to_string()))?;
+                    outer.handle(Event::Arm).map_err(Failure::test)?;
                 }
                 Mode::Idle => idle += 1,
                 Mode::Armed => drop(outer.handle(Event::Start)),

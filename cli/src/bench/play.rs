@@ -76,7 +76,7 @@ pub fn play(
                     return Ok(played.ended_early(format!("the loop tripped on {fault}")));
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {
-                    outer.handle(Event::Arm).map_err(|e| Failure::test(e.to_string()))?;
+                    outer.handle(Event::Arm).map_err(Failure::test)?;
                 }
                 Mode::Idle => idle += 1,
                 Mode::Armed => drop(outer.handle(Event::Start)),

@@ -88,7 +88,7 @@ impl<P: Port> Bench for BoardBench<P> {
         let board = &mut *self.connection.borrow_mut();
         let wanted = (self.calibration.as_deref(), self.bits);
         let (identity, config) = ready(board, assignment.config, &self.plan, wanted)?;
-        let design = Design::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+        let design = Design::new(&config).map_err(Failure::input)?;
         let since = done(board, "configure", &Command::Configure(config.clone()))?;
         load(board, points, assignment.interval_s)?;
         done(board, "signal", &Command::Signal(None))?;

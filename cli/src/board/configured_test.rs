@@ -119,7 +119,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         }
     }
 
-    /// Whether a step that has come is of the test that is in force.
+    /// True if a step that has come is of the test that is in force.
     fn note(&mut self, tick: u32, step: &StepReport) -> bool {
         let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
         if ours {

@@ -98,7 +98,7 @@ impl FurtherInputs {
         }
     }
 
-    /// Whether the commands left the board as they were sent, and what that says of a test that tripped.
+    /// Compares the commands that left the board with those that were sent, and says what that means for a test that tripped.
     pub fn sentence(&self, trip: Option<Fault>) -> Option<String> {
         let worst_m = self.command_off_m?;
         let several = self.lines.len() > 1;

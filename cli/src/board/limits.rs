@@ -14,9 +14,10 @@
 use super::trajectory::Trajectory;
 use crate::experiment::Experiment;
 use crate::files::test::TestFile;
+use crate::rig;
 use crate::trace::Response;
 use link::limits::CalibratedRange;
-use outerloop_core::config::{Filter, Limits};
+use outerloop_core::config::Limits;
 
 /// Over the ideal test's largest displacement and force.
 const MARGIN: f64 = 1.5;
@@ -79,21 +80,13 @@ impl PlannedMotion {
 
     fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64, force_n: f64) -> Self {
         let TestFile { config, plant, .. } = test;
-        let [noise_m, noise_n] = plant.sensors.noise_rms();
-        // What the file declares to a filter, or else simulates.
-        let (filter_m, filter_n) = match config.estimation.kind {
-            Filter::Off => (0.0, 0.0),
-            _ => (
-                config.estimation.displacement_noise_m,
-                config.estimation.force_noise_n,
-            ),
-        };
+        let [noise_m, noise_n] = rig::noise_rms(config, plant);
         Self {
             displacement_m,
             velocity_m_per_s,
             force_n,
-            noise_m: noise_m.max(filter_m),
-            noise_n: noise_n.max(filter_n),
+            noise_m,
+            noise_n,
             delay_s: config.compensation.delay_ms * 1e-3,
             approach_m_per_s: config.timing.approach_m_per_s,
             rate_hz: config.timing.rate_hz,

@@ -66,9 +66,7 @@ impl Played {
     /// A signal that ended before it had a record.
     pub fn recording(&self) -> Result<diagnosis::Recording, Failure> {
         let read = Recording::parse("the designed test's record", &self.text)?;
-        in_mm(&read)
-            .made_even()
-            .map_err(|e| Failure::test(e.to_string()))
+        in_mm(&read).made_even().map_err(Failure::test)
     }
 }
 

@@ -46,7 +46,7 @@ impl Trajectory {
         }
     }
 
-    /// Whether it stays inside the limits that a test states.
+    /// True if it stays inside the limits that a test states.
     ///
     /// # Errors
     /// The first limit that it would pass.

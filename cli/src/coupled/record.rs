@@ -42,7 +42,7 @@ impl CoupledRecord {
         self.ground_m_per_s2.len()
     }
 
-    /// Whether the test has not begun.
+    /// True if the test has not begun.
     pub fn is_empty(&self) -> bool {
         self.ground_m_per_s2.is_empty()
     }

@@ -304,7 +304,7 @@ pub fn natural_frequencies_hz(test: &CoupledTest) -> Result<Vec<f64>, Failure> {
         let whole = structure::<N>(&test.coupled)?;
         let w = whole
             .natural_frequencies_rad_per_s()
-            .map_err(|e| Failure::input(e.to_string()))?;
+            .map_err(Failure::input)?;
         Ok(w.iter().map(|w| w / TAU).collect())
     })
 }

@@ -35,7 +35,7 @@ pub struct Trial {
     pub state: Mode,
     /// The first fault.
     pub trip: Option<Trip>,
-    /// Whether the simulation was stopped because no rig could follow.
+    /// True if the simulation was stopped because no rig could follow.
     pub ran_away: bool,
     /// The actuators as the loop has them in the end.
     pub found: Plant,
@@ -82,8 +82,7 @@ fn ideal_of<const N: usize>(
 ) -> Result<Ideal, Failure> {
     let test = &experiment.test;
     let settings = settings::of::<N>(test, CoupledCompensation::None)?;
-    let k = Coefficients::new(&settings.structure, test.period_s(), 1.0)
-        .map_err(|e| Failure::input(e.to_string()))?;
+    let k = Coefficients::new(&settings.structure, test.period_s(), 1.0).map_err(Failure::input)?;
     let mut newmark = Newmark::<N>::at_rest();
     let mut specimen = CoupledSpecimen::new(&test.rig.specimen, test.timing.rate_hz);
     let mut motion = vec![Vec::with_capacity(experiment.steps()); N];
@@ -123,10 +122,10 @@ fn run_of<const N: usize>(
 ) -> Result<Trial, Failure> {
     let (began, test) = (Instant::now(), &experiment.test);
     let settings = settings::of::<N>(test, kind)?;
-    let mut outer = CoupledLoop::new(&settings).map_err(|e| Failure::input(e.to_string()))?;
+    let mut outer = CoupledLoop::new(&settings).map_err(Failure::input)?;
     let coupler = &test.coupled.coupler;
     let mut rig = CoupledRig::new(&test.rig, coupler, &test.sensors, test.timing.rate_hz, seed)
-        .map_err(|e| Failure::input(e.to_string()))?;
+        .map_err(Failure::input)?;
     let mut record = CoupledRecord {
         rate_hz: test.timing.rate_hz,
         coordinates: test.coupled.structure.coordinates.clone(),
@@ -155,11 +154,7 @@ fn run_of<const N: usize>(
                 record.take(&reading, &step, sent_m, aimed, coupler);
             }
             Mode::Idle if idle < IDLE_STEPS => idle += 1,
-            Mode::Idle => drop(
-                outer
-                    .handle(Event::Arm)
-                    .map_err(|e| Failure::test(e.to_string()))?,
-            ),
+            Mode::Idle => drop(outer.handle(Event::Arm).map_err(Failure::test)?),
             Mode::Armed => drop(outer.handle(Event::Start)),
             _ => {}
         }

@@ -9,7 +9,7 @@ use matfile::{MatFile, NumericData};
 /// Beyond so many columns a matrix is a picture and no record.
 const MOST_COLUMNS: usize = 64;
 
-/// Whether `bytes` are of a file that [`parse`] reads.
+/// True if `bytes` are of a file that [`parse`] reads.
 pub fn is_binary(bytes: &[u8]) -> bool {
     is_mat5(bytes) || hdf5_pure::is_hdf5_bytes(bytes)
 }
@@ -61,7 +61,7 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
     NumberTable::of_columns(file, "its variables", &names, columns)
 }
 
-/// Whether a MAT file of version 5 is shorter than its parts say: each begins with its kind and its length.
+/// True if a MAT file of version 5 is shorter than its parts say: each begins with its kind and its length.
 fn is_cut_off(bytes: &[u8]) -> bool {
     let little = bytes.get(126..128) == Some(b"IM");
     let mut at = 128;

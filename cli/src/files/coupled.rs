@@ -95,7 +95,7 @@ fn part(
         displacement_mm: displacement.first().cloned(),
         ..diagnosis::Recording::default()
     };
-    clock.check().map_err(|e| Failure::input(e.to_string()))?;
+    clock.check().map_err(Failure::input)?;
     Ok(Placed {
         record: CoupledRecord {
             name: file.file.clone(),

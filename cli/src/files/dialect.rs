@@ -5,7 +5,7 @@
 pub struct Dialect {
     /// Between two cells; `None`: any run of blanks.
     pub separator: Option<char>,
-    /// Whether decimals are written with a comma.
+    /// True if decimals are written with a comma.
     pub decimal_comma: bool,
 }
 
@@ -81,7 +81,7 @@ impl Dialect {
         self.any_number(cell).filter(|x| x.is_finite())
     }
 
-    /// Whether a line has at least two cells, all numbers. A line that ends with its separator has one cell less.
+    /// True if a line has at least two cells, all numbers. A line that ends with its separator has one cell less.
     pub fn is_row(&self, line: &str) -> bool {
         let cells = self.cells(line);
         let cells = without_end(&cells);

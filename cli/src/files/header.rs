@@ -190,7 +190,7 @@ impl Header {
         found.map(|(quantity, _)| *quantity)
     }
 
-    /// Whether its values are accelerations by their unit.
+    /// True if its values are accelerations by their unit.
     pub fn is_acceleration(&self) -> bool {
         ["g", "m_per_s2", "gal"].contains(&self.unit.as_str())
     }

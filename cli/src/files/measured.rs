@@ -79,13 +79,13 @@ impl Library {
         parts.iter().map(|p| self.part(p)).collect()
     }
 
-    /// Whether every force that was read is in newtons.
+    /// True if every force that was read is in newtons.
     pub fn force_has_unit(&self) -> bool {
         let mut forces = self.read.values().filter(|r| r.force().is_some());
         forces.all(Recording::force_has_unit)
     }
 
-    /// Whether a force was read, and all of them are in newtons.
+    /// True if a force was read, and all of them are in newtons.
     pub fn force_in_newtons(&self) -> bool {
         self.force_has_unit() && self.read.values().any(|r| r.force().is_some())
     }
@@ -130,7 +130,7 @@ pub fn part_of(
         let skipped = used.before.as_ref().map_or(0, |b| b.time_s.len());
         return Err(recording.refuse_time(skipped + sample));
     }
-    used.made_even().map_err(|e| Failure::input(e.to_string()))
+    used.made_even().map_err(Failure::input)
 }
 
 fn inside(

@@ -95,7 +95,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// Whether it is an angle or a moment.
+    /// True if it is an angle or a moment.
     pub fn is_of_rotation(&self) -> bool {
         [ANGLE, MOMENT].contains(&self.unit.as_str())
     }
@@ -285,7 +285,7 @@ impl Recording {
         self.linear("force")
     }
 
-    /// Whether the force is in newtons.
+    /// True if the force is in newtons.
     pub fn force_has_unit(&self) -> bool {
         self.column("force", 1).is_some_and(|c| c.unit != "1")
     }

@@ -86,7 +86,7 @@ pub fn of_key(name: &str) -> Option<&'static str> {
     ending.map(|(_, unit)| *unit)
 }
 
-/// Whether a value of this unit may say a unit of its own.
+/// True if a value of this unit may say a unit of its own.
 pub fn may_be_said(unit: &str) -> bool {
     Unit::read(unit, false).is_some()
 }

@@ -93,7 +93,7 @@ pub fn structures() -> HashMap<String, SourceStruct> {
     all
 }
 
-/// Whether an attribute derives `Deserialize`.
+/// True if an attribute derives `Deserialize`.
 fn is_read(attribute: &Attribute) -> bool {
     match &attribute.meta {
         Meta::List(list) => list.tokens.to_string().contains("Deserialize"),

@@ -1,7 +1,7 @@
 //! The page of the bench of all compensations.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, TestSection, cannot, class, escape, page, table as summaries, test_file};
+use super::page::{Drawn, TestSection, cannot, escape, page, rank, table as summaries, test_file};
 use super::plot;
 use super::plot::{Colour, Curve, FIFTH, FOURTH, GROUND, HALF, TESTED, THIRD, WRONG};
 use super::rths::table;
@@ -9,7 +9,7 @@ use crate::comparison::compared_test::ComparedTest;
 use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
 use crate::failure::Failure;
-use crate::summary::{Summary, TestVerdict};
+use crate::summary::Summary;
 use crate::terminal::{percent, standings_head, standings_row};
 use std::fmt::Write as _;
 
@@ -38,16 +38,7 @@ pub fn of_compare(sections: &[TestSection<'_>]) -> Result<String, Failure> {
         for record in records {
             let own = || sections.iter().filter(|s| s.summary.record == record);
             let mut ranked: Vec<&TestSection<'_>> = own().collect();
-            let wrong = |s: &TestSection<'_>| {
-                (
-                    s.summary.verdict != TestVerdict::Completed,
-                    s.summary.eps_rms,
-                )
-            };
-            ranked.sort_by(|a, b| {
-                let (a, b) = (wrong(a), wrong(b));
-                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-            });
+            rank(&mut ranked, |s| (s.summary.verdict, s.summary.eps_rms));
             let _ = write!(html, "<h2>{}</h2>", escape(record));
             if let Some(best) = ranked.first() {
                 html += &verdict_of_best(best);
@@ -78,7 +69,7 @@ pub fn of_compare(sections: &[TestSection<'_>]) -> Result<String, Failure> {
 fn verdict_of_best(best: &TestSection<'_>) -> String {
     format!(
         "<p class=\"verdict {}\"><b>{}</b> comes nearest. {}</p>",
-        class(best.summary),
+        best.summary.worth().class(),
         best.summary.compensation,
         escape(&best.summary.sentence())
     )

@@ -1,7 +1,7 @@
 //! The pages of tests of two coupled actuators.
 
 use super::figures::{figure, time_plot};
-use super::page::{Drawn, cannot, escape, page, tile};
+use super::page::{Drawn, cannot, escape, page, rank, tile};
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, PlotShape, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path, plot,
@@ -161,11 +161,7 @@ fn setting(s: &CoupledSection<'_>) -> String {
 }
 
 fn verdict(s: &CoupledSummary) -> String {
-    let class = match s.worth() {
-        Validity::Good => "good",
-        Validity::Fair => "fair",
-        Validity::Bad => "bad",
-    };
+    let class = s.worth().class();
     format!("<p class=\"verdict {class}\">{}</p>", escape(&s.sentence()))
 }
 
@@ -329,16 +325,7 @@ const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 /// x and rotation of several tests of one ground motion around the largest displacement, the best first.
 fn beside(group: &[CoupledSection<'_>]) -> Drawn {
     let mut ranked: Vec<&CoupledSection<'_>> = group.iter().collect();
-    let wrong = |s: &CoupledSection<'_>| {
-        (
-            s.summary.verdict != TestVerdict::Completed,
-            s.summary.eps_rms,
-        )
-    };
-    ranked.sort_by(|a, b| {
-        let (a, b) = (wrong(a), wrong(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    });
+    rank(&mut ranked, |s| (s.summary.verdict, s.summary.eps_rms));
     let Some(best) = ranked.first() else {
         return Ok(String::new());
     };

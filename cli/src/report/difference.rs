@@ -7,7 +7,7 @@ use super::rths::table;
 use crate::difference::{ComparedMotion, Difference, shown};
 use crate::failure::Failure;
 use crate::files::archive::ArchivedTest;
-use crate::numbers::{percent, si, three};
+use crate::numbers::{si, three};
 
 /// The report of the tests `pair`, which the files `names` hold.
 ///
@@ -48,16 +48,7 @@ pub fn of_difference(
                 "most",
                 "at",
             ],
-            d.channels.iter().map(|c| {
-                vec![
-                    c.channel.clone(),
-                    si(c.peak, c.unit),
-                    si(c.rms, c.unit),
-                    c.rms_of_peak.map_or_else(String::new, percent),
-                    si(c.largest, c.unit),
-                    si(c.largest_at_s, "s"),
-                ]
-            }),
+            d.channels.iter().map(|c| c.cells().to_vec()),
         );
         Ok(html)
     };

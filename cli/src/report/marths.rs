@@ -94,7 +94,7 @@ fn closer_look(problem: &Problem, record: &Record, seed: u64) -> Result<String, 
     let trace = |contestant| {
         problem
             .trial(contestant, record, &Parameters::nominal(), seed)
-            .map_err(|e| Failure::input(e.to_string()))
+            .map_err(Failure::input)
     };
     let traces = [trace(Contestant::Rodeac)?, trace(Contestant::Coupled)?];
     draw_look(record, &traces).map_err(cannot)

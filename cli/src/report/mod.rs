@@ -36,7 +36,7 @@ use crate::numbers::length;
 use crate::summary::Summary;
 use crate::terminal::{joule, percent};
 use figures::Figures;
-use page::{Drawn, cannot, class, escape, page, table, test_file, tile};
+use page::{Drawn, cannot, escape, page, table, test_file, tile};
 use std::fmt::Write as _;
 
 /// The report of one test.
@@ -186,7 +186,7 @@ fn story(title: &str, s: &Improvement) -> Drawn {
     };
     let mut html = format!(
         "<h2>{title}</h2><p class=\"verdict {}\">eps_rms {} before, <b>{}</b> after{}.</p>",
-        class(&s.after.summary),
+        s.after.summary.worth().class(),
         percent(s.before.summary.eps_rms),
         percent(s.after.summary.eps_rms),
         s.possible.as_ref().map_or_else(String::new, |r| format!(
@@ -260,7 +260,7 @@ fn verdict(s: &Summary) -> String {
     };
     format!(
         "<p class=\"verdict {}\">{}{doubt}</p>",
-        class(s),
+        s.worth().class(),
         escape(&s.sentence())
     )
 }

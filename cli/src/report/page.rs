@@ -4,7 +4,7 @@ use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{joule, length, percent};
 use crate::provenance::Provenance;
-use crate::summary::{Summary, Validity};
+use crate::summary::{Summary, TestVerdict};
 use crate::trace::{Response, Trace};
 use std::error::Error;
 use std::fmt::Write as _;
@@ -28,12 +28,16 @@ pub(super) fn cannot(e: Box<dyn Error>) -> Failure {
     Failure::test(format!("the report cannot be drawn: {e}"))
 }
 
-pub(super) fn class(s: &Summary) -> &'static str {
-    match s.worth() {
-        Validity::Good => "good",
-        Validity::Fair => "fair",
-        Validity::Bad => "bad",
-    }
+/// The tests that completed first, then by their error.
+pub(super) fn rank<T>(tests: &mut [&T], of: impl Fn(&T) -> (TestVerdict, f64)) {
+    let wrong = |test: &T| {
+        let (verdict, eps_rms) = of(test);
+        (verdict != TestVerdict::Completed, eps_rms)
+    };
+    tests.sort_by(|a, b| {
+        let (a, b) = (wrong(a), wrong(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
 }
 
 pub(super) fn tile(value: String, meaning: &str) -> String {
@@ -50,7 +54,7 @@ pub(super) fn table(rows: &[Summary]) -> String {
             html,
             "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td><td>{}</td></tr>",
-            class(s),
+            s.worth().class(),
             s.compensation,
             s.trip.unwrap_or(s.verdict.name()),
             percent(s.eps_max),

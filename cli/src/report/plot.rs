@@ -37,9 +37,9 @@ pub struct Curve {
     pub name: &'static str,
     /// Its colour.
     pub colour: Colour,
-    /// Whether it is drawn broad, to be seen under another one.
+    /// True if it is drawn broad, to be seen under another one.
     pub broad: bool,
-    /// Whether its points are dots that no line joins.
+    /// True if its points are dots that no line joins.
     pub dots: bool,
     /// Its points.
     pub points: Vec<(f64, f64)>,

@@ -33,6 +33,7 @@ impl Departures {
         }
         own.others
             .extend(specimen.elements.iter().map(beside_the_specimen));
+        own.bearing_friction();
         let [delay_ms, lag_ms] = own.late_ms();
         own.late_reading(&specimen, delay_ms + lag_ms - expected_ms);
         own.wrong_reading(specimen.stiffness_n_per_mm.map_or(0.0, |k| k.value));
@@ -51,10 +52,13 @@ impl Departures {
         [delay_ms + self[Quantity::ForceLate].max(0.0), lag_ms]
     }
 
-    /// Friction that the load cell feels, N, and the displacement in which it builds up, mm.
-    pub fn friction(&self) -> Option<[f64; 2]> {
-        let all = self.others.iter().filter_map(friction);
-        all.reduce(|[force_n, mm], [more_n, more_mm]| [force_n + more_n, mm.max(more_mm)])
+    /// All friction that the load cell feels, as that of the bearings.
+    fn bearing_friction(&mut self) {
+        for [force_n, mm] in self.others.iter().filter_map(friction) {
+            self.values[Quantity::BearingFriction as usize] += force_n;
+            let presliding_mm = &mut self.values[Quantity::BearingPresliding as usize];
+            *presliding_mm = presliding_mm.max(mm);
+        }
     }
 
     /// Effects of which the loop cannot rid itself.
@@ -168,6 +172,7 @@ fn unless_near(value: f64, ideal: f64, of: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Quantity::{BearingFriction, BearingPresliding};
     use Quantity::{
         CommandGain, CommandOffset, DisplacementGain, DisplacementOffset, ForceGain, ForceLate,
         ForceOffset,
@@ -219,6 +224,10 @@ mod tests {
         assert!((c[ForceGain] - 1.1).abs() < 1e-12);
     }
 
+    fn bearings(c: &Departures) -> [f64; 2] {
+        [BearingFriction, BearingPresliding].map(|quantity| c[quantity])
+    }
+
     #[test]
     fn friction_that_the_joint_search_found_is_taken_out_and_other_elements_stay() {
         let text = |name: &str, law: &str| {
@@ -232,13 +241,13 @@ mod tests {
             Departures::of_model(&model, 4.0)
         };
         let c = known(text("coulomb_friction", "slider"));
-        assert_eq!((c.friction(), c.left().len()), (Some([300.0, 0.2]), 0));
+        assert_eq!((bearings(&c), c.left().len()), ([300.0, 0.2], 0));
         let both = text("coulomb_friction", "slider") + &text("coulomb_friction", "distributed");
-        let friction = known(both).friction().unwrap();
-        assert!((friction[0] - 600.0).abs() < 1e-9, "{friction:?}");
+        let both = bearings(&known(both));
+        assert!((both[0] - 600.0).abs() < 1e-9, "{both:?}");
         let c = known(text("maxwell_damper", "relaxing"));
         assert_eq!(c.left(), [(Channel::Specimen, Effect::MaxwellDamper)]);
-        assert_eq!(c.friction(), None);
+        assert_eq!(bearings(&c), [0.0, 0.0]);
     }
 
     #[test]
@@ -262,7 +271,7 @@ mod tests {
         let c = Departures::of_model(&known, 4.0);
         assert!((c[CommandGain] - 1.05 * 1.1).abs() < 1e-12);
         assert_eq!((c[CommandOffset], c.late_ms()), (2.5, [7.0, 0.0]));
-        assert_eq!(c.friction(), Some([150.0, 0.2]));
+        assert_eq!(bearings(&c), [150.0, 0.2]);
         assert!(c.left().is_empty(), "{:?}", c.left());
     }
 

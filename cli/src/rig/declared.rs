@@ -77,7 +77,19 @@ fn times_ms(model: &Model) -> Option<[f64; 2]> {
     Some(Departures::of_model(model, f64::INFINITY).to_expect_ms())
 }
 
-/// Fills in the delays of the compensation and of the filter, where the test file leaves it out.
+/// Where the loop is configured with the delay and the lag of an actuator, ms: table, key and value.
+pub(crate) fn configured_times(
+    [delay_ms, lag_ms]: [f64; 2],
+) -> [(&'static str, &'static str, f64); 3] {
+    let filter_lag_ms = lag_ms.max(improvement::LEAST_LAG_MS);
+    [
+        ("compensation", "delay_ms", delay_ms + lag_ms),
+        ("estimation", "delay_ms", delay_ms),
+        ("estimation", "lag_ms", filter_lag_ms),
+    ]
+}
+
+/// Fills in the delays of the compensation and of the filter, where the test file leaves them out.
 pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
     // True where the file had left it out.
     let mut fill = |part: &str, key: &str, ms: f64| {
@@ -92,11 +104,10 @@ pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigS
         left_out
     };
     let declared = declared.and_then(times_ms);
-    if let Some([delay_ms, lag_ms]) = declared {
-        fill("estimation", "delay_ms", delay_ms);
-        let lag_ms = lag_ms.max(improvement::LEAST_LAG_MS);
-        fill("estimation", "lag_ms", lag_ms);
-    }
+    let filter = declared.map(configured_times).into_iter().flatten().skip(1);
+    filter.for_each(|(part, key, ms)| {
+        fill(part, key, ms);
+    });
     let expected_ms = declared.map_or(plant.actuator.lateness_ms(), |[delay, lag]| delay + lag);
     if expected_ms > 0.0 && fill("compensation", "delay_ms", expected_ms) {
         return match declared {

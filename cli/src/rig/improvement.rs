@@ -11,7 +11,7 @@ use plant::{Channel, Effect};
 const WORTH_PREDICTING_MS: f64 = 0.25;
 
 /// The filter's model has a lag always; the shortest that it takes is as good as none.
-pub(crate) const LEAST_LAG_MS: f64 = 0.05;
+pub(super) const LEAST_LAG_MS: f64 = 0.05;
 
 /// Puts what `model` knows into `config`, and says in sentences what was done with each part of it.
 pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
@@ -89,14 +89,6 @@ fn space(known: &Departures, config: &mut Config) -> Vec<String> {
         masses[0] = mass_kg;
         said.push(format!(
             "the inertia of {mass_kg:.2} kg on the load cell counts as part of the structure's"
-        ));
-    }
-    if let Some([force_n, mm]) = known.friction() {
-        config.rig.bearing_friction_n = only(force_n);
-        config.rig.bearing_presliding_m = only(mm * 1e-3);
-        said.push(format!(
-            "{force_n:.1} N of friction that builds up in {mm:.3} mm is taken out as the bearings'; if it is the \
-             specimen's own, take it out of the model instead"
         ));
     }
     said

@@ -12,7 +12,8 @@ pub mod declared;
 pub mod improvement;
 
 use diagnosis::{ActuatorModel, Declared, SpecimenModel};
-use outerloop_core::config::{PerActuator, RigConfig};
+use outerloop_core::Config;
+use outerloop_core::config::{Filter, PerActuator, RigConfig};
 use plant::Channel::{Actuator, Specimen};
 use plant::{Channel, Effect, EffectSpec, RigSpec};
 use std::ops::{Index, IndexMut};
@@ -184,6 +185,21 @@ rows! {
         simulated: (each specimen.damping_n_s_per_mm),
         declared: |_, specimen| specimen.damping_n_s_per_mm,
     }
+    /// Sliding friction of the bearings, which the load cell feels, N: of an effect, which the simulated rig keeps.
+    BearingFriction "bearing_friction_n" 0.0 {
+        simulated: (|_, _| 0.0, |_, _| ()),
+        correction: (1.0, |rig| &mut rig.bearing_friction_n, |force_n| format!(
+            "{force_n:.1} N of friction are taken out as the bearings'; if it is the specimen's own, take it out of the \
+             model instead"
+        )),
+    }
+    /// Displacement in which that friction builds up, mm.
+    BearingPresliding "bearing_presliding_mm" 0.0 {
+        simulated: (|_, _| 0.0, |_, _| ()),
+        correction: (1e-3, |rig| &mut rig.bearing_presliding_m, |mm| format!(
+            "that friction builds up in {mm:.3} mm"
+        )),
+    }
     /// Amplitude of the mains' hum on the displacement, mm.
     DisplacementHum "displacement_hum_mm" 0.0 {
         simulated: (sensors.displacement_hum_mm),
@@ -289,7 +305,25 @@ impl Departures {
     }
 }
 
+/// Noise of the displacement, m, and of the force, N, one standard deviation: what the file declares to its filter or what
+/// the simulated sensors have, whichever is more.
+pub fn noise_rms(config: &Config, rig: &RigSpec) -> [f64; 2] {
+    let [noise_m, noise_n] = rig.sensors.noise_rms();
+    match &config.estimation {
+        e if e.kind == Filter::Off => [noise_m, noise_n],
+        e => [
+            noise_m.max(e.displacement_noise_m),
+            noise_n.max(e.force_noise_n),
+        ],
+    }
+}
+
 impl Quantity {
+    /// Its key in the table of a simulated rig.
+    pub fn name(self) -> &'static str {
+        ROWS[self as usize].1.name
+    }
+
     /// The one that an effect is an error of.
     fn mistaken(channel: Channel, effect: Effect) -> Option<Self> {
         let of = |row: &QuantityRow| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));

@@ -17,12 +17,9 @@ use crate::trace::TestObserver;
 use decimate::{Band, StepColumns};
 use outerloop_core::{Event, Mode, Record};
 use server::Shared;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// Where the page is, where nobody says otherwise: this machine alone, any free port.
-pub const HERE: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
 
 /// Steps between two looks at the clock, where the scope gives the pace.
 const PACE_STEPS: u64 = 16;
@@ -100,7 +97,7 @@ pub struct Scoped {
 }
 
 impl Scoped {
-    /// Whether one was asked for.
+    /// True if one was asked for.
     pub fn is_wanted(&self) -> bool {
         self.scope.is_some()
     }

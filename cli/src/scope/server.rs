@@ -195,7 +195,7 @@ impl Shared {
         }
     }
 
-    /// Whether a WebSocket is one of our own page's.
+    /// True if a WebSocket is one of our own page's.
     #[expect(clippy::result_large_err, reason = "the type is the library's")]
     fn admit(&self, request: &Request, response: Response) -> Result<Response, ErrorResponse> {
         let header = |name: &str| request.headers().get(name).and_then(|v| v.to_str().ok());

@@ -204,7 +204,7 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
             self.wanted.converter_bits,
         );
         let (identity, config) = ready(board, &self.config, &self.plan, wanted)?;
-        let design = Design::<N>::new(&config).map_err(|e| Failure::input(e.to_string()))?;
+        let design = Design::<N>::new(&config).map_err(Failure::input)?;
         let since = done(board, "configure", &Command::Configure(config.clone()))?;
         done(board, "signal", &Command::Signal(None))?;
         done(board, "pace", &Command::Pace(Some(self.pace)))?;

@@ -46,7 +46,7 @@ pub trait Mover {
     /// As [`Mover::go_to`].
     fn meanwhile(&mut self) -> Result<(), Stop>;
 
-    /// Whether [`Mover::meanwhile`] has to be called every millisecond or two.
+    /// True if [`Mover::meanwhile`] has to be called every millisecond or two.
     fn needs_care(&self) -> bool;
 
     /// Slows down to a standstill and gives the permission to move back, whatever has happened.
@@ -55,7 +55,7 @@ pub trait Mover {
     /// A rig of which that cannot be said.
     fn end(&mut self) -> Result<(), Failure>;
 
-    /// Whether the rig may move: the PERMIT line.
+    /// True if the rig may move: the PERMIT line.
     fn permit(&self) -> bool;
 
     /// The figures of what has been since the beginning.

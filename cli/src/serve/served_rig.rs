@@ -41,7 +41,7 @@ pub trait ServedRig<const N: usize> {
     /// A rig that is gone.
     fn meanwhile(&mut self) -> Result<Vec<ServedStep<N>>, Stop>;
 
-    /// Whether it has such a time, and has to be looked after every millisecond or two.
+    /// True if it has such a time, and has to be looked after every millisecond or two.
     fn has_own_time(&self) -> bool;
 
     /// An event that an observer asks for. One that is not allowed in the present mode is ignored.
@@ -62,7 +62,7 @@ pub trait ServedRig<const N: usize> {
     /// A rig of which that cannot be said.
     fn end(&mut self) -> Result<(), Failure>;
 
-    /// Whether the rig may move: the PERMIT line.
+    /// True if the rig may move: the PERMIT line.
     fn permit(&self) -> bool;
 
     /// What a board reports.

@@ -149,7 +149,7 @@ impl Served {
             if wire.owes_an_answer() && wire.answer_nan().is_err() {
                 return;
             }
-            match wire.hear() {
+            match wire.next_message() {
                 Ok(Some(message)) if message.action == Action::End => return,
                 Ok(_) => {}
                 Err(_) => return,
@@ -206,7 +206,7 @@ impl Session<'_> {
     fn converse(&mut self, wire: &mut ClientConnection) -> Result<(), End> {
         loop {
             operator()?;
-            let Some(message) = wire.hear()? else {
+            let Some(message) = wire.next_message()? else {
                 self.rig.meanwhile()?;
                 continue;
             };
@@ -216,7 +216,7 @@ impl Session<'_> {
             let n = self.element.storeys;
             let (length, force) = self.units();
             match message.action {
-                Action::TrialResponse => {}
+                Action::Trial => {}
                 Action::Commit => {
                     self.committed = true;
                     self.commits += 1;
@@ -393,7 +393,7 @@ impl Session<'_> {
     }
 }
 
-/// Whether the operator has stopped it.
+/// True if the operator has stopped it.
 fn operator() -> Result<(), End> {
     if stop_is_asked() {
         return Err(Stop::Operator.into());

@@ -33,7 +33,7 @@ pub fn simulated(
         let rate_hz = config.timing.rate_hz;
         let stiffness = &config.structure.stiffness_n_per_m;
         let rig = plant::Rig::new(&test.plant, stiffness, rate_hz, seed)
-            .map_err(|e| Failure::input(e.to_string()))?;
+            .map_err(Failure::input)?;
         let mut outer = OuterLoop::new(design);
         outer.set_pace(Some(test.serve.pace));
         let simulated = Simulated::<N> {

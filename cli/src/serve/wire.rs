@@ -22,7 +22,7 @@ const LONGEST: i32 = 65_536;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// The response of a trial follows; no answer.
-    TrialResponse,
+    Trial,
     /// The step is accepted; no answer.
     Commit,
     /// The displacement that was reached.
@@ -44,15 +44,15 @@ pub enum Action {
 }
 
 impl Action {
-    /// Whether the client waits for an answer to it.
+    /// True if the client waits for an answer to it.
     fn is_answered(self) -> bool {
-        !matches!(self, Self::TrialResponse | Self::Commit | Self::End)
+        !matches!(self, Self::Trial | Self::Commit | Self::End)
     }
 
     /// From its number on the wire.
     fn of(number: f64) -> Option<Self> {
         Some(match number {
-            3.0 => Self::TrialResponse,
+            3.0 => Self::Trial,
             5.0 => Self::Commit,
             7.0 => Self::Displacement,
             10.0 => Self::Force,
@@ -229,7 +229,7 @@ impl ClientConnection {
         Ok(wire)
     }
 
-    /// Whether the rig has to be looked after while the client is waited for.
+    /// True if the rig has to be looked after while the client is waited for.
     ///
     /// # Errors
     /// The connection is broken.
@@ -244,7 +244,7 @@ impl ClientConnection {
     ///
     /// # Errors
     /// Why none will come.
-    pub fn hear(&mut self) -> Result<Option<ClientMessage>, ClientGone> {
+    pub fn next_message(&mut self) -> Result<Option<ClientMessage>, ClientGone> {
         if !self.receive()? {
             return Ok(None);
         }
@@ -261,7 +261,7 @@ impl ClientConnection {
             ))
         })?;
         self.owes = action.is_answered();
-        let trial = (action == Action::TrialResponse).then(|| TrialResponse {
+        let trial = (action == Action::Trial).then(|| TrialResponse {
             displacement: (1..=self.sizes.axes).map(at).collect(),
             time_s: at(self.sizes.time),
         });
@@ -285,7 +285,7 @@ impl ClientConnection {
             .map_err(|e| ClientGone::Broken(e.to_string()))
     }
 
-    /// Whether the client waits for an answer.
+    /// True if the client waits for an answer.
     pub fn owes_an_answer(&self) -> bool {
         self.owes
     }
@@ -304,7 +304,7 @@ impl ClientConnection {
         self.patience = Duration::from_secs_f64(seconds);
     }
 
-    /// Whether a message is whole.
+    /// True if a message is whole.
     fn receive(&mut self) -> Result<bool, ClientGone> {
         // Client and kernel wait for each other without it: 45 ms a step. It holds for one read only, and where it does
         // not exist nothing is lost but speed.

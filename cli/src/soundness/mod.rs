@@ -23,7 +23,7 @@ use crate::numbers::percent;
 use crate::stability;
 use crate::stability::closed_loop::Question;
 use crate::stability::perturbed::Spread;
-use crate::stability::predictor::LawKnowledge;
+use crate::stability::predictor::Knowledge;
 use crate::stability::rig::Variation;
 use crate::stability::structure_matrices::StructureMatrices;
 use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict};
@@ -91,7 +91,7 @@ impl Eigenvalues {
         let question = Question {
             config: &test.config,
             rig: &test.plant,
-            law: LawKnowledge::Learnt,
+            law: Knowledge::Learnt,
         };
         let frame = StructureMatrices::of(&test.config)?;
         let row = stability::linear_verdict::linear_verdict(&question, &frame, &Variation::NONE)?;

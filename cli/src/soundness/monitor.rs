@@ -265,7 +265,7 @@ impl MonitorPlan {
             floor_j: 0.5 * stiffness[0] * 1e-6,
         };
         let mut observers = (Score::against(ideal), gauge);
-        let ending = e.on(&bench, config, &mut observers)?;
+        let ending = e.run_config(&bench, config, &mut observers)?;
         let (score, gauge) = observers;
         let eps_rms = score.eps_rms().into_iter().fold(0.0, f64::max);
         let (counts, largest) = match self.kind {

@@ -1,6 +1,6 @@
 //! The parts of the loop as linear systems in discrete time.
 //!
-//! A [`StateFunction`] is a row: what a quantity is, as a linear function of the loop's state at the start of an integration
+//! A [`StateRow`] is a row: what a quantity is, as a linear function of the loop's state at the start of an integration
 //! step. Blocks pass rows on as the real parts pass numbers, so a step is written down once, as it runs, and what the
 //! states have become after it are the rows of the transition matrix.
 
@@ -8,23 +8,23 @@ use nalgebra::{Complex, DMatrix, DVector};
 use std::collections::VecDeque;
 
 /// A quantity as a linear function of the state at the start of the step.
-pub type StateFunction = DVector<f64>;
+pub type StateRow = DVector<f64>;
 
 /// Something with a state.
 pub trait Block {
     /// Its states, always in the same order.
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>);
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>);
 }
 
 /// A signal of nothing yet: rows get their length when the loop is put together.
-pub fn nothing() -> StateFunction {
+pub fn nothing() -> StateRow {
     DVector::zeros(0)
 }
 
 /// A delay of any number of control periods: the cubic through the four samples around it.
 #[derive(Clone, Debug)]
 pub struct Delay {
-    past: VecDeque<StateFunction>,
+    past: VecDeque<StateRow>,
     first: usize,
     weights: [f64; 4],
 }
@@ -66,7 +66,7 @@ impl Delay {
     }
 
     /// One control period.
-    pub fn step(&mut self, input: StateFunction) -> StateFunction {
+    pub fn step(&mut self, input: StateRow) -> StateRow {
         self.past.push_front(input);
         let mut out = self.past[0].clone() * 0.0;
         for (k, w) in self.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
@@ -85,7 +85,7 @@ impl Delay {
 }
 
 impl Block for Delay {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         all.extend(&mut self.past);
     }
 }
@@ -95,7 +95,7 @@ impl Block for Delay {
 pub struct Lag {
     transition: DMatrix<f64>,
     input: DVector<f64>,
-    state: Vec<StateFunction>,
+    state: Vec<StateRow>,
 }
 
 impl Lag {
@@ -143,8 +143,8 @@ impl Lag {
     }
 
     /// One control period.
-    pub fn step(&mut self, input: &StateFunction) -> StateFunction {
-        let mut next: Vec<StateFunction> = Vec::with_capacity(self.state.len());
+    pub fn step(&mut self, input: &StateRow) -> StateRow {
+        let mut next: Vec<StateRow> = Vec::with_capacity(self.state.len());
         for i in 0..self.state.len() {
             let mut row = input * self.input[i];
             for (j, x) in self.state.iter().enumerate() {
@@ -169,7 +169,7 @@ impl Lag {
 }
 
 impl Block for Lag {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         all.extend(&mut self.state);
     }
 }
@@ -178,7 +178,7 @@ impl Block for Lag {
 #[derive(Clone, Debug)]
 pub struct Differences {
     rate_hz: f64,
-    past: [StateFunction; 3],
+    past: [StateRow; 3],
 }
 
 impl Differences {
@@ -191,7 +191,7 @@ impl Differences {
     }
 
     /// Velocity and acceleration at this sample.
-    pub fn step(&mut self, x: &StateFunction) -> [StateFunction; 2] {
+    pub fn step(&mut self, x: &StateRow) -> [StateRow; 2] {
         let [x1, x2, x3] = &self.past;
         let velocity = (x * 3.0 - x1 * 4.0 + x2) * (0.5 * self.rate_hz);
         let acceleration = (x * 2.0 - x1 * 5.0 + x2 * 4.0 - x3) * (self.rate_hz * self.rate_hz);
@@ -202,7 +202,7 @@ impl Differences {
 }
 
 impl Block for Differences {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         all.extend(&mut self.past);
     }
 }

@@ -8,11 +8,11 @@
 //! the force error `K (u_m - u_c)` that is in phase with the velocity (Eq 14 with Eq 12), up to its clamp; so the force
 //! correction is that share of `K (u_c - u_m)`.
 
-use super::blocks::{Block, StateFunction, nothing};
+use super::blocks::{Block, StateRow, nothing};
 use super::filter::LinearFilter;
 use super::interpolation::Interpolation;
 use super::largest;
-use super::predictor::{Ahead, LawKnowledge, LinearPredictor};
+use super::predictor::{Ahead, Knowledge, LinearPredictor};
 use super::rig::{LinearRig, Variation};
 use super::spectrum;
 use super::structure_matrices::StructureMatrices;
@@ -30,7 +30,7 @@ pub struct Question<'a> {
     /// The rig.
     pub rig: &'a RigSpec,
     /// What an adaptive predictor knows.
-    pub law: LawKnowledge,
+    pub law: Knowledge,
 }
 
 impl Question<'_> {
@@ -60,7 +60,7 @@ impl Question<'_> {
         vary: &Variation,
     ) -> Result<Vec<Complex<f64>>, Failure> {
         let learns =
-            self.law == LawKnowledge::Learnt && self.config.compensation.kind.predictor.learns();
+            self.law == Knowledge::Learnt && self.config.compensation.kind.predictor.learns();
         let mut at = frame.omega[0];
         let mut rounds = if learns { ROUNDS } else { 1 };
         loop {
@@ -125,7 +125,7 @@ impl Question<'_> {
         Ok(-(g * p.response(omega / t.rate_hz, g)).arg() / omega)
     }
 
-    /// Whether a predictor would have to learn more than the bounds of its law allow.
+    /// True if a predictor would have to learn more than the bounds of its law allow.
     ///
     /// # Errors
     /// A rig that cannot be written down.
@@ -151,7 +151,7 @@ struct Loop<'a> {
     filter: LinearFilter,
     predictor: LinearPredictor,
     /// What was sent last.
-    sent: Vec<StateFunction>,
+    sent: Vec<StateRow>,
     /// `dt^2 (M + dt/2 C)^-1`.
     flexibility: DMatrix<f64>,
     damping_per_increment: DMatrix<f64>,
@@ -159,9 +159,9 @@ struct Loop<'a> {
     /// Force per displacement error.
     correction: DMatrix<f64>,
     /// `u_i`, `dt v_{i-1}` and `dt^2 a_{i-1}`, m.
-    u: Vec<StateFunction>,
-    q: Vec<StateFunction>,
-    s: Vec<StateFunction>,
+    u: Vec<StateRow>,
+    q: Vec<StateRow>,
+    s: Vec<StateRow>,
 }
 
 impl<'a> Loop<'a> {
@@ -245,11 +245,11 @@ impl<'a> Loop<'a> {
         }
     }
 
-    fn solve(&mut self, displacement: &[StateFunction], force: &[StateFunction]) {
+    fn solve(&mut self, displacement: &[StateRow], force: &[StateRow]) {
         let n = self.u.len();
         // u_i - u_{i-1}, as the integrator knows it.
-        let increment: Vec<StateFunction> = (0..n).map(|j| &self.q[j] + &self.s[j] * 0.5).collect();
-        let mut unbalanced: Vec<StateFunction> = Vec::with_capacity(n);
+        let increment: Vec<StateRow> = (0..n).map(|j| &self.q[j] + &self.s[j] * 0.5).collect();
+        let mut unbalanced: Vec<StateRow> = Vec::with_capacity(n);
         for i in 0..n {
             let mut f = &self.u[i] * 0.0;
             for j in 0..n {
@@ -277,7 +277,7 @@ impl<'a> Loop<'a> {
 }
 
 impl Block for Loop<'_> {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         all.extend(self.u.iter_mut().chain(&mut self.q).chain(&mut self.s));
         all.extend(&mut self.sent);
         self.rig.states(all);

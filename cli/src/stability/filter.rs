@@ -1,6 +1,6 @@
 //! The filter of the loop: none, the low-pass, or the two-stage Kalman filter at its steady gain.
 
-use super::blocks::{Block, Delay, Lag, StateFunction, nothing};
+use super::blocks::{Block, Delay, Lag, StateRow, nothing};
 use nalgebra::{Matrix2, Vector2};
 use outerloop_core::Config;
 use outerloop_core::config::{Estimation, Filter};
@@ -34,10 +34,10 @@ impl LinearFilter {
     /// One control period.
     pub fn step(
         &mut self,
-        sent: &[StateFunction],
-        displacement: Vec<StateFunction>,
-        force: Vec<StateFunction>,
-    ) -> (Vec<StateFunction>, Vec<StateFunction>) {
+        sent: &[StateRow],
+        displacement: Vec<StateRow>,
+        force: Vec<StateRow>,
+    ) -> (Vec<StateRow>, Vec<StateRow>) {
         match self {
             Self::Off => (displacement, force),
             Self::LowPass(channels) => {
@@ -49,7 +49,7 @@ impl LinearFilter {
                 filtered
             }
             Self::Kalman(trackers, storeys) => {
-                let x: Vec<StateFunction> = trackers
+                let x: Vec<StateRow> = trackers
                     .iter_mut()
                     .zip(sent)
                     .zip(displacement)
@@ -72,7 +72,7 @@ impl LinearFilter {
 }
 
 impl Block for LinearFilter {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         match self {
             Self::Off => {}
             Self::LowPass(channels) => {
@@ -95,8 +95,8 @@ impl Block for LinearFilter {
 pub struct Biquad {
     b: [f64; 3],
     a: [f64; 2],
-    x: [StateFunction; 2],
-    y: [StateFunction; 2],
+    x: [StateRow; 2],
+    y: [StateRow; 2],
 }
 
 impl Biquad {
@@ -115,7 +115,7 @@ impl Biquad {
         }
     }
 
-    fn step(&mut self, x: StateFunction) -> StateFunction {
+    fn step(&mut self, x: StateRow) -> StateRow {
         let y = &x * self.b[0] + &self.x[0] * self.b[1] + &self.x[1] * self.b[2]
             - &self.y[0] * self.a[0]
             - &self.y[1] * self.a[1];
@@ -133,7 +133,7 @@ pub struct Tracker {
     transition: Matrix2<f64>,
     input: Vector2<f64>,
     gain: Vector2<f64>,
-    state: [StateFunction; 2],
+    state: [StateRow; 2],
 }
 
 impl Tracker {
@@ -170,7 +170,7 @@ impl Tracker {
         }
     }
 
-    fn step(&mut self, sent: &StateFunction, measured: &StateFunction) -> StateFunction {
+    fn step(&mut self, sent: &StateRow, measured: &StateRow) -> StateRow {
         let u = self.line.step(sent.clone());
         let [x, v] = &self.state;
         let predicted = |i: usize| {

@@ -1,43 +1,38 @@
 //! The way from target to target, between integration steps: extrapolated while the next target is not known, then the
 //! cubic that meets it.
 
-use super::blocks::StateFunction;
+use super::blocks::StateRow;
 use outerloop_core::config::Timing;
 
 /// The command on its way through one integration step.
 #[derive(Clone, Debug)]
 pub struct Interpolation {
     /// Command of each axis.
-    pub command: Vec<StateFunction>,
+    pub command: Vec<StateRow>,
     /// Its velocity, a control step.
-    pub velocity: Vec<StateFunction>,
+    pub velocity: Vec<StateRow>,
     /// Its acceleration, a control step squared.
-    pub acceleration: Vec<StateFunction>,
-    from: (Vec<StateFunction>, Vec<StateFunction>),
+    pub acceleration: Vec<StateRow>,
+    from: (Vec<StateRow>, Vec<StateRow>),
     substeps: u16,
     solve_substeps: u16,
 }
 
 impl Interpolation {
     /// At a target `u` that was reached with `q` and `s` of the step before.
-    pub fn from_target(
-        u: &[StateFunction],
-        q: &[StateFunction],
-        s: &[StateFunction],
-        timing: &Timing,
-    ) -> Self {
+    pub fn from_target(u: &[StateRow], q: &[StateRow], s: &[StateRow], timing: &Timing) -> Self {
         Self::at_target(u, q, s, timing.substeps, timing.solve_substeps)
     }
 
     fn at_target(
-        u: &[StateFunction],
-        q: &[StateFunction],
-        s: &[StateFunction],
+        u: &[StateRow],
+        q: &[StateRow],
+        s: &[StateRow],
         substeps: u16,
         solve_substeps: u16,
     ) -> Self {
         let per = 1.0 / f64::from(substeps);
-        let velocity: Vec<StateFunction> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
+        let velocity: Vec<StateRow> = q.iter().zip(s).map(|(q, s)| (q + s) * per).collect();
         Self {
             command: u.to_vec(),
             acceleration: s.iter().map(|s| s * (per * per)).collect(),
@@ -49,13 +44,7 @@ impl Interpolation {
     }
 
     /// The command of control step `tick` towards the next target `u`, `q + s`.
-    pub fn advance(
-        &mut self,
-        tick: u16,
-        u: &[StateFunction],
-        q: &[StateFunction],
-        s: &[StateFunction],
-    ) {
+    pub fn advance(&mut self, tick: u16, u: &[StateRow], q: &[StateRow], s: &[StateRow]) {
         if tick >= self.substeps {
             *self = Self::at_target(u, q, s, self.substeps, self.solve_substeps);
             return;

@@ -2,7 +2,7 @@
 
 use super::closed_loop::Question;
 use super::linear_verdict::linear_verdict;
-use super::predictor::LawKnowledge;
+use super::predictor::Knowledge;
 use super::rig::Variation;
 use super::structure_matrices::StructureMatrices;
 use crate::failure::Failure;
@@ -123,7 +123,7 @@ pub fn over_delay(test: &TestFile, limits: &StabilityLimits) -> Result<Vec<(f64,
     let question = Question {
         config: &test.config,
         rig: &test.plant,
-        law: LawKnowledge::Learnt,
+        law: Knowledge::Learnt,
     };
     let frame = StructureMatrices::of(&test.config)?;
     let present_ms = limits.delay.present;

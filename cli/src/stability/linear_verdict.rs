@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-9;
 pub struct LinearVerdict {
     /// Its name.
     pub compensation: &'static str,
-    /// Whether it is stable.
+    /// True if it is stable.
     pub stable: bool,
     /// Largest magnitude of an eigenvalue over an integration step.
     pub spectral_radius: f64,

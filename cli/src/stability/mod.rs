@@ -43,7 +43,7 @@ use linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_core::Method;
 use outerloop_core::linear::LinearForce;
 use perturbed::{Perturbed, Spread};
-use predictor::LawKnowledge;
+use predictor::Knowledge;
 use rayon::prelude::*;
 use rig::Variation;
 use serde::Serialize;
@@ -99,13 +99,12 @@ pub fn answer(
     let question = Question {
         config,
         rig: &test.plant,
-        law: LawKnowledge::Learnt,
+        law: Knowledge::Learnt,
     };
     let frame = StructureMatrices::of(config)?;
     // A rig that cannot be built is refused by its own words.
     let storeys = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
-    plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0)
-        .map_err(|e| Failure::input(e.to_string()))?;
+    plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0).map_err(Failure::input)?;
     let z = question.eigenvalues(&frame, &Variation::NONE)?;
     let row = linear_verdict(&question, &frame, &Variation::NONE)?;
     // One after the other, and many at once.
@@ -121,7 +120,7 @@ pub fn answer(
         .learns()
         .then(|| {
             let told = Question {
-                law: LawKnowledge::Told,
+                law: Knowledge::Told,
                 ..question
             };
             self::linear_verdict(&told, &frame, &Variation::NONE)

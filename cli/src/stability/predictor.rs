@@ -1,6 +1,6 @@
 //! Core's predictors in the closed loop, by the linear form that each has in its own file ([`outerloop_core::linear`]).
 
-use super::blocks::{Block, Delay, StateFunction, nothing};
+use super::blocks::{Block, Delay, StateRow, nothing};
 use super::rig::LinearRig;
 use super::structure_matrices::StructureMatrices;
 use nalgebra::{Complex, DMatrix};
@@ -9,7 +9,7 @@ use outerloop_core::linear::{FrequencyResponse, Linear, Setting, Sum};
 
 /// What adaptive predictors know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LawKnowledge {
+pub enum Knowledge {
     /// What was declared to them.
     Told,
     /// What they come to on the rig.
@@ -20,16 +20,16 @@ pub enum LawKnowledge {
 enum Kind {
     Sum {
         sum: Sum,
-        last_acceleration: StateFunction,
-        error: StateFunction,
+        last_acceleration: StateRow,
+        error: StateRow,
     },
     /// Weights of the target now, and one, two and three delays ago.
     Extrapolation { weights: [f64; 4], past: Vec<Delay> },
     /// `new x + last x_1 + memory y_1`.
     Lead {
         weights: [f64; 3],
-        target: StateFunction,
-        command: StateFunction,
+        target: StateRow,
+        command: StateRow,
     },
     /// Row of this axis on velocities and accelerations of all.
     Model {
@@ -45,7 +45,7 @@ pub struct LinearPredictor {
     /// Control steps by which the target is led.
     lead: f64,
     /// By how much the last target of each axis was led.
-    led: Vec<StateFunction>,
+    led: Vec<StateRow>,
     /// Some axis would have to learn more than the bounds of its law allow.
     pub at_bounds: bool,
 }
@@ -54,11 +54,11 @@ pub struct LinearPredictor {
 #[derive(Clone, Copy, Debug)]
 pub struct Ahead<'a> {
     /// Next targets.
-    pub displacement: &'a [StateFunction],
+    pub displacement: &'a [StateRow],
     /// Their velocities.
-    pub velocity: &'a [StateFunction],
+    pub velocity: &'a [StateRow],
     /// Their accelerations.
-    pub acceleration: &'a [StateFunction],
+    pub acceleration: &'a [StateRow],
 }
 
 impl LinearPredictor {
@@ -67,7 +67,7 @@ impl LinearPredictor {
         config: &Config,
         frame: &StructureMatrices,
         rig: &LinearRig,
-        law: LawKnowledge,
+        law: Knowledge,
         at: f64,
     ) -> Self {
         let omega = at / (config.timing.time_scale * config.timing.rate_hz);
@@ -75,8 +75,8 @@ impl LinearPredictor {
         let axes: Vec<Kind> = (0..config.physical_storeys())
             .map(|j| {
                 let mut setting = match law {
-                    LawKnowledge::Told => Setting::told(config),
-                    LawKnowledge::Learnt => {
+                    Knowledge::Told => Setting::told(config),
+                    Knowledge::Learnt => {
                         let wanted = rig.response(j, omega).inv();
                         let (real, imaginary) = (wanted.re, wanted.im);
                         Setting::learnt(config, FrequencyResponse { real, imaginary }, omega)
@@ -98,21 +98,21 @@ impl LinearPredictor {
     /// One control step: what is sent for the motion `ahead`, after `target` was in force and `measured` was read.
     pub fn step(
         &mut self,
-        target: &[StateFunction],
-        measured: &[StateFunction],
+        target: &[StateRow],
+        measured: &[StateRow],
         ahead: &Ahead<'_>,
-    ) -> Vec<StateFunction> {
+    ) -> Vec<StateRow> {
         if self.lead == 0.0 {
             return self.send(target, measured, ahead);
         }
         let (lead, floors) = (self.lead, 0..ahead.displacement.len());
         let rise =
             |j: usize| &ahead.velocity[j] * lead + &ahead.acceleration[j] * (0.5 * lead * lead);
-        let displacement: Vec<StateFunction> = floors
+        let displacement: Vec<StateRow> = floors
             .clone()
             .map(|j| &ahead.displacement[j] + rise(j))
             .collect();
-        let velocity: Vec<StateFunction> = floors
+        let velocity: Vec<StateRow> = floors
             .map(|j| &ahead.velocity[j] + &ahead.acceleration[j] * lead)
             .collect();
         let mut led_target = target.to_vec();
@@ -130,10 +130,10 @@ impl LinearPredictor {
 
     fn send(
         &mut self,
-        target: &[StateFunction],
-        measured: &[StateFunction],
+        target: &[StateRow],
+        measured: &[StateRow],
         ahead: &Ahead<'_>,
-    ) -> Vec<StateFunction> {
+    ) -> Vec<StateRow> {
         let mut send = ahead.displacement.to_vec();
         for (j, axis) in self.axes.iter_mut().enumerate() {
             send[j] = axis.step(&target[j], &measured[j], ahead, j);
@@ -176,11 +176,11 @@ impl Kind {
 
     fn step(
         &mut self,
-        target: &StateFunction,
-        measured: &StateFunction,
+        target: &StateRow,
+        measured: &StateRow,
         ahead: &Ahead<'_>,
         j: usize,
-    ) -> StateFunction {
+    ) -> StateRow {
         let (u, v, a) = (
             &ahead.displacement[j],
             &ahead.velocity[j],
@@ -276,7 +276,7 @@ impl Kind {
 }
 
 impl Block for LinearPredictor {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         if self.lead != 0.0 {
             all.extend(&mut self.led);
         }

@@ -1,6 +1,6 @@
 //! The simulated rig, linearised about rest: actuators, storeys, sensors.
 
-use super::blocks::{Block, Delay, Differences, Lag, StateFunction};
+use super::blocks::{Block, Delay, Differences, Lag, StateRow};
 use crate::failure::Failure;
 use crate::rig::{Departures, Quantity};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -92,7 +92,7 @@ impl LinearRig {
         let rate_hz = config.timing.rate_hz;
         let structure = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
         let storeys = spec.specimen.stiffness(structure);
-        let storeys = storeys.map_err(|e| Failure::input(e.to_string()))?;
+        let storeys = storeys.map_err(Failure::input)?;
         let axes = storeys.iter().enumerate().map(|(j, &storey_n_per_m)| {
             let held = storey_n_per_m + storeys.get(j + 1).unwrap_or(&0.0);
             let rig = Departures::of_rig(spec, j);
@@ -141,18 +141,18 @@ impl LinearRig {
     }
 
     /// One control period: displacement and force of each axis as they are read.
-    pub fn step(&mut self, command: &[StateFunction]) -> (Vec<StateFunction>, Vec<StateFunction>) {
-        let moved: Vec<StateFunction> = self
+    pub fn step(&mut self, command: &[StateRow]) -> (Vec<StateRow>, Vec<StateRow>) {
+        let moved: Vec<StateRow> = self
             .axes
             .iter_mut()
             .zip(command)
             .map(|(axis, c)| {
                 let delayed = axis.line.step(c * axis.gain);
-                let through = |x: StateFunction, lag: &mut Lag| lag.step(&x);
+                let through = |x: StateRow, lag: &mut Lag| lag.step(&x);
                 axis.lags.iter_mut().fold(delayed, through)
             })
             .collect();
-        let mut shear: Vec<StateFunction> = Vec::with_capacity(moved.len());
+        let mut shear: Vec<StateRow> = Vec::with_capacity(moved.len());
         for (j, axis) in self.axes.iter_mut().enumerate() {
             let drift = match j.checked_sub(1) {
                 Some(below) => &moved[j] - &moved[below],
@@ -175,7 +175,7 @@ impl LinearRig {
             if let Some(above) = shear.get(j + 1) {
                 force -= above;
             }
-            let mut read_late = |i: usize, x: StateFunction| {
+            let mut read_late = |i: usize, x: StateRow| {
                 let [sampled, waits] = &mut axis.late[i];
                 waits.step(sampled.step(x * axis.reads[i]))
             };
@@ -196,7 +196,7 @@ impl LinearRig {
 }
 
 impl Block for LinearRig {
-    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateFunction>) {
+    fn states<'a>(&'a mut self, all: &mut Vec<&'a mut StateRow>) {
         for axis in &mut self.axes {
             axis.line.states(all);
             for lag in &mut axis.lags {

@@ -15,7 +15,7 @@ pub fn watch() {
     });
 }
 
-/// Whether the work is to end early.
+/// True if the work is to end early.
 pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }

@@ -37,12 +37,12 @@ impl Board {
     ///
     /// # Errors
     /// A port that cannot be opened; a board that is silent, of another version, or refuses.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         match &self.order {
             Order::Identify(order) => order.identify(),
             Order::Status(order) => order.status(),
-            Order::Calibrate(order) => order.go(),
-            Order::Commission(order) => order.go(),
+            Order::Calibrate(order) => order.run(),
+            Order::Commission(order) => order.run(),
             Order::Clear(order) => order.clear(),
         }
     }
@@ -160,7 +160,7 @@ impl FromStr for Zero {
 }
 
 impl Calibrate {
-    fn go(&self) -> Result<(), Failure> {
+    fn run(&self) -> Result<(), Failure> {
         let board = &mut connect(&self.port)?;
         let actuators = board::identify(board)?.actuators();
         let actuator = self.actuator - 1;

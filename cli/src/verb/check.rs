@@ -3,7 +3,7 @@
 mod surveys;
 
 use super::coupled::CoupledCheckRequest;
-use super::{MotionArguments, json, method};
+use super::{MotionArguments, json, look_at_report, method};
 use crate::coupled::load;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
@@ -82,7 +82,7 @@ impl Check {
     ///
     /// # Errors
     /// Bad input; a test that cannot be stable.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if let Some(rigs) = self.survey {
             return self.survey(rigs);
         }
@@ -132,9 +132,7 @@ impl Check {
                 percent(judgement.expected_eps_rms),
                 percent(judgement.expected_eps_rms_differing),
             );
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         let said = format!("{}: {}", path.display(), judgement.reason);
         match judgement.verdict {

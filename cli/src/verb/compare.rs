@@ -1,6 +1,6 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{CommonArguments, json, method};
+use super::{CommonArguments, json, look_at_report, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
 use crate::experiment::Experiment;
@@ -42,7 +42,7 @@ impl Compare {
     ///
     /// # Errors
     /// Bad input; no row that is the structure's response.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if let Some(test) = self.common.coupled()? {
             super::coupled::refuse(&[("--bench", self.bench)])?;
             let asked = (&self.record[..], &self.compensations[..]);
@@ -106,9 +106,7 @@ impl Compare {
             answer!("{}", json(&WithProvenance::seeded(&all, self.common.seed))?);
         } else {
             println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         whole(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
@@ -171,9 +169,7 @@ impl Compare {
         } else {
             println!("{lead} Geometric means of eps_rms, Eq 18.\n");
             println!("{}", terminal::standings(&standings));
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         whole(
             rows.len(),

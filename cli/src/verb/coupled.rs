@@ -1,6 +1,6 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
-use super::{CommonArguments, json};
+use super::{CommonArguments, json, look_at_report};
 use crate::coupled::experiment::CoupledExperiment;
 use crate::coupled::file::CoupledTest;
 use crate::coupled::load;
@@ -82,7 +82,7 @@ pub(super) struct CoupledRequest<'a> {
     pub compensation: Option<&'a str>,
     /// Where results go.
     pub out: Option<&'a Path>,
-    /// Whether the picture is wanted, terminal or not.
+    /// True if the picture is wanted, terminal or not.
     pub plot: bool,
 }
 
@@ -136,9 +136,7 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
     if summary.outcome().is_ok() {
         println!("{}", summary.sentence());
     }
-    if let Some(folder) = asked.out {
-        println!("Look at {}", folder.join("report.html").display());
-    }
+    look_at_report(asked.out);
     summary.outcome()
 }
 
@@ -244,9 +242,7 @@ pub(super) fn compare(
         answer!("{}", json(&told)?);
     } else {
         print(&rows);
-        if let Some(folder) = out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(out);
     }
     if rows.iter().all(|r| r.worth() == Validity::Bad) {
         return Err(Failure::test(
@@ -270,7 +266,7 @@ pub(super) struct CoupledCheckRequest<'a> {
     pub json: bool,
 }
 
-/// Whether the test may be run.
+/// True if the test may be run.
 ///
 /// # Errors
 /// Bad input; a test that may not be run.
@@ -301,9 +297,7 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
         answer!("{}", json(&told)?);
     } else {
         say(&experiment, &check);
-        if let Some(folder) = asked.out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(asked.out);
     }
     let said = check.reason.clone();
     match check.verdict {

@@ -55,7 +55,7 @@ impl Demo {
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let test = TestFile::parse(TEST, "examples/table1.toml", Path::new(""), &[])?;
         let experiment = Experiment::new(test, &near_fault(), None)?;
         let structure = &experiment.test.config.structure;

@@ -2,7 +2,7 @@
 
 mod coupled;
 
-use super::json;
+use super::{json, look_at_report};
 use crate::failure::Failure;
 use crate::files::columns::Columns;
 use crate::files::measured::{FilePart, Library};
@@ -56,7 +56,7 @@ impl Diagnose {
     ///
     /// # Errors
     /// Data or a model that cannot be judged.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let declared = model::load(&self.model)?;
         if let Some(path) = &self.save_model
             && same_file(path, &self.model)
@@ -86,7 +86,7 @@ impl Diagnose {
         let mut diagnosis = terminal::while_waiting("diagnosing", || {
             diagnosis::diagnose(&declared, &train, &test, &rest)
         })
-        .map_err(|e| Failure::input(e.to_string()))?;
+        .map_err(Failure::input)?;
         if self.remainder {
             with_remainder(&mut diagnosis);
         } else {
@@ -154,9 +154,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             println!("{} is in {}", saved(&diagnosis), path.display());
         }
-        if let Some(folder) = &self.out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(self.out.as_deref());
         Ok(())
     }
 }
@@ -221,7 +219,7 @@ fn saved(diagnosis: &Diagnosis) -> &'static str {
     }
 }
 
-/// Whether two paths lead to one file.
+/// True if two paths lead to one file.
 fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

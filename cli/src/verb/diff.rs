@@ -1,10 +1,10 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
-use super::json;
-use crate::difference::{self, ChannelDifference, Difference};
+use super::{json, look_at_report};
+use crate::difference::{self, Difference};
 use crate::failure::Failure;
 use crate::files::{archive, output};
-use crate::numbers::{percent, si};
+use crate::numbers::percent;
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
@@ -34,7 +34,7 @@ impl Diff {
     ///
     /// # Errors
     /// No archive; tests of structures with other floors; motions further apart than `--within`.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if let Some(share) = self.within.filter(|s| !(*s >= 0.0 && s.is_finite())) {
             return Err(Failure::input(format!(
                 "--within {share}: accepted is a share of the peak from 0, such as 0.01 for 1 %"
@@ -105,25 +105,12 @@ impl Diff {
         println!("{t}\n");
         let mut t = terminal::table(&["channel", "peak", "rms apart", "of peak", "most", "at"]);
         for c in d.channels.iter().filter(|c| c.is_motion()) {
-            t.add_row(cells(c));
+            t.add_row(c.cells());
         }
         println!("{t}");
         println!("{}", d.sentence());
-        if let Some(folder) = &self.out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(self.out.as_deref());
     }
-}
-
-fn cells(c: &ChannelDifference) -> [String; 6] {
-    [
-        c.channel.clone(),
-        si(c.peak, c.unit),
-        si(c.rms, c.unit),
-        c.rms_of_peak.map_or_else(String::new, percent),
-        si(c.largest, c.unit),
-        si(c.largest_at_s, "s"),
-    ]
 }
 
 /// A figure of a summary: a word, or a number with three digits.

@@ -18,7 +18,7 @@ impl Effects {
     ///
     /// # Errors
     /// None; the signature is that of every verb.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if self.json {
             let entries: Vec<_> = catalogue()
                 .iter()

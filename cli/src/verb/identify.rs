@@ -8,7 +8,8 @@ use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
 use crate::provenance::WithProvenance;
-use crate::rig::improvement::LEAST_LAG_MS;
+use crate::rig::Quantity;
+use crate::rig::declared::configured_times;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
 use std::path::{Path, PathBuf};
@@ -35,11 +36,11 @@ impl Identify {
     ///
     /// # Errors
     /// A record or a test file that cannot be used.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let recording = Library::with(&self.columns)
             .parts(std::slice::from_ref(&self.record))?
             .remove(0);
-        let found = diagnosis::identify(&recording).map_err(|e| Failure::input(e.to_string()))?;
+        let found = diagnosis::identify(&recording).map_err(Failure::input)?;
         let doubt = doubt(&recording, &found);
         if let Some(path) = &self.write {
             match &doubt {
@@ -169,13 +170,20 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
         .map_err(|e: toml_edit::TomlError| Failure::input(format!("{file}: {}", e.message())))?;
     // A thousandth of a millisecond is finer than any rig.
     let ms = |x: f64| value((x * 1e3).round() / 1e3);
-    let (delay, lag) = (ms(found.delay_ms), ms(found.lag_ms));
+    let own = [
+        (Quantity::Delay, ms(found.delay_ms)),
+        (Quantity::Lag, ms(found.lag_ms)),
+        (
+            Quantity::CommandGain,
+            value((found.gain * 1e6).round() / 1e6),
+        ),
+    ];
     let actuator = table(table(text.as_table_mut(), "plant", path)?, "actuator", path)?;
     // Dynamics of another kind would contradict it.
     let foreign: Vec<String> = actuator
         .iter()
         .map(|(key, _)| key.to_owned())
-        .filter(|key| !["kind", "delay_ms", "lag_ms", "gain"].contains(&key.as_str()))
+        .filter(|key| key != "kind" && own.iter().all(|(quantity, _)| quantity.name() != key))
         .collect();
     for key in foreign {
         actuator.remove(&key);
@@ -185,15 +193,16 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
         actuator.remove("kind");
     }
     set(actuator, "kind", value("lag_delay"));
-    set(actuator, "delay_ms", delay.clone());
-    set(actuator, "lag_ms", lag);
-    set(actuator, "gain", value((found.gain * 1e6).round() / 1e6));
-    let compensation = table(text.as_table_mut(), "compensation", path)?;
-    set(compensation, "delay_ms", ms(found.delay_ms + found.lag_ms));
-    let estimation = table(text.as_table_mut(), "estimation", path)?;
-    set(estimation, "delay_ms", delay);
-    // The estimator's model has some lag in any case.
-    set(estimation, "lag_ms", ms(found.lag_ms.max(LEAST_LAG_MS)));
+    for (quantity, value) in own {
+        set(actuator, quantity.name(), value);
+    }
+    for (part, key, expected_ms) in configured_times([found.delay_ms, found.lag_ms]) {
+        set(
+            table(text.as_table_mut(), part, path)?,
+            key,
+            ms(expected_ms),
+        );
+    }
     let text = text.to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
     TestFile::parse(&text, &file.to_string(), folder, &[])?;

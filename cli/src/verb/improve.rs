@@ -1,7 +1,7 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
 use super::rig_arguments::RigArguments;
-use super::{CommonArguments, json};
+use super::{CommonArguments, json, look_at_report};
 use crate::failure::Failure;
 use crate::files::{model, output, record_csv, signal};
 use crate::improve::{Improvement, ImprovementOutcome};
@@ -64,7 +64,7 @@ impl Improve {
     ///
     /// # Errors
     /// Bad input, or a test that cannot be diagnosed.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let files: Vec<PathBuf> = self.common.files(&self.more);
         let mut stories = Vec::new();
         for file in &files {
@@ -128,9 +128,7 @@ impl Improve {
             }
         }
         println!("\n{}", terminal::stories(named));
-        if let Some(folder) = &self.out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(self.out.as_deref());
     }
 
     fn story(&self, file: &std::path::Path) -> Result<Improvement, Failure> {

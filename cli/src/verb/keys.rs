@@ -27,7 +27,7 @@ impl Keys {
     ///
     /// # Errors
     /// A filter that no key has in it.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let mut groups = keys::all();
         if let Some(filter) = &self.filter {
             let wanted = filter.to_lowercase();

@@ -123,6 +123,13 @@ pub fn method(name: &str) -> Result<Method, Failure> {
     })
 }
 
+/// Says where the report is, if one was written.
+fn look_at_report(folder: Option<&Path>) {
+    if let Some(folder) = folder {
+        println!("Look at {}", folder.join("report.html").display());
+    }
+}
+
 /// The JSON of a result.
 fn json(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string_pretty(value)

@@ -1,6 +1,6 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
-use super::{CommonArguments, json, method};
+use super::{CommonArguments, json, look_at_report, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
@@ -69,7 +69,7 @@ impl MonteCarlo {
     ///
     /// # Errors
     /// Bad input.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if !(1..=1_000_000).contains(&self.tests) {
             return Err(Failure::input(format!(
                 "--tests {}: accepted are 1 to 1000000",
@@ -136,9 +136,7 @@ impl MonteCarlo {
             );
         } else {
             print(&outcome, kind.name());
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         Ok(())
     }

@@ -51,7 +51,7 @@ impl New {
     ///
     /// # Errors
     /// A file that is there already; an answer that cannot be used.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let file = self.file.display();
         if self.file.exists() {
             return Err(Failure::input(format!(

@@ -39,7 +39,7 @@ impl Replay {
     ///
     /// # Errors
     /// No archive; a test on a real rig; another result.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let archived = archive::load(&self.archive)?;
         let file = self.archive.display();
         if archived.repeat.place == RigKind::Board {

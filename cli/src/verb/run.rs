@@ -1,7 +1,7 @@
 //! `outerloop run`: one closed-loop test.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use super::{CommonArguments, json, method};
+use super::{CommonArguments, json, look_at_report, method};
 use crate::board::Trajectory;
 use crate::failure::Failure;
 use crate::files::archive::{self, FinishedTest};
@@ -61,7 +61,7 @@ impl Run {
     ///
     /// # Errors
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         if let Some(test) = self.common.coupled()? {
             super::coupled::refuse(&[
                 ("--signal", self.signal.is_some()),
@@ -165,9 +165,7 @@ impl Run {
             if run.summary.outcome().is_ok() {
                 println!("{}", run.summary.sentence());
             }
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         if let Some(board) = run.summary.board.as_ref().filter(|_| !self.common.json) {
             println!("{}", board.sentence());

@@ -57,7 +57,7 @@ impl Serve {
     /// # Errors
     /// A test that cannot be served, an address that cannot be listened at, a rig that is lost; with `--once`, a client
     /// that did not come to its end.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let test = TestFile::load(&self.test, &self.overrides)?;
         let element = DeclaredElement::of(&test)?;
         let title = format!("serves {}", self.test.display());
@@ -170,7 +170,7 @@ impl Serve {
 /// Serves the rig for a while, and passes on what observers ask for.
 fn wait(rig: &mut dyn Mover) -> Result<(), Failure> {
     let began = std::time::Instant::now();
-    rig.meanwhile().map_err(|e| Failure::test(e.to_string()))?;
+    rig.meanwhile().map_err(Failure::test)?;
     if !rig.needs_care() {
         std::thread::sleep(LOOK.saturating_sub(began.elapsed()));
     }

@@ -16,7 +16,7 @@ impl Completions {
     ///
     /// # Errors
     /// Standard output that cannot be written.
-    pub fn go(&self, mut command: clap::Command) -> Result<(), Failure> {
+    pub fn run(&self, mut command: clap::Command) -> Result<(), Failure> {
         let mut text = Vec::new();
         clap_complete::generate(self.shell, &mut command, "outerloop", &mut text);
         print(&text)
@@ -32,7 +32,7 @@ impl ManPage {
     ///
     /// # Errors
     /// Standard output that cannot be written.
-    pub fn go(&self, mut command: clap::Command) -> Result<(), Failure> {
+    pub fn run(&self, mut command: clap::Command) -> Result<(), Failure> {
         let mut text = Vec::new();
         let cannot = |e: std::io::Error| Failure::input(format!("the man page: {e}"));
         command.build();

@@ -1,6 +1,6 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
-use super::{CommonArguments, json, method};
+use super::{CommonArguments, json, look_at_report, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
@@ -42,7 +42,7 @@ impl Sweep {
     ///
     /// # Errors
     /// Bad input; Ctrl-C before all tests ran.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         let range = Range::parse(&self.over)?;
         if let Some(mm) = self.limit_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
             return Err(Failure::input(format!(
@@ -76,9 +76,7 @@ impl Sweep {
             answer!("{told}");
         } else {
             print(&swept, &methods);
-            if let Some(folder) = &self.out {
-                println!("Look at {}", folder.join("report.html").display());
-            }
+            look_at_report(self.out.as_deref());
         }
         let asked = experiments.len() * methods.len();
         if rows.len() < asked {

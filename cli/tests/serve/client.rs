@@ -88,12 +88,12 @@ impl Client {
         let _ = self.0.write_all(&bytes);
     }
 
-    pub fn hear(&mut self) -> Option<f64> {
-        self.hear_all().map(|[first, ..]| first)
+    pub fn receive(&mut self) -> Option<f64> {
+        self.receive_all().map(|[first, ..]| first)
     }
 
     /// All numbers of an answer.
-    pub fn hear_all(&mut self) -> Option<[f64; LENGTH]> {
+    pub fn receive_all(&mut self) -> Option<[f64; LENGTH]> {
         let mut bytes = [0; 8 * LENGTH];
         self.0.read_exact(&mut bytes).ok()?;
         let (numbers, _) = bytes.as_chunks();
@@ -102,7 +102,7 @@ impl Client {
 
     pub fn ask(&mut self, action: f64) -> Option<f64> {
         self.say(&[action]);
-        self.hear()
+        self.receive()
     }
 
     /// A step: trial, force, commit.
@@ -115,7 +115,7 @@ impl Client {
         let still = [0.0; N];
         self.say(&[&[3.0], &to_m[..], &still, &still, &[time_s]].concat());
         self.say(&[10.0]);
-        let answer = self.hear_all()?;
+        let answer = self.receive_all()?;
         self.say(&[5.0]);
         Some(std::array::from_fn(|j| answer[j]))
     }

@@ -55,11 +55,11 @@ const MISCHIEF: [(&str, &str, Mischief); 9] = [
         let _ = c.0.shutdown(std::net::Shutdown::Both);
     }),
     ("lost", "said nothing for 0.", |c| {
-        assert_eq!(c.hear(), None)
+        assert_eq!(c.receive(), None)
     }),
     ("lost", "100 bytes into a message", |c| {
         let _ = c.0.write_all(&[0; 100]);
-        assert_eq!(c.hear(), None);
+        assert_eq!(c.receive(), None);
     }),
     ("refused", "displacement 1 = NaN", |c| {
         assert!(c.step(f64::NAN, 0.1).unwrap().is_nan());
@@ -131,7 +131,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         ([-3; 11], "is none of OpenSees'"),
     ] {
         let mut client = Client::connect(&server.address, &header);
-        assert_eq!(client.hear(), None);
+        assert_eq!(client.receive(), None);
         let account = server.account();
         assert!(account["reason"].to_string().contains(reason), "{account}");
         assert_eq!(
@@ -140,7 +140,7 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
         );
     }
     let mut silent = Client::connect(&server.address, &[]);
-    assert_eq!(silent.hear(), None);
+    assert_eq!(silent.receive(), None);
     assert!(
         server.account()["reason"]
             .to_string()

@@ -112,7 +112,7 @@ impl RigConfig {
         )
     }
 
-    /// Whether the actuator is elsewhere than its command.
+    /// True if the actuator is elsewhere than its command.
     pub(crate) fn moves_commands(&self) -> bool {
         !(self.command_gain.is_empty() && self.command_offset_m.is_empty())
     }

@@ -16,7 +16,7 @@ pub struct Coupler {
 }
 
 impl Coupler {
-    /// Whether the strokes determine x and theta.
+    /// True if the strokes determine x and theta.
     pub fn is_regular(&self) -> bool {
         let arm = self.pin_y_m[1] - self.pin_y_m[0];
         let finite = self.pin_x_m.iter().all(|p| p.is_finite());

@@ -63,7 +63,7 @@ pub struct CoupledSettings<const N: usize> {
 pub struct CoupledStep {
     /// Commands of the actuators for the next control period, m; always finite.
     pub command_m: Pair,
-    /// Whether they may move on them.
+    /// True if they may move on them.
     pub permit: bool,
     /// Where the interface is to be, m and rad.
     pub target: Pair,

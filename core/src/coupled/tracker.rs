@@ -15,7 +15,7 @@ pub struct TrackerSettings {
     pub coupler: Coupler,
     /// The plant and what of it is to be estimated.
     pub estimate: EstimatorSettings,
-    /// Whether commands are those of the inverse. Where not, the strokes of the target itself are sent: for actuators that
+    /// True if commands are those of the inverse. Where not, the strokes of the target itself are sent: for actuators that
     /// follow by themselves, and to see what the inverse is worth.
     pub inverse: bool,
     /// How the target moves, x and theta.

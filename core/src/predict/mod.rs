@@ -24,7 +24,7 @@
 
 pub(crate) mod adaptation;
 impl Prediction {
-    /// Whether it learns while a test runs.
+    /// True if it learns while a test runs.
     pub fn learns(self) -> bool {
         Predictor::<1>::learns(self)
     }
@@ -89,7 +89,7 @@ macro_rules! predictors {
                 })
             }
 
-            /// Whether `of` learns while a test runs.
+            /// True if `of` learns while a test runs.
             pub fn learns(of: Prediction) -> bool {
                 match of {
                     Prediction::None => false,
@@ -97,7 +97,7 @@ macro_rules! predictors {
                 }
             }
 
-            /// Whether it looks at where axes without an actuator go, too.
+            /// True if it looks at where axes without an actuator go, too.
             pub fn sees_all(&self) -> bool {
                 match self {
                     Self::None => false,

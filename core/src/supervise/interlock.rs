@@ -83,7 +83,7 @@ pub struct Checked<'a, const N: usize> {
     pub physical: usize,
 }
 
-/// Whether every limit is kept.
+/// True if every limit is kept.
 #[inline]
 pub fn within<const N: usize>(limits: &InterlockLimits, c: &Checked<'_, N>) -> bool {
     // The sign bit of what is left says that a limit is passed: five limits, one branch.

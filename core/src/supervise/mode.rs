@@ -53,14 +53,14 @@ modes! {
 }
 
 impl Mode {
-    /// Whether the actuator may move on the command in this mode (the PERMIT line).
+    /// True if the actuator may move on the command in this mode (the PERMIT line).
     pub const fn permits_motion(self) -> bool {
         // One bit a mode: a test of it costs less than two comparisons in every step.
         const STANDS: u32 = 1 << Mode::Idle as u32 | 1 << Mode::Tripped as u32;
         STANDS >> self as u32 & 1 == 0
     }
 
-    /// Whether the equation of motion is integrated.
+    /// True if the equation of motion is integrated.
     pub const fn integrates(self) -> bool {
         matches!(self, Self::Running | Self::Resuming)
     }

@@ -75,7 +75,7 @@ impl<const N: usize> PeriodRequest<N> {
 /// What the image gives back in a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodReply<const N: usize> {
-    /// Whether the actuator may move.
+    /// True if the actuator may move.
     pub permit: bool,
     /// Command for the next period, m.
     pub command_m: [f32; N],

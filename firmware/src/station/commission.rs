@@ -97,7 +97,7 @@ impl Generator {
         usize::from(self.signal.actuator)
     }
 
-    /// Whether it goes through the points that were sent.
+    /// True if it goes through the points that were sent.
     pub fn plays_points(&self) -> bool {
         self.signal.shape == SignalShape::Points
     }

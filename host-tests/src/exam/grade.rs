@@ -29,7 +29,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// Whether the answer helps: exact, set or family.
+    /// True if the answer helps: exact, set or family.
     pub fn is_right(self) -> bool {
         matches!(self, Self::Exact | Self::Set | Self::Family)
     }

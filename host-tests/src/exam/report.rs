@@ -35,7 +35,7 @@ pub enum Wanted {
 }
 
 impl Target {
-    /// Whether it was met; none where there was nothing to count.
+    /// True if it was met; none where there was nothing to count.
     pub fn met(&self) -> Option<bool> {
         let figure = self.figure?;
         Some(match self.wanted {

@@ -29,7 +29,7 @@ impl<'a> Tally<'a> {
         self.records.len()
     }
 
-    /// Whether there are none.
+    /// True if there are none.
     pub fn is_empty(&self) -> bool {
         self.records.is_empty()
     }
@@ -128,7 +128,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether the truth is in the interval.
+    /// True if the truth is in the interval.
     pub fn holds(&self) -> bool {
         (self.ci90[0]..=self.ci90[1]).contains(&self.truth)
     }

@@ -152,7 +152,7 @@ fn state_of(words: &[u32]) -> Result<Mode> {
     state.ok_or_else(|| Error::other("a record without a state"))
 }
 
-/// Whether an integration step was solved in this control period.
+/// True if an integration step was solved in this control period.
 pub fn solved(words: &[u32]) -> bool {
     words.get(2).is_some_and(|flags| flags & flag::SOLVED != 0)
 }

@@ -3,7 +3,7 @@
 use host_tests::{Scenario, Shaking, Trace};
 use outerloop_cli::stability::closed_loop::Question;
 use outerloop_cli::stability::linear_verdict::{LinearVerdict, linear_verdict};
-use outerloop_cli::stability::predictor::LawKnowledge;
+use outerloop_cli::stability::predictor::Knowledge;
 use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::structure_matrices::StructureMatrices;
 use outerloop_core::{
@@ -23,7 +23,7 @@ fn sdof(damping_ratio: f64, actuator: &str) -> Scenario {
     s
 }
 
-fn eigenvalues(s: &Scenario, law: LawKnowledge) -> LinearVerdict {
+fn eigenvalues(s: &Scenario, law: Knowledge) -> LinearVerdict {
     let rig = s.rig();
     let (frame, question) = asked(s, &rig, law);
     linear_verdict(&question, &frame, &Variation::NONE).expect("a possible loop")
@@ -32,7 +32,7 @@ fn eigenvalues(s: &Scenario, law: LawKnowledge) -> LinearVerdict {
 fn asked<'a>(
     s: &'a Scenario,
     rig: &'a RigSpec,
-    law: LawKnowledge,
+    law: Knowledge,
 ) -> (StructureMatrices, Question<'a>) {
     let question = Question {
         config: &s.config,
@@ -75,7 +75,7 @@ fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
 
 /// Both must agree to 2 % of the growth, and to what the rms of some cycles resolves.
 fn agree<const N: usize>(s: &Scenario) {
-    let said = eigenvalues(s, LawKnowledge::Told);
+    let said = eigenvalues(s, Knowledge::Told);
     // Until the dominant mode is alone, but not until it has left the range of f32.
     let seconds = (15.0 / said.growth_per_s.abs()).clamp(12.0, 120.0);
     let seen = growth::<N>(s, seconds);
@@ -193,7 +193,7 @@ fn variable_damping_is_stable_where_its_cycle_says_so() {
         let s = Scenario::delayed(Config::shear_frame([1000.0], [STIFFNESS], [0.02]), delay_ms);
         for method in [Method::Eq14, Method::Paper] {
             let s = s.with(method);
-            let (said, seen) = (eigenvalues(&s, LawKnowledge::Told), growth::<1>(&s, 20.0));
+            let (said, seen) = (eigenvalues(&s, Knowledge::Told), growth::<1>(&s, 20.0));
             println!(
                 "{} at {delay_ms} ms: {:+.3}, {seen:+.3} 1/s",
                 method.name(),
@@ -310,9 +310,9 @@ fn what_they_come_to_decides(time_s: f64) {
             for (kind, gain) in [("delay", 1.0), ("second_order", 1.0), ("delay", 1.2)] {
                 let actuator = format!("kind = '{kind}'\ndelay_ms = {delay_ms:?}\ngain = {gain:?}");
                 let s = learning(sdof(0.02, &actuator).with(method), time_s);
-                let (said, seen) = (eigenvalues(&s, LawKnowledge::Learnt), growth::<1>(&s, 20.0));
+                let (said, seen) = (eigenvalues(&s, Knowledge::Learnt), growth::<1>(&s, 20.0));
                 let rig = s.rig();
-                let (frame, question) = asked(&s, &rig, LawKnowledge::Learnt);
+                let (frame, question) = asked(&s, &rig, Knowledge::Learnt);
                 let at_bounds = question.at_bounds(&frame).expect("a possible rig");
                 println!(
                     "{:20} {kind:12} {delay_ms:4} ms, gain {gain}: eigenvalue {:+.3}, simulation {seen:+.3} 1/s{}",

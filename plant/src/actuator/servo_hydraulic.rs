@@ -217,7 +217,7 @@ impl ServoHydraulic {
     }
 }
 
-/// Whether all roots of `p[0] s^5 + ... + p[5]` have negative real parts.
+/// True if all roots of `p[0] s^5 + ... + p[5]` have negative real parts.
 fn routh(p: [f64; 6]) -> bool {
     let mut upper = [p[0], p[2], p[4], 0.0];
     let mut lower = [p[1], p[3], p[5], 0.0];

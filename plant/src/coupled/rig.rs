@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledRigSpec {
-    /// Whether the actuators are where they were sent at the end of each period; what `actuators` says then does nothing.
+    /// True if the actuators are where they were sent at the end of each period; what `actuators` says then does nothing.
     #[serde(default)]
     pub ideal: bool,
     /// Commands to strokes.

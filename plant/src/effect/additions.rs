@@ -74,7 +74,7 @@ pub(crate) fn additions(
     Ok(axes)
 }
 
-/// Whether the effect is a change of the storey's stiffness.
+/// True if the effect is a change of the storey's stiffness.
 fn needs_stiffness(effect: Effect) -> bool {
     use Effect::*;
     matches!(

@@ -144,7 +144,7 @@ impl Contestant {
         }
     }
 
-    /// Whether it is one where core integrates.
+    /// True if it is one where core integrates.
     pub fn integrates(&self) -> bool {
         matches!(self.who, Who::Core(_)) && self.late_steps == 0.0
     }

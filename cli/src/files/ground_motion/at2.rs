@@ -8,7 +8,7 @@ use crate::files::table::number;
 /// Lines of text before the values, at most.
 const HEAD_LINES: usize = 8;
 
-/// Whether a file is of this format, whatever its name ends with.
+/// True if a file is of this format, whatever its name ends with.
 pub fn is_at2(text: &str) -> bool {
     let mut head = text.lines().take(HEAD_LINES).map(str::to_uppercase);
     head.any(|line| points_and_interval(&line).is_some())

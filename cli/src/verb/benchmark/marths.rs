@@ -1,6 +1,6 @@
 //! `outerloop benchmark marths`: the multi-axial benchmark problem of real-time hybrid simulation.
 
-use super::shared::refused;
+use super::shared::{RECORDS, check_plants, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
@@ -43,23 +43,15 @@ pub(super) struct Marths {
     out: Option<PathBuf>,
 }
 
-/// The problem's ground motions.
-const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
-
 impl Marths {
     /// Runs it.
     ///
     /// # Errors
     /// Bad input, or files of the problem that are not there.
-    pub(super) fn go(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let begin = std::time::Instant::now();
         note_seed(self.seed);
-        if self.plants > 1000 {
-            return Err(Failure::input(format!(
-                "--plants {}: accepted are 0 to 1000",
-                self.plants
-            )));
-        }
+        check_plants(self.plants)?;
         let contestants = match &self.controllers[..] {
             [] => ALL.iter().map(|c| c.0).collect(),
             names => names

@@ -26,10 +26,10 @@ impl Benchmark {
     ///
     /// # Errors
     /// Bad input.
-    pub fn go(&self) -> Result<(), Failure> {
+    pub fn run(&self) -> Result<(), Failure> {
         match &self.problem {
-            Problem::Rths(problem) => problem.go(),
-            Problem::Marths(problem) => problem.go(),
+            Problem::Rths(problem) => problem.run(),
+            Problem::Marths(problem) => problem.run(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `outerloop benchmark rths`: the benchmark problem of real-time hybrid simulation.
 
-use super::shared::{data_folder, named, refused};
+use super::shared::{RECORDS, check_plants, data_folder, named, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
@@ -67,24 +67,16 @@ pub(super) struct Rths {
     out: Option<PathBuf>,
 }
 
-/// The records of the problem.
-const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
-
 impl Rths {
     /// Runs it.
     ///
     /// # Errors
     /// Bad input.
-    pub(super) fn go(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let began = Instant::now();
         note_seed(self.seed);
         let rules = self.rules()?;
-        if self.plants > 1000 {
-            return Err(Failure::input(format!(
-                "--plants {}: accepted are 0 to 1000",
-                self.plants
-            )));
-        }
+        check_plants(self.plants)?;
         let contestants = match &self.controllers[..] {
             [] => Contestant::all(),
             names => names

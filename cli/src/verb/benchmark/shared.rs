@@ -10,6 +10,18 @@ pub(super) fn refused(why: benchmarks::Refused) -> Failure {
     Failure::input(why.to_string())
 }
 
+/// The ground motions of both problems.
+pub(super) const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
+
+/// Refuses more drawn plants than anybody waits for.
+pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
+    if plants > 1000 {
+        let sentence = format!("--plants {plants}: accepted are 0 to 1000");
+        return Err(Failure::input(sentence));
+    }
+    Ok(())
+}
+
 /// The folder of third-party data: as given, else `OUTERLOOP_DATA`, else beside the checkout.
 pub(super) fn data_folder(given: Option<&Path>) -> PathBuf {
     given.map(Path::to_owned).unwrap_or_else(|| {

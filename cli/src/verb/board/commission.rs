@@ -119,7 +119,7 @@ impl Commission {
     /// # Errors
     /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot be
     /// written.
-    pub(super) fn go(&self) -> Result<(), Failure> {
+    pub(super) fn run(&self) -> Result<(), Failure> {
         let test = TestFile::load(&self.test, &[])?;
         let trajectory = self.trajectory()?;
         let place = RigArguments::on_board(self.port.clone(), self.yes);

@@ -7,6 +7,7 @@ use crate::files::{coupled, model, output};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
+use crate::verb::look_at_report;
 use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
 
 impl Diagnose {
@@ -32,7 +33,7 @@ impl Diagnose {
         let d = terminal::while_waiting("diagnosing", || {
             diagnosis::diagnose_coupled(declared, &train, &test)
         })
-        .map_err(|e| Failure::input(e.to_string()))?;
+        .map_err(Failure::input)?;
         let text = |specimen: &CoupledSpecimen| {
             model::to_toml(&Model {
                 coupled: Some(specimen.clone()),
@@ -67,9 +68,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             println!("{} is in {}", saved(&d), path.display());
         }
-        if let Some(folder) = &self.out {
-            println!("Look at {}", folder.join("report.html").display());
-        }
+        look_at_report(self.out.as_deref());
         Ok(())
     }
 }

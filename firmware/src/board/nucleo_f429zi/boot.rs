@@ -121,7 +121,8 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
         pf12: p.PF12,
     };
     let StartedConverters {
-        mut converters,
+        converters,
+        mut period,
         first,
         answered,
     } = C::new(resources, setup.period_ticks, |actuator, displacement| {
@@ -175,11 +176,12 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     watchdog.unleash();
     watchdog.pet();
-    converters.start();
+    period.start();
     control.begin(Control {
         station,
         metal: Metal {
             converters,
+            period,
             permit,
             pulse,
             chain,

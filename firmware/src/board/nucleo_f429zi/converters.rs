@@ -2,6 +2,7 @@
 //! external ones of 16 bits for one actuator ([`nucleo_f429zi_16`](crate::board::nucleo_f429zi_16)) or for three
 //! ([`nucleo_f429zi_3`](crate::board::nucleo_f429zi_3)).
 
+use super::period::Period;
 use embassy_stm32::Peri;
 use embassy_stm32::peripherals::{
     ADC1, ADC2, DAC1, PA3, PA4, PA5, PA6, PB10, PB11, PC0, PC2, PC3, PC10, PC11, PC12, PD2, PD12,
@@ -24,6 +25,8 @@ pub trait Converters<const A: usize = 1>: Sized {
     const OUTPUT_DELAY_US: u32;
     /// From the sampling trigger to the beginning of the step, at most, us.
     const BEGINS_US: u32;
+    /// Where the timer stands at the latest when a step begins, us: a step that begins later than this was held up.
+    const LATEST_BEGIN_US: u32;
     /// Cycles that reading the sample and writing the command take beside the step, with the board's own work around it.
     const AROUND_STEP_CYCLES: u32;
 
@@ -34,9 +37,6 @@ pub trait Converters<const A: usize = 1>: Sized {
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
     ) -> StartedConverters<Self, A>;
-
-    /// The timer runs: the first sample is taken one period from now.
-    fn start(&mut self);
 
     /// Switches the control interrupt on, with the highest priority.
     ///
@@ -50,20 +50,16 @@ pub trait Converters<const A: usize = 1>: Sized {
     /// The further inputs of that sample.
     fn inputs(&self) -> [u16; MAX_INPUTS];
 
-    /// Asked at the beginning of a step: the timer has run on further since its trigger than it can have.
-    fn began_late(&self) -> bool;
-
     /// The code that an actuator's output shows from its next instant on.
     fn write(&mut self, actuator: usize, code: u16);
-
-    /// Another period, from the end of the present one on.
-    fn set_period(&mut self, ticks: u32);
 }
 
 /// Converters that have just been set up.
 pub struct StartedConverters<C, const A: usize = 1> {
     /// The converters.
     pub converters: C,
+    /// The control period, which does not run yet.
+    pub period: Period,
     /// Codes of a first sample.
     pub first: [[u16; 2]; A],
     /// All that can answer has answered.

@@ -25,9 +25,6 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 300,
 };
 
-/// A step begins so many microseconds behind its trigger at the latest: 13 of conversions, and room for the entry.
-const LATEST_BEGIN_US: u32 = 20;
-
 /// The DAC's trigger for which TIM4 stands.
 const DAC_TRIGGER_TIM4: u8 = 5;
 
@@ -116,7 +113,6 @@ pub struct Internal {
     sensors: Sensors,
     command: DacOutput,
     further_adc: FurtherAdc,
-    period: Period,
 }
 
 impl Converters for Internal {
@@ -131,6 +127,8 @@ impl Converters for Internal {
     const OUTPUT_DELAY_US: u32 = 40;
     // The four conversions take 13 us of it.
     const BEGINS_US: u32 = 15;
+    // 13 of conversions, and room for the entry.
+    const LATEST_BEGIN_US: u32 = 20;
     // Some 110 instructions and two divisions, from a flash that is not in the cache.
     const AROUND_STEP_CYCLES: u32 = 400;
 
@@ -157,15 +155,11 @@ impl Converters for Internal {
                 sensors,
                 command,
                 further_adc,
-                period,
             },
+            period,
             first: [first],
             answered: true,
         }
-    }
-
-    fn start(&mut self) {
-        self.period.start();
     }
 
     unsafe fn enable_interrupt() {
@@ -190,16 +184,7 @@ impl Converters for Internal {
     }
 
     #[inline]
-    fn began_late(&self) -> bool {
-        self.period.is_past(LATEST_BEGIN_US)
-    }
-
-    #[inline]
     fn write(&mut self, _: usize, code: u16) {
         self.command.write(code);
-    }
-
-    fn set_period(&mut self, ticks: u32) {
-        self.period.set(ticks);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::converters::Converters;
 use super::kept;
+use super::period::Period;
 use super::{drill, drill::Drill};
 use crate::hardware::Hardware;
 use crate::station::Heartbeat;
@@ -25,8 +26,10 @@ pub fn cycles() -> u32 {
 
 /// What the control interrupt owns of the board.
 pub struct Metal<C> {
-    /// Displacements, forces, commands, and the period.
+    /// Displacements, forces and commands.
     pub converters: C,
+    /// The control period.
+    pub period: Period,
     /// The PERMIT line.
     pub permit: Output<'static>,
     /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
@@ -71,7 +74,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn began_late(&self) -> bool {
-        self.converters.began_late()
+        self.period.is_past(C::LATEST_BEGIN_US)
     }
 
     #[inline]
@@ -108,7 +111,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     }
 
     fn set_period(&mut self, ticks: u32) {
-        self.converters.set_period(ticks);
+        self.period.set(ticks);
     }
 
     #[inline]

@@ -38,7 +38,7 @@ use ad7606::Ad7606;
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 use output::OutputBus;
-use timers::{INTERRUPT_US, LATEST_BEGIN_US};
+use timers::INTERRUPT_US;
 
 /// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
 pub const CODES: CodeRange = CodeRange {
@@ -56,7 +56,6 @@ pub(super) const SPAN_V: [f32; 2] = [-10.0, 10.0];
 pub struct External {
     adc: Ad7606,
     dac: Ad5761r,
-    period: Period,
     /// V3 to V5 of the last sample.
     further: [u16; MAX_INPUTS],
 }
@@ -72,6 +71,7 @@ impl Converters for External {
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
+    const LATEST_BEGIN_US: u32 = timers::LATEST_BEGIN_US;
     // Five words of 16 bits and three of 8 at 10.5 MHz, 11 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 2300;
 
@@ -94,16 +94,12 @@ impl Converters for External {
             converters: Self {
                 adc,
                 dac,
-                period,
                 further: [0; MAX_INPUTS],
             },
+            period,
             first: [first],
             answered,
         }
-    }
-
-    fn start(&mut self) {
-        self.period.start();
     }
 
     unsafe fn enable_interrupt() {
@@ -128,16 +124,7 @@ impl Converters for External {
     }
 
     #[inline]
-    fn began_late(&self) -> bool {
-        self.period.is_past(LATEST_BEGIN_US)
-    }
-
-    #[inline]
     fn write(&mut self, _: usize, code: u16) {
         self.dac.write(code);
-    }
-
-    fn set_period(&mut self, ticks: u32) {
-        self.period.set(ticks);
     }
 }

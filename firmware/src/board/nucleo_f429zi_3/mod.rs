@@ -41,7 +41,7 @@ use super::nucleo_f429zi::further_adc::FurtherAdc;
 use super::nucleo_f429zi::period::Period;
 use super::nucleo_f429zi_16::ad7606::Ad7606;
 use super::nucleo_f429zi_16::output::OutputBus;
-use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US, LATEST_BEGIN_US};
+use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US};
 use super::nucleo_f429zi_16::{CODES, SPAN_V};
 use ad5754r::{Ad5754r, OUTPUTS};
 use embassy_stm32::adc::AdcChannel;
@@ -56,7 +56,6 @@ pub struct ExternalThree {
     adc: Ad7606,
     dac: Ad5754r,
     further_adc: FurtherAdc,
-    period: Period,
     /// V7 and V8 of the last sample.
     further: [u16; 2],
 }
@@ -74,6 +73,7 @@ impl Converters<OUTPUTS> for ExternalThree {
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
+    const LATEST_BEGIN_US: u32 = timers::LATEST_BEGIN_US;
     // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 4600;
 
@@ -105,16 +105,12 @@ impl Converters<OUTPUTS> for ExternalThree {
                 adc,
                 dac,
                 further_adc,
-                period,
                 further,
             },
+            period,
             first,
             answered,
         }
-    }
-
-    fn start(&mut self) {
-        self.period.start();
     }
 
     unsafe fn enable_interrupt() {
@@ -141,17 +137,8 @@ impl Converters<OUTPUTS> for ExternalThree {
     }
 
     #[inline]
-    fn began_late(&self) -> bool {
-        self.period.is_past(LATEST_BEGIN_US)
-    }
-
-    #[inline]
     fn write(&mut self, actuator: usize, code: u16) {
         self.dac.write(actuator, code);
-    }
-
-    fn set_period(&mut self, ticks: u32) {
-        self.period.set(ticks);
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) struct Piece {
     pub(super) start_us: i64,
     pub(super) rate_hz: f64,
     pub(super) values: Vec<f64>,
-    /// Whether they are a converter's whole numbers.
+    /// True if they are a converter's whole numbers.
     pub(super) counts: bool,
 }
 
