@@ -5,27 +5,27 @@
 //! | [`verb`] | one file a verb of the command line |
 //! | [`files`] | what people write and read: tests, ground motions, recorded data |
 //! | [`experiment`] | a test on a ground motion, and the ideal that it is compared with |
-//! | [`bench`](mod@bench) | where a test runs: one trait, whatever stands behind it |
+//! | `bench` | where a test runs: one trait, whatever stands behind it |
 //! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
-//! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
+//! | [`trace`] and `score` | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
-//! | [`comparison`] | one bench for every compensation |
+//! | `comparison` | one bench for every compensation |
 //! | [`coupled`](mod@coupled) | tests of two coupled actuators: file, trial, record, figures |
-//! | [`orders`] | what an operator asked of a running test, for its replay |
-//! | [`difference`] | two tests that ran, side by side |
-//! | [`sweep`] | a test over the values of one key, and fragility curves |
-//! | [`soundness`] | whether it may be run: eigenvalues, and the planned motion on the simulated rig |
-//! | [`stability`] | whether a test can be stable, by the eigenvalues of its loop |
-//! | [`story`] | a test, the diagnosis of its record, the next test |
-//! | [`rig`] | by what a rig departs from an ideal one: simulated, declared, found, taken out |
-//! | [`keys`] | every key of a test file, from the code that reads it |
-//! | [`numbers`] | numbers for people: three digits and SI prefixes |
-//! | [`provenance`] | who ran what, when, with which files |
-//! | [`wording`] | what a diagnosis says, in sentences |
-//! | [`physical_part`] | what the multi-axial problem declares physical, and what its record says of it |
+//! | `orders` | what an operator asked of a running test, for its replay |
+//! | `difference` | two tests that ran, side by side |
+//! | `sweep` | a test over the values of one key, and fragility curves |
+//! | [`soundness`] | if a test may be run: eigenvalues, and the planned motion on the simulated rig |
+//! | [`stability`] | if a test can be stable, by the eigenvalues of its loop |
+//! | [`improve`] | a test, the diagnosis of its record, the next test |
+//! | `rig` | by what a rig departs from an ideal one: simulated, declared, found, taken out |
+//! | `keys` | every key of a test file, from the code that reads it |
+//! | `numbers` | numbers for people: three digits and SI prefixes |
+//! | `provenance` | who ran what, when, with which files |
+//! | `wording` | what a diagnosis says, in sentences |
+//! | `physical_part` | what the multi-axial problem declares physical, and what its record says of it |
 //! | [`serve`] | the rig as an element of a finite-element model |
-//! | [`scope`] | a picture in the browser while a test runs |
-//! | [`report`] | the self-contained HTML page |
+//! | `scope` | a picture in the browser while a test runs |
+//! | `report` | the self-contained HTML page |
 //!
 //! Every mistake of the user is a [`failure::Failure`]: one sentence and an exit status.
 
@@ -46,31 +46,31 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::terminal::output::print_note(format_args!($($text)*)) };
 }
 
-pub mod bench;
+mod bench;
 pub mod board;
-pub mod comparison;
+mod comparison;
 pub mod coupled;
-pub mod difference;
+mod difference;
 pub mod experiment;
 pub mod failure;
 pub mod files;
 pub mod improve;
 pub mod judged;
-pub mod keys;
-pub mod numbers;
-pub mod orders;
-pub mod physical_part;
-pub mod provenance;
-pub mod report;
-pub mod rig;
-pub mod scope;
-pub mod score;
+mod keys;
+mod numbers;
+mod orders;
+mod physical_part;
+mod provenance;
+mod report;
+mod rig;
+mod scope;
+mod score;
 pub mod serve;
 pub mod soundness;
 pub mod stability;
 pub mod summary;
-pub mod sweep;
+mod sweep;
 pub mod terminal;
 pub mod trace;
 pub mod verb;
-pub mod wording;
+mod wording;

@@ -6,6 +6,6 @@ mod plant;
 mod play;
 
 pub(crate) use self::interface::with_floors;
-pub use self::interface::{Bench, Ending, OnBoard, PreparedTest};
+pub use self::interface::{Bench, Ending, OnBoard};
 pub use self::plant::{Breakage, PlantBench};
 pub use self::play::play;

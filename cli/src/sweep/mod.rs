@@ -4,7 +4,7 @@ pub mod fragility;
 pub mod range;
 pub mod swept_test;
 
-pub use fragility::{Fragility, Share};
+pub use fragility::Fragility;
 pub use range::Range;
 
 use crate::experiment::Experiment;
