@@ -14,3 +14,18 @@ pub struct Record {
     /// N
     pub force_n: Vec<f64>,
 }
+
+impl Record {
+    /// Some of its samples, at their own times.
+    pub(crate) fn samples(&self, range: std::ops::Range<usize>) -> Self {
+        // What was not recorded is empty.
+        let part = |x: &Vec<f64>| x.get(range.clone()).unwrap_or_default().to_vec();
+        Self {
+            rate_hz: self.rate_hz,
+            time_s: part(&self.time_s),
+            command_mm: part(&self.command_mm),
+            displacement_mm: part(&self.displacement_mm),
+            force_n: part(&self.force_n),
+        }
+    }
+}

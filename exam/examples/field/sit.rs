@@ -2,7 +2,7 @@
 
 use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel, Verdict};
 use exam::Parameter;
-use exam::field::{Believed, Field, Mark, Said, set_field};
+use exam::field::{Believed, Field, Mark, Said, Span, set_field};
 
 /// A field record, answered and graded.
 pub struct Sat {
@@ -26,6 +26,7 @@ pub struct Sat {
 pub struct Vouched {
     pub name: &'static str,
     pub q: f64,
+    /// Not in the rig, or given for more than it is.
     pub is_false: bool,
     pub certificate: Option<diagnosis::Certificate>,
     /// Held-out error after over before.
@@ -55,7 +56,7 @@ impl Vouched {
 }
 
 fn recordings(field: &Field) -> [Recording; 2] {
-    let recording = |name: &str, r: &exam::Record| {
+    let recording = |name: &str, r: &exam::Record, before: Option<Box<Recording>>| {
         let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
         Recording {
             name: name.into(),
@@ -63,15 +64,15 @@ fn recordings(field: &Field) -> [Recording; 2] {
             command_mm: column(&r.command_mm),
             displacement_mm: column(&r.displacement_mm),
             force_n: column(&r.force_n),
+            before,
             ..Recording::default()
         }
     };
-    let train = recording("train", &field.train);
-    let mut test = recording("test", &field.test);
-    if field.one_file {
-        test.before = Some(Box::new(train.clone()));
-    }
-    [train, test]
+    let span = |name: &str, s: &Span| {
+        let before = s.before.as_ref().map(|r| recording(name, r, None));
+        recording(name, &s.record, before.map(Box::new))
+    };
+    [span("train", &field.train), span("test", &field.test)]
 }
 
 fn model(believed: &Believed) -> Model {
@@ -159,12 +160,14 @@ pub fn sit(seed: u64) -> Sat {
         }
         Ok(d) => {
             let a = &d.channels[0];
+            let mut said = said(d);
+            let claims_all = field.truth.mark(&said) == Mark::Overclaimed;
             let leaves = a.error_after.test_rms / a.error_before.test_rms.max(f64::MIN_POSITIVE);
             let vouched = a.effects.iter().filter_map(|e| {
                 Some(Vouched {
                     name: e.name.name(),
                     q: e.q?,
-                    is_false: !field.truth.allows(e.name.name()),
+                    is_false: claims_all || !field.truth.allows(e.name.name()),
                     certificate: e.certificate,
                     leaves,
                     actuator: matches!(field.believed, Believed::Actuator(_)),
@@ -176,7 +179,6 @@ pub fn sit(seed: u64) -> Sat {
                 a.error_after.test_nrmse,
                 a.noise_floor_rms * unit,
             ];
-            let mut said = said(d);
             if a.verdict == Verdict::NotAssessed {
                 said.verdict = format!("not assessed: {}", a.notes.join(" "));
             }

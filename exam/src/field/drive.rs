@@ -201,6 +201,7 @@ impl Rig {
         // At one frequency everything linear is one gain and one phase.
         let linear = matches!(self.cause, Drive::Slower | Drive::Later | Drive::OilColumn);
         Truth {
+            whole: Vec::new(),
             cause: self.cause.name(),
             steps: false,
             right: right.to_vec(),

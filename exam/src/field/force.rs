@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 pub(super) enum Cause {
     Nothing,
     Friction,
+    FrictionAndDashpot,
     FrictionAndQuadratic,
     FrictionAndHardening,
     MoreDamping,
@@ -21,6 +22,8 @@ pub(super) enum Cause {
     Sliders,
     RambergOsgood,
     Degrading,
+    FadesWithPeak,
+    FadesWithTravel,
     Pinching,
     Flag,
     Contact,
@@ -32,12 +35,14 @@ pub(super) enum Cause {
 }
 
 const FRICTION: [&str; 2] = ["coulomb_friction", "stribeck_friction"];
+const FRICTION_AND_DASHPOT: [&str; 2] = ["coulomb_friction", "viscous_damping"];
 const HYSTERESIS: [&str; 2] = ["bilinear_hysteresis", "bouc_wen_hysteresis"];
 
 impl Cause {
-    pub(super) const ALL: [Self; 20] = [
+    pub(super) const ALL: [Self; 23] = [
         Self::Nothing,
         Self::Friction,
+        Self::FrictionAndDashpot,
         Self::FrictionAndQuadratic,
         Self::FrictionAndHardening,
         Self::MoreDamping,
@@ -48,6 +53,8 @@ impl Cause {
         Self::Sliders,
         Self::RambergOsgood,
         Self::Degrading,
+        Self::FadesWithPeak,
+        Self::FadesWithTravel,
         Self::Pinching,
         Self::Flag,
         Self::Contact,
@@ -62,6 +69,7 @@ impl Cause {
         match self {
             Self::Nothing => "specimen: nothing",
             Self::Friction => "friction (LuGre)",
+            Self::FrictionAndDashpot => "Coulomb friction and a dashpot",
             Self::FrictionAndQuadratic => "friction and quadratic damping",
             Self::FrictionAndHardening => "friction and hardening",
             Self::MoreDamping => "more damping than declared",
@@ -72,6 +80,8 @@ impl Cause {
             Self::Sliders => "thirty sliders (Iwan)",
             Self::RambergOsgood => "Ramberg-Osgood",
             Self::Degrading => "degrading Bouc-Wen",
+            Self::FadesWithPeak => "stiffness lost with the peak so far",
+            Self::FadesWithTravel => "stiffness lost with travel",
             Self::Pinching => "pinching",
             Self::Flag => "self-centring flag",
             Self::Contact => "Hertz contact behind a gap",
@@ -84,10 +94,28 @@ impl Cause {
     }
 
     /// Whether the cause shows only over many amplitudes or rates; one frequency alone is another question.
-    pub(super) const fn needs_breadth(self) -> bool {
-        matches!(self, Self::Degrading | Self::Pinching | Self::Cogging)
+    const fn needs_breadth(self) -> bool {
+        matches!(
+            self,
+            Self::Degrading | Self::FadesWithTravel | Self::Pinching | Self::Cogging
+        )
+    }
+
+    /// What a laboratory moves it by: where damage follows the peak, cycles that grow.
+    pub(super) fn motion(self, dice: &mut Dice) -> Move {
+        if self == Self::FadesWithPeak {
+            return Move::Growing;
+        }
+        Move::of_specimens(self.needs_breadth(), dice)
     }
 }
+
+/// Tolerance of the declared damping, as a share.
+pub(super) const DAMPING_KNOWN: f64 = 0.1;
+/// Tolerances within which a declared parameter may be refitted.
+const WITHIN: f64 = 3.0;
+/// Share of its stiffness that a specimen of full size loses.
+const LOST: f64 = 0.7;
 
 /// A specimen.
 #[derive(Clone, Debug)]
@@ -142,6 +170,11 @@ impl Rig {
         self.linear_force() / self.speed
     }
 
+    /// Of a dashpot beside friction, N s/mm: half to twice the friction at top speed.
+    fn dashpot(&self) -> f64 {
+        (0.5 + 1.5 * self.shape[1]) * self.size * self.damping_unit()
+    }
+
     pub(super) fn force(&self, x: &[f64], dice: &mut Dice) -> Vec<f64> {
         let v = derivative(x);
         let a = derivative(&v);
@@ -169,7 +202,9 @@ impl Rig {
         };
         let step = |i: usize| x[i] - x[i.saturating_sub(1)];
         let stiff = 1.0 / (big * (0.001 + 0.015 * s));
-        let (drop, slow) = (0.5 * r, (0.03 + 0.15 * q) * top);
+        // Beside a dashpot friction is Coulomb's: the same at any speed.
+        let falls = f64::from(self.cause != Cause::FrictionAndDashpot);
+        let (drop, slow) = (0.5 * r * falls, (0.03 + 0.15 * q) * top);
         let mut bristle = 0.0_f64;
         // Implicit: bristles are stiff.
         let mut lugre = move |v: f64| {
@@ -180,6 +215,10 @@ impl Rig {
         match self.cause {
             Cause::Nothing | Cause::MoreDamping | Cause::MoreMass => vec![0.0; x.len()],
             Cause::Friction => each(&mut |i| lugre(v[i])),
+            Cause::FrictionAndDashpot => {
+                let dashpot = self.dashpot() / self.damping_unit() / self.size;
+                each(&mut |i| lugre(v[i]) + dashpot * v[i] / top)
+            }
             Cause::FrictionAndQuadratic => {
                 each(&mut |i| lugre(v[i]) + (1.0 + r) * v[i] * v[i].abs() / top.powi(2))
             }
@@ -246,6 +285,20 @@ impl Rig {
                     };
                     z += step(i) / give * (1.0 - out) / stiffness;
                     z
+                })
+            }
+            Cause::FadesWithPeak => {
+                let mut peak = 0.0_f64;
+                each(&mut |i| {
+                    peak = peak.max(x[i].abs());
+                    -LOST * x[i] * peak / big.powi(2)
+                })
+            }
+            Cause::FadesWithTravel => {
+                let (half, mut way) = (big * (10.0 + 50.0 * s), 0.0);
+                each(&mut |i| {
+                    way += step(i).abs();
+                    -LOST * x[i] / big * way / (way + half)
                 })
             }
             Cause::Pinching => {
@@ -329,6 +382,10 @@ impl Rig {
         let own: (&[&str], &[&str]) = match self.cause {
             Cause::Nothing | Cause::Cogging | Cause::SecondAxis | Cause::PumpLine => (&[], &[]),
             Cause::Friction => (&FRICTION, &[]),
+            Cause::FrictionAndDashpot => (&FRICTION_AND_DASHPOT, &[]),
+            Cause::FadesWithPeak => (&["degradation"], &[]),
+            // What is lost on the whole is a wrong stiffness; that is not all of it.
+            Cause::FadesWithTravel => (&["gain_error"], &[]),
             Cause::FrictionAndQuadratic => (
                 &["coulomb_friction", "stribeck_friction", "quadratic_damping"],
                 &["viscous_damping"],
@@ -372,18 +429,30 @@ impl Rig {
             ),
             Move::OneSpeed => matches!(
                 self.cause,
-                Cause::Friction | Cause::MoreDamping | Cause::PowerLaw | Cause::FluidDamper
+                Cause::Friction
+                    | Cause::FrictionAndDashpot
+                    | Cause::MoreDamping
+                    | Cause::PowerLaw
+                    | Cause::FluidDamper
             ),
             _ => false,
         };
+        // What the declared damping may take up is no second cause.
+        let both = self.cause == Cause::FrictionAndDashpot
+            && self.dashpot() > WITHIN * DAMPING_KNOWN * self.linear[1];
         Truth {
             cause: self.cause.name(),
             steps: false,
+            whole: if both {
+                FRICTION_AND_DASHPOT.to_vec()
+            } else {
+                Vec::new()
+            },
             right: own.0.to_vec(),
             beside: own.1.to_vec(),
             nameless: matches!(
                 self.cause,
-                Cause::Cogging | Cause::SecondAxis | Cause::PumpLine
+                Cause::Cogging | Cause::SecondAxis | Cause::PumpLine | Cause::FadesWithTravel
             ),
             inseparable: alike,
         }

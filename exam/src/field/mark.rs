@@ -22,7 +22,9 @@ pub struct Truth {
     pub right: Vec<&'static str>,
     /// Names that are no mistake beside a right one.
     pub beside: Vec<&'static str>,
-    /// Something is hidden that has no name.
+    /// Names that make the cause only together: fewer of them for the whole of it claim too much.
+    pub whole: Vec<&'static str>,
+    /// Something is hidden that has no name, whatever else has one.
     pub nameless: bool,
     /// The converter's steps are in the record: to name them is no mistake, and no answer to what else is missing.
     pub steps: bool,
@@ -45,7 +47,7 @@ pub enum Mark {
     Alarm,
     /// No verdict.
     Refused,
-    /// One of those that the motion cannot tell apart, alone.
+    /// One of those that the motion cannot tell apart, alone; or one of two causes for both.
     Overclaimed,
     /// A set without a right name.
     WrongSet,
@@ -87,14 +89,20 @@ impl Truth {
         match verdict {
             "none" if silent && !self.nameless => Mark::Right,
             "none" => Mark::None,
-            "unknown" if silent && self.nameless => Mark::Right,
+            "unknown" if self.nameless => Mark::Right,
             "unknown" if silent => Mark::Alarm,
             "unknown" => Mark::Unknown,
             "ambiguous" if said.names.iter().chain(&said.others).any(right) => Mark::Set,
             "ambiguous" => Mark::WrongSet,
             "effect" | "partial" => {
                 let all = said.names.iter().all(|n| self.allows(n));
-                match (all && said.names.iter().any(right), self.inseparable) {
+                let lacks = |n: &&str| !said.names.iter().any(|own| own == n);
+                let lacking = self.nameless || self.whole.iter().any(lacks);
+                let short = verdict == "effect" && lacking;
+                match (
+                    all && said.names.iter().any(right),
+                    self.inseparable || short,
+                ) {
                     (true, false) => Mark::Right,
                     (true, true) => Mark::Overclaimed,
                     _ => Mark::Wrong,
@@ -134,6 +142,24 @@ mod tests {
         };
         assert_eq!(one_speed.mark(&one), Mark::Overclaimed);
         assert_eq!(one_speed.mark(&set), Mark::Set);
+        let pair = Truth {
+            right: vec!["coulomb_friction", "viscous_damping"],
+            whole: vec!["coulomb_friction", "viscous_damping"],
+            ..Truth::default()
+        };
+        let half = |verdict| pair.mark(&said(verdict, &["coulomb_friction"], &[]));
+        assert_eq!(pair.mark(&one), Mark::Right);
+        assert_eq!(half("effect"), Mark::Overclaimed);
+        assert_eq!(half("partial"), Mark::Right);
+        let fading = Truth {
+            right: vec!["gain_error"],
+            nameless: true,
+            ..Truth::default()
+        };
+        let named = |verdict| fading.mark(&said(verdict, &["gain_error"], &[]));
+        assert_eq!(named("effect"), Mark::Overclaimed);
+        assert_eq!(named("partial"), Mark::Right);
+        assert_eq!(fading.mark(&said("unknown", &[], &[])), Mark::Right);
         let clean = Truth::default();
         assert_eq!(clean.mark(&said("none", &[], &[])), Mark::Right);
         assert_eq!(clean.mark(&said("unknown", &[], &[])), Mark::Alarm);

@@ -1,12 +1,15 @@
 //! Rigs as others record them: hydraulics with a valve and an oil column, elements in parallel, degradation, pinching,
-//! power laws, coherent disturbances; one speed, one frequency, slow, one-sided; a start in mid-motion, no rest, dwell,
-//! no noise at all, coarse converters. Written from textbooks of friction, dampers and servo-hydraulics:
+//! power laws, stiffness lost with the peak or with travel, coherent disturbances; one speed, one frequency, slow,
+//! one-sided; short records with short rests, spans cut out of mid-motion, no rest, dwell, no noise at all, coarse
+//! converters. Written from textbooks of friction, dampers and servo-hydraulics:
 //!
 //! - LuGre friction: Canudas de Wit et al., IEEE TAC 40(3), 1995, 419;
 //! - distributed sliders: Iwan, J. Appl. Mech. 33, 1966, 893; Ramberg and Osgood, NACA TN 902, 1943;
 //! - degradation by dissipated energy: Baber and Wen, J. Eng. Mech. Div. 107, 1981, 1069;
 //! - magnetorheological damper in series with its oil's spring: Spencer et al., J. Eng. Mech. 123(3), 1997, 230;
 //! - valve, oil column and cylinder: Merritt, Hydraulic Control Systems, 1967, chapters 5 and 6;
+//! - stiffness lost with the largest displacement so far: Mullins, Rubber Chem. Technol. 42, 1969, 339; Lemaitre, A Course on
+//!   Damage Mechanics, 1992, chapter 2;
 //! - contact: Hertz, J. reine angew. Math. 92, 1882, 156.
 //!
 //! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said of it.
@@ -18,14 +21,14 @@ mod motion;
 mod reading;
 
 pub use mark::{Mark, Said, Truth};
-pub use motion::Move;
+pub use motion::{Move, Span};
 
 use crate::declared::Parameter;
 use crate::dice::Dice;
 use crate::record::Record;
 use drive::Drive;
 use force::Cause;
-use motion::Plan;
+use motion::{Moved, Plan};
 use reading::Reading;
 
 /// What the laboratory declares of the one channel that a field record has.
@@ -45,11 +48,9 @@ pub struct Field {
     /// What the examinee gets: the model,
     pub believed: Believed,
     /// a record to learn from; columns that were not recorded are empty,
-    pub train: Record,
+    pub train: Span,
     /// and one to be judged on.
-    pub test: Record,
-    /// Whether the second record goes on where the first ends.
-    pub one_file: bool,
+    pub test: Span,
     /// What only the scorer gets.
     pub truth: Truth,
 }
@@ -78,43 +79,36 @@ fn believed(truth: f64, tolerance: f64, dice: &mut Dice) -> Parameter {
 }
 
 fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
-    let plan = Plan::draw(Move::of_specimens(cause.needs_breadth(), dice), dice);
+    let plan = Plan::draw(cause.motion(dice), dice);
     let reading = Reading::draw(dice);
-    let one_file = dice.chance(0.5);
     let rig = force::Rig::draw(&plan, cause, dice);
     let believed = {
         let [k, c, m] = rig.linear;
         let reach = rig.linear_force();
         Believed::Specimen([
             Some(believed(k, 0.03 * k, dice)),
-            Some(believed(c, 0.1 * c.max(0.01 * rig.damping_unit()), dice)),
+            Some(believed(
+                c,
+                force::DAMPING_KNOWN * c.max(0.01 * rig.damping_unit()),
+                dice,
+            )),
             (m > 0.0).then(|| believed(m, 0.05 * m, dice)),
             Some(believed(0.0, 0.005 * reach, dice)),
         ])
     };
-    let [train, test] = plan.pair(one_file, dice).map(|x| {
+    let mut scale = None;
+    let record = |x: &Moved, dice: &mut Dice| {
         let force = rig.force(&x.x, dice);
-        (x, force)
-    });
-    let scale = reading::scale(&train.0.x, &train.1);
-    let [train, test] = [train, test].map(|(x, f)| reading.record(&x, None, Some(&f), scale, dice));
-    Field {
-        id: format!("{seed} {} {:?} {reading:?}", cause.name(), plan.kind),
-        believed,
-        train,
-        test,
-        one_file,
-        truth: Truth {
-            steps: reading.has_steps(),
-            ..rig.truth(&plan)
-        },
-    }
+        let scale = *scale.get_or_insert_with(|| reading::scale(&x.x, &force));
+        reading.record(x, None, Some(&force), scale, dice)
+    };
+    let truth = rig.truth(&plan);
+    field(seed, believed, (&plan, &reading, truth), record, dice)
 }
 
 fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
     let plan = Plan::draw(Move::of_actuators(dice), dice);
     let reading = Reading::draw(dice);
-    let one_file = dice.chance(0.5);
     let rig = drive::Rig::draw(&plan, cause, dice);
     let believed = Believed::Actuator([
         believed(1.0, 0.01, dice),
@@ -122,24 +116,36 @@ fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
         believed(rig.declared_ms[1], 0.05 * rig.declared_ms[1], dice),
         believed(0.0, 0.002 * plan.amplitude_mm, dice),
     ]);
-    let [train, test] = plan.pair(one_file, dice).map(|u| {
+    let mut scale = None;
+    let record = |u: &Moved, dice: &mut Dice| {
         let x = rig.displacement(&u.x, dice);
-        (u, x)
-    });
-    let scale = reading::scale(&train.1, &[]);
-    let [train, test] = [train, test].map(|(u, x)| {
-        let moved = motion::Moved { x, ..u.clone() };
+        let scale = *scale.get_or_insert_with(|| reading::scale(&x, &[]));
+        let moved = Moved { x, ..u.clone() };
         reading.record(&moved, Some(&u.x), None, scale, dice)
-    });
+    };
+    let truth = rig.truth(&plan);
+    field(seed, believed, (&plan, &reading, truth), record, dice)
+}
+
+/// What was planned is recorded and cut.
+fn field(
+    seed: u64,
+    believed: Believed,
+    (plan, reading, truth): (&Plan, &Reading, Truth),
+    mut record: impl FnMut(&Moved, &mut Dice) -> Record,
+    dice: &mut Dice,
+) -> Field {
+    let motions = plan.motions(dice);
+    let files: Vec<Record> = motions.iter().map(|m| record(m, dice)).collect();
+    let [train, test] = plan.spans(&files);
     Field {
-        id: format!("{seed} {} {:?} {reading:?}", cause.name(), plan.kind),
+        id: format!("{seed} {} {} {reading:?}", truth.cause, plan.name()),
         believed,
         train,
         test,
-        one_file,
         truth: Truth {
             steps: reading.has_steps(),
-            ..rig.truth(&plan)
+            ..truth
         },
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::dice::Dice;
 use crate::fine::{DT, FINE_HZ, lag, peak};
+use crate::record::Record;
 use std::f64::consts::TAU;
 
 /// The wave form.
@@ -55,6 +56,15 @@ impl Move {
     }
 }
 
+/// A part of a record, and what its file holds before it.
+#[derive(Clone, Debug)]
+pub struct Span {
+    /// What is given.
+    pub record: Record,
+    /// What was recorded before it, without a gap.
+    pub before: Option<Record>,
+}
+
 /// A motion on the fine grid, and how much of its beginning is not recorded.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
@@ -72,30 +82,66 @@ pub(super) struct Plan {
     /// Where its motion ends, Hz.
     pub(super) high_hz: f64,
     rate_hz: f64,
+    /// Of each record, of the first of two.
     seconds: f64,
-    /// With a rest before it, or else in mid-motion.
-    rests: bool,
+    /// The rest before it, s; `None`: it begins in mid-motion.
+    rest_s: Option<f64>,
+    spans: Spans,
+}
+
+/// What a laboratory gives to learn from and to be judged on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Spans {
+    /// Two records, the second shorter.
+    TwoFiles,
+    /// The beginning of a record and what comes after it.
+    Halves,
+    /// Two pieces of one record, each cut out of mid-motion.
+    Cut,
 }
 
 /// What a rig did before the record begins, s.
 const BEFORE_S: f64 = 5.0;
 /// A rest, s.
 const REST_S: f64 = 1.5;
+/// Share of records that are short, with a short rest.
+const SHORT: f64 = 0.2;
 
 impl Plan {
     pub(super) fn draw(kind: Move, dice: &mut Dice) -> Self {
         let high_hz = dice.log_between(0.5, 4.0);
         let rate_hz: f64 = dice.pick(&[100.0, 200.0, 250.0, 500.0, 1000.0]);
+        let amplitude_mm = dice.log_between(2.0, 50.0);
+        let rests = dice.chance(0.3);
+        if dice.chance(SHORT) {
+            // Eight to twelve seconds are all there is.
+            return Self {
+                kind,
+                amplitude_mm,
+                high_hz: high_hz.max(2.0),
+                rate_hz: rate_hz.max(250.0),
+                seconds: dice.between(4.0, 6.0),
+                rest_s: Some(dice.between(0.3, 0.5)),
+                spans: Spans::Halves,
+            };
+        }
         // A few thousand samples and at least a dozen cycles.
         let seconds = (3000.0 / rate_hz).max(14.0 / high_hz).clamp(8.0, 30.0);
         Self {
             kind,
-            amplitude_mm: dice.log_between(2.0, 50.0),
+            amplitude_mm,
             high_hz,
             rate_hz,
             seconds,
-            rests: dice.chance(0.3),
+            rest_s: rests.then_some(REST_S),
+            spans: dice.pick(&[Spans::TwoFiles, Spans::Halves, Spans::Cut]),
         }
+    }
+
+    /// Its motion, and how it is cut.
+    pub(super) fn name(&self) -> String {
+        let short = if self.seconds < 7.0 { "short " } else { "" };
+        format!("{short}{:?} {:?}", self.kind, self.spans)
     }
 
     /// Largest speed to be expected, mm/s.
@@ -105,32 +151,49 @@ impl Plan {
         peak(&steps[(0.2 * FINE_HZ) as usize..])
     }
 
-    /// To learn from and to be judged on: two parts of one record, or two records, the second no larger.
-    pub(super) fn pair(&self, one_file: bool, dice: &mut Dice) -> [Moved; 2] {
+    /// What is recorded: one motion, or two, the second no larger.
+    pub(super) fn motions(&self, dice: &mut Dice) -> Vec<Moved> {
         let n = |seconds: f64| (seconds * FINE_HZ) as usize;
-        let moved = |x, from, end| Moved {
-            x,
-            from,
-            end,
-            rate_hz: self.rate_hz,
+        let lead = self.rest_s.unwrap_or(BEFORE_S);
+        let shares: &[f64] = match self.spans {
+            Spans::TwoFiles => &[1.0, 0.6],
+            Spans::Halves | Spans::Cut => &[2.0],
         };
-        let lead = if self.rests { REST_S } else { BEFORE_S };
-        let from = if self.rests { 0 } else { n(lead) };
-        if one_file {
-            let x = self.whole(lead, 2.0 * self.seconds, dice);
-            let middle = n(lead + 1.2 * self.seconds);
-            let end = n(lead + 2.0 * self.seconds);
-            return [moved(x.clone(), from, middle), moved(x, middle, end)];
+        let moved = |share: &f64| {
+            let seconds = share * self.seconds;
+            Moved {
+                x: self.whole(lead, seconds, dice),
+                from: if self.rest_s.is_some() { 0 } else { n(lead) },
+                end: n(lead + seconds),
+                rate_hz: self.rate_hz,
+            }
+        };
+        shares.iter().map(moved).collect()
+    }
+
+    /// To learn from and to be judged on, each with what its file holds before it.
+    pub(super) fn spans(&self, files: &[Record]) -> [Span; 2] {
+        let whole = |r: &Record| Span {
+            record: r.clone(),
+            before: None,
+        };
+        let cut = |r: &Record, from: f64, to: f64| {
+            let at = |share: f64| (share * r.time_s.len() as f64) as usize;
+            Span {
+                record: r.samples(at(from)..at(to)),
+                before: (from > 0.0).then(|| r.samples(0..at(from))),
+            }
+        };
+        match (self.spans, files) {
+            (Spans::Halves, [one, ..]) => [cut(one, 0.0, 0.6), cut(one, 0.6, 1.0)],
+            (Spans::Cut, [one, ..]) => [cut(one, 0.15, 0.6), cut(one, 0.65, 1.0)],
+            (_, all) => [whole(&all[0]), whole(&all[all.len() - 1])],
         }
-        [1.0, 0.6].map(|share| {
-            let x = self.whole(lead, share * self.seconds, dice);
-            moved(x, from, n(lead + share * self.seconds))
-        })
     }
 
     fn whole(&self, lead: f64, seconds: f64, dice: &mut Dice) -> Vec<f64> {
         let mut x = self.trajectory(lead + seconds + 0.1, dice);
-        if self.rests {
+        if self.rest_s.is_some() {
             let grows = |i: usize| ((i as f64 * DT - lead) / 0.5).clamp(0.0, 1.0);
             let still = x[(lead * FINE_HZ) as usize] * f64::from(self.kind == Move::OneSided);
             for (i, x) in x.iter_mut().enumerate() {
