@@ -2,6 +2,7 @@
 
 use crate::answer::{ChannelAnswer, Refitted, Verdict};
 use crate::base::Base;
+use crate::criteria::REACH;
 use crate::joint::Outcome;
 use crate::noise::Noise;
 use plant::{Effect, Family};
@@ -127,8 +128,9 @@ pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> 
              {after:.4} {unit} rms."
         )),
     }
+    notes.extend(damping(answer, outcome));
     match outcome {
-        Some(Outcome::Named(_, true)) => notes.push(
+        Some(Outcome::Named(explained, true)) if explained.damping.is_empty() => notes.push(
             "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
                 .into(),
         ),
@@ -145,6 +147,42 @@ pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> 
     }
     notes
 }
+
+/// Of more damping than declared beside a name: that the two figures are one, or what else it may be.
+fn damping(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Option<String> {
+    let Some(Outcome::Named(explained, _)) = outcome else {
+        return None;
+    };
+    let refitted = answer.refitted.iter().find(|r| r.name == DAMPING)?;
+    let (value, declared) = (refitted.value, refitted.declared);
+    if answer.effects.len() > 1
+        && answer
+            .effects
+            .iter()
+            .any(|e| e.name == Effect::ViscousDamping)
+    {
+        return Some(format!(
+            "The viscous damping is a change of the declared damping from {declared:.3} to {value:.3} N s/mm, which the refitted \
+             parameter holds: one dashpot, not two."
+        ));
+    }
+    if value - declared <= REACH * refitted.tolerance {
+        return None;
+    }
+    let names: Vec<&str> = explained.damping.iter().map(|e| e.name()).collect();
+    let candidates = match names.split_last() {
+        Some((last, [])) => format!("{last}, or something without a name"),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => "a dashpot or something else that grows with speed".into(),
+    };
+    Some(format!(
+        "Beside it the model has {value:.3} N s/mm of damping, where {declared:.3} are declared. It may be {candidates}; these \
+         data do not tell. Two speeds at one amplitude would."
+    ))
+}
+
+/// The declared parameter's name.
+const DAMPING: &str = "damping_n_s_per_mm";
 
 /// What to measure next, to tell an effect from those that look like it.
 fn experiment(effect: Effect) -> &'static str {

@@ -8,6 +8,8 @@ pub const MOST_ELEMENTS: usize = 4;
 /// What an element of one shape must lower the logarithm of the cross-validated squares by: some 15 % of the squares,
 /// the scatter of one block's share.
 pub const PRICE: f64 = 0.16;
+/// Two sets fit alike whose logarithms of the cross-validated squares differ by less: half of a price.
+pub const ALIKE: f64 = 0.5 * PRICE;
 /// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
 pub const FLOOR: f64 = 0.01;
 /// Declared parameters are held within so many tolerances.
@@ -77,6 +79,9 @@ pub const BESIDE_NOISE: f64 = 3.0;
 /// A name from single effects stands although it leaves more than [`NOISE`] only where elements searched jointly leave at
 /// least this share of the same held-out error: one flexible effect beats the right pair in every search that is greedy.
 pub const JOINT_LEAVES: f64 = 0.85;
+/// The same where the joint search has the same name and lets a declared parameter go beside it: a name alone gives way to
+/// itself with a dashpot.
+pub const SAME_NAME_LEAVES: f64 = 0.95;
 /// The odds of two members of a set are the ratio of their squares to this power: with 4 a rival that leaves 1.3 times
 /// the squares is right once in four, as on real records.
 pub const WEIGHT: f64 = 4.0;

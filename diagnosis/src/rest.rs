@@ -40,6 +40,37 @@ pub fn spans(recording: &Recording) -> Vec<(usize, usize)> {
     spans
 }
 
+/// The record without the rests before and after its motion, which stay known as what was before. What sticks in a rest
+/// holds the force that the last motions left, also those that are smaller than the displacement's noise: a rest tells
+/// noise and offset, and no law of a force with memory.
+pub fn without(recording: &Recording) -> Recording {
+    let part = moving(recording);
+    if part.len() == recording.time_s.len() {
+        return recording.clone();
+    }
+    recording.slice(part.start, part.end)
+}
+
+/// Samples between the rests.
+pub fn moving(recording: &Recording) -> std::ops::Range<usize> {
+    let n = recording.time_s.len();
+    let (mut first, mut end) = (0, n);
+    for (a, b) in spans(recording) {
+        if a == 0 {
+            first = b;
+        } else {
+            end = a;
+        }
+    }
+    if end.saturating_sub(first) < n / LEAST_MOTION {
+        return 0..n;
+    }
+    first..end
+}
+
+/// A record's motion is at least one in so many of its samples.
+const LEAST_MOTION: usize = 8;
+
 fn deviation(x: &[f64]) -> f64 {
     let n = x.len() as f64;
     let mean = x.iter().sum::<f64>() / n;

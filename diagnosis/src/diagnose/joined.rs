@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::noise::{Noise, Source};
 use crate::recording::Recording;
 use crate::signals::rms;
-use crate::{advice, interval};
+use crate::{advice, interval, rest};
 use plant::Effect;
 
 /// What a model leaves of training and held-out data.
@@ -19,6 +19,8 @@ struct Left {
     train: Vec<Vec<f64>>,
     test: Vec<Vec<f64>>,
     errors: Errors,
+    /// Of the held-out data while they move, rms: in a rest friction holds any force.
+    moving: f64,
 }
 
 /// Training and held-out data without what the model already has.
@@ -39,7 +41,13 @@ impl Data<'_> {
         };
         let train = fit.residuals(&self.bare[0])?;
         let test = fit.residuals(&self.bare[1])?;
+        let moving = |(r, rest): (&Recording, &Vec<f64>)| {
+            let part = rest::moving(r);
+            rest[part].to_vec()
+        };
+        let moving: Vec<Vec<f64>> = self.test.iter().zip(&test).map(moving).collect();
         Some(Left {
+            moving: rms(&moving),
             errors: Errors {
                 train_nrmse: nrmse(&train, self.train),
                 test_nrmse: nrmse(&test, self.test),
@@ -118,13 +126,13 @@ impl ChannelDiagnosis<'_> {
                         Verdict::Ambiguous
                     }
                     Outcome::Named(_, more) => {
-                        let share = ACCOUNTS * before.errors.test_rms;
+                        let share = ACCOUNTS * before.moving;
                         // Where the noise is known, what is several times as large is something.
                         let told = noise.is_some_and(|n| n.from == Source::Rest);
                         let known = if told { BESIDE_NOISE } else { f64::INFINITY };
                         let floor = answer.noise_floor_rms;
                         let most = share.min(known * floor).max(NOISE * floor);
-                        if !more && after.errors.test_rms <= most {
+                        if !more && after.moving <= most {
                             Verdict::Effect
                         } else {
                             Verdict::Partial

@@ -1,5 +1,6 @@
 //! What speaks for a name: rivals of every other family are given every chance in its place.
 
+use super::dashpot;
 use super::element::{Element, Kind, Law};
 use super::polish::Polished;
 use super::search::restrict;
@@ -76,11 +77,21 @@ pub struct Rival {
 
 /// The names of a polished set, each with its certificate, the strongest first.
 pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) {
-    let set = taken(library, best);
-    let mut candidates: Vec<Candidate> = groups(library, &set)
-        .into_iter()
-        .map(|g| certificate(library, &set, g))
-        .collect();
+    let taken = taken(library, best);
+    let set = dashpot::simplest(library, taken);
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for group in groups(library, &set) {
+        // What a dashpot beside elements takes is small against what they take: it is measured by what the set leaves.
+        let left = library.cross_validated(&set);
+        let beside = group.kind == Kind::Parameter && !set.elements.is_empty();
+        let before = left
+            .filter(|_| beside)
+            .map(|left| library.measure_by(&left));
+        candidates.push(certificate(library, &set, group));
+        if let Some(before) = before {
+            library.measure(before);
+        }
+    }
     candidates.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     (set, candidates)
 }
@@ -146,16 +157,22 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
             g.name = spring(library, set, &strengths, &g.elements);
         }
     }
-    if groups.is_empty() {
-        let moved = (0..DECLARED).filter(|&i| set.moved[i]);
-        groups.extend(moved.map(|i| Group {
-            kind: Kind::Parameter,
-            name: Channel::Specimen.mistakes()[i],
-            elements: Vec::new(),
-            rms: (strengths[i] - library.declared_value(i)).abs()
-                / library.blocks.scale[i].max(f64::MIN_POSITIVE),
-        }));
-    }
+    // Beside elements a parameter takes up what they are wrong by; more damping than declared is a dashpot beside them,
+    // where no element of theirs grows with speed.
+    let alone = groups.is_empty();
+    let has = |kind| groups.iter().any(|g| g.kind == kind);
+    let dashpot = !has(Kind::Speed) && !has(Kind::Linear);
+    let more = |i: usize| strengths[i] > library.parameter(i, false).high;
+    let beside = |i: usize| i == dashpot::PARAMETER && dashpot && more(i);
+    let named = |i: usize| set.moved[i] && (alone || beside(i));
+    let moved: Vec<usize> = (0..DECLARED).filter(|&i| named(i)).collect();
+    groups.extend(moved.into_iter().map(|i| Group {
+        kind: Kind::Parameter,
+        name: Channel::Specimen.mistakes()[i],
+        elements: Vec::new(),
+        rms: (strengths[i] - library.declared_value(i)).abs()
+            / library.blocks.scale[i].max(f64::MIN_POSITIVE),
+    }));
     groups
 }
 
@@ -197,8 +214,12 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     }
     let most = group.elements.len().max(1);
     let named = |e: usize| library.elements[e].name(&library.sizes, 1.0);
+    let dashpot = group.kind == Kind::Parameter && !set.elements.is_empty();
     let other = |e: usize| {
         let element = &library.elements[e];
+        if dashpot && element.is_dashpot(&library.sizes) {
+            return false;
+        }
         element.kind(&library.sizes) != group.kind && !element.is_nearly(group.kind, &library.sizes)
     };
     let family = group.name.entry().family;
@@ -223,6 +244,9 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         most,
         (group.name, group.kind),
     ));
+    if dashpot {
+        all.extend(dashpot::late(library, set, &rest));
+    }
     for (name, set, kind, fall) in all {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
         let times = (fall - own).exp();
@@ -303,7 +327,7 @@ fn freest(library: &Library, set: Set, of: Option<usize>) -> (Set, f64) {
 const FOLLOWED: usize = 6;
 
 /// A model with its name, its kind and its fall.
-type Placed = (Effect, Set, Kind, f64);
+pub type Placed = (Effect, Set, Kind, f64);
 
 /// The models with other elements in place of some, as many at most.
 fn in_place_of(

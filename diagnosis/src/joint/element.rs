@@ -273,6 +273,16 @@ impl Element {
         near && kind == Kind::Memory
     }
 
+    /// Whether it is a dashpot for all that the motion shows: a force nearly in proportion to speed, or one behind a spring
+    /// that gives way within less than the motion takes for a half of its range.
+    pub fn is_dashpot(&self, sizes: &Sizes) -> bool {
+        match self.law {
+            Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
+            Law::InSeries => self.relaxes() && self.shape[0] < MAY_BE_FRICTION * sizes.x,
+            _ => self.name(sizes, 1.0) == Effect::ViscousDamping,
+        }
+    }
+
     /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
     pub fn may_slide(&self, sizes: &Sizes) -> bool {
         let yields = matches!(

@@ -183,8 +183,10 @@ pub fn with_intervals(
 fn unknowns(library: &Library, fit: &Fit) -> Vec<Unknown> {
     let inside = |&i: &usize| {
         let bound = library.parameter(i, fit.moved[i]);
-        let room = 1e-6 * (bound.high - bound.low).min(1e12);
-        fit.parameters[i] > bound.low + room && fit.parameters[i] < bound.high - room
+        let value = fit.parameters[i];
+        // A parameter that has left its tolerance has no upper bound.
+        let room = 1e-6 * (bound.high - bound.low).min(value.abs());
+        value > bound.low + room && value < bound.high - room
     };
     let mut all: Vec<Unknown> = (0..DECLARED)
         .filter(inside)

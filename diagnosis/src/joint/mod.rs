@@ -11,6 +11,7 @@ mod certificate;
 mod closer;
 mod curvature;
 mod cutoff;
+mod dashpot;
 mod dictionary;
 pub(crate) mod element;
 mod figures;
@@ -59,6 +60,8 @@ pub struct Found {
 
 /// Searches; `None` where a signal is missing or the equations have no solution.
 pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Found> {
+    let rests = train.iter().all(|r| rest::spans(r).len() == 2);
+    let train: Vec<Recording> = train.iter().map(rest::without).collect();
     let sources: Vec<Source> = train.iter().map(Source::new).collect::<Option<_>>()?;
     let held_out: Vec<Source> = test.iter().map(Source::new).collect::<Option<_>>()?;
     let mut cutoff_hz = cutoff::choose(base, &sources, &held_out, None)?;
@@ -78,7 +81,7 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
     if let Some(closer) = closer::look(&mut library, &best, searched) {
         best = closer;
     }
-    library.rests = train.iter().all(|r| rest::spans(r).len() == 2);
+    library.rests = rests;
     let (set, names) = certificate::certify(&mut library, &best);
     let declared = Fit::new(&library, &Set::default(), cutoff_hz)?;
     let outcome = outcome::conclude(&mut library, &set, &names, cutoff_hz)?;

@@ -23,6 +23,8 @@ pub struct Explained {
     pub owners: Vec<Effect>,
     /// Each name, its certificate where it has one, and its parameters.
     pub names: Vec<(Effect, Option<Certificate>, Vec<Figure>)>,
+    /// What more damping than declared, which is in the model, may be: no name, since others do nearly as well.
+    pub damping: Vec<Effect>,
 }
 
 /// A name, its elements in the library, and what speaks for it.
@@ -100,7 +102,16 @@ pub fn conclude(
             .iter()
             .map(|n| (named(n), n.elements.clone(), Some(n.certificate())))
             .collect();
-        let model = explained(library, set, &groups, cutoff_hz)?;
+        let mut model = explained(library, set, &groups, cutoff_hz)?;
+        let dashpot =
+            |n: &&Candidate| n.elements.is_empty() && groups.iter().all(|g| g.0 != n.name);
+        if let Some(dashpot) = names.iter().find(dashpot) {
+            let rivals = dashpot.rivals.iter().filter(|r| r.times < CERTAIN);
+            model.damping = std::iter::once(dashpot.name)
+                .chain(rivals.map(|r| r.name))
+                .take(LARGEST_SET)
+                .collect();
+        }
         return Some(Outcome::Named(model, sure.len() < names.len()));
     }
     let first = open.first().unwrap_or(strongest);
@@ -183,12 +194,16 @@ fn explained(library: &Library, set: &Set, groups: &[Named], cutoff_hz: f64) -> 
     Some(Explained {
         owners,
         names: names.map(|(g, f)| (g.0, g.2, f)).collect(),
+        damping: Vec::new(),
         fit,
     })
 }
 
-/// The model of a rival that is likelier than what fits best.
+/// The model of a rival that is likelier than what fits best; there is none of a force that is read late.
 fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Explained> {
+    if rival.name == Effect::ChannelSkew {
+        return None;
+    }
     let score = library.score(&rival.set)?;
     let mut settled = restrict(library, vec![(rival.set.clone(), score)]);
     let (set, score) = settled.pop()?;

@@ -169,6 +169,18 @@ impl<'a> Library<'a> {
         self.blocks.cross_validated(&self.terms(set))
     }
 
+    /// The same where the force of the whole set is read late.
+    pub fn cross_validated_late(&self, set: &Set, late_s: f64) -> Option<[f64; BLOCKS]> {
+        let terms = self.terms(set);
+        let interval_s = self.tracks[0].interval_s * (self.tracks[0].fine * self.every) as f64;
+        let columns: Vec<Vec<f64>> = terms
+            .iter()
+            .map(|t| crate::signals::delayed(&self.columns[t.0], late_s, interval_s))
+            .collect();
+        let own: Vec<Term> = terms.iter().enumerate().map(|(i, t)| (i, t.1)).collect();
+        Blocks::new(&columns, &self.force).cross_validated(&own)
+    }
+
     /// Mean logarithm of the squares over those of the declared model: blocks with large motion have one vote each.
     pub fn fall(&self, costs: &[f64; BLOCKS]) -> f64 {
         let ratio = |(c, d): (&f64, &f64)| (c + self.floor) / (d + self.floor);
