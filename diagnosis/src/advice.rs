@@ -1,6 +1,6 @@
 //! What is said in words: notes, and the experiment that would decide.
 
-use crate::answer::{ChannelAnswer, Refitted, Verdict};
+use crate::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
 use crate::base::Base;
 use crate::criteria::REACH;
 use crate::joint::Outcome;
@@ -129,6 +129,7 @@ pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> 
         )),
     }
     notes.extend(damping(answer, outcome));
+    notes.extend(shared_stiffness(answer));
     match outcome {
         Some(Outcome::Named(explained, true)) if explained.damping.is_empty() => notes.push(
             "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
@@ -146,6 +147,26 @@ pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> 
         _ => {}
     }
     notes
+}
+
+/// Of a spring that is far from its declaration since an element that gives way stands beside it: what they are together.
+fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
+    let spring = answer.refitted.iter().find(|r| r.name == STIFFNESS)?;
+    if (spring.value - spring.declared).abs() <= REACH * spring.tolerance {
+        return None;
+    }
+    let has = |e: &&FoundEffect| e.family == Family::Hysteresis;
+    let effect = answer.effects.iter().find(has)?;
+    let own = effect.parameters.iter().find(|p| p.name == STIFFNESS)?;
+    Some(format!(
+        "Of the declared {:.1} N/mm the model keeps {:.1} N/mm as a spring and has {:.1} N/mm in {}, which gives way: together \
+         {:.1} N/mm for small motions.",
+        spring.declared,
+        spring.value,
+        own.value,
+        effect.name,
+        spring.value + own.value
+    ))
 }
 
 /// Of more damping than declared beside a name: that the two figures are one, or what else it may be.
@@ -181,8 +202,9 @@ fn damping(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Option<String> 
     ))
 }
 
-/// The declared parameter's name.
+/// Names of declared parameters.
 const DAMPING: &str = "damping_n_s_per_mm";
+const STIFFNESS: &str = "stiffness_n_per_mm";
 
 /// What to measure next, to tell an effect from those that look like it.
 fn experiment(effect: Effect) -> &'static str {

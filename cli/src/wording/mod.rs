@@ -80,11 +80,14 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
              or rate."
         ),
         Verdict::None => "Next: nothing; this data gives no reason to change the model.".into(),
-        Verdict::Effect | Verdict::Ambiguous if left > MORE => format!(
+        Verdict::Ambiguous => "Next: let --next FILE design the test that tells these apart. Until then the improved model \
+                               (--save-model) has the first of them, and is good for motions like those recorded."
+            .into(),
+        Verdict::Effect if left > MORE => format!(
             "Next: keep the improved model (--save-model) and diagnose again with it: what is left on the held-out data \
              is {left:.1} times the noise, so something smaller is missing too."
         ),
-        Verdict::Effect | Verdict::Ambiguous => {
+        Verdict::Effect => {
             "Next: keep the improved model (--save-model) and take it into the next test (run --model).".into()
         }
         Verdict::Partial => {

@@ -14,6 +14,9 @@ use crate::signals::rms;
 use crate::{advice, interval, rest};
 use plant::Effect;
 
+/// Where what is left is all that is known of the noise, and something is still missing.
+const NOISE_UNKNOWN: &str = "No rest tells the noise: the stated figure is what the model leaves, of which a part is no noise.";
+
 /// What a model leaves of training and held-out data.
 struct Left {
     train: Vec<Vec<f64>>,
@@ -148,6 +151,10 @@ impl ChannelDiagnosis<'_> {
             _ => answer.verdict = Verdict::Unknown,
         }
         answer.notes = advice::joined(&answer, Some(&found.outcome));
+        let told = noise.is_some_and(|n| n.from == Source::Rest);
+        if answer.verdict == Verdict::Partial && !told && answer.noise_floor_rms >= lowest {
+            answer.notes.push(NOISE_UNKNOWN.into());
+        }
         let after = after.as_ref().filter(|_| !answer.effects.is_empty());
         let left = after.unwrap_or(&before);
         answer.traces = self.drawn(&before.test, &left.test);
