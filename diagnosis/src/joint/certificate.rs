@@ -245,7 +245,8 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         (group.name, group.kind),
     ));
     if dashpot {
-        all.extend(dashpot::late(library, set, &rest));
+        let late = dashpot::late(library, set, &rest);
+        all.extend(late.map(|fall| (Effect::ChannelSkew, rest.clone(), Kind::Parameter, fall)));
     }
     for (name, set, kind, fall) in all {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
@@ -327,7 +328,7 @@ fn freest(library: &Library, set: Set, of: Option<usize>) -> (Set, f64) {
 const FOLLOWED: usize = 6;
 
 /// A model with its name, its kind and its fall.
-pub type Placed = (Effect, Set, Kind, f64);
+type Placed = (Effect, Set, Kind, f64);
 
 /// The models with other elements in place of some, as many at most.
 fn in_place_of(

@@ -1,7 +1,5 @@
 //! More damping than declared beside friction or hysteresis: the most ordinary pair that a laboratory has.
 
-use super::certificate::Placed;
-use super::element::Kind;
 use super::set::{Library, Set};
 use crate::criteria::ALIKE;
 use plant::Effect;
@@ -29,9 +27,9 @@ pub fn simplest(library: &Library, set: Set) -> Set {
     }
 }
 
-/// A force that is read late by as much as the dashpot makes of it: on a spring alone the two are one force, beside friction
+/// The fall of a force that is read late by as much as the dashpot makes of it: on a spring alone the two are one force, beside friction
 /// they are not, whose reversals a dashpot does not move.
-pub fn late(library: &Library, set: &Set, rest: &Set) -> Option<Placed> {
+pub fn late(library: &Library, set: &Set, rest: &Set) -> Option<f64> {
     let strengths = library.strengths(set)?;
     let (stiffness, more) = (
         strengths[0],
@@ -44,8 +42,7 @@ pub fn late(library: &Library, set: &Set, rest: &Set) -> Option<Placed> {
         Some(library.fall(&costs))
     });
     let fall = falls.fold(f64::INFINITY, f64::min);
-    (stiffness > 0.0 && fall.is_finite())
-        .then(|| (Effect::ChannelSkew, rest.clone(), Kind::Parameter, fall))
+    (stiffness > 0.0 && fall.is_finite()).then_some(fall)
 }
 
 /// Shares of a dashpot's delay that are tried.
