@@ -1,4 +1,4 @@
-//! Whether a test can be stable, before the oil is on: closed-loop eigenvalues of integrator, filter, compensation and
+//! Stability of a test, before the oil is on: closed-loop eigenvalues of integrator, filter, compensation and
 //! actuator in discrete time.
 //!
 //! | look in | for |
@@ -7,7 +7,7 @@
 //! | [`rig`] | the simulated rig in small motion |
 //! | [`filter`] | the loop's own filter |
 //! | [`predictor`] | core's predictors |
-//! | [`way`] | the command between targets |
+//! | [`interpolation`] | the command between targets |
 //! | [`closed_loop`] | all of it over one integration step, as a matrix |
 //! | [`spectrum`] | its eigenvalues |
 //! | [`largest`] | the largest of them, where there are many |

@@ -1,7 +1,7 @@
 //! Standard output that may fail: a full disk or a closed pipe is one sentence at the end, never a panic.
 //!
 //! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
-//! [`failure`] returns it when the verb has finished.
+//! [`finish`] returns it when the verb has finished.
 
 use crate::failure::Failure;
 use crate::files::plain;
