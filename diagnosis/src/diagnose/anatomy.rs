@@ -9,7 +9,7 @@ use crate::recording::Recording;
 use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
 use crate::rest;
 use crate::signals::rms;
-use plant::Channel;
+use plant::{Channel, Family};
 
 /// Where the mains' line may be, Hz: an effect by itself.
 const MAINS_HZ: std::ops::Range<f64> = 44.0..66.0;
@@ -28,6 +28,20 @@ fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
 }
 
 impl ChannelDiagnosis<'_> {
+    /// rms over the held-out data of a friction that sticks in their rests: it holds any force up to its own, as the last
+    /// motions left it, and those are smaller than the noise.
+    fn may_stick(&self, answer: &ChannelAnswer) -> f64 {
+        let friction = answer
+            .effects
+            .iter()
+            .filter(|e| e.family == Family::Friction);
+        let forces = friction.flat_map(|e| e.parameters.iter().filter(|p| p.name == "force_n"));
+        let force = forces.map(|p| p.value.abs()).fold(0.0, f64::max);
+        let whole: usize = self.test.iter().map(|r| r.time_s.len()).sum();
+        let moving: usize = self.test.iter().map(|r| rest::moving(r).len()).sum();
+        force * ((whole - moving) as f64 / whole.max(1) as f64).sqrt()
+    }
+
     /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
     /// than its record: it lacks the first samples then.
     pub(super) fn look_at_the_rest(
@@ -40,7 +54,8 @@ impl ChannelDiagnosis<'_> {
         if let (Some(learned), Some(planned)) =
             (answers(self.train, train), answers(self.test, test))
         {
-            answer.next_error_ci90 = Some(next_error(train, &learned, &planned));
+            let [low, high] = next_error(train, &learned, &planned);
+            answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
         }
         let learned = self.moves(self.train, train);
         let judged = self.moves(self.test, test);
