@@ -5,7 +5,7 @@ use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::coherence::linear_share;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::foretold::next_error;
-use crate::recording::Recording;
+use crate::recording::{Recording, range};
 use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
 use crate::rest;
 use crate::signals::rms;
@@ -25,6 +25,22 @@ fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
     let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
     found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
     Some((rms(&[still]), found))
+}
+
+/// Power of the motion by which an error that has no name may grow faster, beyond the motion that was learned from, than
+/// within it: the next terms of a force's series are its square and its cube.
+const BEYOND: i32 = 2;
+
+/// How many times the foretold error may be larger since the planned answer goes further than those learned from. Where
+/// names account for the record the model goes on as it is.
+fn beyond(verdict: Verdict, learned: &[Vec<f64>], planned: &[Vec<f64>]) -> f64 {
+    if matches!(verdict, Verdict::None | Verdict::Effect) {
+        return 1.0;
+    }
+    let [learned, planned] = [learned, planned].map(|x| range(&x.concat()));
+    (planned / learned.max(f64::MIN_POSITIVE))
+        .max(1.0)
+        .powi(BEYOND)
 }
 
 impl ChannelDiagnosis<'_> {
@@ -55,6 +71,7 @@ impl ChannelDiagnosis<'_> {
             (answers(self.train, train), answers(self.test, test))
         {
             let [low, high] = next_error(train, &learned, &planned);
+            let high = high * beyond(answer.verdict, &learned, &planned);
             answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
         }
         let learned = self.moves(self.train, train);
