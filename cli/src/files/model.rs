@@ -120,13 +120,13 @@ mod tests {
     #[test]
     fn mistakes_have_their_place() {
         for (from, to, said) in [
-            ("gain", "gian", "line 2: unknown field `gian`"),
+            ("gain", "gian", "}`: unknown field `gian`"),
             (
                 "tolerance = 3",
                 "tolerance = -3",
                 "specimen.stiffness_n_per_mm.tolerance = -3",
             ),
-            ("158.0", "\"stiff\"", "line 4:"),
+            ("158.0", "\"stiff\"", "m.toml, line 4, `"),
             ("158.0", "nan", "specimen.stiffness_n_per_mm.value = NaN"),
             (TEXT, "", "declares no channel"),
         ] {

@@ -447,6 +447,9 @@ mod tests {
         assert!(e.starts_with("t.toml: plant.actuator.delay_ms"), "{e}");
         let broken = format!("{TEXT}[loop\n");
         let e = TestFile::parse(&broken, "t.toml", Path::new(""), &[]).unwrap_err();
-        assert!(e.to_string().starts_with("t.toml, line 8:"), "{e}");
+        assert!(
+            e.to_string().starts_with("t.toml, line 8, `[loop`: "),
+            "{e}"
+        );
     }
 }

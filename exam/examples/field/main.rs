@@ -1,12 +1,14 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--list] [--evidence]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--only WORD] [--list] [--evidence]
 //! ```
+//!
+//! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
 mod sit;
 
-use exam::field::{Mark, causes};
+use exam::field::{Mark, causes, set_field};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sit::Sat;
@@ -23,6 +25,13 @@ fn main() {
     let mut seeds: Vec<u64> = arguments.iter().filter_map(range).flatten().collect();
     if seeds.is_empty() {
         seeds = (0..320).collect();
+    }
+    let only = arguments.iter().position(|a| a == "--only");
+    if let Some(word) = only.and_then(|at| arguments.get(at + 1)) {
+        seeds = seeds
+            .into_par_iter()
+            .filter(|seed| set_field(*seed).id.contains(word))
+            .collect();
     }
     let bar = ProgressBar::new(seeds.len() as u64);
     let all: Vec<Sat> = seeds
