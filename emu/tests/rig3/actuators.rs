@@ -143,8 +143,8 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
             let running = desk.steps.iter().map(|(_, s)| s);
             let running = running.filter(|s| s.state() == Some(Mode::Running));
             let last: Vec<u16> = running.map(|s| s.inputs[actuator]).collect();
-            // The last 5 ms before the trip.
-            span(last[last.len() - 10..].iter().copied())
+            // The last 8 ms before the trip.
+            span(last[last.len() - 16..].iter().copied())
         });
         println!(
             "actuator {}: its command read back moves over {valve} codes with a dead valve, {output} with a dead output",
