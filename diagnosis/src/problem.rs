@@ -240,7 +240,7 @@ impl Problem {
         for element in &base.elements {
             for stretch in &mut self.stretches {
                 let s = &mut stretch.signals;
-                let force = element.force(&s.x, &s.v, &s.time_s, s.interval_s);
+                let force = element.force(s);
                 add_scaled(&mut s.base, &force, 1.0);
             }
         }

@@ -3,6 +3,7 @@
 use crate::joint::element::{Element, Law};
 use crate::joint::track::{Sizes, Track};
 use crate::refusal::Refusal;
+use crate::signals::Signals;
 use serde::{Deserialize, Serialize};
 
 /// An element beside the declared specimen that an earlier diagnosis added.
@@ -76,17 +77,17 @@ impl SavedElement {
         )))
     }
 
-    /// Its force over a motion that begins with the record, N.
-    pub fn force(&self, x: &[f64], v: &[f64], time_s: &[f64], interval_s: f64) -> Vec<f64> {
+    /// Its force over a motion, N; of what was before it only the largest displacement counts.
+    pub fn force(&self, s: &Signals) -> Vec<f64> {
         let track = Track {
-            interval_s,
+            interval_s: s.interval_s,
             fine: 1,
-            x: x.to_vec(),
-            largest_before_mm: 0.0,
-            v: v.to_vec(),
+            x: s.x.clone(),
+            largest_before_mm: s.largest_before_mm,
+            v: s.v.clone(),
             a: Vec::new(),
             first: 0,
-            time_s: time_s.to_vec(),
+            time_s: s.time_s.clone(),
             force: Vec::new(),
         };
         self.along(&track)

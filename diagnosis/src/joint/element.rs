@@ -381,3 +381,20 @@ impl Element {
 
 /// Half ranges over which the growth of a stiffening loop is judged.
 const MOST_GROWTH: f64 = 1.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_spring_has_lost_stays_lost() {
+        let sizes = Sizes {
+            x: 4.0,
+            ..Sizes::default()
+        };
+        let lessened = Element::new(Law::Lessened, [2.0]);
+        let force = lessened.over(&[1.0, 4.0, 2.0, -2.0, -8.0, 4.0], &sizes);
+        // -x (largest / 4)^2.
+        assert_eq!(force, [-0.0625, -4.0, -2.0, 2.0, 32.0, -16.0]);
+    }
+}

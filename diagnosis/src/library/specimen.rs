@@ -59,6 +59,11 @@ fn power(s: &Signals, exponent: f64, k: &Scales) -> impl Iterator<Item = (f64, f
         .map(move |x| (x, (x / scale).abs().powf(exponent)))
 }
 
+/// Share of a stiffness that is lost at a displacement: a half at the reference, then the exponent says how fast.
+fn lost(at_mm: f64, [reference_mm, exponent]: [f64; 2]) -> f64 {
+    1.0 - 1.0 / (1.0 + (at_mm / reference_mm).powf(exponent))
+}
+
 pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::ChannelSkew,
@@ -269,8 +274,12 @@ pub const CANDIDATES: &[Candidate] = &[
             ]
         },
         columns: |s, p, k| {
-            let softer = |x: &f64| -x * (1.0 - 1.0 / (1.0 + (x / p[0]).abs().powf(p[1])));
-            vec![s.x.iter().map(|x| k.stiffness * softer(x)).collect()]
+            let forces = s.x.iter();
+            vec![
+                forces
+                    .map(|x| -k.stiffness * x * lost(x.abs(), [p[0], p[1]]))
+                    .collect(),
+            ]
         },
         bounds: once,
         parameters: |_, p, _| vec![("reference_mm", "mm", p[0]), ("exponent", "", p[1])],
@@ -286,9 +295,12 @@ pub const CANDIDATES: &[Candidate] = &[
         },
         columns: |s, p, k| {
             let largest = op::largest(&s.x, s.largest_before_mm);
-            let lost = |l: f64| 1.0 - 1.0 / (1.0 + (l / p[0]).powf(p[1]));
             let forces = s.x.iter().zip(largest);
-            vec![forces.map(|(x, l)| -k.stiffness * x * lost(l)).collect()]
+            vec![
+                forces
+                    .map(|(x, l)| -k.stiffness * x * lost(l, [p[0], p[1]]))
+                    .collect(),
+            ]
         },
         bounds: once,
         parameters: |_, p, _| vec![("reference_mm", "mm", p[0]), ("exponent", "", p[1])],
