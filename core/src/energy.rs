@@ -4,7 +4,7 @@
 //! opposite sign and is turned round here: what the integration perceives less what the specimen really took. Per
 //! step, modified - HSEM = the increment of `R (u_m - u_c)`, exactly, for any specimen.
 
-use crate::float::{larger, out_of_the_way};
+use crate::float::{larger, unlikely};
 use crate::structure::actuated;
 use crate::sum::CompensatedSum;
 
@@ -234,7 +234,7 @@ impl<const N: usize> Monitor<N> {
         self.ratio = if scale_j > self.floor_j {
             (hsem_j + self.correction.value()).abs() / scale_j
         } else {
-            out_of_the_way(0.0)
+            unlikely(0.0)
         };
     }
 

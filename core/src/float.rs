@@ -1,4 +1,4 @@
-//! Small helps for the step: the larger and the smaller of two numbers, and where the seldom way lies.
+//! Small helps for the step: the larger and the smaller of two numbers, and a mark for the branch that is seldom taken.
 //!
 //! `f32::max` and `f32::min` also define the result for a NaN, which takes a dozen instructions on a processor without
 //! an instruction for it. Here a NaN in the second place is ignored, and one in the first place stays.
@@ -15,10 +15,11 @@ pub fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
 
-/// Gives back what it is given, from elsewhere: what leads here is laid out of the way of a step that has nothing to report.
+/// Gives back what it is given. The compiler lays the branch that calls this away from the common path, which then runs
+/// straight on.
 #[cold]
 #[inline(never)]
-pub fn out_of_the_way<T>(given: T) -> T {
+pub fn unlikely<T>(given: T) -> T {
     given
 }
 

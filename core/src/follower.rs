@@ -63,7 +63,7 @@ impl Weights {
 
 impl Course {
     #[inline]
-    fn go_on(&mut self, target_m: f32) {
+    fn append(&mut self, target_m: f32) {
         let mut new = target_m;
         for difference in &mut self.differences {
             let old = *difference;
@@ -162,7 +162,7 @@ impl<const N: usize> Follower<N> {
             }
         }
         for j in 0..self.followed.min(N) {
-            self.course[j].go_on(target_m[j]);
+            self.course[j].append(target_m[j]);
         }
         if self.corrects {
             let correction_n = self.correction(target_m, displacement_m, force_n);
@@ -255,7 +255,7 @@ mod tests {
         let bend = |t: f32| -0.5 + t * (0.75 - 0.75 * t);
         let mut course = Course::default();
         for i in -4_i16..=0 {
-            course.go_on(p(f32::from(i)));
+            course.append(p(f32::from(i)));
         }
         for steps in [0.0, 1.0, 1.5, 2.0] {
             let ahead = course.ahead(&Weights::ahead(steps));

@@ -1,6 +1,6 @@
 //! The ground's acceleration at an integration step, by linear interpolation in exact integer time.
 
-use crate::float::out_of_the_way;
+use crate::float::unlikely;
 
 /// A record and how it is laid over the integration steps. Cheap to copy; borrows its points.
 #[derive(Clone, Copy, Debug)]
@@ -50,14 +50,14 @@ impl<'a> GroundMotion<'a> {
         // Time is an integer count of 2^-32 points: it cannot drift, however long the test.
         // Within the record it cannot overflow, either.
         if step > self.steps {
-            return out_of_the_way(0.0);
+            return unlikely(0.0);
         }
         let position = self.points_per_step.wrapping_mul(u64::from(step));
         let index = (position >> 32) as usize;
         let (here, next) = match self.points_m_per_s2.get(index..) {
             Some([here, next, ..]) => (*here, *next),
-            Some([last]) => (*last, out_of_the_way(0.0)),
-            Some([]) | None => return out_of_the_way(0.0),
+            Some([last]) => (*last, unlikely(0.0)),
+            Some([]) | None => return unlikely(0.0),
         };
         let fraction = ((position as u32) >> 8) as f32 * (1.0 / 16_777_216.0);
         here + fraction * (next - here)

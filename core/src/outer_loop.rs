@@ -109,9 +109,9 @@ pub struct OuterLoop<const N: usize> {
     lock: LockWatch,
     trip: Option<Trip>,
     obstacle: Option<Finding>,
-    standing_m: Option<[f32; N]>,
+    idle_mean_m: Option<[f32; N]>,
     /// While commissioning: the command of the next step, m.
-    goal_m: [f32; N],
+    commissioning_m: [f32; N],
     energy: EnergyErrors<N>,
     estimator: Estimator<N>,
     history: History<N>,
@@ -120,9 +120,9 @@ pub struct OuterLoop<const N: usize> {
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
     /// By how much the last target was led, m.
-    led_by_m: [f32; N],
+    lead_m: [f32; N],
     /// While resuming: the share of the prediction that is sent.
-    share: f32,
+    resume_share: f32,
     /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
     /// answered with.
     pace: Option<Pace>,
@@ -152,10 +152,10 @@ impl<const N: usize> OuterLoop<N> {
             aimed_m: [0.0; N],
             target_m: [0.0; N],
             aimed_step_m: [0.0; N],
-            led_by_m: [0.0; N],
-            share: 0.0,
-            standing_m: None,
-            goal_m: [0.0; N],
+            lead_m: [0.0; N],
+            resume_share: 0.0,
+            idle_mean_m: None,
+            commissioning_m: [0.0; N],
             estimator: Estimator::at_rest(&estimation, [0.0; N]),
             energy: EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps)),
             monitor: Monitor::new(diagonal, design.energy_floor_j),

@@ -113,7 +113,7 @@ impl<const N: usize> SignalGenerator<N> {
     }
 
     /// Goes on from `position_m` at `velocity_m` a control step, e.g. to slow down from what was really sent.
-    pub fn go_on_from(&mut self, position_m: [f32; N], velocity_m: [f32; N]) {
+    pub fn start_from(&mut self, position_m: [f32; N], velocity_m: [f32; N]) {
         self.command_m = position_m;
         self.velocity_m = velocity_m;
     }
@@ -174,7 +174,7 @@ impl<const N: usize> SignalGenerator<N> {
             self.command_m = self.target.displacement_m;
             self.velocity_m = self.target.velocity_dt_m.map(|v| v * k.per_substep);
         } else {
-            self.go_on(k);
+            self.move_inside_interval(k);
         }
         false
     }
@@ -201,7 +201,7 @@ impl<const N: usize> SignalGenerator<N> {
 
     /// A command inside of the interval.
     #[inline(never)]
-    fn go_on(&mut self, k: &SignalConstants) {
+    fn move_inside_interval(&mut self, k: &SignalConstants) {
         if self.tick <= k.solve_substeps {
             let t = f32::from(self.tick);
             for j in 0..N {

@@ -342,7 +342,7 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     let mut outer = OuterLoop::<1>::new(Design::new(&config).unwrap());
     let none = GroundMotion::none();
     let tick = |outer: &mut OuterLoop<1>, goal: Option<f32>| {
-        outer.set_goal(goal.map(|g| [g]));
+        outer.set_commissioning_command(goal.map(|g| [g]));
         outer.step(&Sample::new([0.0], [0.0]), &none).command_m[0]
     };
     tick(&mut outer, None);
@@ -401,7 +401,7 @@ fn an_actuator_that_is_read_beyond_the_stroke_trips_in_every_mode_with_permissio
             outer.handle(Event::Start).unwrap();
         }
         match mode {
-            Mode::Commissioning => outer.set_goal(Some([0.0])),
+            Mode::Commissioning => outer.set_commissioning_command(Some([0.0])),
             Mode::Holding => {
                 outer.handle(Event::Hold).unwrap();
             }

@@ -55,7 +55,7 @@ pub fn play(
                     Some(goal_m) => {
                         let mut goal = [0.0; N];
                         goal[0] = goal_m as f32;
-                        outer.set_goal(Some(goal));
+                        outer.set_commissioning_command(Some(goal));
                     }
                     None => drop(outer.handle(Event::Finish)),
                 }

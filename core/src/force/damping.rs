@@ -17,7 +17,7 @@ use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
 use super::sech_gain::SechGain;
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
-use crate::float::{larger, out_of_the_way, smaller};
+use crate::float::{larger, smaller, unlikely};
 use crate::linear::LinearForce;
 use crate::refusal::{Refusal, accept, between};
 use crate::structure::actuated;
@@ -196,7 +196,7 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             let apart = du * across < 0.0;
             let damping = if reversal || small || apart || !raw.is_finite() {
                 held = true;
-                out_of_the_way(self.last[j])
+                unlikely(self.last[j])
             } else if F::GUARDED {
                 let bounded = larger(smaller(raw, k.largest[j]), k.smallest[j]);
                 clamped |= bounded != raw;

@@ -1,7 +1,7 @@
 //! From target to command: what is sent ahead, what stands against it, and what is sent.
 
 use super::{OuterLoop, Pace, Sample};
-use crate::float::out_of_the_way;
+use crate::float::unlikely;
 use crate::predict::{LastCommand, TargetMotion};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
@@ -13,7 +13,7 @@ impl<const N: usize> OuterLoop<N> {
         &mut self,
         measured_m: [f32; N],
         next_m: [f32; N],
-        fit: bool,
+        usable: bool,
     ) -> [f32; N] {
         let k = &self.design;
         let live = self.mode.integrates() && self.pace != Some(Pace::StopAndGo);
@@ -21,13 +21,13 @@ impl<const N: usize> OuterLoop<N> {
             let signal = &self.signal;
             (*signal.velocity_m(), signal.acceleration_m(&k.signal))
         } else {
-            out_of_the_way(([0.0; N], [0.0; N]))
+            unlikely(([0.0; N], [0.0; N]))
         };
         let followed = core::array::from_fn(|j| LastCommand {
-            target_m: self.target_m[j] + self.led_by_m[j],
+            target_m: self.target_m[j] + self.lead_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
-            learn: live && fit,
+            learn: live && usable,
         });
         let mut ahead: [TargetMotion; N] = core::array::from_fn(|j| TargetMotion {
             displacement_m: next_m[j],
@@ -39,7 +39,7 @@ impl<const N: usize> OuterLoop<N> {
             // Numerical degrees of freedom are sent where they are wanted.
             for j in 0..N {
                 ahead[j] = ahead[j].led_by(k.lead_steps);
-                self.led_by_m[j] = ahead[j].displacement_m - next_m[j];
+                self.lead_m[j] = ahead[j].displacement_m - next_m[j];
                 if j < k.physical {
                     send_m[j] = ahead[j].displacement_m;
                 }
@@ -52,10 +52,10 @@ impl<const N: usize> OuterLoop<N> {
         }
         if self.mode == Mode::Resuming {
             for j in 0..N {
-                send_m[j] = next_m[j] + self.share * (send_m[j] - next_m[j]);
+                send_m[j] = next_m[j] + self.resume_share * (send_m[j] - next_m[j]);
             }
-            self.share += k.resume_step;
-            if self.share >= 1.0 {
+            self.resume_share += k.resume_step;
+            if self.resume_share >= 1.0 {
                 self.mode = Mode::Running;
             }
         }
@@ -72,9 +72,9 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// The ramp to a standstill begins at what was sent and not at the target behind it.
-    pub(super) fn stop_where_it_is(&mut self) {
+    pub(super) fn stop_at_command(&mut self) {
         if self.design.predicts && self.mode.integrates() {
-            self.signal.go_on_from(self.aimed_m, self.aimed_step_m);
+            self.signal.start_from(self.aimed_m, self.aimed_step_m);
             self.target_m = self.aimed_m;
         }
     }
@@ -103,7 +103,7 @@ impl<const N: usize> OuterLoop<N> {
 
     /// Nothing stands against sending `next_m`.
     #[inline]
-    pub(super) fn free(
+    pub(super) fn may_send(
         &self,
         sample: &Sample<N>,
         displacement_m: &[f32; N],
@@ -111,7 +111,7 @@ impl<const N: usize> OuterLoop<N> {
         stale_steps: u16,
     ) -> bool {
         if sample.fault.is_some() {
-            return out_of_the_way(false);
+            return unlikely(false);
         }
         let checked = self.checked(sample, displacement_m, next_m, stale_steps);
         within(&self.design.limits, &checked)
@@ -138,7 +138,7 @@ impl<const N: usize> OuterLoop<N> {
     /// Something stands against sending the command: latches the fault, or sends it where there is nothing to trip.
     #[cold]
     #[inline(never)]
-    pub(super) fn obstructed(
+    pub(super) fn trip_or_send(
         &mut self,
         sample: &Sample<N>,
         displacement_m: &[f32; N],

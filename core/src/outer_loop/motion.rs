@@ -8,14 +8,14 @@ impl<const N: usize> OuterLoop<N> {
     /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
     #[cold] // The step of a test of its own, the longest, then runs straight on.
     #[inline(never)]
-    pub(super) fn elsewhere(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+    pub(super) fn command_without_integration(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
         match self.mode {
             Mode::Idle => self.follow(displacement_m),
             Mode::Approaching => self.approach_start(),
             Mode::Armed => [0.0; N],
             Mode::Running | Mode::Resuming => self.go_to_next_target(),
             Mode::Returning => self.return_to_target(),
-            Mode::Commissioning => self.pursue(),
+            Mode::Commissioning => self.follow_commissioning_signal(),
             Mode::Holding | Mode::Finished => self.slow_down(),
             Mode::Tripped => self.aimed_m,
         }
@@ -24,14 +24,14 @@ impl<const N: usize> OuterLoop<N> {
     /// Idle: the target follows the true position, and the command is what holds the actuator there, so that arming
     /// moves nothing whatever is known of offsets and gains.
     fn follow(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
-        let mut standing_m = self.standing_m.unwrap_or(*displacement_m);
-        for (mean, &new) in standing_m.iter_mut().zip(displacement_m) {
+        let mut idle_mean_m = self.idle_mean_m.unwrap_or(*displacement_m);
+        for (mean, &new) in idle_mean_m.iter_mut().zip(displacement_m) {
             // A mean over some 64 samples, so that noise is not a bump.
             let moved = *mean + (new - *mean) * (1.0 / 64.0);
             *mean = if moved.is_finite() { moved } else { 0.0 };
         }
-        self.standing_m = Some(standing_m);
-        standing_m
+        self.idle_mean_m = Some(idle_mean_m);
+        idle_mean_m
     }
 
     /// A step of the slow way to the start position.
@@ -43,13 +43,13 @@ impl<const N: usize> OuterLoop<N> {
         next_m
     }
 
-    /// A step of the slow approach to `goal_m`.
-    pub(super) fn approach(&self, goal_m: [f32; N]) -> [f32; N] {
+    /// A step of the slow approach to `commissioning_m`.
+    pub(super) fn approach(&self, commissioning_m: [f32; N]) -> [f32; N] {
         let step = self.design.approach_step_m;
         core::array::from_fn(|j| {
-            let rest = goal_m[j] - self.target_m[j];
+            let rest = commissioning_m[j] - self.target_m[j];
             if rest.abs() <= step {
-                goal_m[j]
+                commissioning_m[j]
             } else {
                 self.target_m[j] + step.copysign(rest)
             }
@@ -64,7 +64,7 @@ impl<const N: usize> OuterLoop<N> {
         self.signal.follow(next_m);
         if self.target_m == target_m {
             self.signal = SignalGenerator::standing_at(target_m);
-            self.share = 0.0;
+            self.resume_share = 0.0;
             self.mode = if self.design.predicts {
                 Mode::Resuming
             } else {
@@ -75,16 +75,16 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// A commissioning signal in place of the test: the command follows it.
-    fn pursue(&mut self) -> [f32; N] {
-        self.signal.follow(self.goal_m);
-        self.goal_m
+    fn follow_commissioning_signal(&mut self) -> [f32; N] {
+        self.signal.follow(self.commissioning_m);
+        self.commissioning_m
     }
 
     /// The record has ended.
     #[cold]
     #[inline(never)]
     pub(super) fn finish(&mut self) {
-        self.stop_where_it_is();
+        self.stop_at_command();
         self.mode = Mode::Finished;
     }
 

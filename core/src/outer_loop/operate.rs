@@ -41,10 +41,10 @@ impl<const N: usize> OuterLoop<N> {
                     next = Mode::Armed;
                 }
             }
-            Mode::Holding | Mode::Finished => self.stop_where_it_is(),
+            Mode::Holding | Mode::Finished => self.stop_at_command(),
             Mode::Idle => {
                 self.trip = None;
-                self.standing_m = None;
+                self.idle_mean_m = None;
                 self.history.clear();
             }
             Mode::Running | Mode::Returning | Mode::Tripped => {}
@@ -57,10 +57,10 @@ impl<const N: usize> OuterLoop<N> {
 
     /// Gives the command of the next step in place of the integration, a commissioning signal, or (`None`) goes back to
     /// the test. All interlocks are in force. Without effect where no test runs.
-    pub fn set_goal(&mut self, goal_m: Option<[f32; N]>) {
-        match goal_m {
-            Some(goal_m) if self.mode.integrates() || self.mode == Mode::Commissioning => {
-                (self.mode, self.goal_m) = (Mode::Commissioning, goal_m);
+    pub fn set_commissioning_command(&mut self, commissioning_m: Option<[f32; N]>) {
+        match commissioning_m {
+            Some(commissioning_m) if self.mode.integrates() || self.mode == Mode::Commissioning => {
+                (self.mode, self.commissioning_m) = (Mode::Commissioning, commissioning_m);
             }
             None if self.mode == Mode::Commissioning => self.mode = Mode::Running,
             Some(_) | None => {}
@@ -117,26 +117,26 @@ impl<const N: usize> OuterLoop<N> {
             lock,
             trip,
             obstacle,
-            standing_m,
-            goal_m,
+            idle_mean_m,
+            commissioning_m,
             energy,
             estimator,
             history,
             predictor,
             rig,
             aimed_step_m,
-            led_by_m,
-            share,
+            lead_m,
+            resume_share,
             pace: _,
             next_target_m,
             answer_n,
         } = self;
         *mode = Mode::Idle;
         (*step, *flags) = (0, 0);
-        (*trip, *obstacle, *standing_m) = (None, None, None);
+        (*trip, *obstacle, *idle_mean_m) = (None, None, None);
         (*next_target_m, *answer_n) = (None, [0.0; N]);
-        (*ground_m_per_s2, *share, *goal_m) = (0.0, 0.0, [0.0; N]);
-        (*target_m, *aimed_step_m, *led_by_m) = (*aimed_m, [0.0; N], [0.0; N]);
+        (*ground_m_per_s2, *resume_share, *commissioning_m) = (0.0, 0.0, [0.0; N]);
+        (*target_m, *aimed_step_m, *lead_m) = (*aimed_m, [0.0; N], [0.0; N]);
         let diagonal = core::array::from_fn(|j| design.specimen_stiffness[j][j]);
         *monitor = Monitor::new(diagonal, design.energy_floor_j);
         *energy = EnergyErrors::new(design.specimen_stiffness, usize::from(design.window_steps));

@@ -27,12 +27,12 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// A target from outside has been reached, with a sample that counts.
-    #[cold] // As `elsewhere`.
+    #[cold] // As `command_without_integration`.
     #[inline(never)]
-    pub(super) fn reached_outside(&self, fit: bool) -> bool {
+    pub(super) fn outside_target_reached(&self, usable: bool) -> bool {
         self.mode.integrates()
             && match self.pace {
-                Some(Pace::Continuous) => fit && self.signal.at_target(),
+                Some(Pace::Continuous) => usable && self.signal.at_target(),
                 Some(Pace::StopAndGo) => self.leaves_target(),
                 None => false,
             }
@@ -81,7 +81,7 @@ impl<const N: usize> OuterLoop<N> {
     }
 
     /// Answers with the force at the target that was reached and what the added damping has there; gives the latter, N.
-    #[cold] // As `elsewhere`.
+    #[cold] // As `command_without_integration`.
     #[inline(never)]
     pub(super) fn answer(
         &mut self,

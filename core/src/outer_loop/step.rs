@@ -4,8 +4,8 @@
 //!  sample ─► correct ─► estimate ─► energy ─► force law ─► integrate ─► generate ─► predict ─► interlock ─► record, command
 //! ```
 //!
-//! Two shapes in here are for the processor: what a test of the loop's own does not need is a call away, and what is handed
-//! there is a copy, so that the original can stay in registers.
+//! Two shapes in here are for the processor: what a test that is integrated here does not need is a call away, and what is
+//! handed there is a copy, so that the original can stay in registers.
 
 use super::{OuterLoop, Sample, Step};
 use crate::energy::Observation;
@@ -26,36 +26,36 @@ impl<const N: usize> OuterLoop<N> {
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = 0;
-        let stale_steps = self.watch(sample);
-        let fit = stale_steps == 0;
+        let stale_steps = self.count_stale_steps(sample);
+        let usable = stale_steps == 0;
         let (displacement_m, force_n) = self.correct(sample);
         let estimate = self.estimate(displacement_m, force_n);
-        // A test of the loop's own runs: no targets from outside.
-        let own = self.mode.integrates() && self.pace.is_none();
-        if self.reached(own, fit) {
-            self.solve(own, &estimate, ground);
+        // A test runs, and its targets do not come from outside.
+        let integrates_here = self.mode.integrates() && self.pace.is_none();
+        if self.target_reached(integrates_here, usable) {
+            self.solve(integrates_here, &estimate, ground);
         }
-        let next_m = if own {
-            self.go_on()
+        let next_m = if integrates_here {
+            self.advance_command()
         } else {
             let copy_m = displacement_m;
-            self.elsewhere(&copy_m)
+            self.command_without_integration(&copy_m)
         };
         let (mut aim_m, mut send_m) = (next_m, next_m);
         if self.design.predicts {
-            aim_m = self.predict(estimate.displacement_m, next_m, fit);
+            aim_m = self.predict(estimate.displacement_m, next_m, usable);
             send_m = self.commands(&aim_m);
         }
-        let free = self.free(sample, &displacement_m, &send_m, stale_steps);
+        let may_send = self.may_send(sample, &displacement_m, &send_m, stale_steps);
         self.record(sample, &estimate);
-        let command_m = if free {
+        let command_m = if may_send {
             self.obstacle = None;
             self.send(actuated::<N>(self.design.physical), next_m, aim_m, send_m)
         } else {
             let copy_m = displacement_m;
-            self.obstructed(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
+            self.trip_or_send(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
         };
-        if own && self.step > ground.steps() && self.mode.integrates() {
+        if integrates_here && self.step > ground.steps() && self.mode.integrates() {
             self.finish();
         }
         self.tick = self.tick.wrapping_add(1);
@@ -68,17 +68,17 @@ impl<const N: usize> OuterLoop<N> {
 
     /// The target of an integration step has been reached, with a sample that may be integrated with.
     #[inline]
-    fn reached(&self, own: bool, fit: bool) -> bool {
-        if own {
-            fit && self.signal.at_target()
+    fn target_reached(&self, integrates_here: bool, usable: bool) -> bool {
+        if integrates_here {
+            usable && self.signal.at_target()
         } else {
-            self.reached_outside(fit)
+            self.outside_target_reached(usable)
         }
     }
 
     /// One integration step: energy, compensation, equation of motion, next target.
     #[inline]
-    fn solve(&mut self, own: bool, estimate: &Estimate<N>, ground: &GroundMotion<'_>) {
+    fn solve(&mut self, integrates_here: bool, estimate: &Estimate<N>, ground: &GroundMotion<'_>) {
         let now = Observation {
             command_m: self.newmark.displacement_m(),
             increment_m: *self.newmark.increment_m(),
@@ -89,7 +89,7 @@ impl<const N: usize> OuterLoop<N> {
         let physical = self.design.physical;
         let (mut ground_m_per_s2, mut load_n) = (0.0, [0.0; N]);
         let mut correction_n;
-        if own {
+        if integrates_here {
             let k = &self.design.newmark;
             ground_m_per_s2 = ground.at(self.step);
             load_n = k.load_n(ground_m_per_s2);
@@ -105,7 +105,7 @@ impl<const N: usize> OuterLoop<N> {
         let hsem_j = self.energy.cumulative().hsem_j;
         self.monitor
             .update(&now, physical, load_n, correction_n, hsem_j);
-        if own {
+        if integrates_here {
             self.signal.aim(&self.design.signal, self.target());
         }
         self.close_step(ground_m_per_s2);
@@ -113,7 +113,7 @@ impl<const N: usize> OuterLoop<N> {
 
     /// Towards the target of the running test.
     #[inline]
-    fn go_on(&mut self) -> [f32; N] {
+    fn advance_command(&mut self) -> [f32; N] {
         if self.signal.advance(&self.design.signal) {
             self.flags |= flag::LATE;
         }
@@ -161,9 +161,9 @@ impl<const N: usize> OuterLoop<N> {
         self.flags |= flag::SOLVED;
     }
 
-    /// For how long samples have been stale.
+    /// Control steps for which samples have been stale.
     #[inline]
-    fn watch(&mut self, sample: &Sample<N>) -> u16 {
+    fn count_stale_steps(&mut self, sample: &Sample<N>) -> u16 {
         // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
         let watched = if self.mode == Mode::Idle {
             0

@@ -1,7 +1,7 @@
 //! The interlocks: what must hold after all computing, before a command is sent.
 
 use super::fault::Fault;
-use crate::float::out_of_the_way;
+use crate::float::unlikely;
 use crate::structure::actuated;
 
 /// Limits; the largest number where a limit is off, so that infinities and NaN fail every one.
@@ -96,7 +96,7 @@ pub fn within<const N: usize>(limits: &InterlockLimits, c: &Checked<'_, N>) -> b
             | room(limits.reading_m, c.displacement_m[j]);
     }
     if passed < 0 {
-        return out_of_the_way(false);
+        return unlikely(false);
     }
     c.energy_ratio <= limits.energy_trip
         && c.stale_steps <= limits.stale_steps

@@ -26,7 +26,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 #[inline(never)]
 fn period<const N: usize>(outer: &mut OuterLoop<N>) {
     let _ = black_box(outer.handle(black_box(Event::Start)));
-    outer.set_goal(black_box(None));
+    outer.set_commissioning_command(black_box(None));
     let sample = black_box(Sample::new([0.0; N], [0.0; N]));
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }

@@ -132,8 +132,8 @@ fn on_axes<const N: usize>(target_m: &[f32]) -> [f32; N] {
 
 /// A signal moves one actuator's floor, and the others stay at zero.
 #[inline]
-pub(super) fn on_one_axis<const N: usize>(actuator: usize, goal_m: f32) -> [f32; N] {
-    core::array::from_fn(|axis| if axis == actuator { goal_m } else { 0.0 })
+pub(super) fn on_one_axis<const N: usize>(actuator: usize, command_m: f32) -> [f32; N] {
+    core::array::from_fn(|axis| if axis == actuator { command_m } else { 0.0 })
 }
 
 fn too_many(floors: usize) -> Refusal {

@@ -145,7 +145,7 @@ impl<const A: usize> Station<A> {
         let fault = self.fault(hardware, starved, late);
 
         // Step and command.
-        let goal_m = self.goal_m();
+        let commissioning_m = self.commissioning_m();
         let nothing = GroundMotion::none();
         let ground = self.motion.as_ref().map_or(&nothing, Loaded::motion);
         let (calibrations, output) = (&self.calibrations, &mut self.output);
@@ -153,7 +153,7 @@ impl<const A: usize> Station<A> {
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
         let step = each_loop!(&mut self.setup.outer, outer => {
-            outer.set_goal(goal_m.map(|goal_m| on_one_axis(moves, goal_m)));
+            outer.set_commissioning_command(commissioning_m.map(|commissioning_m| on_one_axis(moves, commissioning_m)));
             let mut sample = on_floors(&read);
             (sample.fresh, sample.fault) = (fresh, fault);
             let step = outer.step(&sample, ground);
@@ -225,7 +225,7 @@ impl<const A: usize> Station<A> {
     }
 
     /// The commissioning signal's next command, and the end of the run after its last.
-    fn goal_m(&mut self) -> Option<f32> {
+    fn commissioning_m(&mut self) -> Option<f32> {
         if !matches!(self.state(), Mode::Running | Mode::Commissioning) {
             return None;
         }

@@ -123,9 +123,13 @@ fn part_of(file: &str, function: &str) -> Option<usize> {
         "record" | "history" => "record, history",
         "outer_loop" => match function {
             "estimate" => "estimator",
-            "free" | "obstructed" | "send" | "watch" => "interlocks, supervisor",
+            "may_send" | "trip_or_send" | "send" | "count_stale_steps" => "interlocks, supervisor",
             "record" => "record, history",
-            "step" | "go_on" | "solve" | "reached" | "elsewhere" => "frame of the step",
+            "step"
+            | "advance_command"
+            | "solve"
+            | "target_reached"
+            | "command_without_integration" => "frame of the step",
             _ => return None,
         },
         _ => return None,
