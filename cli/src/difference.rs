@@ -90,7 +90,9 @@ impl Difference {
         let timing = &first.repeat.config.timing;
         let none = Trace::new(first.repeat.config.degrees_of_freedom(), timing.rate_hz);
         let channels = channels::of(&none);
-        let apart = |c: &channels::Channel<'_>| before.apart(&after, (&c.name, c.unit), &times);
+        let apart = |c: &channels::Channel<'_>| {
+            before.channel_difference(&after, (&c.name, c.unit), &times)
+        };
         Self {
             settings: settings(first, second),
             figures: figures(first, second),
@@ -159,7 +161,7 @@ impl ChannelDifference {
 }
 
 /// A value as a person would write it.
-pub fn shown(value: &Value) -> String {
+pub fn plain_text(value: &Value) -> String {
     match value {
         Value::Null => "none".into(),
         Value::String(text) => text.clone(),
@@ -230,7 +232,7 @@ impl<'a> ComparedMotion<'a> {
         found.map_or(&[], |(_, values)| values.as_slice())
     }
 
-    fn apart(
+    fn channel_difference(
         &self,
         other: &Self,
         (name, unit): (&str, &'static str),

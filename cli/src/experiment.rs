@@ -127,7 +127,7 @@ impl Experiment {
     }
 
     /// A test as it was laid out before: `shaking` is taken as it is.
-    pub fn again(
+    pub fn with_shaking(
         test: TestFile,
         record: String,
         seconds: f64,

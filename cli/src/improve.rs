@@ -123,7 +123,7 @@ impl Improvement {
         let method = experiment.test.config.compensation.kind;
         let ideal = experiment.ideal()?;
         let before = site.run(&experiment, method, &ideal, seed, true, progress.observer())?;
-        let (train, held_out) = parted(&experiment, &before)?;
+        let (train, held_out) = split_record(&experiment, &before)?;
         let (mut train, held_out) = (vec![train], vec![held_out]);
         let ask = |train: &[Recording]| {
             let found = diagnosis::diagnose(model, train, &held_out, &[]);
@@ -164,7 +164,7 @@ impl Improvement {
         let mut improved = experiment.clone();
         if found.channels.iter().any(|c| !c.effects.is_empty()) {
             let config = &mut improved.test.config;
-            tell_noise(&found, config);
+            set_displacement_noise(&found, config);
             changes.extend(improvement::apply(&found.improved, config));
         }
         improved.test.config.check().map_err(|e| {
@@ -172,7 +172,7 @@ impl Improvement {
         })?;
         let better = improved.test.config.compensation.kind;
         let after = site.run(&improved, better, &ideal, seed, true, progress.observer())?;
-        let (train, held_out) = parted(&improved, &after)?;
+        let (train, held_out) = split_record(&improved, &after)?;
         let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
         let remains = remains.map_err(Failure::input)?;
         let possible = if undeclared(&experiment).is_empty() {
@@ -251,7 +251,7 @@ fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
 }
 
 /// What a correction has to know of the displacement's noise, which comes from the record; a filter has its own setting already.
-fn tell_noise(found: &Diagnosis, config: &mut Config) {
+fn set_displacement_noise(found: &Diagnosis, config: &mut Config) {
     let actuator = found
         .channels
         .iter()
@@ -299,7 +299,10 @@ fn with_limits(model: &Model, test: &TestFile) -> Model {
 }
 
 /// The first part of the record to train with, the last to judge on; the rest before the motion tells the noise.
-fn parted(experiment: &Experiment, run: &JudgedRun) -> Result<(Recording, Recording), Failure> {
+fn split_record(
+    experiment: &Experiment,
+    run: &JudgedRun,
+) -> Result<(Recording, Recording), Failure> {
     let cannot = || {
         Failure::test("the test ended before it had a record: accepted is one that ran".to_owned())
     };

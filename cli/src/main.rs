@@ -82,7 +82,7 @@ fn main() -> ExitCode {
         }
     };
     if arguments.quiet {
-        terminal::output::be_quiet();
+        terminal::output::set_quiet();
     }
     let outcome = match arguments.verb {
         Verb::Demo(v) => v.run(),

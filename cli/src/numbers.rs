@@ -57,6 +57,15 @@ pub fn percent(share: f64) -> String {
     format!("{} %", three(share * 100.0))
 }
 
+/// An error in a table; infinite where the test tripped or ran away.
+pub fn percent_or_lost(error: f64) -> String {
+    if error.is_finite() {
+        percent(error)
+    } else {
+        "lost".into()
+    }
+}
+
 /// An energy.
 pub fn joule(j: f64) -> String {
     si(j, "J")

@@ -205,7 +205,7 @@ impl Summary {
     }
 
     /// What the figures are worth.
-    pub fn worth(&self) -> Validity {
+    pub fn validity(&self) -> Validity {
         match self.verdict {
             TestVerdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Validity::Bad,
             TestVerdict::Completed if self.eps_rms > GOOD_EPS_RMS => Validity::Fair,
@@ -219,7 +219,7 @@ impl Summary {
     /// # Errors
     /// A test that tripped, ran away, or is not the structure's response.
     pub fn outcome(&self) -> Result<(), Failure> {
-        match self.worth() {
+        match self.validity() {
             Validity::Good | Validity::Fair => Ok(()),
             Validity::Bad => Err(Failure::test(self.sentence())),
         }
@@ -273,7 +273,7 @@ impl Summary {
                  this is not how the structure moves (eps_rms {rms}).",
                 self.locked_share * 100.0
             ),
-            _ => match self.worth() {
+            _ => match self.validity() {
                 Validity::Good => format!(
                     "Ran to its end and moved as the structure would: the error is {rms} rms and {max} at most, of the \
                      largest ideal displacement."

@@ -127,7 +127,7 @@ pub struct Setting<'a> {
 
 impl<'a> Setting<'a> {
     /// A law with the parameters that were declared to it.
-    pub fn told(config: &'a Config) -> Self {
+    pub fn declared(config: &'a Config) -> Self {
         Self {
             config,
             learnt: None,
@@ -139,7 +139,7 @@ impl<'a> Setting<'a> {
     pub fn learnt(config: &'a Config, wanted: FrequencyResponse, omega: f64) -> Self {
         Self {
             learnt: Some((wanted, omega)),
-            ..Self::told(config)
+            ..Self::declared(config)
         }
     }
 

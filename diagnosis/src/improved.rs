@@ -22,7 +22,7 @@ pub fn improve(base: &Base, s: &Solution, effects: &[FoundEffect], improved: &mu
         // In the specimen's channel a gain is the load cell's, not a stiffness: it stays what it was found as.
         let of_a_load_cell =
             base.channel == Channel::Specimen && e.candidate.effect == Effect::GainError;
-        let mistaken = base.channel.mistaken(e.candidate.effect);
+        let mistaken = base.channel.parameter_of_error(e.candidate.effect);
         match mistaken.filter(|_| !of_a_load_cell && half.is_finite()) {
             Some(i) => {
                 let parameter = &base.channel.parameters()[i];

@@ -69,7 +69,7 @@ impl TestSite for Boards {
                 let mut connection = Connection::new(port, Timeouts::EMULATED);
                 calibrate(&mut connection, laboratory.calibration)?;
                 let plan = PlannedMotion::of(experiment, ideal);
-                let bench = BoardBench::new(connection, plan, Operator::nobody());
+                let bench = BoardBench::new(connection, plan, Operator::not_asked());
                 on.push((rig.clone(), bench));
                 on.len() - 1
             }

@@ -222,7 +222,12 @@ impl ErrorFeedback {
     /// The code for a command on which nothing may move: while the command stands, so does its code, whatever is owed.
     /// Errors as of [`code`](Self::code).
     #[inline]
-    pub fn standing(&mut self, calibration: &Calibration, top: u16, command_m: f32) -> Option<u16> {
+    pub fn code_at_standstill(
+        &mut self,
+        calibration: &Calibration,
+        top: u16,
+        command_m: f32,
+    ) -> Option<u16> {
         match self.last {
             Some((last_m, code)) if last_m.to_bits() == command_m.to_bits() => Some(code),
             _ => {
@@ -342,12 +347,12 @@ mod tests {
         for _ in 0..=high {
             feedback.code(&PLACEHOLDER, TOP, of(2100.4));
         }
-        let mut standing = |m| feedback.standing(&PLACEHOLDER, TOP, m);
+        let mut code_at = |m| feedback.code_at_standstill(&PLACEHOLDER, TOP, m);
         for _ in 0..8 {
-            assert_eq!(standing(of(2100.4)), Some(2101));
+            assert_eq!(code_at(of(2100.4)), Some(2101));
         }
-        assert_eq!(standing(of(2200.4)), Some(2200));
-        assert_eq!(standing(f32::NAN), None);
+        assert_eq!(code_at(of(2200.4)), Some(2200));
+        assert_eq!(code_at(f32::NAN), None);
     }
 
     proptest! {

@@ -86,7 +86,7 @@ impl Channel {
     }
 
     /// The parameter that `effect` is an error of.
-    pub fn mistaken(self, effect: Effect) -> Option<usize> {
+    pub fn parameter_of_error(self, effect: Effect) -> Option<usize> {
         self.parameters().iter().position(|p| p.error == effect)
     }
 }
@@ -126,7 +126,7 @@ mod tests {
     fn each_error_is_a_parameter_of_its_effect_in_its_channel() {
         for channel in Channel::ALL {
             for (i, p) in channel.parameters().iter().enumerate() {
-                assert_eq!(channel.mistaken(p.error), Some(i));
+                assert_eq!(channel.parameter_of_error(p.error), Some(i));
                 let entry = p.error.entry();
                 assert!(entry.channels.contains(channel), "{}", p.name);
                 let of_error = |e: &&crate::effect::Parameter| e.name == p.error_parameter;

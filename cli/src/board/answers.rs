@@ -99,7 +99,7 @@ impl Answers {
     }
 
     /// What looks wrongly wired, beside the declared stiffness of the storeys, from the ground up, N/m.
-    pub fn suspicion(&self, storeys_n_per_m: &[f64]) -> Option<String> {
+    pub fn wiring_mistake(&self, storeys_n_per_m: &[f64]) -> Option<String> {
         self.exchanged_motion()
             .or_else(|| self.exchanged_forces(storeys_n_per_m))
     }

@@ -15,7 +15,7 @@ pub fn built_image(image: Image) -> Result<PathBuf, Failure> {
         return Ok(built.into());
     }
     let name = image.name();
-    if let Some(released) = beside(&format!("outerloop-{name}.elf")) {
+    if let Some(released) = bundled_file(&format!("outerloop-{name}.elf")) {
         return Ok(released);
     }
     let root = checkout()?;
@@ -38,7 +38,7 @@ pub fn built_emulator() -> Result<PathBuf, Failure> {
     if let Some(built) = std::env::var_os("OUTERLOOP_EMULATOR") {
         return Ok(built.into());
     }
-    if let Some(released) = beside(&format!(
+    if let Some(released) = bundled_file(&format!(
         "outerloop-emulator{}",
         std::env::consts::EXE_SUFFIX
     )) {
@@ -58,7 +58,7 @@ pub fn built_emulator() -> Result<PathBuf, Failure> {
 }
 
 /// What a release has beside this program.
-fn beside(name: &str) -> Option<PathBuf> {
+fn bundled_file(name: &str) -> Option<PathBuf> {
     let program = std::env::current_exe().ok()?;
     Some(program.parent()?.join(name)).filter(|file| file.is_file())
 }
@@ -99,18 +99,18 @@ fn run(build: &mut Command) -> Result<(), Failure> {
     let out = build
         .stdout(Stdio::null())
         .status()
-        .map_err(|e| Failure::test(format!("--emulated: {}: {e}", shown(build))))?;
+        .map_err(|e| Failure::test(format!("--emulated: {}: {e}", command_line(build))))?;
     if out.success() {
         Ok(())
     } else {
         Err(Failure::test(format!(
             "--emulated: `{}` failed ({out}); scripts/setup installs what it needs",
-            shown(build)
+            command_line(build)
         )))
     }
 }
 
-fn shown(build: &Command) -> String {
+fn command_line(build: &Command) -> String {
     let words = std::iter::once(build.get_program()).chain(build.get_args());
     let words: Vec<_> = words.map(|w| w.to_string_lossy()).collect();
     words.join(" ")

@@ -65,7 +65,7 @@ pub fn commission<P: Port>(
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.answers.stiffness_n_per_m();
-    played.suspicion = alone.suspicion(test);
+    played.suspicion = alone.wiring_mistake(test);
     Ok(played)
 }
 
@@ -206,11 +206,11 @@ impl SingleActuator {
     }
 
     /// What looks wrongly wired; of a board with one actuator its polarity is all that can be seen.
-    fn suspicion(&self, test: &TestFile) -> Option<String> {
+    fn wiring_mistake(&self, test: &TestFile) -> Option<String> {
         let structure = &test.config.structure;
         let storeys = &structure.stiffness_n_per_m;
         let physical = test.config.physical_storeys().min(storeys.len());
-        self.answers.suspicion(&storeys[..physical])
+        self.answers.wiring_mistake(&storeys[..physical])
     }
 
     /// Why the board tripped, and at which actuator.

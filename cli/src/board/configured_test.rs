@@ -134,11 +134,11 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     fn take(&mut self, tick: u32, step: StepReport) -> Option<Record<N>> {
         let before = self.latest.replace((tick, step));
         let record = self.mirror.take(tick, step)?;
-        self.look_beside(before, &record);
+        self.add_further_inputs(before, &record);
         Some(record)
     }
 
-    fn look_beside(&mut self, step: Option<(u32, StepReport)>, record: &Record<N>) {
+    fn add_further_inputs(&mut self, step: Option<(u32, StepReport)>, record: &Record<N>) {
         let (Some(further), Some((tick, step))) = (&mut self.further, step) else {
             return;
         };
@@ -179,7 +179,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     pub fn last(&mut self) -> Option<Record<N>> {
         let record = self.mirror.last()?;
         let latest = self.latest.take();
-        self.look_beside(latest, &record);
+        self.add_further_inputs(latest, &record);
         Some(record)
     }
 

@@ -116,7 +116,7 @@ impl<P: Port> Connection<P> {
                 self.receive()?;
                 while let Some(answer) = self.answers.pop_front() {
                     if answer.request == request {
-                        return self.understood(answer.reply);
+                        return self.refuse_unknown(answer.reply);
                     }
                 }
                 if let Some(version) = self.decoder.other_version() {
@@ -179,7 +179,7 @@ impl<P: Port> Connection<P> {
         self.sequence
     }
 
-    fn understood(&self, reply: Reply) -> Result<Reply, Failure> {
+    fn refuse_unknown(&self, reply: Reply) -> Result<Reply, Failure> {
         match reply {
             Reply::Unknown => Err(other_version(VERSION)),
             reply => Ok(reply),

@@ -48,7 +48,7 @@ pub struct Mirror<'a, const N: usize> {
     steps: u32,
     since_solved: u32,
     substeps: u32,
-    told: VecDeque<(u32, SentToBoard<N>)>,
+    sent: VecDeque<(u32, SentToBoard<N>)>,
     /// The step that waits for its successor, which says whether it tripped.
     waiting: Option<(u32, StepReport)>,
     seen: MirrorCounts,
@@ -79,7 +79,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             steps: 0,
             since_solved: 0,
             substeps: substeps.max(1),
-            told: VecDeque::new(),
+            sent: VecDeque::new(),
             waiting: None,
             seen: MirrorCounts::default(),
         }
@@ -87,7 +87,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// The board took `event`; step `tick` is the first with it.
     pub fn event(&mut self, tick: u32, event: Event) {
-        self.told.push_back((tick, SentToBoard::Event(event)));
+        self.sent.push_back((tick, SentToBoard::Event(event)));
     }
 
     /// The board takes its targets from the PC.
@@ -97,7 +97,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// The board took a target for each actuator, m; step `tick` is the first with it.
     pub fn target(&mut self, tick: u32, target_m: [f32; N]) {
-        self.told.push_back((tick, SentToBoard::Target(target_m)));
+        self.sent.push_back((tick, SentToBoard::Target(target_m)));
     }
 
     /// The force that the last target is answered with, N, if every step until now is proven.
@@ -112,7 +112,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
 
     /// The board has shown the step at which it was armed.
     pub fn has_armed(&self) -> bool {
-        self.told.is_empty()
+        self.sent.is_empty()
     }
 
     /// What has been seen.
@@ -155,11 +155,11 @@ impl<'a, const N: usize> Mirror<'a, N> {
             self.since_solved.saturating_add(1)
         };
         self.next = tick.wrapping_add(1);
-        while let Some((_, told)) = self
-            .told
+        while let Some((_, sent)) = self
+            .sent
             .pop_front_if(|(at, _)| tick.wrapping_sub(*at) < u32::MAX / 2)
         {
-            match told {
+            match sent {
                 // The board took it; if the loop here does not, the digests will say so.
                 SentToBoard::Event(event) => drop(self.outer.handle(event)),
                 SentToBoard::Target(target_m) => self.outer.set_next_target(target_m),
@@ -213,7 +213,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             let code = if step.permit {
                 feedback.code(calibration, top, command_m)
             } else {
-                feedback.standing(calibration, top, command_m)
+                feedback.code_at_standstill(calibration, top, command_m)
             };
             self.out_of_range |= code.is_none();
         }

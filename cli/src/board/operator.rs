@@ -20,7 +20,7 @@ impl Operator {
     ///
     /// # Errors
     /// Standard input is no terminal.
-    pub fn person() -> Result<Self, Failure> {
+    pub fn at_keyboard() -> Result<Self, Failure> {
         if !std::io::stdin().is_terminal() {
             return Err(Failure::input(
                 "--port: standard input is no terminal, so that nobody can be asked before the test starts: accepted is a person at the keyboard, or --yes for a script",
@@ -44,7 +44,7 @@ impl Operator {
     }
 
     /// Nobody is asked: a script has said yes beforehand, or nothing real moves.
-    pub fn nobody() -> Self {
+    pub fn not_asked() -> Self {
         Self { go: None }
     }
 

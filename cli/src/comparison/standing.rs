@@ -31,12 +31,15 @@ pub fn of(rows: &[ComparedTest]) -> Vec<Standing> {
     let mut names: Vec<&'static str> = rows.iter().map(|r| r.summary.compensation).collect();
     names.sort_unstable();
     names.dedup();
-    let mut all: Vec<Standing> = names.into_iter().map(|name| one(name, rows)).collect();
+    let mut all: Vec<Standing> = names
+        .into_iter()
+        .map(|name| standing_of(name, rows))
+        .collect();
     all.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     all
 }
 
-fn one(name: &'static str, rows: &[ComparedTest]) -> Standing {
+fn standing_of(name: &'static str, rows: &[ComparedTest]) -> Standing {
     let own: Vec<&ComparedTest> = rows
         .iter()
         .filter(|r| r.summary.compensation == name)

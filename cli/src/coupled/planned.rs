@@ -116,7 +116,7 @@ fn judge(
     worst: f64,
     limits: &[LimitUse],
 ) -> (SoundnessVerdict, String) {
-    if planned.worth() == Validity::Bad {
+    if planned.validity() == Validity::Bad {
         return (
             SoundnessVerdict::Unstable,
             format!(

@@ -154,7 +154,7 @@ impl CoupledSummary {
     }
 
     /// What the figures are worth.
-    pub fn worth(&self) -> Validity {
+    pub fn validity(&self) -> Validity {
         match self.verdict {
             TestVerdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Validity::Good,
             TestVerdict::Completed if self.eps_rms <= POOR_EPS_RMS => Validity::Fair,
@@ -167,7 +167,7 @@ impl CoupledSummary {
     /// # Errors
     /// A test that tripped, ran away, or is not the structure's response.
     pub fn outcome(&self) -> Result<(), Failure> {
-        match self.worth() {
+        match self.validity() {
             Validity::Good | Validity::Fair => Ok(()),
             Validity::Bad => Err(Failure::test(self.sentence())),
         }
@@ -200,7 +200,7 @@ impl CoupledSummary {
                 self.steps as f64 / self.rate_hz,
             );
         }
-        match self.worth() {
+        match self.validity() {
             _ if self.verdict == TestVerdict::Diverged => format!(
                 "Ran away: the error grew to {max} of the largest ideal motion, because the actuators put in more energy than \
                  the structure dissipates."

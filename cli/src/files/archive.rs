@@ -271,7 +271,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<ArchivedTest, String> {
         .map(|name| Ok((name.clone(), singles(&name)?)))
         .collect::<Result<Vec<_>, String>>()?;
     Ok(ArchivedTest {
-        experiment: Experiment::again(
+        experiment: Experiment::with_shaking(
             test,
             repeat.record.clone(),
             repeat.seconds,

@@ -28,7 +28,7 @@ pub fn parts(
     [train, test]: [&[FilePart]; 2],
 ) -> Result<[Vec<CoupledRecord>; 2], Failure> {
     let mut placed = |parts: &[FilePart]| -> Result<Vec<Placed>, Failure> {
-        let one = |p: &FilePart| part(library.whole(&p.file)?, p.span_s, specimen);
+        let one = |p: &FilePart| part(library.whole_file(&p.file)?, p.span_s, specimen);
         parts.iter().map(one).collect()
     };
     let (train, test) = (placed(train)?, placed(test)?);

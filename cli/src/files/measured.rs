@@ -91,11 +91,11 @@ impl Library {
     }
 
     fn part(&mut self, part: &FilePart) -> Result<diagnosis::Recording, Failure> {
-        part_of(self.whole(&part.file)?, part.span_s)
+        part_of(self.whole_file(&part.file)?, part.span_s)
     }
 
     /// The recording behind `path`; one file under two names is one recording.
-    pub(super) fn whole(&mut self, path: &Path) -> Result<&Recording, Failure> {
+    pub(super) fn whole_file(&mut self, path: &Path) -> Result<&Recording, Failure> {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
             let recording = Recording::load_with_any_time(path, &self.columns)?;

@@ -35,7 +35,8 @@ fn write_into<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), 
         let place = folder.join(name);
         match Place::of(&place).map_err(|e| cannot(&place, &e))? {
             Place::File(real) => {
-                let partial = beside(&real, name, text.as_ref()).map_err(|e| cannot(&place, &e))?;
+                let partial =
+                    temporary_file(&real, name, text.as_ref()).map_err(|e| cannot(&place, &e))?;
                 ready.push((partial, real));
             }
             Place::Stream => streams.push((place, text.as_ref())),
@@ -109,7 +110,7 @@ impl Place {
 }
 
 /// `text` in a new file beside `place`, to be renamed to it.
-fn beside(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::TempPath, Error> {
+fn temporary_file(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::TempPath, Error> {
     let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
     let prefix = format!(".{name}.");

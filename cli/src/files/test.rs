@@ -155,7 +155,7 @@ impl TestFile {
     }
 
     /// A warning where the compensation is given what no laboratory knows.
-    pub fn told_the_truth(&self) -> Option<String> {
+    pub fn warning_of_true_delay(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
                 "Nothing is declared of the actuator: the compensation is told the simulated one's true {} ms. A table \

@@ -46,7 +46,7 @@ pub fn of_compare(sections: &[TestSection<'_>]) -> Result<String, Failure> {
                 let mut shown: Vec<&TestSection<'_>> =
                     ranked.iter().take(BESIDE.len() - 1).copied().collect();
                 shown.extend(ranked.iter().skip(shown.len()).last());
-                html += &Figures::of(best).beside(&shown, &BESIDE)?;
+                html += &Figures::of(best).overlay(&shown, &BESIDE)?;
             }
             let rows: Vec<Summary> = own().map(|s| s.summary.clone()).collect();
             html += &summaries(&rows);
@@ -69,7 +69,7 @@ pub fn of_compare(sections: &[TestSection<'_>]) -> Result<String, Failure> {
 fn verdict_of_best(best: &TestSection<'_>) -> String {
     format!(
         "<p class=\"verdict {}\"><b>{}</b> comes nearest. {}</p>",
-        best.summary.worth().class(),
+        best.summary.validity().class(),
         best.summary.compensation,
         escape(&best.summary.sentence())
     )

@@ -59,7 +59,7 @@ fn forces(c: &CoordinateAnswer) -> Drawn {
     let curves = [
         Curve::new(IDEAL, over(&t.measured))
             .named("measured")
-            .broad(),
+            .thick(),
         Curve::new(WRONG, over(&t.declared)).named("as declared"),
         Curve::new(TESTED, over(&t.found)).named("as found"),
     ];

@@ -75,7 +75,7 @@ pub fn of_coupled_compare(sections: &[CoupledSection<'_>]) -> Result<String, Fai
         for group in sections.chunk_by(|a, b| a.summary.record == b.summary.record) {
             let Some(first) = group.first() else { continue };
             let _ = write!(html, "<h2>{}</h2>", escape(&first.summary.record));
-            html += &beside(group)?;
+            html += &overlay(group)?;
             let rows = group.iter().map(|s| summary_row(s.summary));
             html += &table(&SUMMARY_HEAD, rows);
         }
@@ -161,7 +161,7 @@ fn setting(s: &CoupledSection<'_>) -> String {
 }
 
 fn verdict(s: &CoupledSummary) -> String {
-    let class = s.worth().class();
+    let class = s.validity().class();
     format!("<p class=\"verdict {class}\">{}</p>", escape(&s.sentence()))
 }
 
@@ -196,7 +196,7 @@ const HALF_LOOK_S: f64 = 1.5;
 const SHOWN_BEYOND: f64 = 3.0;
 
 /// The samples around the largest ideal displacement in x.
-fn look(s: &CoupledSection<'_>) -> Range<usize> {
+fn strongest_part(s: &CoupledSection<'_>) -> Range<usize> {
     let x = &s.ideal.motion[0];
     let peak = (0..x.len())
         .max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs()))
@@ -245,7 +245,7 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
             [
                 Curve::new(IDEAL, over(s, range.clone(), |i| f64::from(ideal[i])))
                     .named("ideal actuators")
-                    .broad(),
+                    .thick(),
                 Curve::new(TESTED, over(s, range, |i| f64::from(target[i]))).named("test"),
             ]
         };
@@ -259,7 +259,12 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
         )?;
         if j < 2 {
             let caption = format!("{name}: three seconds around the largest displacement.");
-            html += &time_plot(shape(s, WIDE, j), &label, &both(look(s)), &caption)?;
+            html += &time_plot(
+                shape(s, WIDE, j),
+                &label,
+                &both(strongest_part(s)),
+                &caption,
+            )?;
             let left = over(s, whole.clone(), |i| f64::from(target[i] - ideal[i]));
             let label = format!("error [{unit}]");
             let caption = format!("{name}: what is left, test less ideal.");
@@ -278,11 +283,11 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
 fn actuators(s: &CoupledSection<'_>) -> Drawn {
     let mut html = String::from("<h2>What the actuators did</h2>");
     for i in 0..2 {
-        let of = |x: &[f32]| over(s, look(s), |k| f64::from(x[k]));
+        let of = |x: &[f32]| over(s, strongest_part(s), |k| f64::from(x[k]));
         let curves = [
             Curve::new(IDEAL, of(&s.record.wanted_m[i]))
                 .named("target")
-                .broad(),
+                .thick(),
             Curve::new(WRONG, of(&s.record.command_m[i])).named("command"),
             Curve::new(TESTED, of(&s.record.true_stroke_m[i])).named("true stroke"),
         ];
@@ -323,7 +328,7 @@ fn loops(s: &CoupledSection<'_>) -> Drawn {
 const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 
 /// x and rotation of several tests of one ground motion around the largest displacement, the best first.
-fn beside(group: &[CoupledSection<'_>]) -> Drawn {
+fn overlay(group: &[CoupledSection<'_>]) -> Drawn {
     let mut ranked: Vec<&CoupledSection<'_>> = group.iter().collect();
     rank(&mut ranked, |s| (s.summary.verdict, s.summary.eps_rms));
     let Some(best) = ranked.first() else {
@@ -331,7 +336,7 @@ fn beside(group: &[CoupledSection<'_>]) -> Drawn {
     };
     let mut html = format!(
         "<p class=\"verdict {}\"><b>{}</b> is nearest to ideal actuators: {}</p>",
-        if best.summary.worth() == Validity::Bad {
+        if best.summary.validity() == Validity::Bad {
             "bad"
         } else {
             "good"
@@ -343,13 +348,16 @@ fn beside(group: &[CoupledSection<'_>]) -> Drawn {
         let (name, unit) = axis(&best.summary.coordinates[j]);
         let ideal = &best.ideal.motion[j];
         let mut curves = vec![
-            Curve::new(IDEAL, over(best, look(best), |i| f64::from(ideal[i])))
-                .named("ideal actuators")
-                .broad(),
+            Curve::new(
+                IDEAL,
+                over(best, strongest_part(best), |i| f64::from(ideal[i])),
+            )
+            .named("ideal actuators")
+            .thick(),
         ];
         // The best last, on top of the others.
         for (s, colour) in ranked.iter().zip(BESIDE).rev() {
-            let range = look(best);
+            let range = strongest_part(best);
             let range = range.start.min(s.record.len())..range.end.min(s.record.len());
             let target = &s.record.target[j];
             let points = over(s, range, |i| f64::from(target[i]));

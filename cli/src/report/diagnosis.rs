@@ -26,7 +26,7 @@ pub fn channel(a: &ChannelAnswer) -> Drawn {
 ///
 /// # Errors
 /// The drawing library's.
-pub fn behind_the_verdict(a: &ChannelAnswer) -> Drawn {
+pub fn channel_details(a: &ChannelAnswer) -> Drawn {
     Ok(heading(a) + &details(a)?)
 }
 
@@ -83,7 +83,7 @@ fn details(a: &ChannelAnswer) -> Drawn {
         html += &loops(a)?;
         html += &rest(a)?;
     }
-    Ok(html + &tried(a))
+    Ok(html + &candidate_table(a))
 }
 
 fn found(a: &ChannelAnswer) -> String {
@@ -198,7 +198,7 @@ fn loops(a: &ChannelAnswer) -> Drawn {
         };
         let curves = [
             Curve::new(IDEAL, points(&t.measured))
-                .broad()
+                .thick()
                 .named("measured"),
             Curve::new(TESTED, points(model)).named("model"),
         ];
@@ -382,7 +382,7 @@ fn bands(of: &[f64], left: &[f64]) -> [Curve; 3] {
     ]
 }
 
-fn tried(a: &ChannelAnswer) -> String {
+fn candidate_table(a: &ChannelAnswer) -> String {
     let Some(most) = a.tried.iter().map(|t| t.rms_left).reduce(f64::max) else {
         return String::new();
     };

@@ -4,7 +4,7 @@ use super::figures::figure;
 use super::page::{Drawn, cannot, escape, page};
 use super::plot::{self, Curve, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path};
 use super::rths::table;
-use crate::difference::{ComparedMotion, Difference, shown};
+use crate::difference::{ComparedMotion, Difference, plain_text};
 use crate::failure::Failure;
 use crate::files::archive::ArchivedTest;
 use crate::numbers::{si, three};
@@ -34,8 +34,9 @@ pub fn of_difference(
         html += &table(
             &["figure", "first", "second"],
             d.figures.iter().map(|f| {
-                let told = |v: &serde_json::Value| v.as_f64().map_or_else(|| shown(v), three);
-                vec![f.key.to_owned(), told(&f.first), told(&f.second)]
+                let number =
+                    |v: &serde_json::Value| v.as_f64().map_or_else(|| plain_text(v), three);
+                vec![f.key.to_owned(), number(&f.first), number(&f.second)]
             }),
         );
         html += "<h2>Channel by channel</h2>";
@@ -89,7 +90,7 @@ fn both(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Vec<(f64
 fn overlaid(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Curve; 2] {
     let [first, second] = both(motions, name, factor);
     [
-        Curve::new(IDEAL, first).named("first").broad(),
+        Curve::new(IDEAL, first).named("first").thick(),
         Curve::new(TESTED, second).named("second"),
     ]
 }
@@ -147,7 +148,7 @@ fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Drawn {
         HALF,
         "measured displacement [mm]",
         "measured force [kN]",
-        &[curve(0, IDEAL, "first").broad(), curve(1, TESTED, "second")],
+        &[curve(0, IDEAL, "first").thick(), curve(1, TESTED, "second")],
     )?;
     let [first, second] = motions;
     let name = named("target", axis, "m");
@@ -186,7 +187,7 @@ fn energy(motions: &[ComparedMotion<'_>; 2]) -> Drawn {
 
 fn settings(d: &Difference) -> String {
     let rows = d.settings.iter().map(|s| {
-        let cell = |v| escape(&shown(v));
+        let cell = |v| escape(&plain_text(v));
         vec![escape(&s.key), cell(&s.first), cell(&s.second)]
     });
     match d.settings.is_empty() {

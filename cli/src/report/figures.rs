@@ -50,7 +50,7 @@ impl<'a> Figures<'a> {
         Self {
             section,
             look: peak.saturating_sub(half)..(peak + half).min(solved.len()),
-            colour: match section.summary.worth() {
+            colour: match section.summary.validity() {
                 Validity::Bad => WRONG,
                 Validity::Fair | Validity::Good => TESTED,
             },
@@ -90,14 +90,14 @@ impl<'a> Figures<'a> {
         })
     }
 
-    fn whole(&self) -> Range<usize> {
+    fn whole_test(&self) -> Range<usize> {
         0..self.solved.len()
     }
 
     /// What shook the structure (Fig 7).
     pub fn ground_motion(&self) -> Drawn {
         let acc = &self.section.trace.ground_m_per_s2;
-        let curve = Curve::new(GROUND, self.over(self.whole(), |i| f64::from(acc[i])));
+        let curve = Curve::new(GROUND, self.over(self.whole_test(), |i| f64::from(acc[i])));
         Ok("<h2>Ground motion</h2>".to_owned()
             + &time_plot(
                 WIDE,
@@ -111,8 +111,13 @@ impl<'a> Figures<'a> {
     pub fn response(&self, caption: &str) -> Drawn {
         let mut html = String::new();
         for (j, floor) in self.floors() {
-            html +=
-                &self.displacement_of(TALL, j, floor, self.whole(), &self.on_floor(j, caption))?;
+            html += &self.displacement_of(
+                TALL,
+                j,
+                floor,
+                self.whole_test(),
+                &self.on_floor(j, caption),
+            )?;
         }
         Ok(html)
     }
@@ -122,7 +127,7 @@ impl<'a> Figures<'a> {
         let mut html = String::from("<h2>Displacement</h2>");
         for (j, floor) in self.floors() {
             let caption = self.on_floor(j, "The test, over the response with an ideal actuator.");
-            html += &self.displacement_of(TALL, j, floor, self.whole(), &caption)?;
+            html += &self.displacement_of(TALL, j, floor, self.whole_test(), &caption)?;
             let caption = self.on_floor(j, "A closer look at the strongest part.");
             html += &self.displacement_of(WIDE, j, floor, self.look.clone(), &caption)?;
             let ideal = self.section.ideal;
@@ -172,19 +177,19 @@ impl<'a> Figures<'a> {
                 },
             ],
             TestVerdict::Completed | TestVerdict::Tripped | TestVerdict::Stopped => {
-                [ideal.broad(), test]
+                [ideal.thick(), test]
             }
         };
         time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
     }
 
     /// The strongest part of this test under several compensations, lowest floor.
-    pub fn beside(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> Drawn {
+    pub fn overlay(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> Drawn {
         let range = self.look.clone();
         let mut curves = vec![
             Curve::new(IDEAL, self.ideal(0, range.clone()))
                 .named("ideal actuator")
-                .broad(),
+                .thick(),
         ];
         for (section, colour) in sections.iter().zip(colours) {
             let other = Figures::of(section);
@@ -253,7 +258,7 @@ impl<'a> Figures<'a> {
     /// The three energy errors (Fig 9).
     pub fn energy(&self) -> Drawn {
         let trace = self.section.trace;
-        let (exact, whole) = (&trace.energy_stiffness_j, self.whole());
+        let (exact, whole) = (&trace.energy_stiffness_j, self.whole_test());
         let sum = |colour, column: &[f32]| {
             Curve::new(colour, self.over(whole.clone(), |i| f64::from(column[i])))
         };
@@ -265,7 +270,7 @@ impl<'a> Figures<'a> {
         };
         let (hsem, modified) = (&trace.energy_hsem_j, &trace.energy_modified_j);
         let sums = [
-            sum(IDEAL, exact).named("stiffness known, Eq 6").broad(),
+            sum(IDEAL, exact).named("stiffness known, Eq 6").thick(),
             sum(WRONG, hsem).named("HSEM, Eqs 7 to 9"),
             sum(TESTED, modified).named("modified, Eqs 10 to 12"),
         ];
@@ -301,7 +306,7 @@ impl<'a> Figures<'a> {
             let c = &floor.added_damping_n_s_per_m;
             let curve = Curve::new(
                 TESTED,
-                self.over(self.whole(), |i| percent * f64::from(c[i])),
+                self.over(self.whole_test(), |i| percent * f64::from(c[i])),
             );
             html += &time_plot(
                 WIDE,

@@ -35,7 +35,7 @@ pub fn of_marths(
         let Some(first) = group.first() else { continue };
         let _ = write!(body, "<h2>{}</h2>{}", escape(&first.record), verdict(group));
         if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == first.record) {
-            body += &closer_look(problem, record, seed)?;
+            body += &close_up_section(problem, record, seed)?;
         }
         let _ = write!(
             body,
@@ -90,20 +90,20 @@ fn verdict(rows: &[MarthsRow]) -> String {
 }
 
 /// The published adaptive controller and core's on the nominal plant, around the largest displacement.
-fn closer_look(problem: &Problem, record: &Record, seed: u64) -> Result<String, Failure> {
+fn close_up_section(problem: &Problem, record: &Record, seed: u64) -> Result<String, Failure> {
     let trace = |contestant| {
         problem
             .trial(contestant, record, &Parameters::nominal(), seed)
             .map_err(Failure::input)
     };
     let traces = [trace(Contestant::Rodeac)?, trace(Contestant::Coupled)?];
-    draw_look(record, &traces).map_err(cannot)
+    draw_close_up(record, &traces).map_err(cannot)
 }
 
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.5;
 
-fn draw_look(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
+fn draw_close_up(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
     let reference = &record.reference().numerical;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
@@ -125,7 +125,7 @@ fn draw_look(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
         let curves = [
             Curve::new(IDEAL, over(&|i| reference[i][axis]))
                 .named("reference structure")
-                .broad(),
+                .thick(),
             Curve::new(WRONG, over(&|i| rodeac.numerical[i][axis])).named("rodeac"),
             Curve::new(TESTED, over(&|i| coupled.numerical[i][axis])).named("coupled"),
         ];

@@ -98,7 +98,7 @@ pub fn of_demo(
             cured.damping()?,
             "<h2>Every compensation in this test</h2>".into(),
             table(rows),
-            story("When the rig has something in it that nobody declared", undeclared)?,
+            improvement_section("When the rig has something in it that nobody declared", undeclared)?,
             test_file(paper.experiment),
         ]
         .concat())
@@ -133,7 +133,7 @@ pub fn of_diagnosis(
             let _ = write!(html, "<h2>What to do next</h2><ul>{steps}{play}</ul>");
         }
         for channel in &d.channels {
-            html += &diagnosis::behind_the_verdict(channel)?;
+            html += &diagnosis::channel_details(channel)?;
         }
         if let Some(n) = next {
             html += &next::section(n)?;
@@ -156,10 +156,10 @@ pub fn of_diagnosis(
 ///
 /// # Errors
 /// The drawing library's.
-pub fn of_stories(stories: &[(String, &Improvement)]) -> Result<String, Failure> {
+pub fn of_improvements(stories: &[(String, &Improvement)]) -> Result<String, Failure> {
     let parts: Result<Vec<String>, _> = stories
         .iter()
-        .map(|(name, s)| story(&format!("Test {}", escape(name)), s))
+        .map(|(name, s)| improvement_section(&format!("Test {}", escape(name)), s))
         .collect();
     let lead = "A test runs on a rig that has something in it that nobody declared. Its record is diagnosed, what was \
                 found goes into the next test, and that test is judged by the same ideal.";
@@ -171,7 +171,7 @@ pub fn of_stories(stories: &[(String, &Improvement)]) -> Result<String, Failure>
 }
 
 /// A test, its diagnosis, and the test after it.
-fn story(title: &str, s: &Improvement) -> Drawn {
+fn improvement_section(title: &str, s: &Improvement) -> Drawn {
     let section = |experiment, run: &'_ JudgedRun| -> Drawn {
         let Some(trace) = &run.trace else {
             return Ok(String::new());
@@ -186,7 +186,7 @@ fn story(title: &str, s: &Improvement) -> Drawn {
     };
     let mut html = format!(
         "<h2>{title}</h2><p class=\"verdict {}\">eps_rms {} before, <b>{}</b> after{}.</p>",
-        s.after.summary.worth().class(),
+        s.after.summary.validity().class(),
         percent(s.before.summary.eps_rms),
         percent(s.after.summary.eps_rms),
         s.possible.as_ref().map_or_else(String::new, |r| format!(
@@ -260,7 +260,7 @@ fn verdict(s: &Summary) -> String {
     };
     format!(
         "<p class=\"verdict {}\">{}{doubt}</p>",
-        s.worth().class(),
+        s.validity().class(),
         escape(&s.sentence())
     )
 }

@@ -5,7 +5,7 @@ use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
 use crate::failure::Failure;
-use crate::numbers::{percent, three};
+use crate::numbers::{percent, percent_or_lost, three};
 use crate::stability::perturbed::Spread;
 use crate::stability::rig::Variation;
 use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
@@ -78,14 +78,6 @@ fn completed(errors: &[f64]) -> usize {
     errors.iter().filter(|e| e.is_finite()).count()
 }
 
-fn told(error: f64) -> String {
-    if error.is_finite() {
-        percent(error)
-    } else {
-        "lost".into()
-    }
-}
-
 fn verdict(errors: &[f64]) -> String {
     let (done, most) = (completed(errors), at(errors, 0.95));
     let class = match most {
@@ -97,7 +89,7 @@ fn verdict(errors: &[f64]) -> String {
         format!(
             "95 % of the rigs have an error of at most <b>{}</b> rms, the worst {}.",
             percent(most),
-            told(at(errors, 1.0))
+            percent_or_lost(at(errors, 1.0))
         )
     } else {
         "On more than one rig in twenty it tripped or ran away.".into()
@@ -115,11 +107,14 @@ fn tiles(errors: &[f64]) -> String {
             "ran to their end",
         ),
         tile(
-            told(at(errors, 0.5)),
+            percent_or_lost(at(errors, 0.5)),
             "rms error (Eq 18) that half of them stay below",
         ),
-        tile(told(at(errors, 0.95)), "that 95 % of them stay below"),
-        tile(told(at(errors, 1.0)), "the worst"),
+        tile(
+            percent_or_lost(at(errors, 0.95)),
+            "that 95 % of them stay below",
+        ),
+        tile(percent_or_lost(at(errors, 1.0)), "the worst"),
     ];
     format!("<div class=\"tiles\">{}</div>", tiles.concat())
 }

@@ -46,7 +46,7 @@ pub fn section(n: &Next) -> Drawn {
         if o.candidates.len() > 1 {
             html += &predictions(o, n)?;
         } else if !o.parameters.is_empty() {
-            html += &narrowed(o);
+            html += &parameter_table(o);
         }
     }
     Ok(html)
@@ -147,7 +147,7 @@ fn predictions(o: &Outlook, n: &Next) -> Drawn {
     Ok(html + "</div>")
 }
 
-fn narrowed(o: &Outlook) -> String {
+fn parameter_table(o: &Outlook) -> String {
     let mut html = String::from(
         "<div class=\"scroll\"><table><tr><th>number</th><th>value</th><th>known to, 90 %</th><th>with the next test</th></tr>",
     );

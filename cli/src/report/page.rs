@@ -54,7 +54,7 @@ pub(super) fn table(rows: &[Summary]) -> String {
             html,
             "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td><td>{}</td></tr>",
-            s.worth().class(),
+            s.validity().class(),
             s.compensation,
             s.trip.unwrap_or(s.verdict.name()),
             percent(s.eps_max),

@@ -68,7 +68,7 @@ impl Curve {
     }
 
     /// The same, broad.
-    pub fn broad(self) -> Self {
+    pub fn thick(self) -> Self {
         Self {
             broad: true,
             ..self

@@ -28,7 +28,7 @@ pub fn of_rths(
 ) -> Result<String, Failure> {
     let mut body = verdict(rows, targets);
     for record in bench.records {
-        body += &closer_look(bench, record)?;
+        body += &close_up_section(bench, record)?;
     }
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
     let groups: Vec<&[RthsRow]> = rows.chunk_by(|a, b| a.record == b.record).collect();
@@ -86,7 +86,7 @@ fn verdict(rows: &[RthsRow], targets: &[Statement]) -> String {
     html
 }
 
-fn closer_look(bench: &Bench<'_>, record: &Record) -> Result<String, Failure> {
+fn close_up_section(bench: &Bench<'_>, record: &Record) -> Result<String, Failure> {
     let refused = |e: benchmarks::Refused| Failure::input(e.to_string());
     let place = CASES.len() - 1;
     let trace = |name| {
@@ -95,13 +95,19 @@ fn closer_look(bench: &Bench<'_>, record: &Record) -> Result<String, Failure> {
     };
     let (baseline, ours) = (trace(BASELINE)?, trace(RIGHT_STRUCTURE)?);
     let ground = record.ground(place);
-    draw_look(&record.name, &CASES[place], ground, &baseline, &ours).map_err(cannot)
+    draw_close_up(&record.name, &CASES[place], ground, &baseline, &ours).map_err(cannot)
 }
 
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.0;
 
-fn draw_look(name: &str, case: &Case, ground: Ground<'_>, baseline: &Trace, ours: &Trace) -> Drawn {
+fn draw_close_up(
+    name: &str,
+    case: &Case,
+    ground: Ground<'_>,
+    baseline: &Trace,
+    ours: &Trace,
+) -> Drawn {
     let reference = ground.reference_m;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
@@ -117,7 +123,7 @@ fn draw_look(name: &str, case: &Case, ground: Ground<'_>, baseline: &Trace, ours
     let curves = [
         Curve::new(IDEAL, over(&|i| reference[i][0]))
             .named("reference structure")
-            .broad(),
+            .thick(),
         Curve::new(WRONG, over(&|i| baseline.true_m[i])).named(BASELINE),
         Curve::new(TESTED, over(&|i| ours.true_m[i])).named(RIGHT_STRUCTURE),
     ];

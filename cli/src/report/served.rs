@@ -131,7 +131,7 @@ fn tiles(s: &SessionSummary) -> String {
 }
 
 /// A quantity over the laboratory's time.
-fn over(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
+fn curve_over_time(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
     let points = history(t.len(), |i| (t.time_s(i), value(i)));
     Curve::new(colour, points)
 }
@@ -148,10 +148,10 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
         _ => format!("<h2>Displacement of storey {}</h2>", j + 1),
     };
     let curves = [
-        over(t, IDEAL, |i| mm(&floor.command_m, i))
+        curve_over_time(t, IDEAL, |i| mm(&floor.command_m, i))
             .named("target")
-            .broad(),
-        over(t, TESTED, |i| mm(&floor.displacement_m, i)).named("measured"),
+            .thick(),
+        curve_over_time(t, TESTED, |i| mm(&floor.displacement_m, i)).named("measured"),
     ];
     html += &in_time(
         TALL,
@@ -159,7 +159,7 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
         &curves,
         "Where the model wanted the specimen, and where it was.",
     )?;
-    let apart = over(t, WRONG, |i| {
+    let apart = curve_over_time(t, WRONG, |i| {
         mm(&floor.displacement_m, i) - mm(&floor.command_m, i)
     });
     html += &in_time(
@@ -182,18 +182,18 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
     )?;
     html += "<div class=\"pair\">";
     html += &figure(&svg, "What the specimen did: force against displacement.");
-    let force = over(t, GROUND, |i| f64::from(floor.force_n[i]) * 1e-3);
+    let force = curve_over_time(t, GROUND, |i| f64::from(floor.force_n[i]) * 1e-3);
     let svg = plot::plot(HALF, "time in the laboratory [s]", "force [kN]", &[force])?;
     html += &figure(&svg, "Its force.");
     Ok(html + "</div>")
 }
 
 fn energy(t: &Trace) -> Drawn {
-    let sum = |colour, column: &[f32]| over(t, colour, |i| f64::from(column[i]));
+    let sum = |colour, column: &[f32]| curve_over_time(t, colour, |i| f64::from(column[i]));
     let curves = [
         sum(IDEAL, &t.energy_stiffness_j)
             .named("stiffness known, Eq 6")
-            .broad(),
+            .thick(),
         sum(WRONG, &t.energy_hsem_j).named("HSEM, Eqs 7 to 9"),
         sum(TESTED, &t.energy_modified_j).named("modified, Eqs 10 to 12"),
     ];
@@ -211,7 +211,7 @@ fn damping(t: &Trace) -> Drawn {
     let Some(first) = t.floors.first() else {
         return Ok(String::new());
     };
-    let curve = over(t, TESTED, |i| {
+    let curve = curve_over_time(t, TESTED, |i| {
         f64::from(first.added_damping_n_s_per_m[i]) * 1e-3
     });
     Ok("<h2>Added damping</h2>".to_owned()

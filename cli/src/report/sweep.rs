@@ -6,9 +6,9 @@ use super::plot::{self, Colour, Curve, FIFTH, FOURTH, GROUND, TALL, TESTED, THIR
 use super::rths::table;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::numbers::{length, percent};
+use crate::numbers::{length, percent, percent_or_lost};
 use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
-use crate::sweep::{self, Fragility, SweepResult, told};
+use crate::sweep::{self, Fragility, SweepResult};
 
 /// Curves of compensations; more would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
@@ -145,7 +145,7 @@ fn rows(s: &SweepResult<'_>) -> String {
             escape(&r.summary.record),
             r.summary.compensation.to_owned(),
             r.summary.verdict.name().to_owned(),
-            told(r.summary.error()),
+            percent_or_lost(r.summary.error()),
             length(r.summary.peak_displacement_m),
             length(r.ideal_peak_m),
         ]

@@ -22,7 +22,7 @@ impl Departures {
         for (quantity, row) in ROWS {
             let known = (row.declared)(&actuator, &specimen);
             own[*quantity] = known
-                .and_then(|k| beside(k, row.ideal))
+                .and_then(|k| unless_ideal(k, row.ideal))
                 .unwrap_or(row.ideal);
         }
         for effect in &actuator.effects {
@@ -32,7 +32,7 @@ impl Departures {
             own.add(Channel::Specimen, effect);
         }
         own.others
-            .extend(specimen.elements.iter().map(beside_the_specimen));
+            .extend(specimen.elements.iter().map(as_parallel_effect));
         own.bearing_friction();
         let [delay_ms, lag_ms] = own.late_ms();
         own.late_reading(&specimen, delay_ms + lag_ms - expected_ms);
@@ -62,7 +62,7 @@ impl Departures {
     }
 
     /// Effects of which the loop cannot rid itself.
-    pub fn left(&self) -> Vec<(Channel, Effect)> {
+    pub fn not_correctable(&self) -> Vec<(Channel, Effect)> {
         let damping =
             (self[Quantity::Damping] != 0.0).then_some((Channel::Specimen, Effect::ViscousDamping));
         // What rings or sticks on top of what is taken out stays.
@@ -116,7 +116,7 @@ impl Departures {
 }
 
 /// An element of free strength as an effect: what slides is friction, of anything else the name.
-fn beside_the_specimen(element: &SavedElement) -> EffectSpec {
+fn as_parallel_effect(element: &SavedElement) -> EffectSpec {
     let is_friction = matches!(
         element.name,
         Effect::CoulombFriction | Effect::StribeckFriction
@@ -151,7 +151,7 @@ fn late_ms(effect: &EffectSpec) -> f64 {
 }
 
 /// A value that is not the ideal rig's. What is nearer to that than a tenth of its tolerance is the fit's own noise.
-fn beside(known: Declared, ideal: f64) -> Option<f64> {
+fn unless_ideal(known: Declared, ideal: f64) -> Option<f64> {
     ((known.value - ideal).abs() > 0.1 * known.tolerance).then_some(known.value)
 }
 
@@ -241,12 +241,15 @@ mod tests {
             Departures::of_model(&model, 4.0)
         };
         let c = known(text("coulomb_friction", "slider"));
-        assert_eq!((bearings(&c), c.left().len()), ([300.0, 0.2], 0));
+        assert_eq!((bearings(&c), c.not_correctable().len()), ([300.0, 0.2], 0));
         let both = text("coulomb_friction", "slider") + &text("coulomb_friction", "distributed");
         let both = bearings(&known(both));
         assert!((both[0] - 600.0).abs() < 1e-9, "{both:?}");
         let c = known(text("maxwell_damper", "relaxing"));
-        assert_eq!(c.left(), [(Channel::Specimen, Effect::MaxwellDamper)]);
+        assert_eq!(
+            c.not_correctable(),
+            [(Channel::Specimen, Effect::MaxwellDamper)]
+        );
         assert_eq!(bearings(&c), [0.0, 0.0]);
     }
 
@@ -272,7 +275,7 @@ mod tests {
         assert!((c[CommandGain] - 1.05 * 1.1).abs() < 1e-12);
         assert_eq!((c[CommandOffset], c.late_ms()), (2.5, [7.0, 0.0]));
         assert_eq!(bearings(&c), [150.0, 0.2]);
-        assert!(c.left().is_empty(), "{:?}", c.left());
+        assert!(c.not_correctable().is_empty(), "{:?}", c.not_correctable());
     }
 
     #[test]
@@ -280,11 +283,14 @@ mod tests {
         // 2 ms late: 0.2 N s/mm at 100 N/mm.
         let c = Departures::of_model(&model(1.0, 0.0, 6.0, [1.0, 0.0, 0.2]), 4.0);
         assert_eq!((c[ForceLate], c.late_ms()), (-2.0, [6.0, 0.0]));
-        assert!(c.left().is_empty());
+        assert!(c.not_correctable().is_empty());
         for (delay_ms, damping) in [(4.0, 0.2), (6.0, 0.5)] {
             let c = Departures::of_model(&model(1.0, 0.0, delay_ms, [1.0, 0.0, damping]), 4.0);
             assert_eq!(c[ForceLate], 0.0);
-            assert_eq!(c.left(), [(Channel::Specimen, Effect::ViscousDamping)]);
+            assert_eq!(
+                c.not_correctable(),
+                [(Channel::Specimen, Effect::ViscousDamping)]
+            );
         }
     }
 }

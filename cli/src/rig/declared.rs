@@ -191,7 +191,7 @@ pub fn undeclared(config: &Config, rig: &RigSpec, model: Option<&Model>) -> Vec<
     };
     let effects = rig.effects.iter().filter(|effect| {
         let channel = effect.shows_in();
-        match Quantity::mistaken(channel, effect.name) {
+        match Quantity::parameter_of_error(channel, effect.name) {
             Some(quantity) => wrong(quantity),
             None => {
                 let placed = EffectSpec::clone(effect).in_channel(channel);

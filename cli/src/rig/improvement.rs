@@ -18,7 +18,7 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
     let known = Departures::of_model(model, config.compensation.delay_ms);
     let mut said = space(&known, config);
     timing(&known, config, &mut said);
-    for (channel, effect) in known.left() {
+    for (channel, effect) in known.not_correctable() {
         said.push(format!(
             "{effect} is not taken out: {}",
             why_not(channel, effect)
@@ -74,10 +74,10 @@ fn space(known: &Departures, config: &mut Config) -> Vec<String> {
     let mut said = Vec::new();
     for (quantity, row) in ROWS {
         let value = known[*quantity];
-        if let Some((per_unit, told, in_words)) = row.correction
+        if let Some((per_unit, setting, in_words)) = row.correction
             && value != row.ideal
         {
-            *told(&mut config.rig) = only(value * per_unit);
+            *setting(&mut config.rig) = only(value * per_unit);
             said.push(in_words(value));
         }
     }

@@ -284,8 +284,8 @@ impl Departures {
         let mut rig = rig.clone();
         let mut own = Self::none();
         for (quantity, row) in ROWS {
-            if let Some((per_unit, told, _)) = row.correction
-                && let Some(value) = told(&mut rig).get(axis)
+            if let Some((per_unit, setting, _)) = row.correction
+                && let Some(value) = setting(&mut rig).get(axis)
             {
                 own[*quantity] = value / per_unit;
             }
@@ -294,7 +294,7 @@ impl Departures {
     }
 
     fn add(&mut self, channel: Channel, effect: &EffectSpec) {
-        let own = Quantity::mistaken(channel, effect.name);
+        let own = Quantity::parameter_of_error(channel, effect.name);
         let row = own.map(|quantity| (quantity, &ROWS[quantity as usize].1));
         let error = row.and_then(|(_, row)| effect.parameter(row.error?.2));
         match row.zip(error) {
@@ -325,7 +325,7 @@ impl Quantity {
     }
 
     /// The one that an effect is an error of.
-    fn mistaken(channel: Channel, effect: Effect) -> Option<Self> {
+    fn parameter_of_error(channel: Channel, effect: Effect) -> Option<Self> {
         let of = |row: &QuantityRow| row.error.is_some_and(|e| (e.0, e.1) == (channel, effect));
         let row = ROWS.iter().find(|(_, row)| of(row));
         row.map(|(quantity, _)| *quantity)

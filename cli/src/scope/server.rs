@@ -37,7 +37,7 @@ struct State {
     /// Messages since the beginning, the last of them kept.
     sent: Vec<Arc<str>>,
     first: usize,
-    told: Option<Mode>,
+    reported_mode: Option<Mode>,
     requested: Option<Event>,
     ended: bool,
 }
@@ -68,7 +68,7 @@ pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared
             waiting: PendingPoints::new(),
             sent: Vec::new(),
             first: 0,
-            told: None,
+            reported_mode: None,
             requested: None,
             ended: false,
         }),
@@ -146,10 +146,10 @@ impl Shared {
     fn write(&self) {
         let mut state = self.state();
         let points = state.waiting.drain();
-        if points.is_empty() && state.told == Some(state.mode) && !state.ended {
+        if points.is_empty() && state.reported_mode == Some(state.mode) && !state.ended {
             return;
         }
-        state.told = Some(state.mode);
+        state.reported_mode = Some(state.mode);
         let (mode, ended) = (state.mode, state.ended);
         let buttons = ["hold", "stop", "resume", "clear"];
         let allowed: Vec<_> = buttons
@@ -186,7 +186,8 @@ impl Shared {
         };
         if head.to_ascii_lowercase().contains("upgrade: websocket") {
             #[expect(clippy::result_large_err, reason = "the type is the library's")]
-            let check = |request: &Request, response: Response| self.admit(request, response);
+            let check =
+                |request: &Request, response: Response| self.check_origin(request, response);
             if let Ok(socket) = tungstenite::accept_hdr(stream, check) {
                 self.talk(socket);
             }
@@ -197,10 +198,14 @@ impl Shared {
 
     /// True if a WebSocket is one of our own page's.
     #[expect(clippy::result_large_err, reason = "the type is the library's")]
-    fn admit(&self, request: &Request, response: Response) -> Result<Response, ErrorResponse> {
+    fn check_origin(
+        &self,
+        request: &Request,
+        response: Response,
+    ) -> Result<Response, ErrorResponse> {
         let header = |name: &str| request.headers().get(name).and_then(|v| v.to_str().ok());
         let host = header("host").unwrap_or_default();
-        let own = header("origin") == Some(&format!("http://{host}")) && self.is_here(host);
+        let own = header("origin") == Some(&format!("http://{host}")) && self.is_own_address(host);
         if own && request.uri().path() == format!("/{}/ws", self.token) {
             return Ok(response);
         }
@@ -210,7 +215,7 @@ impl Shared {
     }
 
     /// A name under which a browser may have found this address; another one is a foreign page's doing.
-    fn is_here(&self, host: &str) -> bool {
+    fn is_own_address(&self, host: &str) -> bool {
         let (ip, port) = (self.address.ip(), self.address.port());
         if ip.is_unspecified() {
             return true;
@@ -226,7 +231,7 @@ impl Shared {
             let (name, value) = line.split_once(':')?;
             name.eq_ignore_ascii_case("host").then(|| value.trim())
         });
-        let own = host.is_some_and(|host| self.is_here(host));
+        let own = host.is_some_and(|host| self.is_own_address(host));
         let good = method == Some("GET") && own && path == Some(&format!("/{}/", self.token));
         let (status, kind, body) = if good {
             ("200 OK", "text/html; charset=utf-8", PAGE)

@@ -299,7 +299,7 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
     fn end(&mut self) -> Result<(), Failure> {
         let Some(mut test) = self.test.take() else {
             // Nothing was begun, or not to its end.
-            return self.stand_down();
+            return self.bring_to_idle();
         };
         let ended = match &test.lost {
             // The board gives up a PC that it does not hear: PERMIT is low half a second later.
@@ -335,18 +335,18 @@ impl<const N: usize> BoardRig<N> {
     /// To a standstill on the ramp, then idle.
     fn finish(&mut self, test: &mut Serving<N>) -> Result<(), Failure> {
         let (board, in_force) = (&mut self.board, &mut test.in_force);
-        if !over(status(board)?.state) {
+        if !has_ended(status(board)?.state) {
             in_force.end(board, Event::Stop)?;
         }
-        while !over(in_force.state()) {
+        while !has_ended(in_force.state()) {
             in_force.next(board)?;
         }
         in_force.wait_for_rest(board)?;
-        self.stand_down()
+        self.bring_to_idle()
     }
 
     /// Idle, whatever it was doing; a trip is left as it is where a person has to look first.
-    fn stand_down(&mut self) -> Result<(), Failure> {
+    fn bring_to_idle(&mut self) -> Result<(), Failure> {
         loop {
             let now = status(&mut self.board)?;
             self.permit = now.permit;
@@ -361,6 +361,6 @@ impl<const N: usize> BoardRig<N> {
 }
 
 /// Nothing moves any more, or is about to come to rest.
-fn over(state: Mode) -> bool {
+fn has_ended(state: Mode) -> bool {
     matches!(state, Mode::Idle | Mode::Finished | Mode::Tripped)
 }

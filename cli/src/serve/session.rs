@@ -142,7 +142,7 @@ const FAREWELL_S: f64 = 3.0;
 impl Served {
     /// Answers NaN to whatever the client still asks, until it leaves. OpenSees 3.7 never notices a connection that is
     /// closed: it would wait for ever, at full load. The rig has no permission to move by now.
-    pub fn dismiss(self) {
+    pub fn answer_nan_until_gone(self) {
         let Some(mut wire) = self.wire else { return };
         wire.limit_patience(FAREWELL_S);
         loop {
@@ -196,14 +196,17 @@ impl Session<'_> {
         let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
         match ClientConnection::open(stream, self.element.storeys, patience_s, watch) {
             Ok(mut wire) => {
-                let end = self.converse(&mut wire).err().unwrap_or(End::Completed);
+                let end = self
+                    .answer_client(&mut wire)
+                    .err()
+                    .unwrap_or(End::Completed);
                 (end, Some(wire))
             }
             Err(end) => (end, None),
         }
     }
 
-    fn converse(&mut self, wire: &mut ClientConnection) -> Result<(), End> {
+    fn answer_client(&mut self, wire: &mut ClientConnection) -> Result<(), End> {
         loop {
             operator()?;
             let Some(message) = wire.next_message()? else {
@@ -303,7 +306,7 @@ impl Session<'_> {
         } else {
             self.first = Some(Instant::now());
             self.rig.begin().map_err(|e| End::Refused(e.to_string()))?;
-            wire.glance(self.rig.needs_care())?;
+            wire.set_poll_interval(self.rig.needs_care())?;
             self.go_to(trial)?;
         }
         self.last

@@ -51,15 +51,15 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
             return Err(Stop::Operator);
         }
         let seen = self.rig.step()?;
-        self.look_at(&seen)?;
+        self.observe_step(&seen)?;
         Ok(seen)
     }
 
     /// Counts a step and shows it.
-    fn look_at(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
+    fn observe_step(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
         let record = &seen.record;
         self.scope.on_idle_step(record);
-        self.ask_who_looks_on()?;
+        self.take_scope_request()?;
         if record.mode().is_some_and(Mode::integrates) {
             self.observed += usize::from(record.has(flag::SOLVED));
             self.ledger.on_step(record);
@@ -72,7 +72,7 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
         }
     }
 
-    fn ask_who_looks_on(&mut self) -> Result<(), Stop> {
+    fn take_scope_request(&mut self) -> Result<(), Stop> {
         self.scope
             .requested_event()
             .map_or(Ok(()), |event| self.rig.request(event))
@@ -150,9 +150,9 @@ impl<const N: usize, R: ServedRig<N>> Mover for Travel<N, R> {
 
     fn meanwhile(&mut self) -> Result<(), Stop> {
         for seen in self.rig.meanwhile()? {
-            self.look_at(&seen)?;
+            self.observe_step(&seen)?;
         }
-        self.ask_who_looks_on()?;
+        self.take_scope_request()?;
         // Where the rig stands, its time stands, too; but for somebody who looks on.
         if !self.rig.has_own_time() && self.scope.is_some() && self.moves {
             self.step()?;

@@ -233,7 +233,7 @@ impl ClientConnection {
     ///
     /// # Errors
     /// The connection is broken.
-    pub fn glance(&mut self, often: bool) -> Result<(), ClientGone> {
+    pub fn set_poll_interval(&mut self, often: bool) -> Result<(), ClientGone> {
         let wait = if often { GLANCE } else { REST };
         self.stream
             .set_read_timeout(Some(wait))

@@ -178,7 +178,7 @@ pub fn draw(sound: usize, broken: usize, seed: u64) -> Vec<MonitorPlan> {
     let range = DrawRange {
         seconds: SECONDS,
         latest: |hz| SOUND_PHASE_RAD / (std::f64::consts::TAU * hz) * 1e3,
-        rightly_told: 0.0,
+        rightly_declared: 0.0,
         predictors,
     };
     // Eq 14 as it was first published is there to be compared with: with noise its damping jumps by orders of magnitude.

@@ -90,7 +90,7 @@ impl UniformDraws {
         low + unit * (high - low)
     }
 
-    pub(super) fn chance(&mut self, share: f64) -> bool {
+    pub(super) fn with_probability(&mut self, share: f64) -> bool {
         self.between(0.0, 1.0) < share
     }
 
@@ -106,7 +106,7 @@ pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let range = DrawRange {
         seconds: SECONDS,
         latest: |_| LONGEST_MS,
-        rightly_told: 0.6,
+        rightly_declared: 0.6,
         predictors: Prediction::ALL.to_vec(),
     };
     let methods = Method::ALL.into_iter().cycle();
@@ -123,7 +123,7 @@ pub(super) struct DrawRange {
     /// Longest delay, ms, on a structure of so many Hz.
     pub(super) latest: fn(f64) -> f64,
     /// Share of compensations with the right declared delay; the others have one that is up to 20 % off.
-    pub(super) rightly_told: f64,
+    pub(super) rightly_declared: f64,
     /// Behind one of which half of the force laws are put.
     pub(super) predictors: Vec<Prediction>,
 }
@@ -167,7 +167,7 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
         let _ = writeln!(text, "lag_ms = {lag_ms}");
     }
 
-    if dice.chance(0.5) {
+    if dice.with_probability(0.5) {
         let kind = dice.one_of(&["bilinear", "bouc_wen"]);
         let yield_mm = peak_mm * dice.between(0.3, 1.0) / storeys as f64;
         let hardening = dice.between(0.03, 0.3);
@@ -177,7 +177,7 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
         );
     }
 
-    let noisy = dice.chance(0.7);
+    let noisy = dice.with_probability(0.7);
     if noisy {
         let noise_mm = dice.between(0.001, 0.03);
         let noise_n = 0.5 * stiffness * noise_mm * 1e-3;
@@ -185,12 +185,12 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
             text,
             "[plant.sensors]\ndisplacement_noise_mm = {noise_mm}\nforce_noise_n = {noise_n}"
         );
-        if dice.chance(0.5) {
+        if dice.with_probability(0.5) {
             let _ = writeln!(text, "bits = 16\ndisplacement_range_mm = 250");
         }
     }
 
-    let method = if dice.chance(0.5) {
+    let method = if dice.with_probability(0.5) {
         method.behind(dice.one_of(&range.predictors))
     } else {
         method
@@ -199,13 +199,13 @@ pub(super) fn test_file(method: Method, dice: &mut UniformDraws, range: &DrawRan
     if noisy {
         text.push_str("window_steps = 10\n");
     }
-    let told = if dice.chance(range.rightly_told) {
+    let declared = if dice.with_probability(range.rightly_declared) {
         1.0
     } else {
         dice.between(0.8, 1.2)
     };
-    let told_ms = (told * (delay_ms + lag_ms)).max(0.01);
-    let _ = writeln!(text, "delay_ms = {told_ms}");
+    let declared_ms = (declared * (delay_ms + lag_ms)).max(0.01);
+    let _ = writeln!(text, "delay_ms = {declared_ms}");
     text
 }
 

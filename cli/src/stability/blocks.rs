@@ -45,17 +45,17 @@ impl Delay {
             d * (d - 1.0) * (3.0 - d) / 2.0,
             d * (d - 1.0) * (d - 2.0) / 6.0,
         ];
-        Self::tapped(first, weights)
+        Self::from_weights(first, weights)
     }
 
     /// By `periods`, on the straight line between two samples, as core's model of an actuator has it.
     pub fn straight(periods: f64) -> Self {
         let whole = periods.floor();
         let fraction = periods - whole;
-        Self::tapped(whole as usize, [1.0 - fraction, fraction, 0.0, 0.0])
+        Self::from_weights(whole as usize, [1.0 - fraction, fraction, 0.0, 0.0])
     }
 
-    fn tapped(first: usize, weights: [f64; 4]) -> Self {
+    fn from_weights(first: usize, weights: [f64; 4]) -> Self {
         // Only what is looked at is a state.
         let deepest = weights.iter().rposition(|w| *w != 0.0).unwrap_or(0);
         Self {

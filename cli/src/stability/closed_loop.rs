@@ -116,7 +116,11 @@ impl Question<'_> {
     ///
     /// # Errors
     /// A rig that cannot be written down.
-    pub fn left(&self, frame: &StructureMatrices, vary: &Variation) -> Result<f64, Failure> {
+    pub fn remaining_lateness(
+        &self,
+        frame: &StructureMatrices,
+        vary: &Variation,
+    ) -> Result<f64, Failure> {
         let t = &self.config.timing;
         let omega = frame.omega[0] / t.time_scale;
         let rig = LinearRig::new(self.rig, self.config, vary)?;
@@ -186,7 +190,7 @@ impl<'a> Loop<'a> {
                 Failure::input("structure.physical_mass_kg: accepted are less than the masses")
             })?
             * (dt * dt);
-        let late_s = question.left(frame, vary)?;
+        let late_s = question.remaining_lateness(frame, vary)?;
         let rig = LinearRig::new(question.rig, config, vary)?;
         Ok(Self {
             config,

@@ -102,7 +102,7 @@ impl Subspace {
             }
             if residual <= SHOWN * value.norm() {
                 // Over many steps the angle has gone round many times: over one it tells.
-                let [re, im] = self.in_full(&vector);
+                let [re, im] = self.full_vectors(&vector);
                 let [to_re, to_im] = [step * &re, step * &im];
                 let along = Complex::new(
                     re.dot(&to_re) + im.dot(&to_im),
@@ -116,7 +116,7 @@ impl Subspace {
     }
 
     /// Real and imaginary part of a vector of the subspace.
-    fn in_full(&self, vector: &DVector<Complex<f64>>) -> [DVector<f64>; 2] {
+    fn full_vectors(&self, vector: &DVector<Complex<f64>>) -> [DVector<f64>; 2] {
         let mut whole = [(); 2].map(|()| DVector::zeros(self.basis[0].len()));
         for (q, y) in self.basis.iter().zip(vector.iter()) {
             whole[0].axpy(y.re, q, 1.0);

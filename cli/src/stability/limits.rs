@@ -310,7 +310,7 @@ pub fn budget(
     if config.compensation.kind.predictor != Prediction::None {
         parts.push(DelayPart {
             part: "predictor",
-            ms: question.left(frame, &Variation::NONE)? * 1e3 - limits.delay.present,
+            ms: question.remaining_lateness(frame, &Variation::NONE)? * 1e3 - limits.delay.present,
             from: "compensation: what it takes out at the first natural frequency",
         });
     }

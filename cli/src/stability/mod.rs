@@ -120,7 +120,7 @@ pub fn answer(
         .learns()
         .then(|| {
             let told = Question {
-                law: Knowledge::Told,
+                law: Knowledge::Declared,
                 ..question
             };
             self::linear_verdict(&told, &frame, &Variation::NONE)

@@ -11,7 +11,7 @@ use outerloop_core::linear::{FrequencyResponse, Linear, Setting, Sum};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knowledge {
     /// What was declared to them.
-    Told,
+    Declared,
     /// What they come to on the rig.
     Learnt,
 }
@@ -75,7 +75,7 @@ impl LinearPredictor {
         let axes: Vec<Kind> = (0..config.physical_storeys())
             .map(|j| {
                 let mut setting = match law {
-                    Knowledge::Told => Setting::told(config),
+                    Knowledge::Declared => Setting::declared(config),
                     Knowledge::Learnt => {
                         let wanted = rig.response(j, omega).inv();
                         let (real, imaginary) = (wanted.re, wanted.im);

@@ -9,7 +9,6 @@ pub use range::Range;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::numbers::percent;
 use crate::terminal::{Progress, interrupt};
 use outerloop_core::Method;
 use rayon::prelude::*;
@@ -61,15 +60,6 @@ pub fn run(
         })
         .collect::<Result<_, Failure>>()?;
     Ok(parts.into_iter().flatten().collect())
-}
-
-/// An error in a table: tripped and run away is lost.
-pub fn told(error: f64) -> String {
-    if error.is_finite() {
-        percent(error)
-    } else {
-        "lost".into()
-    }
 }
 
 /// The worst error of one compensation at one value, over the ground motions: eps_rms; infinite where one was lost.

@@ -49,14 +49,14 @@ pub fn diagnosis(d: &Diagnosis) -> String {
         }
     }
     for a in d.channels.iter().filter(|a| !a.tried.is_empty()) {
-        let _ = writeln!(text, "\n{}", tried(a));
+        let _ = writeln!(text, "\n{}", candidate_table(a));
     }
     let _ = write!(text, "Diagnosed in {:.2} s.", d.seconds);
     text
 }
 
 /// One row a story.
-pub fn stories(stories: &[(String, &Improvement)]) -> Table {
+pub fn improvements(stories: &[(String, &Improvement)]) -> Table {
     let mut t = table(&[
         "test",
         "undeclared",
@@ -161,7 +161,7 @@ fn shares(a: &ChannelAnswer) -> Option<Table> {
     Some(t)
 }
 
-fn tried(a: &ChannelAnswer) -> Table {
+fn candidate_table(a: &ChannelAnswer) -> Table {
     let mut t = table(&[
         &format!("tried in the {}", a.channel.name()),
         "left, rms",

@@ -5,15 +5,15 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// The sentence; `None` for what is no mistake, such as `--help`.
 pub fn sentence(error: &Error) -> Option<String> {
-    let told = Told(error);
-    let argument = told.text(ContextKind::InvalidArg);
-    let value = told.text(ContextKind::InvalidValue);
+    let context = ErrorContext(error);
+    let argument = context.text(ContextKind::InvalidArg);
+    let value = context.text(ContextKind::InvalidValue);
     Some(match error.kind() {
         ErrorKind::DisplayHelp
         | ErrorKind::DisplayVersion
         | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => return None,
         ErrorKind::InvalidValue => {
-            let names = told.text(ContextKind::ValidValue);
+            let names = context.text(ContextKind::ValidValue);
             let accepted = match names.is_empty() {
                 true => "a value".to_owned(),
                 false => names,
@@ -22,7 +22,7 @@ pub fn sentence(error: &Error) -> Option<String> {
                 true => format!("{argument} has no value: accepted are {accepted}"),
                 false => format!(
                     "{argument}: `{value}` is unknown{}: accepted are {accepted}",
-                    told.near(ContextKind::SuggestedValue)
+                    context.near(ContextKind::SuggestedValue)
                 ),
             }
         }
@@ -31,25 +31,25 @@ pub fn sentence(error: &Error) -> Option<String> {
             Some(own) if own.to_string().starts_with('`') => format!("{argument} {own}"),
             _ => format!(
                 "{argument}: `{value}` is refused: accepted are {}",
-                told.accepted()
+                context.accepted()
             ),
         },
         ErrorKind::UnknownArgument => format!(
             "`{argument}` is unknown here{}: accepted is {}, and `--help` explains each part",
-            told.near(ContextKind::SuggestedArg),
-            told.usage()
+            context.near(ContextKind::SuggestedArg),
+            context.usage()
         ),
         ErrorKind::InvalidSubcommand => format!(
             "`{}` is no verb{}: accepted is {}, and `--help` lists the verbs",
-            told.text(ContextKind::InvalidSubcommand),
-            told.near(ContextKind::SuggestedSubcommand),
-            told.usage()
+            context.text(ContextKind::InvalidSubcommand),
+            context.near(ContextKind::SuggestedSubcommand),
+            context.usage()
         ),
         ErrorKind::MissingRequiredArgument => {
-            format!("{argument} is missing: accepted is {}", told.usage())
+            format!("{argument} is missing: accepted is {}", context.usage())
         }
         ErrorKind::ArgumentConflict => {
-            let other = told.text(ContextKind::PriorArg);
+            let other = context.text(ContextKind::PriorArg);
             match other == argument || other.is_empty() {
                 true => format!("{argument} is given twice: accepted is once"),
                 false => format!("{argument} and {other} exclude each other: accepted is one"),
@@ -64,9 +64,9 @@ pub fn sentence(error: &Error) -> Option<String> {
 }
 
 /// The parser's error.
-struct Told<'a>(&'a Error);
+struct ErrorContext<'a>(&'a Error);
 
-impl Told<'_> {
+impl ErrorContext<'_> {
     fn text(&self, kind: ContextKind) -> String {
         match self.0.get(kind) {
             Some(ContextValue::String(text)) => text.clone(),

@@ -13,7 +13,7 @@ mod standings;
 mod tables;
 
 pub use crate::numbers::{joule, percent};
-pub use diagnosis::{diagnosis, stories};
+pub use diagnosis::{diagnosis, improvements};
 pub use next::next;
 pub use progress::{Progress, Steps, while_waiting};
 pub use standings::{standings, standings_head, standings_row};

@@ -20,7 +20,7 @@ pub fn next(n: &Next) -> String {
         if o.candidates.len() > 1 {
             let _ = writeln!(text, "\n{}", predictions(o));
         } else if !o.parameters.is_empty() {
-            let _ = writeln!(text, "\n{}", narrowed(o));
+            let _ = writeln!(text, "\n{}", parameter_table(o));
         }
     }
     text
@@ -82,7 +82,7 @@ fn predictions(o: &Outlook) -> Table {
     t
 }
 
-fn narrowed(o: &Outlook) -> Table {
+fn parameter_table(o: &Outlook) -> Table {
     let mut t = table(&[
         &format!("number of the {}", o.channel.name()),
         "value",

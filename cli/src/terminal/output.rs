@@ -17,7 +17,7 @@ static BROKEN: OnceLock<String> = OnceLock::new();
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// From now on only what was asked for by name and what goes wrong is printed.
-pub fn be_quiet() {
+pub fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 

@@ -53,7 +53,7 @@ pub fn response(ideal: &Response, test: &Response, step_s: f64) -> String {
     let (grey, blue) = (curve(&ideal), curve(&tested));
     let (grey, blue) = (Shape::Lines(&grey), Shape::Lines(&blue));
     let mut chart = Chart::new_with_y_range(dots as u32, 4 * ROWS, 0.0, seconds, -reach, reach);
-    let told = |unit: &'static str| -> LabelFormat {
+    let with_unit = |unit: &'static str| -> LabelFormat {
         LabelFormat::Custom(Box::new(move |x| {
             format!("{} {unit}", crate::numbers::three(f64::from(x)))
         }))
@@ -61,8 +61,8 @@ pub fn response(ideal: &Response, test: &Response, step_s: f64) -> String {
     let chart = chart
         .x_axis_style(LineStyle::Dotted)
         .y_axis_style(LineStyle::None)
-        .x_label_format(told("s"))
-        .y_label_format(told("mm"))
+        .x_label_format(with_unit("s"))
+        .y_label_format(with_unit("mm"))
         .y_tick_display(TickDisplay::Sparse);
     let coloured = self::columns().is_some() && std::env::var_os("NO_COLOR").is_none();
     let chart = if coloured {

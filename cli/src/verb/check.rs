@@ -117,12 +117,12 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        let told = WithProvenance::of(&whole);
+        let with_provenance = WithProvenance::of(&whole);
         if let Some(folder) = &self.out {
-            write(folder, &experiment, &whole, json(&told)?)?;
+            write(folder, &experiment, &whole, json(&with_provenance)?)?;
         }
         if self.json {
-            answer!("{}", json(&told)?);
+            answer!("{}", json(&with_provenance)?);
         } else {
             print(&answer);
             println!(
@@ -219,7 +219,7 @@ fn write(
     folder: &Path,
     experiment: &Experiment,
     whole: &Whole<'_>,
-    told: String,
+    json_text: String,
 ) -> Result<(), Failure> {
     let ideal = experiment.ideal()?;
     let method = experiment.test.config.compensation.kind;
@@ -239,7 +239,7 @@ fn write(
             ideal: &ideal,
         },
     })?;
-    output::write_all(folder, &[("report.html", page), ("check.json", told)])
+    output::write_all(folder, &[("report.html", page), ("check.json", json_text)])
 }
 
 /// All that is found out, as JSON.

@@ -29,7 +29,7 @@ pub struct Compare {
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     compensations: Vec<String>,
     /// The same on the bench: delays of 1 to 60 ms, several actuators and specimens, noise, and what the compensation
-    /// was told wrong, in place of the test file's rig
+    /// was with_provenance wrong, in place of the test file's rig
     #[arg(long)]
     bench: bool,
     /// Write report.html there, and the rows as compare.json, or as bench.json with --bench
@@ -50,7 +50,7 @@ impl Compare {
         }
         let test = self.common.load()?;
         if self.bench {
-            return self.on_the_bench();
+            return self.compare_conditions();
         }
         let methods = match &self.compensations[..] {
             [] => Method::ALL.to_vec(),
@@ -93,12 +93,12 @@ impl Compare {
                     })
                 })
                 .collect();
-            let told = WithProvenance::seeded(&all, self.common.seed);
+            let with_provenance = WithProvenance::seeded(&all, self.common.seed);
             output::write_all(
                 folder,
                 &[
                     ("report.html", report::of_compare(&sections)?),
-                    ("compare.json", json(&told)?),
+                    ("compare.json", json(&with_provenance)?),
                 ],
             )?;
         }
@@ -108,9 +108,9 @@ impl Compare {
             println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
             look_at_report(self.out.as_deref());
         }
-        whole(rows.len(), experiments.len() * methods.len())?;
+        require_all_ran(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
-        if rows.iter().all(|r| r.worth() == Validity::Bad) {
+        if rows.iter().all(|r| r.validity() == Validity::Bad) {
             return Err(Failure::test(
                 "no compensation gave the structure's response in this test",
             ));
@@ -130,7 +130,7 @@ impl Compare {
     }
 
     /// Every contestant under every condition of the bench.
-    fn on_the_bench(&self) -> Result<(), Failure> {
+    fn compare_conditions(&self) -> Result<(), Failure> {
         let test = self.common.load()?;
         let contestants = match &self.compensations[..] {
             [] => comparison::contestants(),
@@ -171,7 +171,7 @@ impl Compare {
             println!("{}", terminal::standings(&standings));
             look_at_report(self.out.as_deref());
         }
-        whole(
+        require_all_ran(
             rows.len(),
             experiments.len() * conditions.len() * contestants.len(),
         )
@@ -179,11 +179,11 @@ impl Compare {
 }
 
 /// That all tests ran; Ctrl-C leaves a part of them.
-fn whole(done: usize, asked: usize) -> Result<(), Failure> {
+fn require_all_ran(done: usize, asked: usize) -> Result<(), Failure> {
     if done == asked {
         return Ok(());
     }
     Err(Failure::test(format!(
-        "interrupted: {done} of {asked} tests ran, and only they are told of"
+        "interrupted: {done} of {asked} tests ran, and only they are reported"
     )))
 }

@@ -102,7 +102,7 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
         Ok::<_, Failure>((ideal, trial))
     })?;
     let summary = CoupledSummary::of(&experiment, kind, &ideal, &trial)?;
-    let told = WithProvenance::seeded(&summary, common.seed);
+    let with_provenance = WithProvenance::seeded(&summary, common.seed);
     if let Some(folder) = asked.out {
         let page = report::of_coupled_run(&CoupledSection {
             experiment: &experiment,
@@ -115,12 +115,12 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
             &[
                 ("report.html", page),
                 ("record.csv", trial.record.to_csv()),
-                ("summary.json", json(&told)?),
+                ("summary.json", json(&with_provenance)?),
             ],
         )?;
     }
     if common.json {
-        answer!("{}", json(&told)?);
+        answer!("{}", json(&with_provenance)?);
         return summary.outcome();
     }
     println!("{}", in_words(&experiment, &summary));
@@ -221,7 +221,7 @@ pub(super) fn compare(
     drop(progress);
     let rows: Vec<CoupledSummary> = runs.iter().map(|(_, s, _)| s.clone()).collect();
     let all = serde_json::json!({ "rows": rows });
-    let told = WithProvenance::seeded(&all, common.seed);
+    let with_provenance = WithProvenance::seeded(&all, common.seed);
     if let Some(folder) = out {
         let sections: Vec<CoupledSection<'_>> = runs
             .iter()
@@ -235,16 +235,19 @@ pub(super) fn compare(
         let page = report::of_coupled_compare(&sections)?;
         output::write_all(
             folder,
-            &[("report.html", page), ("compare.json", json(&told)?)],
+            &[
+                ("report.html", page),
+                ("compare.json", json(&with_provenance)?),
+            ],
         )?;
     }
     if common.json {
-        answer!("{}", json(&told)?);
+        answer!("{}", json(&with_provenance)?);
     } else {
         print(&rows);
         look_at_report(out);
     }
-    if rows.iter().all(|r| r.worth() == Validity::Bad) {
+    if rows.iter().all(|r| r.validity() == Validity::Bad) {
         return Err(Failure::test(
             "no compensation gave the structure's response in this test",
         ));
@@ -279,7 +282,7 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
     };
-    let told = WithProvenance::seeded(&check, asked.spread.seed);
+    let with_provenance = WithProvenance::seeded(&check, asked.spread.seed);
     if let Some(folder) = asked.out {
         let section = CoupledSection {
             experiment: &experiment,
@@ -290,13 +293,16 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
         let page = report::of_coupled_check(&check, &section)?;
         output::write_all(
             folder,
-            &[("report.html", page), ("check.json", json(&told)?)],
+            &[
+                ("report.html", page),
+                ("check.json", json(&with_provenance)?),
+            ],
         )?;
     }
     if asked.json {
-        answer!("{}", json(&told)?);
+        answer!("{}", json(&with_provenance)?);
     } else {
-        say(&experiment, &check);
+        print_check(&experiment, &check);
         look_at_report(asked.out);
     }
     let said = check.reason.clone();
@@ -307,7 +313,7 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
     }
 }
 
-fn say(experiment: &CoupledExperiment, check: &CoupledCheck) {
+fn print_check(experiment: &CoupledExperiment, check: &CoupledCheck) {
     println!("{}", in_words(experiment, &check.planned));
     let mut limits = table(&LIMIT_HEAD);
     limits.add_rows(check.limits.iter().map(limit_row));

@@ -103,7 +103,10 @@ impl Demo {
         for change in &story.changes {
             println!("    -> {change}");
         }
-        println!("\n{}", terminal::stories(&[("undeclared".into(), &story)]));
+        println!(
+            "\n{}",
+            terminal::improvements(&[("undeclared".into(), &story)])
+        );
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
             let page = report::of_demo(&none, &paper, &rows, &story)?;
             output::write_all(&self.out, &[("report.html", page)])?;

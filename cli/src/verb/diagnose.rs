@@ -114,7 +114,7 @@ impl Diagnose {
                 .zip(self.next.as_deref())
                 .map(|(design, file)| Designed { file, design }),
         };
-        let told = WithProvenance::of(&answer);
+        let with_provenance = WithProvenance::of(&answer);
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
@@ -137,13 +137,13 @@ impl Diagnose {
                             [&stated, &improved],
                         )?,
                     ),
-                    ("diagnosis.json", json(&told)?),
+                    ("diagnosis.json", json(&with_provenance)?),
                     ("model.toml", improved),
                 ],
             )?;
         }
         if self.json {
-            answer!("{}", json(&told)?);
+            answer!("{}", json(&with_provenance)?);
             return Ok(());
         }
         println!("{}", terminal::diagnosis(&diagnosis));

@@ -60,17 +60,20 @@ impl Diff {
                 self.second.display()
             )));
         }
-        let told = json(&WithProvenance::of(&difference))?;
+        let json_text = json(&WithProvenance::of(&difference))?;
         if let Some(folder) = &self.out {
             let names = [&self.first, &self.second].map(|p| p.display().to_string());
             let page = report::of_difference(&difference, [&first, &second], &names)?;
             output::write_all(
                 folder,
-                &[("report.html", page), ("difference.json", told.clone())],
+                &[
+                    ("report.html", page),
+                    ("difference.json", json_text.clone()),
+                ],
             )?;
         }
         if self.json {
-            answer!("{told}");
+            answer!("{json_text}");
         } else {
             self.print(&difference);
         }
@@ -92,8 +95,8 @@ impl Diff {
             for s in &d.settings {
                 t.add_row([
                     s.key.clone(),
-                    difference::shown(&s.first),
-                    difference::shown(&s.second),
+                    difference::plain_text(&s.first),
+                    difference::plain_text(&s.second),
                 ]);
             }
             println!("{t}\n");
@@ -117,5 +120,5 @@ impl Diff {
 fn figure(value: &Value) -> String {
     value
         .as_f64()
-        .map_or_else(|| difference::shown(value), crate::numbers::three)
+        .map_or_else(|| difference::plain_text(value), crate::numbers::three)
 }

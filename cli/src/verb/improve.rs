@@ -68,7 +68,7 @@ impl Improve {
         let files: Vec<PathBuf> = self.common.files(&self.more);
         let mut stories = Vec::new();
         for file in &files {
-            stories.push(self.story(file)?);
+            stories.push(self.improve_test(file)?);
         }
         let named: Vec<(String, &Improvement)> = files
             .iter()
@@ -127,11 +127,11 @@ impl Improve {
                 println!("    -> {change}");
             }
         }
-        println!("\n{}", terminal::stories(named));
+        println!("\n{}", terminal::improvements(named));
         look_at_report(self.out.as_deref());
     }
 
-    fn story(&self, file: &std::path::Path) -> Result<Improvement, Failure> {
+    fn improve_test(&self, file: &std::path::Path) -> Result<Improvement, Failure> {
         let test = self.common.load_other(file)?;
         let declared = match &self.model {
             Some(path) => model::load(path)?,
@@ -175,7 +175,7 @@ fn row<'a>(name: &str, s: &'a Improvement) -> Row<'a> {
 }
 
 fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result<(), Failure> {
-    let mut files = vec![("report.html".to_owned(), report::of_stories(stories)?)];
+    let mut files = vec![("report.html".to_owned(), report::of_improvements(stories)?)];
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
         // A model with which the test became worse is not handed on.

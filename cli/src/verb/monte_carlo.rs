@@ -101,7 +101,7 @@ impl MonteCarlo {
                 let pairs = own.into_iter().zip(ideals).enumerate();
                 pairs
                     .map(|(i, pair)| {
-                        let one = self.one(pair, kind, part * TOGETHER + i, Some(&progress))?;
+                        let one = self.one_rig(pair, kind, part * TOGETHER + i, Some(&progress))?;
                         Ok(one.run.summary)
                     })
                     .collect()
@@ -118,7 +118,7 @@ impl MonteCarlo {
                 .unwrap_or(0);
             let own = experiment.on_rig(&rigs[worst]);
             let ideal = own.ideal()?;
-            let one = self.one((own, ideal), kind, worst, None)?;
+            let one = self.one_rig((own, ideal), kind, worst, None)?;
             let many = ManyTests {
                 spread: &spread,
                 rigs: &rigs,
@@ -126,8 +126,8 @@ impl MonteCarlo {
                 worst_rig: &rigs[worst],
                 worst: one.section()?,
             };
-            let told = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
-            write(folder, &many, told)?;
+            let json_text = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
+            write(folder, &many, json_text)?;
         }
         if self.common.json {
             answer!(
@@ -141,8 +141,8 @@ impl MonteCarlo {
         Ok(())
     }
 
-    /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step is kept where no progress is told.
-    fn one(
+    /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step is kept where no progress is json_text.
+    fn one_rig(
         &self,
         (own, ideal): (Experiment, Response),
         kind: Method,
@@ -181,7 +181,7 @@ impl One {
 }
 
 /// The report, each test in a line, and the figures.
-fn write(folder: &Path, many: &ManyTests<'_>, told: String) -> Result<(), Failure> {
+fn write(folder: &Path, many: &ManyTests<'_>, json_text: String) -> Result<(), Failure> {
     let mut tests = String::from(
         "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
     );
@@ -202,7 +202,7 @@ fn write(folder: &Path, many: &ManyTests<'_>, told: String) -> Result<(), Failur
         &[
             ("report.html", report::of_monte_carlo(many)?),
             ("tests.csv", tests),
-            ("monte-carlo.json", told),
+            ("monte-carlo.json", json_text),
         ],
     )
 }

@@ -98,9 +98,9 @@ impl RigArguments {
     ) -> Result<Option<Board>, Failure> {
         if let Some(device) = &self.port {
             let operator = if self.yes {
-                Operator::nobody()
+                Operator::not_asked()
             } else {
-                Operator::person()?
+                Operator::at_keyboard()?
             };
             let port: Box<dyn Port> = Box::new(Serial::open(device)?);
             return Ok(Some((Connection::new(port, Timeouts::BOARD), operator)));
@@ -114,7 +114,7 @@ impl RigArguments {
         let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
         let mut connection = Connection::new(port, Timeouts::EMULATED);
         calibrate(&mut connection, laboratory.calibration)?;
-        Ok(Some((connection, Operator::nobody())))
+        Ok(Some((connection, Operator::not_asked())))
     }
 
     /// Moves actuators of a board by `trajectory` under the limits of `test`: the one that is wanted, from 0, or each in its

@@ -86,7 +86,7 @@ impl Run {
         if let Some(path) = &self.signal {
             return self.play(&test, path);
         }
-        let mut remarks: Vec<String> = test.told_the_truth().into_iter().collect();
+        let mut remarks: Vec<String> = test.warning_of_true_delay().into_iter().collect();
         if let Some(path) = &self.model {
             let mut known = model::load(path)?;
             if known
@@ -201,18 +201,18 @@ impl Run {
             peak_force_n: played.peak_n,
             wall_s: began.elapsed().as_secs_f64(),
         };
-        let told = WithProvenance::seeded(&played_signal, seed);
+        let with_provenance = WithProvenance::seeded(&played_signal, seed);
         if let Some(folder) = &self.out {
             output::write_all(
                 folder,
                 &[
                     ("record.csv", played.text.clone()),
-                    ("summary.json", json(&told)?),
+                    ("summary.json", json(&with_provenance)?),
                 ],
             )?;
         }
         if self.common.json {
-            answer!("{}", json(&told)?);
+            answer!("{}", json(&with_provenance)?);
         } else {
             println!(
                 "{} steps of {}: up to {} and {} kN.",

@@ -111,7 +111,7 @@ impl Serve {
             let served = serve_client(stream, &client, &element, rig.as_mut());
             self.keep(&test, &served.summary, rig.take_trace().as_ref(), clients)?;
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
-            served.dismiss();
+            served.answer_nan_until_gone();
             if self.once || verdict == SessionVerdict::RigLost {
                 return match verdict {
                     SessionVerdict::Completed => Ok(()),

@@ -4,11 +4,11 @@ use super::{CommonArguments, json, look_at_report, method};
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::output;
-use crate::numbers::length;
+use crate::numbers::{length, percent_or_lost};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
-use crate::sweep::{self, Fragility, Range, SweepResult, told};
+use crate::sweep::{self, Fragility, Range, SweepResult};
 use crate::terminal::table;
 use outerloop_core::Method;
 use std::fmt::Write as _;
@@ -62,18 +62,18 @@ impl Sweep {
             limit_mm: self.limit_mm,
             fragility: &curves,
         };
-        let told = json(&WithProvenance::seeded(&swept, self.common.seed))?;
+        let json_text = json(&WithProvenance::seeded(&swept, self.common.seed))?;
         if let (Some(folder), Some((_, first))) = (&self.out, experiments.first()) {
             let page = report::of_sweep(&swept, first)?;
             let files = [
                 ("report.html", page),
                 ("sweep.csv", csv(&rows)),
-                ("sweep.json", told.clone()),
+                ("sweep.json", json_text.clone()),
             ];
             output::write_all(folder, &files)?;
         }
         if self.common.json {
-            answer!("{told}");
+            answer!("{json_text}");
         } else {
             print(&swept, &methods);
             look_at_report(self.out.as_deref());
@@ -81,7 +81,7 @@ impl Sweep {
         let asked = experiments.len() * methods.len();
         if rows.len() < asked {
             return Err(Failure::test(format!(
-                "interrupted: {} of {asked} tests ran, and only they are told of",
+                "interrupted: {} of {asked} tests ran, and only they are reported",
                 rows.len()
             )));
         }
@@ -136,11 +136,9 @@ fn print(swept: &SweepResult<'_>, methods: &[Method]) {
         let own = swept.rows.iter().filter(|r| r.value == value);
         let peak_m = own.map(|r| r.ideal_peak_m).fold(0.0, f64::max);
         let mut cells = vec![value.to_string(), length(peak_m)];
-        cells.extend(
-            methods
-                .iter()
-                .map(|m| sweep::worst(swept.rows, m.name(), value).map_or_else(String::new, told)),
-        );
+        cells.extend(methods.iter().map(|m| {
+            sweep::worst(swept.rows, m.name(), value).map_or_else(String::new, percent_or_lost)
+        }));
         cells.extend(swept.fragility.iter().map(|f| {
             let share = f.shares.iter().find(|s| s.value == value);
             share.map_or_else(String::new, |s| format!("{} of {}", s.beyond, s.of))

@@ -57,7 +57,7 @@ impl Data<'_> {
 
     /// The parameters of a name in a fit; `spread` is of this fit.
     pub fn figures(&self, fit: &Fit, name: Effect, spread: &[f64]) -> Vec<Figure> {
-        if let Some(i) = Channel::Actuator.mistaken(name) {
+        if let Some(i) = Channel::Actuator.parameter_of_error(name) {
             let p = &Channel::Actuator.parameters()[i];
             let had = self.base.values[i];
             let error = p.error(fit.declared[i] / unit(i), had);

@@ -208,7 +208,7 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     let mut rest = set.clone();
     rest.elements.retain(|e| !group.elements.contains(e));
     if group.kind == Kind::Parameter
-        && let Some(i) = Channel::Specimen.mistaken(group.name)
+        && let Some(i) = Channel::Specimen.parameter_of_error(group.name)
     {
         rest.moved[i] = false;
     }
@@ -341,7 +341,7 @@ fn in_place_of(
     let others: Vec<usize> = (0..library.elements.len())
         .filter(|&e| allowed(e) && !rest.elements.contains(&e))
         .collect();
-    let parameter = Channel::Specimen.mistaken(of);
+    let parameter = Channel::Specimen.parameter_of_error(of);
     let parameter = parameter.filter(|_| not == Kind::Parameter);
     let with = |set: &Set, e: usize| {
         let (set, fall) = freest(library, set.with(e), parameter);

@@ -123,7 +123,7 @@ const UNTOLD: f64 = 1e-6;
 
 /// A declared parameter that has left its tolerance, as the change that it is.
 fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
-    let Some(i) = Channel::Specimen.mistaken(name) else {
+    let Some(i) = Channel::Specimen.parameter_of_error(name) else {
         return Vec::new();
     };
     let p = &Channel::Specimen.parameters()[i];

@@ -17,7 +17,7 @@ pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> 
     let port = Emulated::with(emulator, &laboratory).unwrap();
     let mut connection = Connection::new(port, Timeouts::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
-    BoardBench::new(connection, plan, Operator::nobody())
+    BoardBench::new(connection, plan, Operator::not_asked())
 }
 
 /// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again.

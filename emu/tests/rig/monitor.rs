@@ -79,7 +79,7 @@ fn run(rig: &str, shaken: &Shaking, fault: Option<Planned>) -> Ran {
         Calibration::placeholder(&crate::desk::codes()),
     )
     .unwrap();
-    let bench = BoardBench::new(connection, plan, Operator::nobody());
+    let bench = BoardBench::new(connection, plan, Operator::not_asked());
     let method = experiment.test.config.compensation.kind;
     let run = experiment
         .run_on(&bench, method, &ideal, true, None::<Trace>)

@@ -50,7 +50,7 @@ fn a_test_that_is_stopped_by_hand_slows_down_on_its_ramp_and_keeps_its_record() 
     let mut desk = Desk::new(None);
     desk.calibrate();
     let plan = PlannedMotion::of(&experiment, &ideal);
-    let bench = BoardBench::new(desk.connection(), plan, Operator::nobody());
+    let bench = BoardBench::new(desk.connection(), plan, Operator::not_asked());
     let mut hand = Hand::default();
     let method = test.config.compensation.kind;
     let run = experiment

@@ -20,7 +20,7 @@ fn ten_seconds_at_an_exact_period_with_the_bits_of_the_loop_on_this_machine() {
     let mut desk = Desk::new(None);
     desk.calibrate();
     let plan = PlannedMotion::of(&experiment, &ideal);
-    let bench = BoardBench::new(desk.connection(), plan, Operator::nobody());
+    let bench = BoardBench::new(desk.connection(), plan, Operator::not_asked());
     let method = test.config.compensation.kind;
     let run = experiment
         .run_on(&bench, method, &ideal, true, None::<Trace>)

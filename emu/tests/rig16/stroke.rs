@@ -34,7 +34,7 @@ fn over_250_mm_the_error_is_within_5_percent_of_the_one_without_converters() {
     let port = Emulated::with(emulator, &laboratory).unwrap();
     let mut connection = Connection::new(port, Timeouts::EMULATED);
     calibrate(&mut connection, laboratory.calibration).unwrap();
-    let bench = BoardBench::new(connection, plan, Operator::nobody()).with_bits(Some(16));
+    let bench = BoardBench::new(connection, plan, Operator::not_asked()).with_bits(Some(16));
     let run = experiment
         .run_on(&bench, method, &ideal, true, None::<Trace>)
         .unwrap();

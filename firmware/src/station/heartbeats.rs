@@ -78,7 +78,7 @@ impl Heartbeats {
     }
 
     /// Steps since the last heartbeat.
-    pub fn age(&self, of: Heartbeat) -> u32 {
+    pub fn steps_since(&self, of: Heartbeat) -> u32 {
         let tick = self.tick.load(Relaxed);
         tick.wrapping_sub(self.last[of as usize].load(Relaxed))
     }
@@ -87,12 +87,12 @@ impl Heartbeats {
     pub fn starved(&self, timeouts: Timeouts) -> Option<Heartbeat> {
         [Heartbeat::Listen, Heartbeat::Report]
             .into_iter()
-            .find(|&task| self.age(task) > timeouts.task_steps)
+            .find(|&task| self.steps_since(task) > timeouts.task_steps)
     }
 
     /// Nothing has come from the PC for too long.
     pub fn pc_is_lost(&self, timeouts: Timeouts) -> bool {
-        self.age(Heartbeat::Pc) > timeouts.pc_steps
+        self.steps_since(Heartbeat::Pc) > timeouts.pc_steps
     }
 }
 

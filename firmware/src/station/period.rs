@@ -172,7 +172,7 @@ impl<const A: usize> Station<A> {
         }
         self.tick = self.tick.wrapping_add(1);
         self.heartbeats.advance(self.tick);
-        self.obey(hardware);
+        self.take_order(hardware);
         match starved {
             None => hardware.feed(),
             Some(task) => hardware.starving(task, self.tick, self.state()),
@@ -241,7 +241,7 @@ impl<const A: usize> Station<A> {
     }
 
     /// Takes one order.
-    fn obey(&mut self, hardware: &mut impl Hardware<A>) {
+    fn take_order(&mut self, hardware: &mut impl Hardware<A>) {
         if !self.outcomes.ready() {
             return;
         }
@@ -279,7 +279,7 @@ impl<const A: usize> Output<A> {
             let code = if permit {
                 feedback.code(calibration, top, command_m)
             } else {
-                feedback.standing(calibration, top, command_m)
+                feedback.code_at_standstill(calibration, top, command_m)
             };
             if let Some(code) = code {
                 hardware.output(actuator, code);

@@ -52,7 +52,7 @@ fn run_on(t: &TestFile, board: Loopback) -> Result<JudgedRun, Failure> {
 }
 
 fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<JudgedRun, Failure> {
-    run_by(t, connection, Operator::nobody())
+    run_by(t, connection, Operator::not_asked())
 }
 
 fn run_by(
@@ -265,7 +265,7 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
     let plan = PlannedMotion::of(&experiment, &ideal);
-    let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::nobody());
+    let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::not_asked());
     let method = t.config.compensation.kind;
     let none = || None::<outerloop_cli::trace::Trace>;
     let first = experiment
@@ -278,14 +278,14 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     assert!(said.contains("stands tripped on displacement"), "{said}");
     let mut connection = bench.into_connection();
     board::clear(&mut connection).unwrap();
-    let bench = BoardBench::new(connection, plan, Operator::nobody());
+    let bench = BoardBench::new(connection, plan, Operator::not_asked());
     let again = experiment.run_on(&bench, method, &ideal, false, none());
     assert_eq!(again.unwrap().summary.trip, Some("displacement"));
 }
 
 /// A trajectory is played to its end by an actuator, with nobody at the board.
 fn play(connection: &mut Connection<Loopback>, t: &TestFile, trajectory: &Trajectory) -> Played {
-    let nobody = Operator::nobody();
+    let nobody = Operator::not_asked();
     let played = board::commission(connection, t, (trajectory, 0), &nobody, &mut ()).unwrap();
     assert_eq!(played.early, None);
     played
@@ -331,7 +331,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
             &mut connection,
             &t,
             (&trajectory, 0),
-            &Operator::nobody(),
+            &Operator::not_asked(),
             &mut (),
         );
         let refused = refused.unwrap_err().to_string();

@@ -80,7 +80,7 @@ fn commission(
 ) -> Result<Played, Failure> {
     let trajectory = chirp();
     let alone = (&trajectory, actuator);
-    board::commission(connection, t, alone, &Operator::nobody(), &mut ())
+    board::commission(connection, t, alone, &Operator::not_asked(), &mut ())
 }
 
 fn loopback(t: &TestFile) -> Loopback<3> {
@@ -99,7 +99,7 @@ fn run(t: &TestFile, loopback: Loopback<3>, calibrated: usize) -> Result<JudgedR
     let experiment = Experiment::new(t.clone(), &near_fault(), None).unwrap();
     let ideal = experiment.ideal().unwrap();
     let plan = PlannedMotion::of(&experiment, &ideal);
-    let bench = BoardBench::new(connection, plan, Operator::nobody())
+    let bench = BoardBench::new(connection, plan, Operator::not_asked())
         .expecting(t.board.calibration.clone());
     let method = t.config.compensation.kind;
     experiment.run_on(&bench, method, &ideal, true, None::<Trace>)
@@ -415,7 +415,7 @@ fn targets_for_three_actuators_are_gone_to_and_answered_with_three_forces() {
             board::calibrate_one(&mut connection, actuator, calibration).unwrap();
         }
         let mut rig =
-            serve_on_board(&t, connection, Operator::nobody(), false, true, None).unwrap();
+            serve_on_board(&t, connection, Operator::not_asked(), false, true, None).unwrap();
         rig.begin().unwrap();
         let (mut worst_n, mut last) = (0.0_f64, [0.0; 3]);
         for i in 1..=60 {

@@ -42,7 +42,7 @@ fn served(test: &TestFile, prepare: impl FnOnce(&mut Loopback)) -> Box<dyn Mover
     let port: Box<dyn Port> = Box::new(loopback);
     let mut connection: BoardConnection = Connection::new(port, QUICK);
     board::calibrate(&mut connection, wired).unwrap();
-    serve_on_board(test, connection, Operator::nobody(), false, true, None).unwrap()
+    serve_on_board(test, connection, Operator::not_asked(), false, true, None).unwrap()
 }
 
 /// A client that asks for the force at each displacement, a step of 10 ms apart; what it was answered.
@@ -92,7 +92,7 @@ fn session(
     let (stream, _) = listener.accept().unwrap();
     let served = serve_client(stream, "client", &DeclaredElement::of(test).unwrap(), rig);
     let summary = served.summary.clone();
-    served.dismiss();
+    served.answer_nan_until_gone();
     let trace = rig.take_trace().unwrap();
     (outside.join().unwrap(), summary, trace)
 }

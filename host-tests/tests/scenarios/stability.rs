@@ -75,7 +75,7 @@ fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
 
 /// Both must agree to 2 % of the growth, and to what the rms of some cycles resolves.
 fn agree<const N: usize>(s: &Scenario) {
-    let said = eigenvalues(s, Knowledge::Told);
+    let said = eigenvalues(s, Knowledge::Declared);
     // Until the dominant mode is alone, but not until it has left the range of f32.
     let seconds = (15.0 / said.growth_per_s.abs()).clamp(12.0, 120.0);
     let seen = growth::<N>(s, seconds);
@@ -193,7 +193,7 @@ fn variable_damping_is_stable_where_its_cycle_says_so() {
         let s = Scenario::delayed(Config::shear_frame([1000.0], [STIFFNESS], [0.02]), delay_ms);
         for method in [Method::Eq14, Method::Paper] {
             let s = s.with(method);
-            let (said, seen) = (eigenvalues(&s, Knowledge::Told), growth::<1>(&s, 20.0));
+            let (said, seen) = (eigenvalues(&s, Knowledge::Declared), growth::<1>(&s, 20.0));
             println!(
                 "{} at {delay_ms} ms: {:+.3}, {seen:+.3} 1/s",
                 method.name(),

@@ -131,7 +131,7 @@ mod tests {
     }
 
     /// The way of the test: a translation and a rotation of two frequencies.
-    fn way(k: u32, rate_hz: f64) -> Pair {
+    fn test_motion(k: u32, rate_hz: f64) -> Pair {
         let t = f64::from(k) / rate_hz;
         let begin = 1.0 - (-(3.0 * t).powi(4)).exp();
         [
@@ -152,7 +152,7 @@ mod tests {
                 .sum()
         };
         for k in 0..8192 {
-            let at = way(k, rate);
+            let at = test_motion(k, rate);
             let force = specimen.step(at);
             let v = [0, 1].map(|i| specimen.motion[i].velocity_m_s());
             for i in 0..2 {
@@ -182,7 +182,7 @@ mod tests {
             (sign, CoupledSpecimen::new(&yielding, 1024.0))
         });
         for k in 0..2000 {
-            let at = way(k, 1024.0);
+            let at = test_motion(k, 1024.0);
             let [plus, minus] = [0, 1].map(|b| {
                 let (sign, specimen) = &mut both[b];
                 specimen.step(at.map(|x| *sign * x))

@@ -4,7 +4,7 @@
 pub fn numbers(line: &str, width: Option<usize>) -> Vec<Result<f64, &str>> {
     let words: Vec<&str> = match width {
         Some(width) => fields(line, width),
-        None => line.split_whitespace().flat_map(apart).collect(),
+        None => line.split_whitespace().flat_map(split_numbers).collect(),
     };
     words.into_iter().map(number).collect()
 }
@@ -30,7 +30,7 @@ fn fields(line: &str, width: usize) -> Vec<&str> {
 }
 
 /// Numbers that stand without a blank between them: a sign begins a new one unless it is that of an exponent.
-fn apart(word: &str) -> Vec<&str> {
+fn split_numbers(word: &str) -> Vec<&str> {
     let bytes = word.as_bytes();
     let begins = |at: usize| {
         at == 0

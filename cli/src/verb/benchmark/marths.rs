@@ -108,9 +108,9 @@ impl Marths {
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
-        let told = WithProvenance::of(&answer);
+        let with_provenance = WithProvenance::of(&answer);
         if self.json {
-            answer!("{}", json(&told)?);
+            answer!("{}", json(&with_provenance)?);
         } else {
             if let Some(file) = &self.model {
                 println!(
@@ -128,7 +128,7 @@ impl Marths {
             let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
             let mut files = vec![
                 ("report.html".to_owned(), page),
-                ("marths.json".to_owned(), json(&told)?),
+                ("marths.json".to_owned(), json(&with_provenance)?),
                 (
                     "declared.toml".to_owned(),
                     physical_part::to_toml(&problem.part)?,

@@ -111,9 +111,9 @@ impl Rths {
             "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": targets,
             "best": best(&rows), "rows": rows, "seconds": seconds,
         });
-        let told = WithProvenance::of(&answer);
+        let with_provenance = WithProvenance::of(&answer);
         if self.json {
-            answer!("{}", json(&told)?);
+            answer!("{}", json(&with_provenance)?);
         } else {
             print(&rules, &rows, &targets);
         }
@@ -121,7 +121,10 @@ impl Rths {
             let page = report::of_rths(&bench, &rows, &targets)?;
             output::write_all(
                 folder,
-                &[("report.html", page), ("rths.json", json(&told)?)],
+                &[
+                    ("report.html", page),
+                    ("rths.json", json(&with_provenance)?),
+                ],
             )?;
         }
         Ok(())

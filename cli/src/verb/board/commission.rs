@@ -137,7 +137,7 @@ impl Commission {
             if turn.of > 1 {
                 let text = toml::to_string(&Actuators { actuator: &found })
                     .map_err(|e| Failure::test(format!("what was found cannot be written: {e}")))?;
-                output::write(&self.beside("-actuators.toml"), &text)?;
+                output::write(&self.sibling_file("-actuators.toml"), &text)?;
             }
             wrong(&turn)
         });
@@ -148,14 +148,14 @@ impl Commission {
             );
             println!(
                 "What was found is in {}.",
-                self.beside("-actuators.toml").display()
+                self.sibling_file("-actuators.toml").display()
             );
         }
         played
     }
 
     /// A file beside the recording.
-    fn beside(&self, ending: &str) -> PathBuf {
+    fn sibling_file(&self, ending: &str) -> PathBuf {
         let stem = self.out.file_stem().unwrap_or_default().to_string_lossy();
         self.out.with_file_name(format!("{stem}{ending}"))
     }
@@ -167,7 +167,7 @@ impl Commission {
             1 => self.out.clone(),
             _ => {
                 let ending = self.out.extension().unwrap_or_default().to_string_lossy();
-                self.beside(&format!("-{number}.{ending}"))
+                self.sibling_file(&format!("-{number}.{ending}"))
             }
         };
         output::write(&file, &turn.played.text)?;

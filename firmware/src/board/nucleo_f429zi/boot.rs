@@ -60,7 +60,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     let stack = HighWater::paint();
     fatal::note_heartbeats(&HEARTBEATS);
     let started = kept::start();
-    let last_words = kept::last_words(started);
+    let last_words = kept::crash_before(started);
     if let Some(mut core) = Peripherals::take() {
         clocks::start_cycle_counter(&mut core);
         stack_guard::close(&mut core.MPU);
@@ -127,7 +127,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
         answered,
     } = C::new(resources, setup.period_ticks, |actuator, displacement| {
         let calibration = calibrations.get(actuator).unwrap_or(&placeholder);
-        standing(calibration, &C::CODES, displacement)
+        code_at_standstill(calibration, &C::CODES, displacement)
     });
 
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
@@ -251,7 +251,7 @@ fn unconfigured(place: &'static Place, clock: &Clock, actuators: usize) -> &'sta
 
 /// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
 /// that is further out, and there PERMIT cannot be given.
-fn standing(calibration: &Calibration, codes: &CodeRange, displacement: u16) -> u16 {
+fn code_at_standstill(calibration: &Calibration, codes: &CodeRange, displacement: u16) -> u16 {
     let position_m = calibration.displacement.quantity(displacement);
     let line = &calibration.command;
     ErrorFeedback::new()

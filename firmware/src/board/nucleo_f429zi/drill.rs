@@ -110,7 +110,7 @@ pub fn overrun() {
 #[inline(never)]
 fn lower(eights: u32) -> u32 {
     match eights {
-        0 => deeper(1),
+        0 => use_stack(1),
         _ => black_box(lower(eights - 1)),
     }
 }
@@ -118,11 +118,11 @@ fn lower(eights: u32) -> u32 {
 /// Without end as long as the drill is asked for. That stands in a static: what lies on a stack that has left the memory
 /// decides nothing.
 #[inline(never)]
-fn deeper(depth: u32) -> u32 {
+fn use_stack(depth: u32) -> u32 {
     let mut room = [depth; 16];
     black_box(&mut room);
     let below = match asked() {
-        Drill::Stack { .. } => deeper(depth + 1),
+        Drill::Stack { .. } => use_stack(depth + 1),
         _ => 0,
     };
     below + room.iter().sum::<u32>()

@@ -50,7 +50,7 @@ fn drop_permit() {
 }
 
 /// The end, with PERMIT low: the reason is kept, and the watchdog resets the chip.
-fn die(cause: CrashCause, text: String<96>) -> ! {
+fn halt(cause: CrashCause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
     pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
     // SAFETY: null or what `note_heartbeats` was given.
@@ -82,7 +82,7 @@ fn write_panic(info: &core::panic::PanicInfo<'_>) -> ! {
         let _ = write!(text, "{file}:{} ", at.line());
     }
     let _ = write!(text, "{}", info.message());
-    die(CrashCause::Panic, text.0)
+    halt(CrashCause::Panic, text.0)
 }
 
 /// As much of a text as fits.
@@ -137,19 +137,19 @@ extern "C" fn faulted(frame: u32) -> ! {
             text,
             "the stack grew beyond {end:#010x}, CFSR {status:#010x}"
         );
-        die(CrashCause::StackOverflow, text.0)
+        halt(CrashCause::StackOverflow, text.0)
     }
     // SAFETY: the frame lies in the stack; its seventh word is the program counter.
     let pc = unsafe { (frame as *const u32).add(6).read_volatile() };
     let _ = write!(text, "pc {pc:#010x}, CFSR {status:#010x}");
-    die(CrashCause::HardFault, text.0)
+    halt(CrashCause::HardFault, text.0)
 }
 
 /// The external clock has stopped.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() -> ! {
     drop_permit();
-    die(
+    halt(
         CrashCause::ClockStopped,
         link::reply::cut("the external clock stopped"),
     )
@@ -159,7 +159,7 @@ unsafe fn NonMaskableInt() -> ! {
 #[interrupt]
 fn PVD() {
     drop_permit();
-    die(
+    halt(
         CrashCause::LowSupply,
         link::reply::cut("the supply fell below 2.9 V"),
     )

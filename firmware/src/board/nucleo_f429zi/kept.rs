@@ -92,7 +92,7 @@ pub fn start() -> StartCause {
 }
 
 /// The last words that belong to such a start. A watchdog that nobody has announced is news too.
-pub fn last_words(start: StartCause) -> Option<CrashReport> {
+pub fn crash_before(start: StartCause) -> Option<CrashReport> {
     match (start, take()) {
         (StartCause::Power | StartCause::BrownOut, _) => None,
         (StartCause::Watchdog, None) => Some(CrashReport {

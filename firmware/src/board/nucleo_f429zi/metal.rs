@@ -74,7 +74,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn began_late(&self) -> bool {
-        self.period.is_past(C::LATEST_BEGIN_US)
+        self.period.has_passed(C::LATEST_BEGIN_US)
     }
 
     #[inline]

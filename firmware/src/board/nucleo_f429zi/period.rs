@@ -56,7 +56,7 @@ impl Period {
 
     /// So many microseconds of the period are over, and more.
     #[inline]
-    pub fn is_past(&self, us: u32) -> bool {
+    pub fn has_passed(&self, us: u32) -> bool {
         pac::TIM2.cnt().read() > us * TICKS_PER_US
     }
 }

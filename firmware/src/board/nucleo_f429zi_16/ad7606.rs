@@ -118,7 +118,7 @@ impl Ad7606 {
 
 impl ConversionPins {
     /// To the timer.
-    pub fn hand_over(mut self) {
+    pub fn give_pin_to_timer(mut self) {
         let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);
         self.convst.set_as_af_unchecked(AF_TIM2, convst);
         self.busy

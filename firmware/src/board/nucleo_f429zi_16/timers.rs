@@ -32,8 +32,8 @@ const BUSY: usize = 3;
 /// Gives the pins to the timers; what waits in the output converter is loaded by hand before.
 pub fn take_pins(ldac: LoadPin, line: ConversionPins) {
     channels();
-    ldac.hand_over();
-    line.hand_over();
+    ldac.give_pin_to_timer();
+    line.give_pin_to_timer();
 }
 
 /// What the timers' channels do beside their updates.
@@ -93,7 +93,7 @@ impl LoadPin {
     }
 
     /// Loads what waits, then gives the line to the timer.
-    fn hand_over(mut self) {
+    fn give_pin_to_timer(mut self) {
         cortex_m::asm::delay(WAIT);
         self.0.set_low();
         cortex_m::asm::delay(WAIT);

@@ -44,7 +44,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Piece, usize), String> {
         minute,
         second,
     ];
-    let told = read.array(16).map(f64::from_be_bytes).ok_or_else(cut)?;
+    let stored = read.array(16).map(f64::from_be_bytes).ok_or_else(cut)?;
     let encoding = header[15];
     let steim = matches!(encoding, 10 | 11);
     let values = reader(&record[samples..], steim).values(encoding, word(24)? as usize)?;
@@ -54,7 +54,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Piece, usize), String> {
             channel,
             start_us: seconds_us(at) + i64::from(word(4)?) / 1000,
             // Below zero it is the interval, s.
-            rate_hz: if told < 0.0 { -1.0 / told } else { told },
+            rate_hz: if stored < 0.0 { -1.0 / stored } else { stored },
             values,
             counts: is_counts(encoding),
         },
