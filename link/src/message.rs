@@ -218,7 +218,7 @@ mod tests {
                 dropped_steps: 3,
                 stack_bytes: 4096,
                 started: StartCause::Watchdog,
-                last_words: Some(CrashReport {
+                last_crash: Some(CrashReport {
                     cause: CrashCause::Panic,
                     tick: 77,
                     state: Mode::Running,

@@ -42,7 +42,7 @@ pub struct Status {
     /// Why the board last started.
     pub started: StartCause,
     /// What the program said last before a start that nobody asked for.
-    pub last_words: Option<CrashReport>,
+    pub last_crash: Option<CrashReport>,
 }
 
 /// Times of the control step, in cycles of the processor.

@@ -139,7 +139,7 @@ fn identity(others: &[Calibration]) -> Identity {
     }
 }
 
-fn status(trip: Option<Trip>, started: StartCause, last_words: Option<CrashReport>) -> Status {
+fn status(trip: Option<Trip>, started: StartCause, last_crash: Option<CrashReport>) -> Status {
     Status {
         tick: 70_000,
         state: Mode::Tripped,
@@ -170,7 +170,7 @@ fn status(trip: Option<Trip>, started: StartCause, last_words: Option<CrashRepor
         dropped_steps: 3,
         stack_bytes: 4096,
         started,
-        last_words,
+        last_crash,
     }
 }
 

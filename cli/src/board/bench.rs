@@ -222,11 +222,11 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
         };
         let (done_steps, _) = see(self.in_force.last());
         let wall_s = began.elapsed().as_secs_f64();
-        let vitals = match &lost {
+        let board_status = match &lost {
             None => Some(status(self.board)?),
             Some(_) => None,
         };
-        let trip = match (&vitals, ended) {
+        let trip = match (&board_status, ended) {
             (Some(status), Mode::Tripped) => status.trip,
             (None, _) => Some(Trip {
                 fault: Fault::LinkLost,
@@ -241,7 +241,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             self.in_force.wait_for_rest(self.board)?;
             clear(self.board)?;
         }
-        let (board, vitals) = (&*self.board, vitals.as_ref());
+        let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
         Ok(Ending {
             state: ended,
@@ -250,7 +250,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             wall_s,
             board: Some(
                 self.in_force
-                    .account(board, self.identity, vitals, lost, fault),
+                    .account(board, self.identity, board_status, lost, fault),
             ),
         })
     }

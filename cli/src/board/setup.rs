@@ -33,7 +33,7 @@ pub(crate) fn ready<P: Port>(
 /// Checks that the board is idle.
 fn make_idle<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
     let now = status(board)?;
-    if let Some(said) = describe_words(now.started, now.last_words.as_ref()) {
+    if let Some(said) = describe_words(now.started, now.last_crash.as_ref()) {
         eprintln!("outerloop: note: {said}");
     }
     match (now.state, now.trip) {

@@ -106,6 +106,6 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
             "a converter outside the chip did not answer when the board started: the board refuses to arm".into(),
         );
     }
-    lines.extend(describe_words(status.started, status.last_words.as_ref()));
+    lines.extend(describe_words(status.started, status.last_crash.as_ref()));
     lines.join("\n")
 }

@@ -306,16 +306,16 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
             Some(why) => Err(Failure::test(why.clone())),
             None => self.finish(&mut test),
         };
-        let vitals = ended
+        let board_status = ended
             .as_ref()
             .ok()
             .and_then(|()| status(&mut self.board).ok());
-        self.permit = vitals.as_ref().is_some_and(|v| v.permit);
+        self.permit = board_status.as_ref().is_some_and(|v| v.permit);
         let why = ended.as_ref().err().map(Failure::to_string);
         self.account = Some(test.in_force.account(
             &self.board,
             &test.identity,
-            vitals.as_ref(),
+            board_status.as_ref(),
             why,
             test.trip,
         ));

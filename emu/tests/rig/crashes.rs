@@ -65,11 +65,11 @@ fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
 }
 
 fn words(status: &Status) -> &CrashReport {
-    status.last_words.as_ref().expect("last words")
+    status.last_crash.as_ref().expect("a crash report")
 }
 
 /// PERMIT goes low at once, nothing moves the converter any more, the watchdog resets, and the cause is reported. Gives the
-/// program's last words.
+/// program's crash report.
 fn dies_at_once(drill: u32, cause: CrashCause) -> String {
     let (course, status) = crash(drill);
     let after = course.permit_low_ns - course.fault_ns;

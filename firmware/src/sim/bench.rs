@@ -82,7 +82,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
                     crystal_ok: true,
                     converters_ok: true,
                     started: StartCause::Power,
-                    last_words: None,
+                    last_crash: None,
                 },
                 Parts {
                     orders,

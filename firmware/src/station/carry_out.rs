@@ -1,6 +1,6 @@
 //! Orders from the tasks, carried out in the control interrupt, one a period.
 
-use super::order::{Order, RefusedOrder, Returned, Vitals};
+use super::order::{LoopStatus, Order, RefusedOrder, Returned};
 use super::period::{Output, Station};
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
@@ -31,7 +31,7 @@ impl<const A: usize> Station<A> {
                 }
                 Ok(Returned::Nothing)
             }
-            Order::Vitals => Ok(Returned::Vitals(self.vitals())),
+            Order::LoopStatus => Ok(Returned::LoopStatus(self.loop_status())),
             order if !idle => Err(RefusedOrder::NotIdle(Some(order))),
             Order::Exchange(setup) => {
                 let old = core::mem::replace(&mut self.setup, setup);
@@ -84,10 +84,10 @@ impl<const A: usize> Station<A> {
             .map_err(RefusedOrder::Event)
     }
 
-    fn vitals(&self) -> Vitals {
+    fn loop_status(&self) -> LoopStatus {
         let time = &self.setup.time;
         let mean = time.total_ticks().checked_div(u64::from(time.steps()));
-        Vitals {
+        LoopStatus {
             trip: self.setup.outer.trip(),
             permit: self.output.permit,
             configured: self.setup.configured,

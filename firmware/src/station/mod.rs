@@ -30,7 +30,7 @@ pub use any_loop::AnyLoop;
 pub use chain::CHAIN_TIMEOUT_S;
 pub use heartbeats::{Heartbeat, Heartbeats, PC_TIMEOUT_S, TASK_TIMEOUT_S, Timeouts};
 pub use motion::{Loaded, Points, Writable};
-pub use order::{Order, Outcome, PerActuator, RefusedOrder, Returned, Vitals};
+pub use order::{LoopStatus, Order, Outcome, PerActuator, RefusedOrder, Returned};
 pub use period::{QueueEnds, Report, Station};
 pub use ring::{Flash, Ring};
 pub use service::{Board, CommandResult, Parts, Service};

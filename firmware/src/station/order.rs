@@ -34,7 +34,7 @@ pub enum Order {
     /// A record of the steps before a fault.
     History(u8),
     /// How are you.
-    Vitals,
+    LoopStatus,
 }
 
 /// What became of an order.
@@ -58,7 +58,7 @@ pub enum Returned {
     /// A record.
     Record(Vec<u32, MAX_RECORD>),
     /// How the interrupt is.
-    Vitals(Vitals),
+    LoopStatus(LoopStatus),
 }
 
 /// Nothing was done; what was given comes back.
@@ -75,7 +75,7 @@ pub enum RefusedOrder {
 
 /// How the interrupt is.
 #[derive(Clone, Copy, Debug)]
-pub struct Vitals {
+pub struct LoopStatus {
     /// The first fault.
     pub trip: Option<Trip>,
     /// The PERMIT line.

@@ -9,7 +9,7 @@ mod uploads;
 
 use super::commission::Generator;
 use super::motion::Writable;
-use super::order::{Order, Outcome, PerActuator, RefusedOrder, Returned, Vitals};
+use super::order::{LoopStatus, Order, Outcome, PerActuator, RefusedOrder, Returned};
 use super::period::Report;
 use super::settings::Wiring;
 use super::setup::{Clock, Setup};
@@ -53,7 +53,7 @@ pub struct Board {
     /// Why the board started.
     pub started: StartCause,
     /// What was kept across the reset.
-    pub last_words: Option<CrashReport>,
+    pub last_crash: Option<CrashReport>,
 }
 
 /// What becomes of a command.
@@ -172,7 +172,7 @@ impl Service {
         self.request = request;
         match command {
             Command::Identify => self.reply(self.identity()),
-            Command::Status => self.order(Order::Vitals, Pending::Status(link, stack_bytes)),
+            Command::Status => self.order(Order::LoopStatus, Pending::Status(link, stack_bytes)),
             Command::Configure(config) => self.configure(config),
             Command::Calibrate(actuator, calibration) => {
                 self.calibrate(actuator, calibration, None)
@@ -217,8 +217,8 @@ impl Service {
             Err(refused) => return self.refuse(refused),
         };
         match (pending, returned) {
-            (Pending::Status(link, stack_bytes), Returned::Vitals(vitals)) => {
-                self.reply(self.status(tick, state, &vitals, link, stack_bytes))
+            (Pending::Status(link, stack_bytes), Returned::LoopStatus(loop_status)) => {
+                self.reply(self.status(tick, state, &loop_status, link, stack_bytes))
             }
             (Pending::Configure(config), Returned::Setup(old, motion)) => {
                 self.rate_hz = config.timing.rate_hz as f32;
@@ -360,18 +360,18 @@ impl Service {
         &self,
         tick: u32,
         state: Mode,
-        vitals: &Vitals,
+        loop_status: &LoopStatus,
         link: DecoderCounts,
         stack: u32,
     ) -> Reply {
         Reply::Status(Status {
             tick,
             state,
-            trip: vitals.trip,
-            permit: vitals.permit,
-            configured: vitals.configured,
+            trip: loop_status.trip,
+            permit: loop_status.permit,
+            configured: loop_status.configured,
             calibrated: self.is_calibrated(),
-            points: vitals.points,
+            points: loop_status.points,
             crystal_ok: self.board.crystal_ok,
             converters_ok: self.board.converters_ok,
             codes: self.last_codes(0),
@@ -379,12 +379,12 @@ impl Service {
                 .map(|actuator| self.last_codes(actuator))
                 .take(MAX_ACTUATORS - 1)
                 .collect(),
-            timing: vitals.timing,
+            timing: loop_status.timing,
             link,
-            dropped_steps: vitals.dropped_steps,
+            dropped_steps: loop_status.dropped_steps,
             stack_bytes: stack,
             started: self.board.started,
-            last_words: self.board.last_words.clone(),
+            last_crash: self.board.last_crash.clone(),
         })
     }
 

@@ -60,7 +60,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     let stack = HighWater::paint();
     fatal::note_heartbeats(&HEARTBEATS);
     let started = kept::start();
-    let last_words = kept::crash_before(started);
+    let last_crash = kept::crash_before(started);
     if let Some(mut core) = Peripherals::take() {
         clocks::start_cycle_counter(&mut core);
         stack_guard::close(&mut core.MPU);
@@ -147,9 +147,9 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
         crystal_ok,
         converters_ok: answered,
         started,
-        last_words,
+        last_crash,
     };
-    let crashed = board.last_words.is_some();
+    let crashed = board.last_crash.is_some();
     let parts = Parts {
         orders: orders_in,
         spare: spare(&clock, A),

@@ -24,7 +24,7 @@ const ADDRESS_IS_KNOWN: u32 = 1 << 7;
 
 static HEARTBEATS: AtomicPtr<Heartbeats> = AtomicPtr::new(core::ptr::null_mut());
 
-/// Where the control step's number can be read for last words.
+/// Where the control step's number can be read for a crash report.
 pub fn note_heartbeats(heartbeats: &'static Heartbeats) {
     HEARTBEATS.store(core::ptr::from_ref(heartbeats).cast_mut(), Relaxed);
 }

@@ -7,7 +7,7 @@ use link::frame::checksum;
 use link::status::{CrashCause, CrashReport, StartCause};
 use outerloop_core::Mode;
 
-/// Bytes of coded last words, at most.
+/// Bytes of a coded crash report, at most.
 const ROOM: usize = 160;
 
 #[repr(C)]
@@ -23,7 +23,7 @@ static mut KEPT: MaybeUninit<Kept> = MaybeUninit::uninit();
 
 static STATE: AtomicU8 = AtomicU8::new(Mode::Idle as u8);
 
-/// The control interrupt's state after a step, for last words.
+/// The control interrupt's state after a step, for a crash report.
 #[inline]
 pub fn note_state(state: Mode) {
     STATE.store(state as u8, Relaxed);
@@ -91,7 +91,7 @@ pub fn start() -> StartCause {
     }
 }
 
-/// The last words that belong to such a start. A watchdog that nobody has announced is news too.
+/// The crash report that belongs to such a start. A watchdog that nobody has announced is news too.
 pub fn crash_before(start: StartCause) -> Option<CrashReport> {
     match (start, take()) {
         (StartCause::Power | StartCause::BrownOut, _) => None,
