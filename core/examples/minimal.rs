@@ -18,7 +18,7 @@ const STIFFNESS: f32 = 158e3;
 fn largest(method: Method) -> Result<f32, Refusal> {
     let mut config = Config::shear_frame([1000.0], [f64::from(STIFFNESS)], [0.02]);
     config.compensation.kind = method;
-    config.compensation.delay_ms = 4.0;
+    config.compensation.delay_ms = 4.0.into();
     let mut outer = OuterLoop::<1>::new(Design::new(&config)?);
 
     let points: [f32; 3000] = core::array::from_fn(|i| libm::sinf(0.11 * i as f32));

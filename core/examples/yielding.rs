@@ -36,7 +36,7 @@ impl Specimen {
 fn response(method: Method, late: usize) -> Result<Vec<f32>, Refusal> {
     let mut config = Config::shear_frame([1000.0], [f64::from(SPECIMEN.0)], [0.02]);
     config.compensation.kind = method;
-    config.compensation.delay_ms = 8.0;
+    config.compensation.delay_ms = 8.0.into();
     let mut outer = OuterLoop::<1>::new(Design::new(&config)?);
     let points: [f32; 1000] = core::array::from_fn(|i| {
         let t = 0.01 * i as f32;

@@ -5,7 +5,7 @@ use crate::matrix::Matrix;
 use crate::structure::Structure;
 
 /// The test around a method.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Context<'a, const N: usize> {
     /// `[compensation]`, with the parameters of all methods.
     pub parameters: &'a Compensation,
@@ -21,17 +21,37 @@ pub(crate) struct Context<'a, const N: usize> {
     pub time_scale: f64,
     /// Integration step, s of model time.
     pub model_step_s: f64,
+    /// The actuator whose times are asked for, from 0.
+    pub actuator: usize,
 }
 
 impl<const N: usize> Context<'_, N> {
+    /// The same test as another actuator sees it; what has none is as the last one.
+    pub fn of(&self, actuator: usize) -> Self {
+        Self {
+            actuator: actuator.min(self.physical().saturating_sub(1)),
+            ..*self
+        }
+    }
+
+    /// The declared delay of the actuator, ms.
+    pub fn delay_ms(&self) -> f64 {
+        self.parameters.delay_ms.at(self.actuator)
+    }
+
     /// The declared delay of the actuator, control steps.
     pub fn delay_steps(&self) -> f64 {
-        self.parameters.delay_ms * 1e-3 * self.rate_hz
+        self.delay_ms() * 1e-3 * self.rate_hz
     }
 
     /// The declared delay of the actuator, s of model time.
     pub fn model_delay_s(&self) -> f64 {
-        self.parameters.delay_ms * 1e-3 / self.time_scale
+        self.delay_ms() * 1e-3 / self.time_scale
+    }
+
+    /// The inverse of the actuator, in powers of a second.
+    pub fn inverse(&self) -> [f64; 3] {
+        self.parameters.inverse(self.actuator)
     }
 
     /// What a running peak of the motion keeps from one integration step to the next: it fades within a natural period.

@@ -1,8 +1,8 @@
 //! From a checked configuration to the constants of the step. The only place where f64 meets the loop.
 
-use crate::config::{Config, Filter, PerFloor};
+use crate::config::{Config, Estimation, Filter, PerFloor};
 use crate::context::Context;
-use crate::estimate::{self, Biquad, KalmanGains, StiffnessPrior};
+use crate::estimate::{self, Biquad, InnovationMean, KalmanGains, StiffnessPrior};
 use crate::force::Law;
 use crate::matrix;
 use crate::method::Prediction;
@@ -102,6 +102,7 @@ impl<const N: usize> Design<N> {
             rate_hz: t.rate_hz,
             time_scale: t.time_scale,
             model_step_s: dt_s,
+            actuator: 0,
         };
         let noise_m = config.estimation.displacement_noise_m;
         let rig = config.rig.constants(t.rate_hz, noise_m);
@@ -167,7 +168,11 @@ fn estimation<const N: usize>(
         Filter::Kalman => {
             let storeys = storey_stiffness(&structure.stiffness);
             estimate::EstimatorConstants::Kalman {
-                motion: KalmanGains::new(e, step_s, structure.physical)?,
+                motion: kalman_gains(e, step_s, structure.physical)?,
+                mean: InnovationMean {
+                    memory: step_s as f32,
+                    per_axis: 1.0 / structure.physical.max(1) as f32,
+                },
                 stiffness: storeys.map(|k| {
                     let relative =
                         |sigma: f64| (sigma * k / e.force_noise_n) * (sigma * k / e.force_noise_n);
@@ -181,6 +186,19 @@ fn estimation<const N: usize>(
             }
         }
     })
+}
+
+/// The gains of each actuator; axes from `physical` on have none.
+fn kalman_gains<const N: usize>(
+    e: &Estimation,
+    step_s: f64,
+    physical: usize,
+) -> Result<[KalmanGains; N], Refusal> {
+    let mut all = [KalmanGains::new(e, step_s, 0)?; N];
+    for (j, own) in all.iter_mut().enumerate().take(physical).skip(1) {
+        *own = KalmanGains::new(e, step_s, j)?;
+    }
+    Ok(all)
 }
 
 fn limits(config: &Config) -> supervise::InterlockLimits {

@@ -1,7 +1,7 @@
 //! A method as a linear system, for reports on stability. Nothing of it runs in a step, so it is in f64.
 //!
 //! A fixed predictor is linear as it is. One that learns is not: what stands for it is its law at rest, with what it was
-//! told ([`Setting::told`]) or with what it has come to ([`Setting::learnt`]): the parameters that bring this very rig to the
+//! told ([`Setting::declared`]) or with what it has come to ([`Setting::learnt`]): the parameters that bring this very rig to the
 //! target at one frequency, within the law's bounds. While it learns it is neither. Each method says its linear form in
 //! its own file; what is made of it is the affair of the report.
 
@@ -121,25 +121,32 @@ impl FrequencyResponse {
 #[derive(Debug)]
 pub struct Setting<'a> {
     config: &'a Config,
+    actuator: usize,
     learnt: Option<(FrequencyResponse, f64)>,
     at_bounds: bool,
 }
 
 impl<'a> Setting<'a> {
-    /// A law with the parameters that were declared to it.
-    pub fn declared(config: &'a Config) -> Self {
+    /// A law with the parameters that were declared to it, of an actuator from 0.
+    pub fn declared(config: &'a Config, actuator: usize) -> Self {
         Self {
             config,
+            actuator,
             learnt: None,
             at_bounds: false,
         }
     }
 
     /// A law that has learnt to answer with `wanted` at `omega` (rad per control step).
-    pub fn learnt(config: &'a Config, wanted: FrequencyResponse, omega: f64) -> Self {
+    pub fn learnt(
+        config: &'a Config,
+        actuator: usize,
+        wanted: FrequencyResponse,
+        omega: f64,
+    ) -> Self {
         Self {
             learnt: Some((wanted, omega)),
-            ..Self::declared(config)
+            ..Self::declared(config, actuator)
         }
     }
 
@@ -162,14 +169,24 @@ impl<'a> Setting<'a> {
         self.config.timing.rate_hz
     }
 
+    /// The declared delay, ms.
+    pub(crate) fn delay_ms(&self) -> f64 {
+        self.compensation().delay_ms.at(self.actuator)
+    }
+
     /// The declared delay, control steps.
     pub(crate) fn delay_steps(&self) -> f64 {
-        self.compensation().delay_ms * 1e-3 * self.rate_hz()
+        self.delay_ms() * 1e-3 * self.rate_hz()
     }
 
     /// The declared delay, s of model time.
     pub(crate) fn model_delay_s(&self) -> f64 {
-        self.compensation().delay_ms * 1e-3 / self.config.timing.time_scale
+        self.delay_ms() * 1e-3 / self.config.timing.time_scale
+    }
+
+    /// The inverse of the actuator, in powers of a second.
+    pub(crate) fn inverse(&self) -> [f64; 3] {
+        self.compensation().inverse(self.actuator)
     }
 
     /// What is to be answered and at which frequency, rad per control step; `None` where nothing has been learnt.
@@ -185,8 +202,8 @@ impl<'a> Setting<'a> {
 
     /// Longest delay that may be learnt, control steps.
     pub(crate) fn longest_steps(&self) -> f64 {
-        let c = self.compensation();
-        c.adaptation.longest_delay_ms.max(c.delay_ms) * 1e-3 * self.rate_hz()
+        let longest_ms = self.compensation().adaptation.longest_delay_ms;
+        longest_ms.max(self.delay_ms()) * 1e-3 * self.rate_hz()
     }
 
     /// A learnt delay, control steps.
@@ -212,7 +229,7 @@ mod tests {
     #[test]
     fn a_law_that_has_learnt_answers_as_wanted_or_is_at_its_bounds() {
         let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
-        config.compensation.delay_ms = 4.0;
+        config.compensation.delay_ms = 4.0.into();
         let omega: f64 = 0.006;
         let answer = |gain: f64, phase: f64| FrequencyResponse {
             real: gain * libm::cos(phase),
@@ -222,7 +239,7 @@ mod tests {
         let wanted = answer(1.0, 11.0 * omega);
         for predictor in [Prediction::Afp, Prediction::Ats, Prediction::Amb] {
             assert!(predictor.learns());
-            let mut setting = Setting::learnt(&config, wanted, omega);
+            let mut setting = Setting::learnt(&config, 0, wanted, omega);
             let Linear::Sum(sum) = predictor.linear(&mut setting) else {
                 panic!("{} is a sum", predictor.name());
             };
@@ -232,7 +249,7 @@ mod tests {
         }
         let far = answer(1.0, 0.9);
         for predictor in [Prediction::Darby, Prediction::Afp, Prediction::Ats] {
-            let mut slow = Setting::learnt(&config, far, 0.001);
+            let mut slow = Setting::learnt(&config, 0, far, 0.001);
             predictor.linear(&mut slow);
             assert!(slow.at_bounds(), "{}: 900 control steps", predictor.name());
         }

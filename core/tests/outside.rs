@@ -13,7 +13,7 @@ fn config(method: Method) -> Config {
     let mut config = table1();
     (config.timing.substeps, config.timing.solve_substeps) = (10, 4);
     config.compensation.kind = method;
-    config.compensation.delay_ms = 4.0;
+    config.compensation.delay_ms = 4.0.into();
     config
 }
 

@@ -65,7 +65,7 @@ fn every_number_of_the_paper_s_damping_acts() {
         ("secant", |c| c.secant = Secant::Measured),
         ("gamma", |c| c.gamma = 0.3),
         ("window_steps", |c| c.window_steps = 8),
-        ("delay_ms", |c| c.delay_ms = 2.0),
+        ("delay_ms", |c| c.delay_ms = 2.0.into()),
         ("clamp", |c| c.clamp = 0.5),
         ("clamp_below", |c| c.clamp_below = Some(-0.5)),
         ("hold_share", |c| c.hold_share = 0.2),
@@ -83,7 +83,7 @@ fn every_number_of_the_paper_s_damping_acts() {
 #[test]
 fn every_number_of_a_predictor_acts() {
     let each: [(&str, Method, Change<Compensation>); 16] = [
-        ("delay_ms", Method::Lagrange, |c| c.delay_ms = 3.0),
+        ("delay_ms", Method::Lagrange, |c| c.delay_ms = 3.0.into()),
         ("order", Method::Lagrange, |c| c.order = 2),
         ("inverse", Method::FeedforwardFeedback, |c| {
             c.inverse = Some([0.003, 4e-6, 0.0]);
@@ -164,8 +164,8 @@ fn every_number_of_the_estimation_acts() {
     let mut kalman = test(Method::Paper);
     kalman.estimation.kind = Filter::Kalman;
     let each: [(&str, Change<Estimation>); 8] = [
-        ("delay_ms", |e| e.delay_ms = 2.0),
-        ("lag_ms", |e| e.lag_ms = 2.0),
+        ("delay_ms", |e| e.delay_ms = 2.0.into()),
+        ("lag_ms", |e| e.lag_ms = 2.0.into()),
         ("lag_damping_ratio", |e| e.lag_damping_ratio = 0.5),
         ("displacement_noise_m", |e| e.displacement_noise_m = 1e-4),
         ("force_noise_n", |e| e.force_noise_n = 100.0),

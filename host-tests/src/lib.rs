@@ -86,8 +86,8 @@ pub fn table1() -> Config {
 pub fn whole_pipeline(mut scenario: Scenario) -> Scenario {
     let config = &mut scenario.config;
     config.estimation.kind = Filter::Kalman;
-    config.estimation.delay_ms = 3.7;
-    config.estimation.lag_ms = 0.5;
+    config.estimation.delay_ms = 3.7.into();
+    config.estimation.lag_ms = 0.5.into();
     config.limits.displacement_m = Some(0.5);
     config.limits.increment_m = Some(2e-3);
     config.limits.velocity_m_per_s = Some(3.0);

@@ -8,7 +8,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use heapless::Vec;
 
 /// The longest body: a configuration of eight floors with every number written out.
-pub const MAX_BODY: usize = 1000;
+pub const MAX_BODY: usize = 1200;
 
 /// Version, kind and sequence number before the body.
 const HEAD: usize = 4;

@@ -58,7 +58,10 @@ mod tests {
     use core::fmt::Debug;
     use outerloop_core::{
         Config, Event, Fault, Mode, Pace, Trip,
-        config::{Limits, MAX_DOF, PerActuator, PerFloor, RigConfig, StructureConfig},
+        config::{
+            ActuatorTimes, Hydraulic, Limits, MAX_DOF, PerActuator, PerFloor, RigConfig,
+            StructureConfig,
+        },
     };
     use proptest::prelude::*;
 
@@ -117,6 +120,12 @@ mod tests {
                 bearing_presliding_m: actuators,
             },
         };
+        let times = ActuatorTimes::each(&[f64::MAX; 4]).unwrap();
+        let c = &mut config.compensation;
+        c.delay_ms = times.clone();
+        (c.inverse, c.clamp_below) = (Some([f64::MAX; 3]), limit);
+        c.hydraulic = Some(Hydraulic::of_delay(0.01, 1e6));
+        (config.estimation.delay_ms, config.estimation.lag_ms) = (times.clone(), times);
         config.timing.substeps = u16::MAX;
         config.timing.late_limit_steps = u16::MAX;
         config

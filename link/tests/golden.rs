@@ -13,6 +13,7 @@ use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cu
 use link::status::{CrashCause, CrashReport, StartCause, Status, Timing};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
+use outerloop_core::config::ActuatorTimes;
 use outerloop_core::{Config, Event, Fault, Mode, Pace, Trip};
 use std::fmt::Write;
 use std::path::Path;
@@ -29,6 +30,16 @@ fn config() -> Config {
     Config::shear_frame([1000.0, 900.0], [158e3, 120e3], [0.02, 0.03])
 }
 
+/// Each of three actuators with its own times.
+fn config_of_three() -> Config {
+    let mut config = Config::shear_frame([1000.0; 3], [158e3; 3], [0.02; 3]);
+    let times = |ms| ActuatorTimes::each(ms).unwrap();
+    config.compensation.delay_ms = times(&[4.0, 6.0, 9.0]);
+    config.estimation.delay_ms = times(&[3.0, 5.0, 8.0]);
+    config.estimation.lag_ms = times(&[1.0, 1.5, 2.0]);
+    config
+}
+
 fn commands() -> std::vec::Vec<(String, Command)> {
     let signal = |shape| {
         Command::Signal(Some(CommissioningSignal {
@@ -42,6 +53,10 @@ fn commands() -> std::vec::Vec<(String, Command)> {
         ("identify", Command::Identify),
         ("status", Command::Status),
         ("configure", Command::Configure(config())),
+        (
+            "configure three actuators",
+            Command::Configure(config_of_three()),
+        ),
         (
             "calibrate",
             Command::Calibrate(0, Calibration::over(0.05, 1e4, &CODES)),

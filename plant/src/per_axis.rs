@@ -46,11 +46,11 @@ impl PerAxis {
         }
     }
 
-    /// The largest number.
-    pub fn largest(&self) -> f64 {
+    /// How many numbers the list has; `None` of one number for every axis.
+    pub fn count(&self) -> Option<usize> {
         match self {
-            Self::All(value) => *value,
-            Self::Each(values) => values.iter().copied().fold(0.0, f64::max),
+            Self::All(_) => None,
+            Self::Each(values) => Some(values.len()),
         }
     }
 

@@ -87,7 +87,7 @@ impl PlannedMotion {
             force_n,
             noise_m,
             noise_n,
-            delay_s: config.compensation.delay_ms * 1e-3,
+            delay_s: config.compensation.delay_ms.longest() * 1e-3,
             approach_m_per_s: config.timing.approach_m_per_s,
             rate_hz: config.timing.rate_hz,
         }

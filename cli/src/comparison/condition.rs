@@ -171,7 +171,7 @@ impl Condition {
     pub fn put_on(&self, experiment: &Experiment) -> Experiment {
         let mut own = experiment.clone();
         own.test.plant = self.rig.clone();
-        own.test.config.compensation.delay_ms = self.told_ms;
+        own.test.config.compensation.delay_ms = self.told_ms.into();
         own
     }
 }

@@ -203,6 +203,13 @@ impl TestFile {
                     "{} has {} and structure.mass_kg {floors}: accepted are {}",
                     e.name, e.value, e.accepted
                 ),
+                accepted if accepted.ends_with("as storeys in the laboratory") => {
+                    let key = match e.name {
+                        "compensation.delay_ms" if expected == Expected::Truth => "plant.actuator.delay_ms or lag_ms",
+                        name => name,
+                    };
+                    format!("{key} has {} values: accepted are {accepted}", e.value)
+                }
                 // The delay that is declared to the loop was not in the file: the simulated actuator's stands behind it.
                 _ if e.name == "compensation.delay_ms" && expected == Expected::Truth => format!(
                     "plant.actuator.delay_ms and lag_ms are {} together: accepted are {} where nothing else says what the \
@@ -330,6 +337,7 @@ fn set(table: &mut Table, assignment: &str) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use outerloop_core::config::ActuatorTimes;
 
     const TEXT: &str = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
                         [plant.actuator]\nkind = \"delay\"\ndelay_ms = 4\n";
@@ -343,12 +351,49 @@ mod tests {
     fn numbers_stand_for_one_degree_of_freedom_and_the_clamp_follows_the_rig() {
         let t = with(&[]).unwrap();
         assert_eq!(t.config.structure.mass_kg.as_slice(), [1000.0]);
-        assert_eq!(t.config.compensation.delay_ms, 4.0);
+        assert_eq!(t.config.compensation.delay_ms, 4.0.into());
         let t = with(&["plant.actuator.delay_ms=8", "compensation.kind=eq14"]).unwrap();
-        assert_eq!(t.config.compensation.delay_ms, 8.0);
+        assert_eq!(t.config.compensation.delay_ms, 8.0.into());
         assert_eq!(t.config.compensation.kind.name(), "eq14");
         let t = with(&["compensation.delay_ms=3"]).unwrap();
-        assert_eq!(t.config.compensation.delay_ms, 3.0);
+        assert_eq!(t.config.compensation.delay_ms, 3.0.into());
+    }
+
+    #[test]
+    fn the_delay_is_one_for_all_actuators_or_one_for_each() {
+        let frame = [
+            "structure.mass_kg=[1e3,1e3,1e3]",
+            "structure.stiffness_n_per_m=[8e5,8e5,8e5]",
+            "structure.damping_ratio=[0.02,0.02,0.02]",
+        ];
+        let of_three = |more: &[&str]| with(&[&frame[..], more].concat());
+        let told = |more: &[&str]| of_three(more).unwrap().config.compensation.delay_ms;
+        let each = ActuatorTimes::each(&[4.0, 6.0, 9.0]).unwrap();
+        assert_eq!(told(&["compensation.delay_ms=[4,6,9]"]), each);
+        assert_eq!(told(&["compensation.delay_ms=[4,\"0.006 s\",9]"]), each);
+        assert_eq!(told(&["plant.actuator.delay_ms=[4,6,9]"]), each);
+        assert_eq!(told(&[]), 4.0.into());
+        for (set, said) in [
+            (
+                "compensation.delay_ms=[4,6]",
+                "compensation.delay_ms has 2 values: accepted are one value, or as many as storeys in the laboratory",
+            ),
+            (
+                "plant.actuator.delay_ms=[4,6]",
+                "plant.actuator.delay_ms or lag_ms has 2 values: accepted are one value, or as many as storeys in the laboratory",
+            ),
+            (
+                "compensation.delay_ms=[4,6,-9]",
+                "compensation.delay_ms = -9 is refused: accepted are above 0 and below 10000 ms",
+            ),
+            (
+                "compensation.delay_ms=[4,6,9,1,2]",
+                "compensation.delay_ms: a longer list than a rig has actuators",
+            ),
+        ] {
+            let e = of_three(&[set]).unwrap_err();
+            assert!(e.contains(said), "{e}");
+        }
     }
 
     #[test]
@@ -362,7 +407,7 @@ mod tests {
         .unwrap();
         assert_eq!(t.config.structure.stiffness_n_per_m.as_slice(), [158e3]);
         assert_eq!(t.config.structure.damping_ratio.as_slice(), [0.02]);
-        assert_eq!(t.config.compensation.delay_ms, 8.0);
+        assert_eq!(t.config.compensation.delay_ms, 8.0.into());
         let e = with(&["structure.mass_kg=1000 N"]).unwrap_err();
         let said = "structure.mass_kg = \"1000 N\" is refused: N is a force, and the key is a mass: accepted is a number \
                     alone, or one with a unit, as in \"1000 kg\"";

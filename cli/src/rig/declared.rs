@@ -6,7 +6,7 @@
 use super::{Departures, Quantity, ROWS, improvement};
 use diagnosis::{ActuatorModel, Declared, ForceUnit, Model, SpecimenModel};
 use outerloop_core::Config;
-use plant::actuator::ActuatorKind;
+use plant::actuator::{ActuatorKind, ActuatorSpec};
 use plant::{EffectSpec, PerAxis, RigSpec};
 use serde::Serialize;
 use toml::{Table, Value};
@@ -92,7 +92,7 @@ pub(crate) fn configured_times(
 /// Fills in the delays of the compensation and of the filter, where the test file leaves them out.
 pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
     // True where the file had left it out.
-    let mut fill = |part: &str, key: &str, ms: f64| {
+    let mut fill = |part: &str, key: &str, ms: Value| {
         let part = table
             .entry(part)
             .or_insert_with(|| Value::Table(Table::new()));
@@ -100,16 +100,19 @@ pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigS
             return false;
         };
         let left_out = !part.contains_key(key);
-        part.entry(key).or_insert(Value::Float(ms));
+        part.entry(key).or_insert(ms);
         left_out
     };
     let declared = declared.and_then(times_ms);
     let filter = declared.map(configured_times).into_iter().flatten().skip(1);
     filter.for_each(|(part, key, ms)| {
-        fill(part, key, ms);
+        fill(part, key, Value::Float(ms));
     });
-    let expected_ms = declared.map_or(plant.actuator.lateness_ms(), |[delay, lag]| delay + lag);
-    if expected_ms > 0.0 && fill("compensation", "delay_ms", expected_ms) {
+    let expected = declared.map(|[delay_ms, lag_ms]| Value::Float(delay_ms + lag_ms));
+    let expected = expected.or_else(|| truth(&plant.actuator));
+    if let Some(expected) = expected
+        && fill("compensation", "delay_ms", expected)
+    {
         return match declared {
             Some(_) => Expected::Declared,
             None => Expected::Truth,
@@ -119,6 +122,28 @@ pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigS
         Some(Value::Table(part)) if part.contains_key("delay_ms") => Expected::Compensation,
         _ => Expected::Default,
     }
+}
+
+/// Delay and lag of the simulated actuators together, ms; `None` where none is late.
+fn truth(actuator: &ActuatorSpec) -> Option<Value> {
+    // What is told to the loop is above 0 for each of them.
+    const LEAST_MS: f64 = 0.01;
+    let lists = [&actuator.delay_ms, &actuator.lag_ms].map(PerAxis::count);
+    let each: Vec<f64> = match lists.into_iter().flatten().max() {
+        Some(count) => (0..count).map(|j| actuator.lateness_ms(j)).collect(),
+        None => vec![actuator.lateness_ms(0)],
+    };
+    if !each.iter().any(|&ms| ms > 0.0) {
+        return None;
+    }
+    Some(match each[..] {
+        [one] => Value::Float(one),
+        _ => Value::Array(
+            each.iter()
+                .map(|ms| Value::Float(ms.max(LEAST_MS)))
+                .collect(),
+        ),
+    })
 }
 
 /// Takes out of `config` what is declared to be wrong with the rig.
@@ -151,7 +176,7 @@ pub(crate) fn correct(model: &Model, config: &mut Config) -> Result<(), String> 
 /// The simulated rig of a test without what nobody declared.
 pub fn as_declared(config: &Config, plant: &RigSpec, model: Option<&Model>) -> RigSpec {
     let known = match model {
-        Some(model) => Departures::of_model(model, config.compensation.delay_ms),
+        Some(model) => Departures::of_model(model, config.compensation.delay_ms.at(0)),
         None => Departures::none(),
     };
     let mut rig = plant.clone();
@@ -252,7 +277,7 @@ mod tests {
         }
         assert_eq!(rig[Quantity::ForceOffset], 300.0);
         // The displacement waits for its force.
-        assert_eq!(test.config.compensation.delay_ms, 7.5);
+        assert_eq!(test.config.compensation.delay_ms, 7.5.into());
         assert!(not_declared(&test).is_empty(), "{:?}", not_declared(&test));
     }
 
@@ -293,10 +318,10 @@ mod tests {
         let lags = "[declared.actuator]\ndelay_ms = { value = 4, tolerance = 1 }\n\
                     [[declared.actuator.effects]]\nname = 'second_lag'\nlag_ms = 3\n";
         let config = test(lags, &[]).config;
-        assert_eq!(config.compensation.delay_ms, 7.0);
+        assert_eq!(config.compensation.delay_ms, 7.0.into());
         assert_eq!(
             (config.estimation.delay_ms, config.estimation.lag_ms),
-            (4.0, 3.0)
+            (4.0.into(), 3.0.into())
         );
     }
 

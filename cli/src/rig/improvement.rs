@@ -15,7 +15,7 @@ pub(super) const LEAST_LAG_MS: f64 = 0.05;
 
 /// Puts what `model` knows into `config`, and says in sentences what was done with each part of it.
 pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
-    let known = Departures::of_model(model, config.compensation.delay_ms);
+    let known = Departures::of_model(model, config.compensation.delay_ms.at(0));
     let mut said = space(&known, config);
     timing(&known, config, &mut said);
     for (channel, effect) in known.not_correctable() {
@@ -37,7 +37,7 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
 
 /// The same without the timing, which a test file may state otherwise.
 pub(crate) fn correct(model: &Model, config: &mut Config) {
-    let known = Departures::of_model(model, config.compensation.delay_ms);
+    let known = Departures::of_model(model, config.compensation.delay_ms.at(0));
     space(&known, config);
 }
 
@@ -103,10 +103,10 @@ fn timing(known: &Departures, config: &mut Config, said: &mut Vec<String>) {
         return;
     }
     let c = &mut config.compensation;
-    let more_ms = late_ms - c.delay_ms;
-    c.delay_ms = late_ms;
-    config.estimation.delay_ms = delay_ms;
-    config.estimation.lag_ms = lag_ms.max(LEAST_LAG_MS);
+    let more_ms = late_ms - c.delay_ms.at(0);
+    c.delay_ms = late_ms.into();
+    config.estimation.delay_ms = delay_ms.into();
+    config.estimation.lag_ms = lag_ms.max(LEAST_LAG_MS).into();
     said.push(format!(
         "the displacement is expected {late_ms:.2} ms late: {delay_ms:.2} ms of delay and {lag_ms:.2} ms of lag"
     ));
@@ -168,7 +168,7 @@ mod tests {
         let mut config = test.config.clone();
         let said = apply(&model, &mut config).join("\n");
         // A displacement that waits 1.5 ms for its force is as late again.
-        assert!((config.compensation.delay_ms - 11.5).abs() < 1e-9);
+        assert!((config.compensation.delay_ms.at(0) - 11.5).abs() < 1e-9);
         assert_eq!(config.compensation.kind.predictor, Prediction::Afp);
         assert_eq!(config.structure.physical_mass_kg.as_slice(), [60.0]);
         let rig = &config.rig;

@@ -305,17 +305,21 @@ pub fn run(plans: &[MonitorPlan], one_done: impl Fn() + Sync) -> Result<Vec<Moni
 /// a twentieth of its planned peak for noise and what is not known.
 fn tracking_m(e: &Experiment, ideal: &Response) -> Vec<f64> {
     let config = &e.test.config;
-    let late_steps = config.compensation.delay_ms * 1e-3 * config.timing.rate_hz
-        / f64::from(config.timing.substeps);
+    let late_steps = |j: usize| {
+        config.compensation.delay_ms.at(j) * 1e-3 * config.timing.rate_hz
+            / f64::from(config.timing.substeps)
+    };
+    let actuators = config.physical_storeys();
     let steps = 1..ideal.steps();
     let at = |step: usize, j: usize| ideal.at(step).map_or(0.0, |u| f64::from(u[j]));
     ideal
         .peaks_m()
         .into_iter()
+        .take(actuators)
         .enumerate()
         .map(|(j, peak_m)| {
             let fastest = steps.clone().map(|i| (at(i, j) - at(i - 1, j)).abs());
-            fastest.fold(0.0, f64::max) * late_steps + 0.05 * peak_m
+            fastest.fold(0.0, f64::max) * late_steps(j) + 0.05 * peak_m
         })
         .collect()
 }

@@ -96,7 +96,7 @@ impl Question<'_> {
     }
 
     /// Delay of the measured behind the commanded displacement at the first natural frequency, s of the laboratory, and
-    /// the gain there.
+    /// the gain there; of several actuators those of the latest.
     ///
     /// # Errors
     /// A rig that cannot be written down.
@@ -105,10 +105,10 @@ impl Question<'_> {
         frame: &StructureMatrices,
         vary: &Variation,
     ) -> Result<(f64, f64), Failure> {
-        let t = &self.config.timing;
-        let omega = frame.omega[0] / t.time_scale;
-        let g = LinearRig::new(self.rig, self.config, vary)?.response(0, omega / t.rate_hz);
-        Ok((-g.arg() / omega, g.norm()))
+        let rig = LinearRig::new(self.rig, self.config, vary)?;
+        let latest = self.latest(frame, &rig);
+        let (late_s, g) = self.late(frame, &rig, latest);
+        Ok((late_s, g.norm()))
     }
 
     /// Delay of the measured displacement behind the target at the first natural frequency, s of the laboratory: what
@@ -121,12 +121,35 @@ impl Question<'_> {
         frame: &StructureMatrices,
         vary: &Variation,
     ) -> Result<f64, Failure> {
-        let t = &self.config.timing;
-        let omega = frame.omega[0] / t.time_scale;
         let rig = LinearRig::new(self.rig, self.config, vary)?;
-        let g = rig.response(0, omega / t.rate_hz);
-        let p = self.predictor(frame, &rig);
-        Ok(-(g * p.response(omega / t.rate_hz, g)).arg() / omega)
+        let latest = self.latest(frame, &rig);
+        Ok(self.remaining_of_each(frame, &rig)[latest])
+    }
+
+    /// The same of each actuator on `rig`.
+    fn remaining_of_each(&self, frame: &StructureMatrices, rig: &LinearRig) -> Vec<f64> {
+        let omega = frame.omega[0] / self.config.timing.time_scale;
+        let per_step = omega / self.config.timing.rate_hz;
+        let predictor = self.predictor(frame, rig);
+        let left = |axis| {
+            let g = rig.response(axis, per_step);
+            -(g * predictor.response(axis, per_step, g)).arg() / omega
+        };
+        (0..self.config.physical_storeys()).map(left).collect()
+    }
+
+    /// The actuator that is latest at the first natural frequency.
+    fn latest(&self, frame: &StructureMatrices, rig: &LinearRig) -> usize {
+        let late_s = |axis: usize| self.late(frame, rig, axis).0;
+        let later = |a: usize, b: usize| if late_s(b) > late_s(a) { b } else { a };
+        (0..self.config.physical_storeys()).fold(0, later)
+    }
+
+    /// Delay of an actuator there, s of the laboratory, and its response.
+    fn late(&self, frame: &StructureMatrices, rig: &LinearRig, axis: usize) -> (f64, Complex<f64>) {
+        let omega = frame.omega[0] / self.config.timing.time_scale;
+        let g = rig.response(axis, omega / self.config.timing.rate_hz);
+        (-g.arg() / omega, g)
     }
 
     /// True if a predictor would have to learn more than the bounds of its law allow.
@@ -190,8 +213,8 @@ impl<'a> Loop<'a> {
                 Failure::input("structure.physical_mass_kg: accepted are less than the masses")
             })?
             * (dt * dt);
-        let late_s = question.remaining_lateness(frame, vary)?;
         let rig = LinearRig::new(question.rig, config, vary)?;
+        let late_s = question.remaining_of_each(frame, &rig);
         Ok(Self {
             config,
             filter: LinearFilter::new(config, &rig.storeys()),
@@ -201,7 +224,7 @@ impl<'a> Loop<'a> {
             flexibility,
             damping_per_increment: damping / dt,
             numerical: frame.numerical.clone(),
-            correction: correction(config, frame, vary, late_s),
+            correction: correction(config, frame, vary, &late_s),
             u: vec![nothing(); n],
             q: vec![nothing(); n],
             s: vec![nothing(); n],
@@ -298,7 +321,7 @@ fn correction(
     config: &Config,
     frame: &StructureMatrices,
     vary: &Variation,
-    late_s: f64,
+    late_s: &[f64],
 ) -> DMatrix<f64> {
     let c = &config.compensation;
     let physical = config.physical_storeys();
@@ -307,9 +330,9 @@ fn correction(
     let scale = config.timing.time_scale;
     // Phase of the error at the first natural frequency; what C_cor would have to be is K sin(phi) / omega.
     let omega = frame.omega[0];
-    let phase = omega * late_s / scale;
     let forces = &specimen * &frame.shape;
-    for j in 0..physical {
+    for (j, late_s) in late_s.iter().enumerate() {
+        let phase = omega * late_s / scale;
         let share = match c.kind.force.linear(c, physical) {
             // The whole way that is left, with the stiffness that the specimen has.
             LinearForce::AtTarget | LinearForce::Damping { within: None } => 1.0,
@@ -317,7 +340,7 @@ fn correction(
                 within: Some([below, above]),
             } => {
                 let wanted = forces[j] / frame.shape[j] * phase.sin() / omega;
-                let unit = declared[(j, j)] * 1e-3 * c.delay_ms / scale;
+                let unit = declared[(j, j)] * 1e-3 * c.delay_ms.at(j) / scale;
                 let allowed = wanted.clamp(unit * below, unit * above);
                 if wanted == 0.0 { 1.0 } else { allowed / wanted }
             }

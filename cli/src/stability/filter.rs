@@ -27,7 +27,10 @@ impl LinearFilter {
                 let biquad = Biquad::butterworth(e.cutoff_hz, rate_hz);
                 Self::LowPass(vec![[biquad.clone(), biquad]; axes])
             }
-            Filter::Kalman => Self::Kalman(vec![Tracker::new(e, rate_hz); axes], storeys.to_vec()),
+            Filter::Kalman => {
+                let trackers = (0..axes).map(|j| Tracker::new(e, j, rate_hz));
+                Self::Kalman(trackers.collect(), storeys.to_vec())
+            }
         }
     }
 
@@ -137,11 +140,11 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    fn new(e: &Estimation, rate_hz: f64) -> Self {
+    fn new(e: &Estimation, axis: usize, rate_hz: f64) -> Self {
         let period_s = 1.0 / rate_hz;
         // Velocity in metres per control step.
         let scale = Matrix2::new(1.0, 0.0, 0.0, period_s);
-        let lag = Lag::second_order(e.lag_ms * 1e-3, e.lag_damping_ratio, period_s);
+        let lag = Lag::second_order(e.lag_ms.at(axis) * 1e-3, e.lag_damping_ratio, period_s);
         let (f, g) = lag.matrices();
         let f = Matrix2::from_fn(|i, j| f[(i, j)]);
         let transition = scale * f * Matrix2::new(1.0, 0.0, 0.0, rate_hz);
@@ -162,7 +165,7 @@ impl Tracker {
             }
         }
         Self {
-            line: Delay::straight(e.delay_ms * 1e-3 * rate_hz),
+            line: Delay::straight(e.delay_ms.at(axis) * 1e-3 * rate_hz),
             transition,
             input,
             gain,

@@ -75,11 +75,12 @@ impl LinearPredictor {
         let axes: Vec<Kind> = (0..config.physical_storeys())
             .map(|j| {
                 let mut setting = match law {
-                    Knowledge::Declared => Setting::declared(config),
+                    Knowledge::Declared => Setting::declared(config, j),
                     Knowledge::Learnt => {
                         let wanted = rig.response(j, omega).inv();
                         let (real, imaginary) = (wanted.re, wanted.im);
-                        Setting::learnt(config, FrequencyResponse { real, imaginary }, omega)
+                        let wanted = FrequencyResponse { real, imaginary };
+                        Setting::learnt(config, j, wanted, omega)
                     }
                 };
                 let linear = config.compensation.kind.predictor.linear(&mut setting);
@@ -141,11 +142,13 @@ impl LinearPredictor {
         send
     }
 
-    /// Sent command per target of the first axis at `omega` (rad per control period), in front of a rig that answers
+    /// Sent command per target of an axis at `omega` (rad per control period), in front of a rig that answers
     /// with `rig` there.
-    pub fn response(&self, omega: f64, rig: Complex<f64>) -> Complex<f64> {
+    pub fn response(&self, axis: usize, omega: f64, rig: Complex<f64>) -> Complex<f64> {
         let one = Complex::new(1.0, 0.0);
-        self.axes.first().map_or(one, |a| a.response(omega, rig))
+        self.axes
+            .get(axis)
+            .map_or(one, |a| a.response(axis, omega, rig))
     }
 }
 
@@ -239,7 +242,7 @@ impl Kind {
         }
     }
 
-    fn response(&self, omega: f64, rig: Complex<f64>) -> Complex<f64> {
+    fn response(&self, axis: usize, omega: f64, rig: Complex<f64>) -> Complex<f64> {
         let z = Complex::from_polar(1.0, omega);
         let one = Complex::new(1.0, 0.0);
         let d = Complex::new(0.0, omega);
@@ -266,11 +269,11 @@ impl Kind {
                 weights: [new, last, memory],
                 ..
             } => (z.inv() * *last + *new) * (one - z.inv() * *memory).inv(),
-            // Of the first axis alone: at the first frequency the others move with it.
+            // Of the axis alone: at the first frequency the others move with it.
             Self::Model {
                 velocity,
                 acceleration,
-            } => one + d * velocity[0] + d * d * acceleration[0],
+            } => one + d * velocity[axis] + d * d * acceleration[axis],
         }
     }
 }

@@ -171,11 +171,10 @@ impl Config {
             (1..=crate::energy::MAX_WINDOW as u16).contains(&c.window_steps),
             "1 to 64",
         )?;
-        between(
+        c.delay_ms.check(
             "compensation.delay_ms",
-            c.delay_ms,
-            0.0,
-            1e4,
+            self.physical_storeys(),
+            |ms| ms > 0.0 && ms < 1e4,
             "above 0 and below 10000 ms",
         )?;
         accept(
@@ -208,16 +207,16 @@ impl Config {
             )?;
         }
         let longest = crate::delay_line::MAX_DELAY_STEPS as f64 / self.timing.rate_hz * 1e3;
-        accept(
+        e.delay_ms.check(
             "estimation.delay_ms",
-            e.delay_ms,
-            e.delay_ms >= 0.0 && e.delay_ms <= longest,
+            self.physical_storeys(),
+            |ms| (0.0..=longest).contains(&ms),
             "0 to 128 control steps",
         )?;
-        accept(
+        e.lag_ms.check(
             "estimation.lag_ms",
-            e.lag_ms,
-            (0.05..=1e4).contains(&e.lag_ms),
+            self.physical_storeys(),
+            |ms| (0.05..=1e4).contains(&ms),
             "0.05 to 10000 ms",
         )?;
         accept(

@@ -1,5 +1,6 @@
 //! `[compensation]`: which method, and the parameters of all.
 
+use super::ActuatorTimes;
 use crate::method::Method;
 
 /// Which increment of displacement the energy error is divided by in Eqs 14 and 20.
@@ -27,8 +28,9 @@ pub struct Compensation {
     pub gamma: f64,
     /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
     pub window_steps: u16,
-    /// The actuator's delay, ms of laboratory time: the clamp is built on it, and predictors begin with it.
-    pub delay_ms: f64,
+    /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list: the clamp is built on it,
+    /// and predictors begin with it.
+    pub delay_ms: ActuatorTimes,
     /// C_cor is kept below this many times K tau.
     pub clamp: f64,
     /// C_cor is kept above this many times K tau; 0 or less. Left out: 0 with one actuator, `-clamp` with several. A
@@ -200,9 +202,9 @@ impl Default for Tangent {
 }
 
 impl Compensation {
-    /// The inverse of the actuator, in powers of a second: the one that is given, or that of `delay_ms`.
-    pub fn inverse(&self) -> [f64; 3] {
-        let tau_s = self.delay_ms * 1e-3;
+    /// The inverse of an actuator, from 0, in powers of a second: the one that is given, or that of `delay_ms`.
+    pub fn inverse(&self, actuator: usize) -> [f64; 3] {
+        let tau_s = self.delay_ms.at(actuator) * 1e-3;
         self.inverse.unwrap_or([tau_s, 0.5 * tau_s * tau_s, 0.0])
     }
 }
@@ -214,7 +216,7 @@ impl Default for Compensation {
             secant: Secant::Command,
             gamma: 0.05,
             window_steps: 1,
-            delay_ms: 4.0,
+            delay_ms: 4.0.into(),
             clamp: 2.0,
             clamp_below: None,
             least_mass: 0.5,

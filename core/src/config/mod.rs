@@ -5,9 +5,11 @@
 mod check;
 mod compensation;
 mod rig;
+mod times;
 
 pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, Secant, Tangent};
 pub use rig::{PerActuator, RigConfig};
+pub use times::ActuatorTimes;
 
 use heapless::Vec;
 
@@ -149,10 +151,10 @@ pub struct Estimation {
     pub kind: Filter,
     /// Cut-off of the low-pass, Hz of laboratory time.
     pub cutoff_hz: f64,
-    /// Transport delay of the actuator model, ms.
-    pub delay_ms: f64,
-    /// Effective lag (2 zeta / omega) of the second-order actuator model, ms.
-    pub lag_ms: f64,
+    /// Transport delay of the actuator model, ms; of several actuators one for all or a list.
+    pub delay_ms: ActuatorTimes,
+    /// Effective lag (2 zeta / omega) of the second-order actuator model, ms; of several actuators one for all or a list.
+    pub lag_ms: ActuatorTimes,
     /// Damping ratio zeta of the actuator model.
     pub lag_damping_ratio: f64,
     /// White noise of the displacement sensor, m rms.
@@ -172,8 +174,8 @@ impl Default for Estimation {
         Self {
             kind: Filter::Off,
             cutoff_hz: 100.0,
-            delay_ms: 0.0,
-            lag_ms: 4.0,
+            delay_ms: 0.0.into(),
+            lag_ms: 4.0.into(),
             lag_damping_ratio: 0.7,
             displacement_noise_m: 1e-5,
             force_noise_n: 10.0,

@@ -17,21 +17,18 @@ pub struct KalmanGains {
     gain: [f32; 2],
     /// 1 / expected variance of the innovation, 1/m^2.
     certainty: f32,
-    /// Forgetting factor of the innovation statistics, one control step in a second.
-    pub memory: f32,
-    /// 1 / number of axes.
-    pub per_axis: f32,
 }
 
 type Matrix2 = [[f64; 2]; 2];
 
 impl KalmanGains {
-    /// Steady gains for a control step of `step_s`.
+    /// Steady gains for a control step of `step_s`, of an actuator from 0.
     ///
     /// # Errors
     /// A Riccati equation without a finite solution.
-    pub fn new(e: &Estimation, step_s: f64, axes: usize) -> Result<Self, Refusal> {
-        let model = Lag::new(e.lag_ms * 1e-3, e.lag_damping_ratio, step_s);
+    pub fn new(e: &Estimation, step_s: f64, actuator: usize) -> Result<Self, Refusal> {
+        let lag_s = e.lag_ms.at(actuator) * 1e-3;
+        let model = Lag::new(lag_s, e.lag_damping_ratio, step_s);
         // White acceleration, in the filter's unit of metres per step.
         let process = e.process_m_per_s2 * step_s * step_s;
         let q = process * process;
@@ -50,7 +47,7 @@ impl KalmanGains {
             });
         }
         Ok(Self {
-            delay: Delay::new(e.delay_ms * 1e-3 / step_s),
+            delay: Delay::new(e.delay_ms.at(actuator) * 1e-3 / step_s),
             transition: model.transition.map(|row| row.map(|x| x as f32)),
             input: model.input.map(|x| x as f32),
             gain: [
@@ -58,8 +55,6 @@ impl KalmanGains {
                 (predicted[1][0] / expected) as f32,
             ],
             certainty: (1.0 / expected) as f32,
-            memory: step_s as f32,
-            per_axis: 1.0 / axes.max(1) as f32,
         })
     }
 }
@@ -159,12 +154,12 @@ mod tests {
     #[test]
     fn a_matching_model_has_no_lag_and_an_innovation_of_one() {
         let e = Estimation {
-            delay_ms: 2.0,
-            lag_ms: 4.0,
+            delay_ms: 2.0.into(),
+            lag_ms: 4.0.into(),
             displacement_noise_m: 1e-3,
             ..Estimation::default()
         };
-        let k = KalmanGains::new(&e, 5e-4, 1).unwrap();
+        let k = KalmanGains::new(&e, 5e-4, 0).unwrap();
         let model = Lag::new(4e-3, e.lag_damping_ratio, 5e-4);
         let (mut line, mut x) = (DelayLine::<16>::filled(0.0), [0.0_f64; 2]);
         let mut filter = Kalman::at_rest(0.0);

@@ -21,13 +21,24 @@ pub enum EstimatorConstants<const N: usize> {
     Off,
     /// Two stages: [x, v] with the sent command as known input, then theta in R = theta x.
     Kalman {
-        /// Stage 1, the same for every axis.
-        motion: KalmanGains,
+        /// Stage 1, one for each actuator.
+        motion: [KalmanGains; N],
         /// Stage 2, one for each storey.
         stiffness: [StiffnessPrior; N],
+        /// How the innovations are averaged.
+        mean: InnovationMean,
     },
     /// Butterworth, second order.
     LowPass(Biquad),
+}
+
+/// How the squared innovations of all axes are averaged.
+#[derive(Clone, Copy, Debug)]
+pub struct InnovationMean {
+    /// Forgetting factor, one control step in a second.
+    pub memory: f32,
+    /// 1 / number of axes.
+    pub per_axis: f32,
 }
 
 /// What the loop works with.
@@ -51,10 +62,12 @@ pub enum Estimator<const N: usize> {
     Off,
     /// Two-stage Kalman filter.
     Kalman {
-        /// Constants of stage 1, the same for every axis.
-        gains: KalmanGains,
+        /// Constants of stage 1, one for each actuator.
+        gains: [KalmanGains; N],
         /// Constants of stage 2, one for each storey.
         priors: [StiffnessPrior; N],
+        /// How the innovations are averaged.
+        mean: InnovationMean,
         /// Running mean of the squared innovations.
         innovation: [f32; 2],
         /// Stage 2.
@@ -76,9 +89,14 @@ impl<const N: usize> Estimator<N> {
     pub fn at_rest(k: &EstimatorConstants<N>, position_m: [f32; N]) -> Self {
         match k {
             EstimatorConstants::Off => Self::Off,
-            EstimatorConstants::Kalman { motion, stiffness } => Self::Kalman {
+            EstimatorConstants::Kalman {
+                motion,
+                stiffness,
+                mean,
+            } => Self::Kalman {
                 gains: *motion,
                 priors: *stiffness,
+                mean: *mean,
                 innovation: [1.0; 2],
                 stiffness: core::array::from_fn(|j| StiffnessFilter::new(&stiffness[j])),
                 motion: position_m.map(Kalman::at_rest),
@@ -133,13 +151,14 @@ impl<const N: usize> Estimator<N> {
             Self::Kalman {
                 gains,
                 priors,
+                mean,
                 innovation,
                 stiffness,
                 motion,
             } => {
                 let mut squared = [-0.0_f32; 2];
                 for j in 0..physical {
-                    squared[0] += motion[j].update(gains, sent_m[j], displacement_m[j]);
+                    squared[0] += motion[j].update(&gains[j], sent_m[j], displacement_m[j]);
                     out.displacement_m[j] = motion[j].displacement_m();
                 }
                 // Storey by storey: a floor's actuator force is the difference of two storey shears.
@@ -159,8 +178,8 @@ impl<const N: usize> Estimator<N> {
                     let upper = if j + 1 < physical { above[j + 1] } else { 0.0 };
                     out.force_n[j] = above[j] - upper;
                 }
-                for (mean, new) in innovation.iter_mut().zip(squared) {
-                    *mean += gains.memory * (new * gains.per_axis - *mean);
+                for (running, new) in innovation.iter_mut().zip(squared) {
+                    *running += mean.memory * (new * mean.per_axis - *running);
                 }
                 out.innovation = *innovation;
                 out.doubt = innovation.iter().any(|&i| !(i <= 2.0));

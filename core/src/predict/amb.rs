@@ -112,7 +112,7 @@ impl PredictAxis for Amb {
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         let c = context.parameters;
-        let [a1, a2, a3] = c.inverse();
+        let [a1, a2, a3] = context.inverse();
         let r = context.rate_hz;
         let powers = [1.0, r, r * r, r * r * r];
         let [g0, g1, g2, g3] = c.amb.gains;
@@ -136,7 +136,7 @@ impl PredictAxis for Amb {
     /// so.
     fn linear(setting: &mut Setting<'_>) -> Linear {
         let (c, r) = (setting.compensation(), setting.rate_hz());
-        let mut sum = Sum::inverse(c.inverse(), r);
+        let mut sum = Sum::inverse(setting.inverse(), r);
         if let Some((wanted, omega)) = setting.wanted() {
             let [real, imaginary] = sum.missing(wanted, omega);
             let [g0, g1, g2, g3] = c.amb.gains;

@@ -95,10 +95,10 @@ impl PredictAxis for Ats {
     }
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
-        let (c, a) = (context.parameters, &context.parameters.adaptation);
+        let a = &context.parameters.adaptation;
         let pass = core::f64::consts::TAU * a.smoothing_hz / context.rate_hz;
         let unit_s = context.time_scale / context.omega[0];
-        let [first, second, _] = c.inverse();
+        let [first, second, _] = context.inverse();
         Constants {
             start: [first / unit_s, second / (unit_s * unit_s)].map(|x| x as f32),
             unit: (context.rate_hz * unit_s) as f32,
@@ -111,7 +111,7 @@ impl PredictAxis for Ats {
 
     /// Of the three coefficients a single frequency cannot tell the first from the third: they are moved alike.
     fn linear(setting: &mut Setting<'_>) -> Linear {
-        let mut sum = Sum::inverse(setting.compensation().inverse(), setting.rate_hz());
+        let mut sum = Sum::inverse(setting.inverse(), setting.rate_hz());
         sum.jerk = 0.0;
         if let Some((wanted, omega)) = setting.wanted() {
             let square = omega * omega;

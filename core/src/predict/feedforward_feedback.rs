@@ -59,7 +59,7 @@ impl PredictAxis for FeedforwardFeedback {
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
         let c = context.parameters;
-        let [a1, a2, a3] = c.inverse();
+        let [a1, a2, a3] = context.inverse();
         let r = context.rate_hz;
         Constants {
             inverse: [a1 * r, a2 * r * r, a3 * r * r * r].map(|x| x as f32),
@@ -73,7 +73,7 @@ impl PredictAxis for FeedforwardFeedback {
         let smoothing = 1.0 - libm::exp(-1.0 / setting.delay_steps());
         Linear::Sum(Sum {
             feedback: [c.feedback, smoothing],
-            ..Sum::inverse(c.inverse(), setting.rate_hz())
+            ..Sum::inverse(setting.inverse(), setting.rate_hz())
         })
     }
 

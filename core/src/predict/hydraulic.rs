@@ -124,8 +124,8 @@ impl Chain {
 }
 
 /// The plant as declared, or one that is late by the declared delay.
-fn plant(c: &Compensation, stiffness_n_per_m: f64) -> config::Hydraulic {
-    let guessed = || config::Hydraulic::of_delay(c.delay_ms * 1e-3, stiffness_n_per_m);
+fn plant(c: &Compensation, delay_ms: f64, stiffness_n_per_m: f64) -> config::Hydraulic {
+    let guessed = || config::Hydraulic::of_delay(delay_ms * 1e-3, stiffness_n_per_m);
     c.hydraulic.clone().unwrap_or_else(guessed)
 }
 
@@ -187,8 +187,8 @@ impl PredictAxis for Hydraulic {
     }
 
     fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
-        let c = context.parameters;
-        let h = plant(c, context.specimen_n_per_m[0][0]);
+        let stiffness_n_per_m = context.specimen_n_per_m[0][0];
+        let h = plant(context.parameters, context.delay_ms(), stiffness_n_per_m);
         let step_s = 1.0 / context.rate_hz;
         // With the control step as the unit of time, every coefficient is of one size.
         let units = [1.0, step_s, step_s, step_s * step_s];
@@ -215,7 +215,12 @@ impl PredictAxis for Hydraulic {
     /// The inverse of the declared plant, half a period early; fourth and fifth derivative are left out. What it learns of
     /// the plant shows in displacement and velocity.
     fn linear(setting: &mut Setting<'_>) -> Linear {
-        let plant = plant(setting.compensation(), setting.stiffness_n_per_m());
+        let delay_ms = setting.delay_ms();
+        let plant = plant(
+            setting.compensation(),
+            delay_ms,
+            setting.stiffness_n_per_m(),
+        );
         let r = setting.rate_hz();
         let [a0, a1, a2, a3, ..] = plant.inverse();
         let (a1, a2, a3) = (a1 * r, a2 * r * r, a3 * r * r * r);

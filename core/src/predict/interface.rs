@@ -111,7 +111,7 @@ pub(crate) trait Predict<const N: usize>: Sized {
 
 /// A predictor that works axis by axis.
 pub(crate) trait PredictAxis: Sized {
-    /// Constants, worked out once; the same for every axis.
+    /// Constants of an axis, worked out once.
     type Constants: Clone + core::fmt::Debug;
 
     /// It learns while a test runs.
@@ -125,7 +125,7 @@ pub(crate) trait PredictAxis: Sized {
         Ok(())
     }
 
-    /// The constants for a test.
+    /// The constants for a test, of the context's actuator.
     fn design<const N: usize>(context: &Context<'_, N>) -> Self::Constants;
 
     /// As a linear system; of an adaptive law, with what the setting says that it knows.
@@ -144,7 +144,7 @@ pub(crate) trait PredictAxis: Sized {
 pub(crate) struct Axes<P, const N: usize>([P; N]);
 
 impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
-    type Constants = P::Constants;
+    type Constants = [P::Constants; N];
 
     const LEARNS: bool = P::LEARNS;
 
@@ -153,7 +153,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     }
 
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {
-        Ok(P::design(context))
+        Ok(core::array::from_fn(|j| P::design(&context.of(j))))
     }
 
     fn linear(setting: &mut Setting<'_>) -> Linear {
@@ -161,7 +161,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     }
 
     fn at_rest(k: &Self::Constants) -> Self {
-        Self(core::array::from_fn(|_| P::at_rest(k)))
+        Self(core::array::from_fn(|j| P::at_rest(&k[j])))
     }
 
     // A function of its own: what only some predictors do is not spread over the step of all.
@@ -175,7 +175,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
         command_m: &mut [f32; N],
     ) {
         for j in 0..actuated::<N>(physical) {
-            command_m[j] = self.0[j].command(k, &followed[j], &ahead[j]);
+            command_m[j] = self.0[j].command(&k[j], &followed[j], &ahead[j]);
         }
     }
 }

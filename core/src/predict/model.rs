@@ -82,13 +82,21 @@ impl<const N: usize> Predict<N> for ModelPrediction {
 
     fn design(context: &Context<'_, N>) -> Result<Constants<N>, Refusal> {
         let step_s = 1.0 / (context.rate_hz * context.time_scale);
-        Constants::new(
-            context.structure,
-            context.omega[N - 1],
-            context.model_delay_s(),
-            step_s,
-        )
-        .ok_or(Refusal::matrix("structure.mass_kg"))
+        let of = |j: usize| {
+            let delay_s = context.of(j).model_delay_s();
+            Constants::new(context.structure, context.omega[N - 1], delay_s, step_s)
+                .ok_or(Refusal::matrix("structure.mass_kg"))
+        };
+        let mut all = of(0)?;
+        for j in 1..context.physical() {
+            // The matrices are much work, and most rigs have one delay.
+            if context.of(j).delay_ms() != context.delay_ms() {
+                let own = of(j)?;
+                all.velocity[j] = own.velocity[j];
+                all.acceleration[j] = own.acceleration[j];
+            }
+        }
+        Ok(all)
     }
 
     fn linear(setting: &mut Setting<'_>) -> Linear {

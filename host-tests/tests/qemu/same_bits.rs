@@ -4,14 +4,15 @@ use host_tests::qemu::bench::{self, emulated, first_difference, here, rig, shaki
 use host_tests::qemu::image::image;
 use host_tests::qemu::machine::{Clock, Test};
 use host_tests::{Scenario, table1};
-use outerloop_core::{Config, Event, Fault, Mode, config::Filter};
+use outerloop_core::config::{ActuatorTimes, Filter};
+use outerloop_core::{Config, Event, Fault, Mode};
 
 /// The whole pipeline at work: noise, the two-stage filter, Eq 20, every interlock.
 fn noisy(mut scenario: Scenario) -> Scenario {
     let config = &mut scenario.config;
     config.estimation.kind = Filter::Kalman;
-    config.estimation.delay_ms = 4.0;
-    config.estimation.lag_ms = 0.5;
+    config.estimation.delay_ms = 4.0.into();
+    config.estimation.lag_ms = 0.5.into();
     config.estimation.displacement_noise_m = 2e-5;
     config.timing.approach_m_per_s = 0.1;
     config.limits.displacement_m = Some(0.2);
@@ -90,10 +91,17 @@ fn one_degree_of_freedom() {
 
 #[test]
 fn three_degrees_of_freedom() {
-    let scenario = noisy(Scenario::delayed(
+    let mut scenario = noisy(Scenario::delayed(
         Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
         4.0,
     ));
+    // Each actuator has its own delay and lag, and the loop knows.
+    scenario.actuator =
+        "kind = 'lag_delay'\ndelay_ms = [4.0, 6.0, 9.0]\nlag_ms = [0.5, 1.0, 0.7]".into();
+    let times = |ms| ActuatorTimes::each(ms).unwrap();
+    scenario.config.compensation.delay_ms = times(&[4.5, 7.0, 9.7]);
+    scenario.config.estimation.delay_ms = times(&[4.0, 6.0, 9.0]);
+    scenario.config.estimation.lag_ms = times(&[0.5, 1.0, 0.7]);
     if let Some(states) = same::<3>(&scenario, 12_000, &busy) {
         assert_eq!(states, STATES.map(|s| s as u32));
     }

@@ -109,7 +109,7 @@ fn scenario(delay_ms: f64, told: f64, set: fn(&mut Compensation)) -> Scenario {
     let mut s = Scenario::delayed(table1(), delay_ms);
     s.actuator = format!("kind = 'second_order'\ndelay_ms = {delay_ms:?}");
     s.specimen = "kind = 'bilinear'\nhardening_ratio = 0.05\nyield_mm = 30.0".into();
-    s.config.compensation.delay_ms = told * (delay_ms - HELD_MS);
+    s.config.compensation.delay_ms = (told * (delay_ms - HELD_MS)).into();
     set(&mut s.config.compensation);
     s
 }

@@ -16,7 +16,7 @@ fn behind(kind: &str, delay_ms: f64, yields: bool) -> Scenario {
         s.specimen = "kind = 'bilinear'\nyield_mm = 30.0\nhardening_ratio = 0.05".into();
     }
     let early_ms = if kind == "delay" { 0.0 } else { HALF_PERIOD_MS };
-    s.config.compensation.delay_ms = delay_ms - early_ms;
+    s.config.compensation.delay_ms = (delay_ms - early_ms).into();
     s
 }
 
@@ -48,7 +48,8 @@ fn removes(s: &Scenario, method: Method, bound: f64, parts: f64) {
 }
 
 fn told(mut s: Scenario, share: f64) -> Scenario {
-    s.config.compensation.delay_ms *= share;
+    let c = &mut s.config.compensation;
+    c.delay_ms = (share * c.delay_ms.at(0)).into();
     s
 }
 
@@ -153,7 +154,7 @@ fn the_time_series_learns_actuators_of_any_order_up_to_two() {
     // The measured rig: neither of them.
     let mut rig = behind("lag_delay", 4.6, true);
     rig.actuator += "\nlag_ms = 22.2";
-    rig.config.compensation.delay_ms = 26.8;
+    rig.config.compensation.delay_ms = 26.8.into();
     removes(&rig, Method::Ats, 2e-3, 100.0);
 }
 

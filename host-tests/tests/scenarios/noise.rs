@@ -14,11 +14,11 @@ fn steel_frame(share: f64, tolerance: f64) -> Scenario {
     let mut config = Config::shear_frame([1158.0], [real * share], [0.02 / share.sqrt()]);
     config.timing.time_scale = 10.0;
     config.timing.approach_m_per_s = 0.05;
-    config.compensation.delay_ms = 33.5;
+    config.compensation.delay_ms = 33.5.into();
     config.compensation.window_steps = 20;
     config.compensation.secant = Secant::Measured;
     config.estimation.kind = Filter::Kalman;
-    config.estimation.lag_ms = 33.5;
+    config.estimation.lag_ms = 33.5.into();
     config.estimation.displacement_noise_m = 5e-3 / 6.0;
     config.estimation.force_noise_n = 16e3 / 6.0;
     config.estimation.stiffness_tolerance = tolerance;

@@ -8,7 +8,7 @@ use outerloop_cli::stability::rig::Variation;
 use outerloop_cli::stability::structure_matrices::StructureMatrices;
 use outerloop_core::{
     Config, Method, Record,
-    config::{Adaptation, Filter},
+    config::{ActuatorTimes, Adaptation, Filter},
     flag,
 };
 use plant::RigSpec;
@@ -120,7 +120,7 @@ fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
     agree::<1>(&low_pass);
     let mut kalman = base();
     kalman.config.estimation.kind = Filter::Kalman;
-    kalman.config.estimation.lag_ms = 3.0;
+    kalman.config.estimation.lag_ms = 3.0.into();
     agree::<1>(&kalman);
     for (substeps, solve) in [(2, 1), (4, 0), (8, 3)] {
         let mut s = base();
@@ -230,7 +230,7 @@ fn every_predictor_grows_as_its_largest_eigenvalue() {
             for kind in ["delay", "second_order"] {
                 let actuator = format!("kind = '{kind}'\ndelay_ms = {delay_ms:?}");
                 let mut s = sdof(0.02, &actuator).with(method);
-                s.config.compensation.delay_ms = told_ms;
+                s.config.compensation.delay_ms = told_ms.into();
                 println!("{} told {told_ms}", method.name());
                 agree::<1>(&s);
             }
@@ -247,10 +247,16 @@ fn predictors_of_several_storeys_grow_as_their_worst_mode_does() {
         Method::FeedforwardFeedback,
         Method::Afp,
     ] {
+        // Each actuator has its own, and is told a little less.
+        let config = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]);
+        let mut differing = Scenario::delayed(config.clone(), 0.0).with(method);
+        differing.actuator = "kind = 'delay'\ndelay_ms = [1.0, 2.0, 3.0]".into();
+        differing.config.compensation.delay_ms = ActuatorTimes::each(&[0.5, 1.5, 2.0]).unwrap();
+        println!("{} told 0.5, 1.5, 2", method.name());
+        agree::<3>(&differing);
         for (delay_ms, told_ms) in [(1.0, 1.0), (2.0, 1.0), (4.0, 2.0)] {
-            let config = Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]);
-            let mut s = Scenario::delayed(config, delay_ms).with(method);
-            s.config.compensation.delay_ms = told_ms;
+            let mut s = Scenario::delayed(config.clone(), delay_ms).with(method);
+            s.config.compensation.delay_ms = told_ms.into();
             println!("{} told {told_ms}", method.name());
             agree::<3>(&s);
         }
@@ -262,7 +268,7 @@ fn predictors_of_several_storeys_grow_as_their_worst_mode_does() {
 fn predictors_work_between_targets_behind_filters_and_in_slow_tests() {
     let base = |method| {
         let mut s = sdof(0.03, "kind = 'second_order'\ndelay_ms = 6.0").with(method);
-        s.config.compensation.delay_ms = 4.0;
+        s.config.compensation.delay_ms = 4.0.into();
         s
     };
     for method in [

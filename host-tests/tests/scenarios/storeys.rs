@@ -3,6 +3,7 @@
 use host_tests::{Scenario, data, eps};
 use outerloop_core::Config;
 use outerloop_core::Method;
+use outerloop_core::config::{ActuatorTimes, Filter};
 
 /// Three equal storeys with a fundamental period of 0.5 s and 2 % damping in every mode.
 fn three_storeys() -> Scenario {
@@ -36,6 +37,60 @@ fn three_storeys_with_an_actuator_each() {
         }
         assert!(none > 0.3);
     }
+}
+
+/// Actuators of 4, 6 and 9 ms: whoever is told each of them is better off than with one number for all, whichever that is.
+#[test]
+fn actuators_that_differ_are_told_apart() {
+    let Some([(_, kobe), _]) = data::kobe_and_tabas() else {
+        return;
+    };
+    let late_ms = [4.0, 6.0, 9.0];
+    let each = || ActuatorTimes::each(&late_ms).unwrap();
+    let mut s = three_storeys();
+    s.actuator = format!("kind = 'delay'\ndelay_ms = {late_ms:?}");
+    let ideal = s.ideal::<3>(&kobe, 20.0);
+    let worst = |s: &Scenario| {
+        let test = s.run::<3>(&kobe, 20.0, 1);
+        if test.records.len() < ideal.records.len() {
+            return f64::INFINITY;
+        }
+        let floors = (0..3).map(|floor| eps(&test, &ideal, floor).1);
+        floors.fold(0.0, f64::max)
+    };
+    for method in [
+        Method::Lagrange,
+        Method::PhaseLead,
+        Method::ModelPrediction,
+        Method::FeedforwardFeedback,
+        Method::Inverse,
+    ] {
+        let mut told = s.with(method);
+        let mut error = |delay_ms: ActuatorTimes| {
+            told.config.compensation.delay_ms = delay_ms;
+            worst(&told)
+        };
+        let one = [4.0, 6.0, 19.0 / 3.0, 9.0].map(|ms: f64| error(ms.into()));
+        let own = error(each());
+        println!(
+            "{:22} eps_rms told 4, 6, 6.33, 9 ms: {one:.4?}; each its own: {own:.4}",
+            method.name()
+        );
+        assert!(one.iter().all(|&one| own < 0.5 * one), "{}", method.name());
+    }
+    // The filter's model of each actuator: with one for all the innovation says that it does not fit.
+    let mut filtered = s.with(Method::Lagrange);
+    filtered.config.compensation.delay_ms = each();
+    filtered.config.estimation.kind = Filter::Kalman;
+    filtered.config.estimation.lag_ms = 0.5.into();
+    filtered.sensors = "displacement_noise_mm = 0.02\nforce_noise_n = 10.0".into();
+    let mut error = |delay_ms: ActuatorTimes| {
+        filtered.config.estimation.delay_ms = delay_ms;
+        worst(&filtered)
+    };
+    let (one, own) = (error(6.0.into()), error(each()));
+    println!("two-stage filter       eps_rms told 6 ms: {one:.4}; each its own: {own:.4}");
+    assert!(own < 0.5 * one);
 }
 
 /// With an ideal actuator it makes no difference which storeys are in the laboratory.
@@ -81,7 +136,7 @@ fn ten_times_slower_is_the_same_test_with_a_tenth_of_the_delay() {
     };
     let mut slow = Scenario::delayed(Config::shear_frame([1000.0], [158e3], [0.02]), 40.0);
     slow.config.timing.time_scale = 10.0;
-    slow.config.compensation.delay_ms = 40.0;
+    slow.config.compensation.delay_ms = 40.0.into();
     let error = eps(&slow.run::<1>(&kobe, 20.0, 1), &slow.ideal(&kobe, 20.0), 0).1;
     println!("40 ms at time scale 10: eps_rms {error:.5}");
     // 4 ms in real time gives .0059; the finer step moves it a little.
@@ -112,7 +167,7 @@ fn the_physical_mass_is_corrected() {
         let mut s = Scenario::delayed(Config::shear_frame([1158.0], [358.5e3], [0.02]), 33.5);
         s.actuator = "kind = 'second_order'\ndelay_ms = 33.5".into();
         s.config.timing.time_scale = 10.0;
-        s.config.compensation.delay_ms = 33.5;
+        s.config.compensation.delay_ms = 33.5.into();
         let ideal = s.ideal::<1>(&kobe, 20.0);
         if corrected {
             s.config.structure.physical_mass_kg = [1158.0].into_iter().collect();

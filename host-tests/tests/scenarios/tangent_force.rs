@@ -11,7 +11,7 @@ fn bilinear(delay_ms: f64) -> Scenario {
     let mut s = Scenario::delayed(table1(), delay_ms).with(Method::Tangent);
     s.actuator = format!("kind = 'second_order'\ndelay_ms = {delay_ms:?}");
     s.specimen = format!("{BILINEAR}30.0");
-    s.config.compensation.delay_ms = 0.5 * delay_ms;
+    s.config.compensation.delay_ms = (0.5 * delay_ms).into();
     s
 }
 
@@ -48,7 +48,7 @@ fn a_yielding_specimen_behind_a_second_order_actuator() {
     ] {
         for told in [0.5, 1.0, 1.5] {
             let mut s = bilinear(delay_ms);
-            s.config.compensation.delay_ms = told * delay_ms;
+            s.config.compensation.delay_ms = (told * delay_ms).into();
             within::<1>(&format!("{delay_ms} ms, told {told} of it"), &s, target);
         }
     }
@@ -70,7 +70,7 @@ fn a_linear_specimen_whatever_the_delay() {
 fn a_delay_that_jumps_and_a_gain_that_is_wrong() {
     for kind in ["delay", "second_order"] {
         let mut s = bilinear(4.0);
-        s.config.compensation.delay_ms = 4.0;
+        s.config.compensation.delay_ms = 4.0.into();
         s.actuator = format!(
             "kind = '{kind}'\ndelay_ms = 4.0\ndelay_jump = {{ at_s = 8.0, delay_ms = 12.0 }}"
         );

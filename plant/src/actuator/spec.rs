@@ -123,11 +123,11 @@ impl ActuatorSpec {
         (self.kind, self.delay_ms, self.lag_ms) = (kind, own_ms.into(), lag_ms.into());
     }
 
-    /// The longest delay and lag together of any axis, ms.
-    pub fn lateness_ms(&self) -> f64 {
+    /// Delay and lag together of an axis, ms.
+    pub fn lateness_ms(&self, axis: usize) -> f64 {
         match self.kind {
             ActuatorKind::Ideal => 0.0,
-            _ => self.delay_ms.largest() + self.lag_ms.largest(),
+            _ => self.delay_ms.at(axis) + self.lag_ms.at(axis),
         }
     }
 

@@ -39,7 +39,7 @@ impl CoreSetup {
         let [a0, a1, a2, a3, ..] = begins_with.inverse();
         let compensation = Compensation {
             kind: method,
-            delay_ms: delay_ms(declared),
+            delay_ms: delay_ms(declared).into(),
             // The static part is in the calibration of the command.
             inverse: Some([a1, a2, a3].map(|a| a / a0)),
             lead_steps,

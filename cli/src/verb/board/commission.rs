@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::files::output;
 use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
+use crate::rig::declared::configured_times;
 use crate::scope::Scoped;
 use crate::serve::shear_frame;
 use crate::terminal;
@@ -243,7 +244,64 @@ fn described(found: &[Found], storeys_n_per_m: &[f64]) -> String {
             .chain(forces);
         table.add_row(row.collect::<Vec<_>>());
     }
+    let times = for_the_test_file(found).map_or(String::new(), |lines| format!("\n{lines}"));
     format!(
-        "{table}\nForces are over the displacement of the actuator that moved; in brackets what the test file declares."
+        "{table}\nForces are over the displacement of the actuator that moved; in brackets what the test file declares.{times}"
     )
+}
+
+/// What the test file says of these actuators' times; `None` where one of them was not identified.
+fn for_the_test_file(found: &[Found]) -> Option<String> {
+    let each: Option<Vec<_>> = found.iter().map(|f| f.identified.as_ref()).collect();
+    let each: Vec<_> = each?
+        .into_iter()
+        .map(|i| configured_times([i.delay_ms, i.lag_ms]))
+        .collect();
+    let lines = each
+        .first()?
+        .iter()
+        .enumerate()
+        .map(|(k, (table, key, _))| {
+            // A thousandth of a millisecond is finer than any rig.
+            let list: Vec<String> = each.iter().map(|own| format!("{:.3}", own[k].2)).collect();
+            format!("{table}.{key} = [{}]", list.join(", "))
+        });
+    let lines: Vec<String> = lines.collect();
+    Some(format!("For the test file:\n{}", lines.join("\n")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(number: usize, times: Option<[f64; 2]>) -> Found {
+        let identified = times.map(|[delay_ms, lag_ms]| Identified {
+            gain: 1.0,
+            gain_ci90: [1.0; 2],
+            delay_ms,
+            delay_ms_ci90: [delay_ms; 2],
+            lag_ms,
+            lag_ms_ci90: [lag_ms; 2],
+            offset_mm: 0.0,
+            offset_mm_ci90: [0.0; 2],
+            nrmse: 0.0,
+        });
+        Found {
+            number,
+            file: PathBuf::new(),
+            identified,
+            stiffness_n_per_m: vec![],
+        }
+    }
+
+    #[test]
+    fn what_was_found_is_said_as_the_test_file_says_it() {
+        let two = [found(1, Some([4.0, 1.5])), found(2, Some([6.25, 0.0]))];
+        assert_eq!(
+            for_the_test_file(&two).unwrap(),
+            "For the test file:\ncompensation.delay_ms = [5.500, 6.250]\nestimation.delay_ms = [4.000, 6.250]\n\
+             estimation.lag_ms = [1.500, 0.050]"
+        );
+        assert_eq!(for_the_test_file(&[found(1, None)]), None);
+    }
 }
