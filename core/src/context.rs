@@ -5,7 +5,7 @@ use crate::matrix::Matrix;
 use crate::structure::Structure;
 
 /// The test around a method.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) struct Context<'a, const N: usize> {
     /// `[compensation]`, with the parameters of all methods.
     pub parameters: &'a Compensation,
@@ -21,37 +21,26 @@ pub(crate) struct Context<'a, const N: usize> {
     pub time_scale: f64,
     /// Integration step, s of model time.
     pub model_step_s: f64,
-    /// The actuator whose times are asked for, from 0.
-    pub actuator: usize,
 }
 
 impl<const N: usize> Context<'_, N> {
-    /// The same test as another actuator sees it; what has none is as the last one.
-    pub fn of(&self, actuator: usize) -> Self {
-        Self {
-            actuator: actuator.min(self.physical().saturating_sub(1)),
-            ..*self
+    /// The test as an actuator sees it, from 0; an axis without one has the last one's delay.
+    pub fn actuator(&self, j: usize) -> ActuatorContext<'_> {
+        let j = j.min(self.physical().saturating_sub(1));
+        ActuatorContext {
+            parameters: self.parameters,
+            delay_ms: self.parameters.delay_ms.at(j),
+            inverse: self.parameters.inverse(j),
+            stiffness_n_per_m: self.specimen_n_per_m[0][0],
+            omega: self.omega[0],
+            rate_hz: self.rate_hz,
+            time_scale: self.time_scale,
         }
     }
 
-    /// The declared delay of the actuator, ms.
-    pub fn delay_ms(&self) -> f64 {
-        self.parameters.delay_ms.at(self.actuator)
-    }
-
-    /// The declared delay of the actuator, control steps.
-    pub fn delay_steps(&self) -> f64 {
-        self.delay_ms() * 1e-3 * self.rate_hz
-    }
-
-    /// The declared delay of the actuator, s of model time.
-    pub fn model_delay_s(&self) -> f64 {
-        self.delay_ms() * 1e-3 / self.time_scale
-    }
-
-    /// The inverse of the actuator, in powers of a second.
-    pub fn inverse(&self) -> [f64; 3] {
-        self.parameters.inverse(self.actuator)
+    /// The declared delay of an actuator, from 0, s of model time.
+    pub fn model_delay_s(&self, j: usize) -> f64 {
+        self.actuator(j).delay_ms * 1e-3 / self.time_scale
     }
 
     /// What a running peak of the motion keeps from one integration step to the next: it fades within a natural period.
@@ -62,5 +51,31 @@ impl<const N: usize> Context<'_, N> {
     /// Number of axes in the laboratory.
     pub fn physical(&self) -> usize {
         self.structure.physical.min(N)
+    }
+}
+
+/// What the predictor of one actuator may know. Of no number of floors, so that an image holds each design once.
+#[derive(Debug)]
+pub(crate) struct ActuatorContext<'a> {
+    /// `[compensation]`, with the parameters of all methods.
+    pub parameters: &'a Compensation,
+    /// The declared delay, ms.
+    pub delay_ms: f64,
+    /// The inverse of the actuator, in powers of a second.
+    pub inverse: [f64; 3],
+    /// Declared stiffness of the specimen at the lowest floor, N/m.
+    pub stiffness_n_per_m: f64,
+    /// First natural frequency, rad/s of model time.
+    pub omega: f64,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// Laboratory time per model time.
+    pub time_scale: f64,
+}
+
+impl ActuatorContext<'_> {
+    /// The declared delay, control steps.
+    pub fn delay_steps(&self) -> f64 {
+        self.delay_ms * 1e-3 * self.rate_hz
     }
 }

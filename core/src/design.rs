@@ -102,7 +102,6 @@ impl<const N: usize> Design<N> {
             rate_hz: t.rate_hz,
             time_scale: t.time_scale,
             model_step_s: dt_s,
-            actuator: 0,
         };
         let noise_m = config.estimation.displacement_noise_m;
         let rig = config.rig.constants(t.rate_hz, noise_m);

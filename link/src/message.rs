@@ -49,6 +49,7 @@ impl Message for NumberedReply {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agreed::MAX_ACTUATORS;
     use crate::channel::{Calibration, TWELVE_BITS};
     use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
@@ -59,8 +60,7 @@ mod tests {
     use outerloop_core::{
         Config, Event, Fault, Mode, Pace, Trip,
         config::{
-            ActuatorTimes, Hydraulic, Limits, MAX_DOF, PerActuator, PerFloor, RigConfig,
-            StructureConfig,
+            ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig, StructureConfig,
         },
     };
     use proptest::prelude::*;
@@ -79,10 +79,10 @@ mod tests {
         wire.len()
     }
 
-    /// Every number that can be left out is written, and with the longest code.
+    /// What an image can run at most: every number that can be left out is written, and with the longest code.
     fn largest_config() -> Config {
-        let floors: PerFloor = [f64::MAX; MAX_DOF].into_iter().collect();
-        let actuators: PerActuator = [f64::MAX; 4].into_iter().collect();
+        let floors: PerFloor = [f64::MAX; 3].into_iter().collect();
+        let actuators: PerActuator = [f64::MAX; MAX_ACTUATORS].into_iter().collect();
         let limit = Some(f64::MAX);
         let mut config = Config {
             structure: StructureConfig {
@@ -120,7 +120,7 @@ mod tests {
                 bearing_presliding_m: actuators,
             },
         };
-        let times = ActuatorTimes::each(&[f64::MAX; 4]).unwrap();
+        let times = ActuatorTimes::each(&[f64::MAX; MAX_ACTUATORS]).unwrap();
         let c = &mut config.compensation;
         c.delay_ms = times.clone();
         (c.inverse, c.clamp_below) = (Some([f64::MAX; 3]), limit);

@@ -1,6 +1,6 @@
 //! `[compensation]`: which method, and the parameters of all.
 
-use super::ActuatorTimes;
+use super::times::ActuatorTimes;
 use crate::method::Method;
 
 /// Which increment of displacement the energy error is divided by in Eqs 14 and 20.

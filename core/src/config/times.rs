@@ -1,6 +1,6 @@
 //! A time that may differ between actuators.
 
-use super::PerActuator;
+use super::rig::PerActuator;
 use crate::refusal::{Refusal, accept};
 use core::fmt;
 
@@ -128,7 +128,7 @@ mod as_written {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Config;
+    use crate::Config;
 
     fn refused(change: impl Fn(&mut Config)) -> Option<(&'static str, f64)> {
         let mut config = Config::shear_frame([1e3; 4], [8e5; 4], [0.02; 4]);

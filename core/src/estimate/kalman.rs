@@ -26,6 +26,7 @@ impl KalmanGains {
     ///
     /// # Errors
     /// A Riccati equation without a finite solution.
+    #[inline(never)] // Of several actuators each: it would stand in an image several times.
     pub fn new(e: &Estimation, step_s: f64, actuator: usize) -> Result<Self, Refusal> {
         let lag_s = e.lag_ms.at(actuator) * 1e-3;
         let model = Lag::new(lag_s, e.lag_damping_ratio, step_s);

@@ -131,9 +131,8 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
     fn design(context: &Context<'_, N>) -> Constants<N> {
         let c = context.parameters;
         let dt_s = context.model_step_s;
-        let delay_stiffness: [f64; N] = core::array::from_fn(|j| {
-            context.specimen_n_per_m[j][j] * context.of(j).model_delay_s()
-        });
+        let delay_stiffness: [f64; N] =
+            core::array::from_fn(|j| context.specimen_n_per_m[j][j] * context.model_delay_s(j));
         let [below, above] = clamps(c, context.physical());
         Constants {
             secant: c.secant,

@@ -5,7 +5,7 @@
 //! must be a fair share of its running peak, and that peak above a floor.
 
 use crate::config::Adaptation;
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
 use crate::refusal::{Refusal, accept, between};
 
@@ -74,15 +74,15 @@ impl Learning {
     }
 
     /// For a test. Running peaks fade within some natural periods of laboratory time.
-    pub fn design<const N: usize>(context: &Context<'_, N>) -> Self {
+    pub fn design(context: &ActuatorContext<'_>) -> Self {
         let a = &context.parameters.adaptation;
         let rate_hz = context.rate_hz;
-        let per_step = context.omega[0] / (context.time_scale * rate_hz) / core::f64::consts::TAU;
+        let per_step = context.omega / (context.time_scale * rate_hz) / core::f64::consts::TAU;
         Self {
             floor_m: a.floor_m as f32,
             memory: libm::exp(-per_step) as f32,
             rate: (1.0 / (a.time_s * rate_hz)) as f32,
-            longest: (a.longest_delay_ms.max(context.delay_ms()) * 1e-3 * rate_hz) as f32,
+            longest: (a.longest_delay_ms.max(context.delay_ms) * 1e-3 * rate_hz) as f32,
             limit: (a.delay_rate_ms_per_s * 1e-3) as f32,
             gain_tolerance: a.gain_tolerance as f32,
             gain_limit: (a.gain_tolerance / rate_hz) as f32,

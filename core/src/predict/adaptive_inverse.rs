@@ -15,7 +15,7 @@
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::inverse;
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting};
 
 /// Constants of the adaptive inverse.
@@ -43,7 +43,7 @@ impl PredictAxis for AdaptiveInverse {
 
     const LEARNS: bool = true;
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         Constants {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),

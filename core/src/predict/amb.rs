@@ -15,7 +15,7 @@
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::estimate::prewarped;
 use crate::float::larger;
 use crate::linear::{Linear, Setting, Sum};
@@ -110,9 +110,9 @@ impl PredictAxis for Amb {
         Ok(())
     }
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         let c = context.parameters;
-        let [a1, a2, a3] = context.inverse();
+        let [a1, a2, a3] = context.inverse;
         let r = context.rate_hz;
         let powers = [1.0, r, r * r, r * r * r];
         let [g0, g1, g2, g3] = c.amb.gains;

@@ -19,7 +19,7 @@
 use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting, Sum};
 use crate::method::Prediction;
 use crate::refusal::{Refusal, between};
@@ -94,11 +94,11 @@ impl PredictAxis for Ats {
         )
     }
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         let a = &context.parameters.adaptation;
         let pass = core::f64::consts::TAU * a.smoothing_hz / context.rate_hz;
-        let unit_s = context.time_scale / context.omega[0];
-        let [first, second, _] = context.inverse();
+        let unit_s = context.time_scale / context.omega;
+        let [first, second, _] = context.inverse;
         Constants {
             start: [first / unit_s, second / (unit_s * unit_s)].map(|x| x as f32),
             unit: (context.rate_hz * unit_s) as f32,

@@ -15,7 +15,7 @@ use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::lagrange::{self, Extrapolation};
 use super::past::Past;
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
 use crate::linear::{Linear, Setting};
 
@@ -48,7 +48,7 @@ impl PredictAxis for Darby {
 
     const LEARNS: bool = true;
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         let learning = Learning::design(context);
         let order = context.parameters.order;
         Constants {

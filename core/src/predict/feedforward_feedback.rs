@@ -14,7 +14,7 @@
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept};
 
@@ -57,9 +57,9 @@ impl PredictAxis for FeedforwardFeedback {
         Ok(())
     }
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         let c = context.parameters;
-        let [a1, a2, a3] = context.inverse();
+        let [a1, a2, a3] = context.inverse;
         let r = context.rate_hz;
         Constants {
             inverse: [a1 * r, a2 * r * r, a3 * r * r * r].map(|x| x as f32),

@@ -18,7 +18,7 @@
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{self, Compensation, Timing};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
 use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept, between};
@@ -186,9 +186,9 @@ impl PredictAxis for Hydraulic {
         Ok(())
     }
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
-        let stiffness_n_per_m = context.specimen_n_per_m[0][0];
-        let h = plant(context.parameters, context.delay_ms(), stiffness_n_per_m);
+    fn design(context: &ActuatorContext<'_>) -> Constants {
+        let stiffness_n_per_m = context.stiffness_n_per_m;
+        let h = plant(context.parameters, context.delay_ms, stiffness_n_per_m);
         let step_s = 1.0 / context.rate_hz;
         // With the control step as the unit of time, every coefficient is of one size.
         let units = [1.0, step_s, step_s, step_s * step_s];

@@ -2,7 +2,7 @@
 //! by axis.
 
 use crate::config::{Compensation, Timing};
-use crate::context::Context;
+use crate::context::{ActuatorContext, Context};
 use crate::linear::{Linear, Setting};
 use crate::refusal::Refusal;
 use crate::structure::actuated;
@@ -125,8 +125,8 @@ pub(crate) trait PredictAxis: Sized {
         Ok(())
     }
 
-    /// The constants for a test, of the context's actuator.
-    fn design<const N: usize>(context: &Context<'_, N>) -> Self::Constants;
+    /// The constants for a test.
+    fn design(context: &ActuatorContext<'_>) -> Self::Constants;
 
     /// As a linear system; of an adaptive law, with what the setting says that it knows.
     fn linear(setting: &mut Setting<'_>) -> Linear;
@@ -137,6 +137,12 @@ pub(crate) trait PredictAxis: Sized {
     /// One control step: learns from what was followed and gives the command to send, m.
     fn command(&mut self, k: &Self::Constants, followed: &LastCommand, ahead: &TargetMotion)
     -> f32;
+}
+
+/// Once in an image, for every number of floors and every axis.
+#[inline(never)]
+fn design<P: PredictAxis>(context: &ActuatorContext<'_>) -> P::Constants {
+    P::design(context)
 }
 
 /// The same predictor on every axis.
@@ -153,7 +159,7 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     }
 
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {
-        Ok(core::array::from_fn(|j| P::design(&context.of(j))))
+        Ok(core::array::from_fn(|j| design::<P>(&context.actuator(j))))
     }
 
     fn linear(setting: &mut Setting<'_>) -> Linear {

@@ -9,7 +9,7 @@
 //! First order: the amplitude grows by `(omega tau)^2 / 2`. It uses the declared delay.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting, Sum};
 
 /// Constants of the inverse.
@@ -34,7 +34,7 @@ pub(crate) struct Inverse;
 impl PredictAxis for Inverse {
     type Constants = Constants;
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         Constants {
             delay: context.delay_steps() as f32,
         }

@@ -12,7 +12,7 @@
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::past::{Past, REACH};
 use crate::config::{Compensation, Timing};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting};
 use crate::refusal::{Refusal, accept};
 
@@ -99,7 +99,7 @@ impl PredictAxis for Lagrange {
         )
     }
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         let steps = context.delay_steps();
         Constants {
             delay: steps as f32,

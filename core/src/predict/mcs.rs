@@ -20,7 +20,7 @@
 
 use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting, Sum};
 
 /// Largest change of either gain.
@@ -57,7 +57,7 @@ impl PredictAxis for Mcs {
 
     const LEARNS: bool = true;
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         Constants {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),

@@ -83,14 +83,14 @@ impl<const N: usize> Predict<N> for ModelPrediction {
     fn design(context: &Context<'_, N>) -> Result<Constants<N>, Refusal> {
         let step_s = 1.0 / (context.rate_hz * context.time_scale);
         let of = |j: usize| {
-            let delay_s = context.of(j).model_delay_s();
+            let delay_s = context.model_delay_s(j);
             Constants::new(context.structure, context.omega[N - 1], delay_s, step_s)
                 .ok_or(Refusal::matrix("structure.mass_kg"))
         };
         let mut all = of(0)?;
         for j in 1..context.physical() {
             // The matrices are much work, and most rigs have one delay.
-            if context.of(j).delay_ms() != context.delay_ms() {
+            if context.model_delay_s(j) != context.model_delay_s(0) {
                 let own = of(j)?;
                 all.velocity[j] = own.velocity[j];
                 all.acceleration[j] = own.acceleration[j];

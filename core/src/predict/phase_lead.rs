@@ -10,7 +10,7 @@
 //! It amplifies as it leads: by `(omega T_1)^2 / 2`, 12 % at `omega tau` = .5. A first-order lag is what it inverts.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use crate::context::Context;
+use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting};
 
 /// T_2 over the delay.
@@ -48,7 +48,7 @@ pub(crate) struct PhaseLead {
 impl PredictAxis for PhaseLead {
     type Constants = Constants;
 
-    fn design<const N: usize>(context: &Context<'_, N>) -> Constants {
+    fn design(context: &ActuatorContext<'_>) -> Constants {
         Constants::new(context.delay_steps())
     }
 
