@@ -3,7 +3,7 @@
 use crate::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
 use crate::base::Base;
 use crate::criteria::REACH;
-use crate::joint::Outcome;
+use crate::joint::{Doubt, Found, Outcome};
 use crate::noise::Noise;
 use plant::{Effect, Family};
 
@@ -110,7 +110,8 @@ pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
 }
 
 /// Sentences on what a joint search came to.
-pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> {
+pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
+    let outcome = Some(&found.outcome);
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let mut notes = Vec::new();
@@ -146,7 +147,32 @@ pub fn joined(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Vec<String> 
         }
         _ => {}
     }
+    notes.extend(
+        found
+            .doubts
+            .iter()
+            .map(|&(name, doubt)| in_doubt(name, doubt)),
+    );
     notes
+}
+
+/// Why a name is not given although no other name comes near it, and which motion would tell.
+fn in_doubt(name: Effect, doubt: Doubt) -> String {
+    let (rival, test) = match doubt {
+        Doubt::Forgets => (
+            "a force without any memory, some function of displacement and speed, does nearly as well",
+            "Faster and slower cycles of the same size, with smaller ones inside them, would show which.",
+        ),
+        Doubt::Changes => (
+            "a spring and a damper that change while the test goes on do nearly as well",
+            "The first cycles once more at its end would show which.",
+        ),
+        Doubt::OtherFunction => (
+            "another function of the same variable takes much more",
+            "A slow ramp over the whole range would draw it.",
+        ),
+    };
+    format!("No other name comes near {name}, yet it is not given: {rival}. {test}")
 }
 
 /// Of a spring that is far from its declaration since an element that gives way stands beside it: what they are together.

@@ -37,7 +37,7 @@ pub struct FoundParameter {
 /// What speaks for a name, on data left out block by block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Certificate {
-    /// How many times the squares the best rival of any other kind or family leaves in its place.
+    /// How many times the squares the best rival of any other kind or family, or a free function, leaves in its place.
     pub rivals_leave: f64,
     /// Share of the squares that it still takes beside an unnamed rest of all other kinds; none of an actuator's.
     pub beside_the_rest: Option<f64>,

@@ -110,7 +110,7 @@ impl ChannelDiagnosis<'_> {
                 if little || (certain && gain[0] <= 0.0) {
                     answer.verdict = Verdict::Unknown;
                     answer.nearest = Some(nearest(first, &before, after));
-                    answer.notes = advice::joined(&answer, Some(&found.outcome));
+                    answer.notes = advice::joined(&answer, &found);
                     answer.traces = self.drawn(&before.test, &before.test);
                     self.look_at_the_rest(&mut answer, &before.train, &before.test);
                     return Some(answer);
@@ -150,7 +150,7 @@ impl ChannelDiagnosis<'_> {
             }
             _ => answer.verdict = Verdict::Unknown,
         }
-        answer.notes = advice::joined(&answer, Some(&found.outcome));
+        answer.notes = advice::joined(&answer, &found);
         let told = noise.is_some_and(|n| n.from == Source::Rest);
         if answer.verdict == Verdict::Partial && !told && answer.noise_floor_rms >= lowest {
             answer.notes.push(NOISE_UNKNOWN.into());

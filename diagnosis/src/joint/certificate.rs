@@ -2,12 +2,13 @@
 
 use super::dashpot;
 use super::element::{Element, Kind, Law};
+use super::free::{self, Free};
 use super::polish::Polished;
 use super::search::restrict;
 use super::separable::inseparable;
 use super::set::{DECLARED, Library, Set, column};
 use crate::answer::Certificate;
-use crate::criteria::{BESIDE_THE_REST, BLOCKS, PRICE};
+use crate::criteria::{BESIDE_THE_REST, BLOCKS, CERTAIN, PRICE};
 use nalgebra::{DMatrix, DVector};
 use plant::{Channel, Effect, Family};
 use rayon::prelude::*;
@@ -29,6 +30,8 @@ pub struct Candidate {
     pub varies: bool,
     /// It depends on time alone, and no rest tells that it is there without the motion.
     pub timed: bool,
+    /// What free functions leave in its place.
+    pub free: Free,
     /// Names of other kinds that this motion cannot tell from it, whatever fits.
     pub inseparable: Vec<(Effect, Kind)>,
     /// The best of each other family and kind; best first.
@@ -42,10 +45,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Whether it is no better beside an unnamed rest of all other kinds, a product of place and speed, or what the
-    /// record's beginning in mid-motion leaves behind.
+    /// Whether it is no better beside an unnamed rest of all other kinds, a product of place and speed, what the
+    /// record's beginning in mid-motion leaves behind, or no better than a free function.
     pub fn is_void(&self) -> bool {
-        self.varies || self.timed || self.beside > (1.0 - BESIDE_THE_REST).ln()
+        let little = self.beside > (1.0 - BESIDE_THE_REST).ln();
+        self.varies || self.timed || little || self.free.doubt.is_some()
     }
 
     /// What is said of it.
@@ -54,7 +58,8 @@ impl Candidate {
             rivals_leave: self
                 .kin
                 .as_ref()
-                .map_or(self.rho, |k| k.times.min(self.rho)),
+                .map_or(self.rho, |k| k.times.min(self.rho))
+                .min(self.free.leave),
             beside_the_rest: Some(1.0 - self.beside.exp()),
         }
     }
@@ -276,8 +281,9 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         .partition(|r| r.name.entry().family == family);
     rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
     let best = |all: Vec<Rival>| all.into_iter().min_by(|a, b| a.times.total_cmp(&b.times));
-    Candidate {
+    let mut candidate = Candidate {
         name: group.name,
+        free: Free::NONE,
         beside: if group.elements.is_empty() {
             f64::NEG_INFINITY
         } else {
@@ -301,7 +307,12 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         rivals,
         kin: best(kin),
         sliding: best(sliding),
+    };
+    if candidate.rho >= CERTAIN && !candidate.is_void() {
+        let of = (group.kind, family);
+        candidate.free = free::tried(library, set, of, &candidate.elements);
     }
+    candidate
 }
 
 fn set_fall(library: &Library, set: &Set) -> f64 {

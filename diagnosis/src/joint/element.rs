@@ -3,7 +3,8 @@
 use super::laws;
 use super::track::{Sizes, Track};
 use crate::criteria::{
-    EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_FRICTION, NEARLY, RELAXES, STRIBECK_YIELD,
+    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, NEARLY,
+    RELAXES, STRIBECK_YIELD,
 };
 use crate::linear::Bound;
 use plant::Effect;
@@ -290,7 +291,19 @@ impl Element {
             Law::Slider | Law::Stribeck | Law::BoucWen | Law::Distributed | Law::InSeries
         );
         let give = self.yields_at() / sizes.x;
-        yields && give > FRICTION_YIELD && give < MAY_BE_FRICTION
+        let most = if self.is_bristles() {
+            MAY_BE_BRISTLES
+        } else {
+            MAY_BE_FRICTION
+        };
+        yields && give > FRICTION_YIELD && give < most
+    }
+
+    /// Whether it is Dahl's friction by its equation, Bouc-Wen's with an exponent of 1 and the same rate out and back: a
+    /// material that yields comes back with the stiffness that it went out with.
+    fn is_bristles(&self) -> bool {
+        let [_, n, load, unload] = self.shape;
+        self.law == Law::BoucWen && n < BRISTLES && unload > load / 3.0
     }
 
     /// Whether what is in series with the spring is more a dashpot than friction: its force grows at least with the root of

@@ -16,6 +16,7 @@ mod dictionary;
 pub(crate) mod element;
 mod figures;
 mod fit;
+mod free;
 mod known;
 mod laws;
 mod one_each;
@@ -28,6 +29,7 @@ mod set;
 pub(crate) mod track;
 
 pub use fit::Fit;
+pub use free::Doubt;
 pub use known::without_known;
 pub use one_each::one_each;
 pub use outcome::{Explained, Outcome, q};
@@ -56,6 +58,8 @@ pub struct Found {
     pub declared: Fit,
     /// What can be said.
     pub outcome: Outcome,
+    /// Names that no other name comes near, and that are not given: a free function does.
+    pub doubts: Vec<(Effect, Doubt)>,
 }
 
 /// Searches; `None` where a signal is missing or the equations have no solution.
@@ -85,7 +89,12 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
     let (set, names) = certificate::certify(&mut library, &best);
     let declared = Fit::new(&library, &Set::default(), cutoff_hz)?;
     let outcome = outcome::conclude(&mut library, &set, &names, cutoff_hz)?;
-    Some(Found { declared, outcome })
+    let doubts = names.iter().filter_map(|n| Some((n.name, n.free.doubt?)));
+    Some(Found {
+        declared,
+        outcome,
+        doubts: doubts.collect(),
+    })
 }
 
 /// The best set of a library, its shapes at their best.

@@ -1,0 +1,331 @@
+//! Free functions in the place of a name: what has no equation is given every chance, too.
+//!
+//! A law that remembers is named only where any function of the present displacement and speed does clearly worse; every
+//! law only where a spring and a damper that change along the way do; and a law of one variable only where it is nearly all of what
+//! any function of that variable takes. A free function has more freedom than the law in whose place it stands, beside all that is not in
+//! doubt, and is judged on pieces of the record that are left out. The pieces are short and dealt in turn: a free function knows
+//! nothing of a place where it has not been.
+
+use super::blocks::Blocks;
+use super::element::Kind;
+use super::set::{DECLARED, Library, Set, column};
+use super::track::Track;
+use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
+use nalgebra::{DMatrix, DVector};
+use plant::Family;
+
+/// Pieces of the record; each sixth of them is left out once.
+const PIECES: usize = 36;
+/// Ridge of the free functions, relative to each column's squares: a hat that the motion hardly touches would be anything.
+const RIDGE: f64 = 1e-5;
+/// The same of declared parameters and elements, against columns that are one.
+const HELD: f64 = 1e-9;
+/// Squares that are left are not told below this share of all.
+const LEAST: f64 = 1e-12;
+/// Hats over the displacement, over the speed, and over each of the two in their product.
+const PLACES: usize = 25;
+const SPEEDS: usize = 17;
+const BOTH: usize = 7;
+/// Hats over the displacement where it is the law's own variable: a force that comes again every fifteenth of the range shows.
+const OWN_PLACES: usize = 41;
+/// Hats over the way.
+const STAGES: usize = 6;
+
+/// Why a name is not given although no other name comes near it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doubt {
+    /// A function of displacement and speed does nearly as well: nothing shows that it remembers.
+    Forgets,
+    /// A spring and a damper that change along the way do nearly as well.
+    Changes,
+    /// Another function of the same variable takes much more.
+    OtherFunction,
+}
+
+/// What free functions leave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// In its place, the best of them, in times the squares that the whole set leaves.
+    pub leave: f64,
+    /// What that makes of the name.
+    pub doubt: Option<Doubt>,
+}
+
+impl Free {
+    /// Nothing tried.
+    pub const NONE: Self = Self {
+        leave: f64::INFINITY,
+        doubt: None,
+    };
+}
+
+/// Tries free functions for the elements `own`, of one kind and family, of a set.
+pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: &[usize]) -> Free {
+    if own.is_empty() || kind == Kind::Time {
+        return Free::NONE;
+    }
+    let dealt = Dealt::new(library);
+    let with = dealt.columns(set, &[]);
+    let rest = dealt.columns(set, own);
+    let here = dealt.left(&with, &[]);
+    let times = |base: &[Vec<f64>], free: &[Vec<f64>]| (dealt.left(base, free) - here).exp();
+    let own_variable = match kind {
+        Kind::Place => dealt.places(OWN_PLACES),
+        Kind::Speed => dealt.speeds(SPEEDS),
+        _ => Vec::new(),
+    };
+    if !own_variable.is_empty() {
+        // Both in times what the set leaves: what it takes, and what any function beside it takes.
+        let without = times(&rest, &[]);
+        let takes = (without - 1.0) / (without - times(&with, &own_variable).min(1.0));
+        if takes < 1.0 - ACCOUNTS * ACCOUNTS {
+            return Free {
+                leave: 1.0,
+                doubt: Some(Doubt::OtherFunction),
+            };
+        }
+    }
+    let mut free = Free::NONE;
+    let mut chance = |columns: &[Vec<f64>], most: f64, doubt: Doubt| {
+        let leaves = times(&rest, columns);
+        if leaves < free.leave {
+            free.leave = leaves;
+            free.doubt = (leaves < most).then_some(doubt).or(free.doubt);
+        }
+    };
+    let remembers = family == Family::Hysteresis || matches!(kind, Kind::Play | Kind::Linear);
+    if remembers {
+        chance(&dealt.states(), CERTAIN, Doubt::Forgets);
+    }
+    // What cycles that grow take from a spring for good is a change along the way as well: there the law must only not be beaten.
+    let most = if kind == Kind::Damage { 1.0 } else { CERTAIN };
+    chance(&dealt.changing(), most, Doubt::Changes);
+    free
+}
+
+/// The data of a library in another order: the pieces that are left out together stand together.
+struct Dealt<'a> {
+    library: &'a Library<'a>,
+    order: Vec<usize>,
+    force: Vec<f64>,
+}
+
+impl<'a> Dealt<'a> {
+    fn new(library: &'a Library<'a>) -> Self {
+        let n = library.force.len();
+        let edge = |piece: usize| piece * n / PIECES;
+        let order: Vec<usize> = (0..BLOCKS)
+            .flat_map(|fold| (fold..PIECES).step_by(BLOCKS))
+            .flat_map(|piece| edge(piece)..edge(piece + 1))
+            .collect();
+        let force = order.iter().map(|&i| library.force[i]).collect();
+        Self {
+            library,
+            order,
+            force,
+        }
+    }
+
+    fn dealt(&self, column: &[f64]) -> Vec<f64> {
+        self.order.iter().map(|&i| column[i]).collect()
+    }
+
+    fn of(&self, signal: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
+        self.dealt(&column(self.library.tracks, self.library.every, signal))
+    }
+
+    /// Columns of the declared parameters and of a set's elements but for some.
+    fn columns(&self, set: &Set, without: &[usize]) -> Vec<Vec<f64>> {
+        let kept = set.elements.iter().filter(|e| !without.contains(e));
+        (0..DECLARED)
+            .chain(kept.map(|e| DECLARED + e))
+            .map(|i| self.dealt(&self.library.columns[i]))
+            .collect()
+    }
+
+    /// Hats over the displacement.
+    fn places(&self, n: usize) -> Vec<Vec<f64>> {
+        let s = self.library.sizes;
+        let at = move |x: &f64| (x - s.middle) / s.x;
+        let one = |i| self.of(|t| t.x.iter().map(|x| hat(at(x), i, n)).collect());
+        (0..n).map(one).collect()
+    }
+
+    /// Hats over the root of the speed: narrow where friction turns.
+    fn speeds(&self, n: usize) -> Vec<Vec<f64>> {
+        let top = self.library.sizes.v;
+        let at = move |v: &f64| (v / top).abs().sqrt().copysign(*v);
+        let one = |i| self.of(|t| t.v.iter().map(|v| hat(at(v), i, n)).collect());
+        (0..n).map(one).collect()
+    }
+
+    /// Any function of displacement and speed.
+    fn states(&self) -> Vec<Vec<f64>> {
+        let (places, speeds) = (self.places(BOTH), self.speeds(BOTH));
+        let product =
+            |(x, v): (&Vec<f64>, &Vec<f64>)| x.iter().zip(v).map(|(x, v)| x * v).collect();
+        let pairs = places
+            .iter()
+            .flat_map(|x| speeds.iter().map(move |v| (x, v)));
+        let mut all: Vec<Vec<f64>> = pairs.map(product).collect();
+        all.extend(self.places(PLACES));
+        all.extend(self.speeds(SPEEDS));
+        all
+    }
+
+    /// A spring and a damper that change along the way in any manner.
+    fn changing(&self) -> Vec<Vec<f64>> {
+        let stage = |t: &Track, i: usize| -> Vec<f64> {
+            let mut way = 0.0;
+            let ways: Vec<f64> =
+                t.v.iter()
+                    .map(|v| {
+                        way += v.abs();
+                        way
+                    })
+                    .collect();
+            let (first, last) = (ways[t.first], way);
+            let at = |w: &f64| 2.0 * (w - first) / (last - first).max(f64::MIN_POSITIVE) - 1.0;
+            ways.iter().map(|w| hat(at(w), i, STAGES)).collect()
+        };
+        let times = |a: Vec<f64>, b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect();
+        (0..STAGES)
+            .flat_map(|i| {
+                [
+                    self.of(|t| times(stage(t, i), &t.x)),
+                    self.of(|t| times(stage(t, i), &t.v)),
+                ]
+            })
+            .collect()
+    }
+
+    /// Mean logarithm of the squares on what is left out.
+    fn left(&self, held: &[Vec<f64>], free: &[Vec<f64>]) -> f64 {
+        let columns: Vec<Vec<f64>> = held.iter().chain(free).cloned().collect();
+        let blocks = Blocks::new(&columns, &self.force);
+        let own = |i: usize| blocks.all.gram[(i, i)].max(f64::MIN_POSITIVE);
+        let share = |i: usize| if i < held.len() { HELD } else { RIDGE };
+        let fold = |p: &super::blocks::Products| {
+            let mut gram: DMatrix<f64> = &blocks.all.gram - &p.gram;
+            for i in 0..columns.len() {
+                gram[(i, i)] += share(i) * own(i);
+            }
+            let right: DVector<f64> = &blocks.all.right - &p.right;
+            let w = gram.cholesky()?.solve(&right);
+            let cost = p.square - 2.0 * w.dot(&p.right) + w.dot(&(&p.gram * &w));
+            Some(cost.max(LEAST * p.square).max(f64::MIN_POSITIVE).ln())
+        };
+        let folds: Option<Vec<f64>> = blocks.each.iter().map(fold).collect();
+        folds.map_or(f64::INFINITY, |all| all.iter().sum::<f64>() / BLOCKS as f64)
+    }
+}
+
+/// The `i`th of `n` hats over -1 to 1; what is outside counts as the end.
+fn hat(u: f64, i: usize, n: usize) -> f64 {
+    let at = 0.5 * (u.clamp(-1.0, 1.0) + 1.0) * (n - 1) as f64;
+    (1.0 - (at - i as f64).abs()).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::element::{Element, Law};
+    use super::super::laws;
+    use super::super::track::Source;
+    use super::*;
+    use crate::base::Base;
+    use crate::model::{Model, SpecimenModel};
+    use crate::recording::Recording;
+    use plant::Channel;
+
+    const H: f64 = 5e-3;
+    const STIFFNESS: f64 = 100.0;
+
+    /// Cycles from 0.3 to 1 Hz that grow from 2 to 10 mm.
+    fn growing() -> Vec<f64> {
+        let at = |i: usize| {
+            let t = i as f64 * H;
+            (2.0 + 8.0 * t / 20.0) * (std::f64::consts::TAU * (0.3 * t + 0.0175 * t * t)).sin()
+        };
+        (0..4000).map(at).collect()
+    }
+
+    /// What free functions make of an element's name, where the specimen has a force beside its spring.
+    fn of(element: Element, force: &dyn Fn(&[f64]) -> Vec<f64>) -> Free {
+        let x = growing();
+        let more = force(&x);
+        // Coarse, so that nothing is exact.
+        let read = |(x, f): (&f64, &f64)| (STIFFNESS * x + f).round();
+        let record = Recording {
+            name: "a specimen".into(),
+            force_n: Some(x.iter().zip(&more).map(read).collect()),
+            time_s: (0..x.len()).map(|i| i as f64 * H).collect(),
+            displacement_mm: Some(x),
+            ..Recording::default()
+        };
+        let model = Model {
+            specimen: Some(SpecimenModel::default()),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
+        let tracks = [Source::new(&record).unwrap().track(20.0)];
+        let mut library = Library::new(&base, &tracks, 1).unwrap();
+        let place = library.add(&[element]);
+        let set = Set {
+            elements: vec![place],
+            moved: [true; DECLARED],
+        };
+        let family = element.name(&library.sizes, 1.0).entry().family;
+        let kind = element.kind(&library.sizes);
+        tried(&library, &set, (kind, family), &[place])
+    }
+
+    fn slides(x: &[f64]) -> Vec<f64> {
+        laws::slider(x, 1.5).iter().map(|z| 300.0 * z).collect()
+    }
+
+    #[test]
+    fn a_spring_without_memory_is_no_hysteresis_and_a_slider_is_one() {
+        let cubic = |x: &[f64]| x.iter().map(|x| 0.5 * x.powi(3)).collect();
+        let stiffens = Element::new(Law::BoucWen, [10.0, 2.0, -0.4, 0.4]);
+        assert_eq!(of(stiffens, &cubic).doubt, Some(Doubt::Forgets));
+        let slider = of(Element::new(Law::Slider, [1.5]), &slides);
+        assert_eq!(slider.doubt, None);
+        assert!(slider.leave > CERTAIN, "{slider:?}");
+    }
+
+    #[test]
+    fn a_force_that_comes_again_along_the_range_is_no_spring_that_softens() {
+        let cogs = |x: &[f64]| x.iter().map(|x| 80.0 * (2.5 * x).sin()).collect();
+        let softens = Element::new(Law::PowerOfPlace, [0.5]);
+        assert_eq!(of(softens, &cogs).doubt, Some(Doubt::OtherFunction));
+        let cubic = |x: &[f64]| x.iter().map(|x| -0.3 * x.powi(3)).collect();
+        assert_eq!(
+            of(Element::new(Law::PowerOfPlace, [2.0]), &cubic).doubt,
+            None
+        );
+    }
+
+    #[test]
+    fn a_spring_that_weakens_along_the_way_is_no_damage_by_the_largest_displacement() {
+        let weakens = |x: &[f64]| {
+            let (mut way, mut last) = (0.0, x[0]);
+            let step = |x: &f64| {
+                way += (x - last).abs();
+                last = *x;
+                -50.0 * x * way / (way + 100.0)
+            };
+            x.iter().map(step).collect()
+        };
+        let lessened = |p: f64| Element::new(Law::Lessened, [p]);
+        assert_eq!(of(lessened(0.4), &weakens).doubt, Some(Doubt::Changes));
+        let peaks = |x: &[f64]| {
+            let mut largest = 0.0_f64;
+            let step = |x: &f64| {
+                largest = largest.max(x.abs());
+                -5.0 * x * largest
+            };
+            x.iter().map(step).collect()
+        };
+        assert_eq!(of(lessened(1.0), &peaks).doubt, None);
+    }
+}
