@@ -6,7 +6,7 @@ use crate::files::plain;
 use outerloop_core::{Event, Mode};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::http::StatusCode;
@@ -17,6 +17,8 @@ const PAGE: &str = include_str!("page.html");
 const PERIOD: Duration = Duration::from_millis(20);
 /// How long a browser may take to send its request, or to read a message, before it is dropped.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// How long a look at the buttons takes where none was pressed.
+const GLANCE: Duration = Duration::from_millis(1);
 /// The longest request.
 const HEAD: usize = 8192;
 /// Messages that a browser that comes late gets first: some 40 s.
@@ -28,6 +30,8 @@ pub struct Shared {
     token: String,
     hello: String,
     state: Mutex<State>,
+    /// There is another message.
+    news: Condvar,
 }
 
 struct State {
@@ -72,6 +76,7 @@ pub fn open(address: SocketAddr, title: &str, rate_hz: f64) -> Result<Arc<Shared
             requested: None,
             ended: false,
         }),
+        news: Condvar::new(),
     });
     let writer = shared.clone();
     std::thread::spawn(move || {
@@ -174,6 +179,7 @@ impl Shared {
             state.first += HISTORY;
         }
         state.sent.push(text.into());
+        self.news.notify_all();
     }
 
     /// One connection: the page, or its WebSocket.
@@ -253,14 +259,20 @@ impl Shared {
 
     /// Sends what there is and receives buttons, until either end closes.
     fn talk(&self, mut socket: WebSocket<TcpStream>) {
-        let _ = socket.get_ref().set_read_timeout(Some(PERIOD));
+        let _ = socket.get_ref().set_read_timeout(Some(GLANCE));
         let mut next = self.state().first;
         if socket.send(Message::text(self.hello.as_str())).is_err() {
             return;
         }
         loop {
             let (messages, ended) = {
-                let state = self.state();
+                // Sent as soon as it is there; the buttons are looked at in between.
+                let nothing_new =
+                    |s: &mut State| !s.ended && next.max(s.first) == s.first + s.sent.len();
+                let (state, _) = self
+                    .news
+                    .wait_timeout_while(self.state(), PERIOD, nothing_new)
+                    .unwrap_or_else(PoisonError::into_inner);
                 next = next.max(state.first);
                 (state.sent[next - state.first..].to_vec(), state.ended)
             };
