@@ -8,7 +8,7 @@ use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, 
 impl<const N: usize> OuterLoop<N> {
     /// What is sent for the target `next_m`: the predictor's answer while the test runs, else the target itself. The
     /// predictor sees every step, so that its memory is of what really happened.
-    #[inline(never)]
+    #[inline]
     pub(super) fn predict(
         &mut self,
         measured_m: [f32; N],
