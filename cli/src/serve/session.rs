@@ -133,6 +133,8 @@ struct Session<'a> {
 pub struct Served {
     /// The figures.
     pub summary: SessionSummary,
+    /// Its first message came, and it was a client's.
+    pub spoke: bool,
     wire: Option<ClientConnection>,
 }
 
@@ -185,6 +187,7 @@ pub fn serve_client(
     };
     Served {
         summary: session.summary(client, end),
+        spoke: wire.is_some(),
         wire: wire.filter(|_| listens),
     }
 }
@@ -322,8 +325,14 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Where the rig moves continuously, the model's steps are the loop's.
+    /// The model's time does not run backwards, and where the rig moves continuously its steps are the loop's.
     fn check_time(&self, before_s: f64, now_s: f64) -> Result<(), End> {
+        if now_s < before_s {
+            return Err(End::Refused(format!(
+                "the model goes back from {before_s} s to {now_s} s: accepted is time that does not decrease, since a \
+                 specimen cannot be moved back in its history"
+            )));
+        }
         let (step_s, model_s) = (now_s - before_s, self.element.model_step_s);
         let continuous = self.element.settings.pace == Pace::Continuous;
         if continuous && !(-SAME_STEP..=SAME_STEP).contains(&(step_s / model_s - 1.0)) {

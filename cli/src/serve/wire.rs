@@ -92,8 +92,10 @@ pub enum ClientGone {
     Closed(usize),
     /// The connection broke.
     Broken(String),
-    /// It was silent for too long; so many bytes of a message had come.
+    /// It was silent for longer than so many seconds; so many bytes of a message had come.
     Silent(f64, usize),
+    /// It connected, and so many seconds later its first message was not there.
+    Speechless(f64),
     /// It said what cannot be understood.
     Nonsense(String),
 }
@@ -113,8 +115,13 @@ impl fmt::Display for ClientGone {
             Self::Broken(why) => write!(f, "the connection broke: {why}"),
             Self::Silent(seconds, bytes) => write!(
                 f,
-                "the client said nothing for {seconds} s{}: accepted is serve.patience_s",
+                "the client said nothing for {seconds} s{}: accepted are {seconds} s at most (serve.patience_s)",
                 half(bytes)
+            ),
+            Self::Speechless(seconds) => write!(
+                f,
+                "the client said nothing for {seconds} s after it had connected: accepted is a genericClient, whose first \
+                 message comes at once"
             ),
             Self::Nonsense(what) => f.write_str(what),
         }
@@ -188,6 +195,8 @@ pub struct ClientConnection {
 const GLANCE: Duration = Duration::from_millis(1);
 /// How long a read waits where the rig needs nobody.
 const REST: Duration = Duration::from_millis(50);
+/// How long the first message may take, s: whoever only looks whether somebody listens does not hold the rig up.
+const FIRST_MESSAGE_S: f64 = 5.0;
 
 impl ClientConnection {
     /// Takes a connection and receives its first message. `meanwhile` is called while nothing comes.
@@ -213,12 +222,18 @@ impl ClientConnection {
             bytes: vec![0; 4 * HEADER],
             filled: 0,
             heard: Instant::now(),
-            patience: Duration::from_secs_f64(patience_s),
+            patience: Duration::MAX,
             owes: false,
         };
+        let (began, first_s) = (Instant::now(), FIRST_MESSAGE_S.min(patience_s));
+        // Of the whole message: byte by byte it takes no longer.
         while !wire.receive()? {
+            if began.elapsed().as_secs_f64() > first_s {
+                return Err(ClientGone::Speechless(first_s).into());
+            }
             meanwhile()?;
         }
+        wire.patience = Duration::from_secs_f64(patience_s);
         let mut header = [0; HEADER];
         for (number, bytes) in header.iter_mut().zip(wire.bytes.as_chunks::<4>().0) {
             *number = i32::from_le_bytes(*bytes);
@@ -319,8 +334,7 @@ impl ClientConnection {
             }
             Err(e) if waits(e.kind()) && self.heard.elapsed() < self.patience => Ok(false),
             Err(e) if waits(e.kind()) => {
-                let seconds = (self.heard.elapsed().as_secs_f64() * 10.0).round() / 10.0;
-                Err(ClientGone::Silent(seconds, self.filled))
+                Err(ClientGone::Silent(self.patience.as_secs_f64(), self.filled))
             }
             Err(e) if e.kind() == ErrorKind::ConnectionReset => {
                 Err(ClientGone::Closed(self.filled))

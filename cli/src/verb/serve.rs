@@ -106,10 +106,13 @@ impl Serve {
                 Err(e) => return Err(cannot(e)),
             };
             stream.set_nonblocking(false).map_err(cannot)?;
-            clients += 1;
             let client = client.to_string();
             let served = serve_client(stream, &client, &element, rig.as_mut());
-            self.keep(&test, &served.summary, rig.take_trace().as_ref(), clients)?;
+            let trace = rig.take_trace();
+            clients += usize::from(served.spoke);
+            // Whoever never spoke leaves nothing to keep.
+            let kept = trace.as_ref().filter(|_| served.spoke);
+            self.keep(&test, &served.summary, kept, clients)?;
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
             served.answer_nan_until_gone();
             if self.once || verdict == SessionVerdict::RigLost {

@@ -24,7 +24,6 @@ fn whatever_a_client_does_the_emulated_board_stands_and_the_next_one_is_served()
     let chosen = [0, 1, 2, 4, 5];
     for (number, (verdict, reason, mischief)) in chosen.map(|i| MISCHIEF[i]).into_iter().enumerate()
     {
-        let reason = reason.trim_end_matches(" 0.");
         let mut client = server.client();
         for i in 1..=5 {
             let u = 1e-3 * f64::from(i);

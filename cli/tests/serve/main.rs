@@ -46,7 +46,7 @@ fn a_served_linear_specimen_is_the_models_own_spring_at_a_thousand_steps_a_secon
 type Mischief = fn(&mut Client);
 
 /// What a client may do, what becomes of it, and what is said.
-const MISCHIEF: [(&str, &str, Mischief); 9] = [
+const MISCHIEF: [(&str, &str, Mischief); 10] = [
     ("lost", "closed the connection", |c| {
         let _ = c.0.shutdown(std::net::Shutdown::Both);
     }),
@@ -54,7 +54,7 @@ const MISCHIEF: [(&str, &str, Mischief); 9] = [
         let _ = c.0.write_all(&[0; 100]);
         let _ = c.0.shutdown(std::net::Shutdown::Both);
     }),
-    ("lost", "said nothing for 0.", |c| {
+    ("lost", "s at most (serve.patience_s)", |c| {
         assert_eq!(c.receive(), None)
     }),
     ("lost", "100 bytes into a message", |c| {
@@ -86,6 +86,10 @@ const MISCHIEF: [(&str, &str, Mischief); 9] = [
             assert!(c.ask(10.0).is_none_or(f64::is_nan));
         },
     ),
+    ("refused", "goes back from 0.1 s to 0.05 s", |c| {
+        assert!(c.step(0.001, 0.1).is_some());
+        assert!(c.step(0.002, 0.05).unwrap().is_nan());
+    }),
 ];
 
 #[test]
@@ -144,8 +148,28 @@ fn whatever_a_client_does_the_rig_stands_the_reason_is_said_and_the_next_one_is_
     assert!(
         server.account()["reason"]
             .to_string()
-            .contains("said nothing")
+            .contains("said nothing for 0.4 s after it had connected")
     );
+    // Whoever never spoke as a client leaves no folder behind.
+    let folders = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(folders, MISCHIEF.len());
+}
+
+/// Whoever connects and says nothing, or dribbles, holds the rig up for seconds, however patient it is with a client.
+#[test]
+fn a_connection_that_does_not_speak_makes_room_for_the_next_client() {
+    let mut server = Server::start(&["--set", "serve.patience_s=3600"]);
+    let began = Instant::now();
+    let _silent = Client::connect(&server.address, &[]);
+    let account = server.account();
+    assert!(
+        account["reason"]
+            .to_string()
+            .contains("said nothing for 5 s")
+    );
+    let mut client = server.client();
+    assert!(client.step(0.001, 0.1).is_some());
+    assert!(began.elapsed().as_secs() < 15);
 }
 
 /// A rig whose limit of force is 1 kN, sent 5 mm and then 10 mm far.
