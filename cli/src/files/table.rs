@@ -95,13 +95,11 @@ impl NumberTable {
                 ));
             }
         }
-        Self::of_rows(
-            file,
-            headers,
-            &lines[head.first_row..],
-            header.number,
-            &dialect,
-        )
+        // An export in segments writes its header, and the units beneath, in front of each.
+        let top = [Some(head.header), head.units].map(|at| at.map(|at| lines[at].text.trim_end()));
+        let mut rows = lines[head.first_row..].to_vec();
+        rows.retain(|line| !top.contains(&Some(line.text.trim_end())));
+        Self::of_rows(file, headers, &rows, header.number, &dialect)
     }
 
     fn of_rows(
@@ -274,6 +272,23 @@ mod tests {
         let text = "# by hand\ntime_s,a\n0,1\n\n# pause\n1,oops\n";
         let e = NumberTable::parse("f.csv", text).unwrap_err().to_string();
         assert_eq!(e, "f.csv, line 6: a is `oops`: accepted is a finite number");
+    }
+
+    #[test]
+    fn a_header_that_stands_before_each_segment_is_read_once() {
+        let text = "time_s,a\ns,mm\n0,1\n1,2\ntime_s,a\ns,mm\n2,3\n";
+        let table = NumberTable::parse("f.csv", text).unwrap();
+        assert_eq!(table.columns, [[0.0, 1.0, 2.0], [1.0, 2.0, 3.0]]);
+        assert_eq!(table.lines, [3, 4, 7]);
+        // Another header, or a table of statistics at the end, is something else.
+        for (more, said) in [
+            ("time_s,b\n2,3\n", "line 5: time_s is `time_s`"),
+            ("Max,2\n", "line 5: time_s is `Max`"),
+        ] {
+            let text = format!("time_s,a\ns,mm\n0,1\n1,2\n{more}");
+            let e = NumberTable::parse("f.csv", &text).unwrap_err();
+            assert!(e.to_string().contains(said), "{e}");
+        }
     }
 
     #[test]
