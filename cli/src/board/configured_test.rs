@@ -143,9 +143,9 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
             return;
         };
         if step.state().is_some_and(Mode::integrates) {
-            // Of a step that could not be worked out again the telemetry has the first command alone.
-            let known = if self.mirror.is_in_step() { N } else { 1 };
-            further.add_step(tick, &record.command_m[..known], &step);
+            // Of a step that could not be worked out again the telemetry has a target, and not what a predictor sent for it.
+            let known = if self.mirror.is_in_step() { N } else { 0 };
+            further.add_step(tick, &record.sent_m[..known], &step);
         }
     }
 

@@ -1,23 +1,54 @@
-//! `outerloop board commission --emulated` on the image for three actuators: each in its turn, and what is found of it.
+//! The image for three actuators, whose delays differ, as a person uses it: commissioning, and a test behind a predictor.
 #![allow(missing_docs)]
 
 mod common;
 
 use common::{command, root};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 /// What the simulated actuators are, ms.
 const LATE_MS: [f64; 3] = [4.0, 6.0, 9.0];
+
+/// The example with three actuators, which differ.
+fn test_file(folder: &Path) -> PathBuf {
+    let example = std::fs::read_to_string(root().join("examples/three-storey.toml")).unwrap();
+    let each = format!("\ndelay_ms = {LATE_MS:?}");
+    let test = example.replace("\ndelay_ms = 4", &each);
+    assert!(test.contains(&each));
+    let file = folder.join("three.toml");
+    std::fs::write(&file, test).unwrap();
+    file
+}
+
+/// What leaves the board is what the predictor sent ahead, each actuator by its own delay, and not the target.
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn what_is_sent_ahead_of_a_target_is_no_dead_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let test = test_file(folder.path()).display().to_string();
+    let output = command(&["run", &test, "--emulated", "--json", "--duration", "4"])
+        .args(["--compensation", "lagrange"])
+        .output()
+        .unwrap();
+    let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (eps_rms, board) = (said["eps_rms"].as_f64().unwrap(), &said["board"]);
+    println!("eps_rms {eps_rms}, {board}");
+    assert!(eps_rms < 0.005, "{eps_rms}");
+    assert_eq!(
+        (&board["steps_lost"], &board["steps_different"]),
+        (&0.into(), &0.into())
+    );
+    let off_m = board["further"]["command_off_m"].as_f64().unwrap();
+    assert!(off_m < 1e-4, "{off_m}");
+}
 
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn three_actuators_of_the_emulated_board_are_each_found() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let example = std::fs::read_to_string(root().join("examples/three-storey.toml")).unwrap();
-    let each = format!("\ndelay_ms = {LATE_MS:?}");
-    let test = example.replace("\ndelay_ms = 4", &each);
-    assert!(test.contains(&each));
-    std::fs::write(at("three.toml"), test).unwrap();
+    test_file(folder.path());
     let [three, chirp] = ["three.toml", "chirp.csv"].map(|name| at(name).display().to_string());
     let signal = ["--amplitude-mm", "2", "--seconds", "4", "--to-hz", "10"];
     let output = command(&["board", "commission", &three, "--emulated", "--out", &chirp])
