@@ -12,7 +12,7 @@ use serde::Serialize;
 pub const POOR_EPS_RMS: f64 = 0.1;
 /// Up to this eps_rms a result is as good as other uncertainties of a test.
 pub const GOOD_EPS_RMS: f64 = 0.02;
-/// From this share of locked steps on, the added damping holds the structure in place.
+/// From this share of locked steps on, the added damping holds the structure in place, if the motion is wrong, too.
 const LOCKED_SHARE: f64 = 0.2;
 
 /// How a test ended.
@@ -134,7 +134,8 @@ const STOPPED: &str =
     " The simulation was stopped there: no limit was declared, and no rig could follow.";
 
 /// The value of a fault against its limit.
-fn against_limit(t: Trip) -> String {
+/// What tripped, beside its limit.
+pub(crate) fn against_limit(t: Trip) -> String {
     let value = si(f64::from(t.value), t.fault.unit());
     // What core takes for a limit that was not declared: only a number that overflows is beyond it.
     if t.limit >= f32::MAX {
@@ -193,7 +194,7 @@ impl Summary {
 
     /// True if the added damping held the structure in place.
     pub fn locked(&self) -> bool {
-        self.locked_share > LOCKED_SHARE
+        self.locked_share > LOCKED_SHARE && self.eps_rms > GOOD_EPS_RMS
     }
 
     /// eps_rms, or infinite of a test that did not run to its end: what tests are ranked by.

@@ -112,6 +112,13 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// What acts once has the amplitude 1 from now on.
+    fn act_once(&mut self) {
+        for bound in self.bounds.iter_mut().filter(|b| b.is_once()) {
+            (bound.low, bound.high) = (1.0, 1.0);
+        }
+    }
+
     /// Without a further effect.
     pub fn alone(&self) -> Option<Amplitudes> {
         let (x, cost) = solve(&self.normal, &self.bounds)?;
@@ -288,8 +295,18 @@ pub fn settle(
     };
     let mut promised = f64::INFINITY;
     let (mut last, mut samples) = (None, 0);
-    for _ in 0..rounds {
-        let frame = Frame::new(&problem, base, noise, effects);
+    // The way to the declared parameters is shorter while what acts once may act a little more or less; in the end it acts
+    // once, as it does in the model that is saved.
+    let acts_once = |(c, _): &(Candidate, Vec<f64>)| {
+        let bounds = (c.bounds)(&problem.scales);
+        bounds.iter().any(Bound::is_once)
+    };
+    let exact_rounds = if effects.iter().any(acts_once) { 2 } else { 0 };
+    for round in 0..rounds + exact_rounds {
+        let mut frame = Frame::new(&problem, base, noise, effects);
+        if round >= rounds {
+            frame.act_once();
+        }
         samples = frame.samples;
         let found = frame.alone()?;
         let mut theta = problem.theta;
@@ -300,7 +317,7 @@ pub fn settle(
         let settled = (found.cost - promised).abs() < SETTLED * found.cost.max(1.0);
         promised = found.cost;
         last = Some(found);
-        if settled {
+        if settled && (exact_rounds == 0 || round >= rounds) {
             break;
         }
     }

@@ -131,6 +131,8 @@ impl Problem {
             theta: base.values,
             scales,
         };
+        // Known effects are relative to the size of the motion, which the actuator's answer then says better.
+        problem.measure(base);
         problem.set(base, base.values);
         problem.measure(base);
         Some(problem)

@@ -35,8 +35,13 @@ fn hole(file: &str, time_s: &[f64]) -> Option<String> {
     let at = (0..steps.len()).max_by(|a, b| steps[*a].total_cmp(&steps[*b]))?;
     let longest = steps[at];
     steps.sort_by(f64::total_cmp);
-    let usual = steps[steps.len() / 2];
-    (longest > HOLE_INTERVALS * usual).then(|| {
+    // Times with few decimals stand still for some samples and then take a step of the last decimal.
+    let (mut usual, mut rounding) = (steps[steps.len() / 2], 0.0);
+    if usual <= 0.0 {
+        usual = steps.iter().sum::<f64>() / steps.len() as f64;
+        rounding = steps.iter().copied().find(|s| *s > 0.0)?;
+    }
+    (longest > rounding + HOLE_INTERVALS * usual).then(|| {
         format!(
             "{file}: nothing was recorded between {} s and {} s, {:.0} samples: what is made of it is a straight line there; \
              FILE@T0..T1 leaves it out",

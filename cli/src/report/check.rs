@@ -5,7 +5,7 @@ use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG};
 use super::rths::table;
 use crate::failure::Failure;
-use crate::numbers::{length, percent, three};
+use crate::numbers::{length, percent, percent_or_lost, three};
 use crate::soundness::{Judgement, SoundnessVerdict};
 use crate::stability::Stability;
 use crate::stability::limits::StabilityLimit;
@@ -74,11 +74,11 @@ fn tiles(c: &CheckSection<'_>) -> String {
     );
     let tiles = [
         tile(
-            percent(j.expected_eps_rms),
+            percent_or_lost(j.expected_eps_rms),
             "expected rms error, of the largest ideal displacement (Eq 18)",
         ),
         tile(
-            percent(j.expected_eps_rms_differing),
+            percent_or_lost(j.expected_eps_rms_differing),
             "the same on a rig that differs by a standard deviation",
         ),
         tile(

@@ -26,7 +26,7 @@ use crate::stability::perturbed::Spread;
 use crate::stability::predictor::Knowledge;
 use crate::stability::rig::Variation;
 use crate::stability::structure_matrices::StructureMatrices;
-use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict};
+use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, against_limit};
 use crate::trace::Response;
 use outerloop_core::config::Amb;
 use outerloop_core::linear::LinearForce;
@@ -66,7 +66,7 @@ pub struct Judgement {
     pub verdict: SoundnessVerdict,
     /// Why.
     pub reason: String,
-    /// eps_rms of the planned motion on the rig as it is.
+    /// eps_rms of the planned motion on the rig as it is; infinite (null in JSON) where it does not run to its end.
     pub expected_eps_rms: f64,
     /// The larger of those on the two rigs that differ from it.
     pub expected_eps_rms_differing: f64,
@@ -193,8 +193,8 @@ pub fn judge(
     Ok(Judgement {
         verdict,
         reason,
-        expected_eps_rms: runs.own.eps_rms,
-        expected_eps_rms_differing: runs.later.eps_rms.max(runs.sooner.eps_rms),
+        expected_eps_rms: runs.own.error(),
+        expected_eps_rms_differing: runs.later.error().max(runs.sooner.error()),
     })
 }
 
@@ -229,7 +229,10 @@ fn decide(
         return (Unstable, grows);
     }
     if let (TestVerdict::Tripped, Some(fault)) = (own.verdict, own.trip) {
-        let said = format!("the planned motion trips on {fault} on the simulated rig");
+        let by = own
+            .trip_detail
+            .map_or_else(String::new, |t| format!(": {}", against_limit(t)));
+        let said = format!("the planned motion trips on {fault} on the simulated rig{by}");
         return (Doubtful, said);
     }
     if own.eps_rms > POOR_EPS_RMS {
@@ -295,7 +298,8 @@ fn decide(
     (Stable, said)
 }
 
-/// The other compensations with which the planned motion has an error of at most `eps_rms`, the best first.
+/// The other compensations with which the planned motion runs to its end with an error of at most `eps_rms`, the best
+/// first.
 ///
 /// # Errors
 /// A test that cannot run.
@@ -309,12 +313,12 @@ pub fn alternatives(e: &Experiment, eps_rms: f64) -> Result<Vec<(&'static str, f
             let mut other = e.clone();
             other.test.config.compensation.kind = method;
             let summary = planned(&other, &ideal, 1)?;
-            Ok((method.name(), summary.eps_rms, !ran_away(&summary)))
+            Ok((method.name(), summary.error()))
         })
         .collect::<Result<Vec<_>, Failure>>()?;
-    good.retain(|(_, eps, sound)| *sound && *eps <= eps_rms);
+    good.retain(|(_, eps)| *eps <= eps_rms);
     good.sort_by(|a, b| a.1.total_cmp(&b.1));
-    Ok(good.into_iter().map(|(name, eps, _)| (name, eps)).collect())
+    Ok(good)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::files::ground_motion::GroundMotionFile;
 use crate::files::near_fault::near_fault;
 use crate::files::output;
 use crate::files::test::TestFile;
+use crate::numbers::{percent, percent_or_lost};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CheckSection, TestSection};
 use crate::soundness::{self, Eigenvalues, Judgement, SoundnessVerdict};
@@ -18,7 +19,7 @@ use crate::stability::linear_verdict::LinearVerdict;
 use crate::stability::perturbed::Spread;
 use crate::stability::{self, Stability};
 use crate::summary::GOOD_EPS_RMS;
-use crate::terminal::{Progress, percent, table};
+use crate::terminal::{Progress, table};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -126,11 +127,10 @@ impl Check {
         } else {
             print(&answer);
             println!(
-                "\n{}: {}.\nExpected error: {} rms; {} on a rig that differs.",
+                "\n{}: {}.\nExpected error: {}.",
                 judgement.verdict.name().to_uppercase(),
                 judgement.reason,
-                percent(judgement.expected_eps_rms),
-                percent(judgement.expected_eps_rms_differing),
+                expected(&judgement),
             );
             look_at_report(self.out.as_deref());
         }
@@ -212,6 +212,18 @@ fn judge(
         );
     }
     Ok(judgement)
+}
+
+/// The error to expect, in words.
+fn expected(judgement: &Judgement) -> String {
+    if !judgement.expected_eps_rms.is_finite() {
+        return "none, since the planned motion does not run to its end".into();
+    }
+    format!(
+        "{} rms; {} on a rig that differs",
+        percent(judgement.expected_eps_rms),
+        percent_or_lost(judgement.expected_eps_rms_differing)
+    )
 }
 
 /// The report and the figures.

@@ -268,7 +268,8 @@ fn solve(p: &Products, terms: &[Term], scale: &[f64]) -> Option<Vec<f64>> {
             continue;
         }
         // What was fixed and would go back inside is free again.
-        let mut inward = (0.0, usize::MAX);
+        let mut inward = None;
+        let mut best_fall = 1e-9 * p.square.max(0.0);
         for i in (0..n).filter(|&i| !free[i] && low[i] < high[i]) {
             let row = terms[i].0;
             let pulls = (0..n).map(|k| p.gram[(terms[k].0, row)] * w[k]);
@@ -276,14 +277,14 @@ fn solve(p: &Products, terms: &[Term], scale: &[f64]) -> Option<Vec<f64>> {
             let in_by = if w[i] <= low[i] { slope } else { -slope };
             // The squares fall by half of its square over the column's own.
             let fall = in_by.max(0.0).powi(2) / p.gram[(row, row)].max(f64::MIN_POSITIVE);
-            if fall > inward.0 {
-                inward = (fall, i);
+            if fall > best_fall {
+                (best_fall, inward) = (fall, Some(i));
             }
         }
-        if inward.0 <= 1e-9 * p.square {
+        let Some(i) = inward else {
             return Some(w[..n].to_vec());
-        }
-        free[inward.1] = true;
+        };
+        free[i] = true;
     }
     Some(w[..n].to_vec())
 }
