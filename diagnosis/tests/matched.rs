@@ -6,6 +6,7 @@ mod rig;
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict, diagnose};
 use plant::{Channel, Effect, EffectSpec};
 use rig::{model, pair};
+use std::slice::from_ref;
 
 /// One size of every effect, well above the noise of 0.1 % of the range.
 fn cases() -> Vec<(Channel, EffectSpec)> {
@@ -141,12 +142,12 @@ fn cases() -> Vec<(Channel, EffectSpec)> {
 }
 
 fn asked(train: &Recording, test: &Recording) -> Diagnosis {
-    diagnose(&model(), &[train.clone()], &[test.clone()], &[]).unwrap_or_else(|e| panic!("{e}"))
+    diagnose(&model(), from_ref(train), from_ref(test), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The error on `test` of a model as it is, before anything in it moves.
 fn error_of(model: &Model, channel: Channel, train: &Recording, test: &Recording) -> f64 {
-    let again = diagnose(model, &[train.clone()], &[test.clone()], &[]).unwrap();
+    let again = diagnose(model, from_ref(train), from_ref(test), &[]).unwrap();
     let own = again.channels.iter().find(|c| c.channel == channel);
     own.map_or(f64::NAN, |c| c.error_before.test_rms)
 }
@@ -186,7 +187,7 @@ fn every_effect_is_named_or_is_in_the_set() {
     let mut differ = Vec::new();
     let all = cases();
     for (i, (channel, effect)) in all.iter().enumerate() {
-        let [train, test] = pair(std::slice::from_ref(effect), i as u64);
+        let [train, test] = pair(from_ref(effect), i as u64);
         let found = asked(&train, &test);
         let of = |c: Channel| found.channels.iter().find(|a| a.channel == c).unwrap();
         let (answer, seconds) = (of(*channel), found.seconds);
