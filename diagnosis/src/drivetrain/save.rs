@@ -174,7 +174,7 @@ impl Data<'_> {
                 Kind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
                 Kind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
                 Kind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
-                Kind::RateLimit => vec![("rate_mm_per_s", width)],
+                Kind::RateLimit => vec![("valve_rate_mm_per_s", a)],
                 Kind::Play | Kind::DeadBand => vec![("width_mm", width)],
                 Kind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
                 Kind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],

@@ -1,8 +1,8 @@
 //! Effects between command and displacement; columns in mm.
 
 use super::candidate::{
-    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, positive,
-    rest_ratio, settling, stribeck,
+    Candidate, Shape, any, four, growth, hum_columns, hum_size, humming, no_shape, none, once,
+    positive, rest_ratio, settling, stribeck,
 };
 use super::operators as op;
 use crate::drivetrain::part::{Kind, Part, Shapes, shapes};
@@ -194,25 +194,18 @@ pub const CANDIDATES: &[Candidate] = &[
     },
     Candidate {
         effect: Effect::AsymmetricActuator,
-        shapes: |s| vec![Shape::new(0.3 * s.interval_s, 40.0 * s.interval_s, 8)],
+        shapes: |s| vec![Shape::new(0.03 * s.interval_s, 40.0 * s.interval_s, 10)],
         columns: |s, p, _| {
             let gain = s.x.iter().map(|x| 0.5 * x.abs()).collect();
             let lag = op::retract_lag(&s.x, p[0], s.interval_s);
             vec![gain, lag.iter().zip(&s.x).map(|(f, x)| f - x).collect()]
         },
-        bounds: |_| {
-            vec![
-                Bound::FREE,
-                Bound {
-                    low: 0.0,
-                    high: 1.1,
-                },
-            ]
-        },
+        // The lag of the way back acts once: its size is its shape.
+        bounds: |s| [vec![Bound::FREE], once(s)].concat(),
         parameters: |a, p, _| {
             vec![
                 ("difference", "", a[0]),
-                ("retract_lag_ms", "ms", 1e3 * p[0] * a[1]),
+                ("retract_lag_ms", "ms", 1e3 * p[0]),
             ]
         },
         ..BASIS
@@ -269,6 +262,14 @@ pub const FORMS: &[Candidate] = &[
         },
         stage: Some(|y, p, k| through_valve(y, k, Kind::FlowLimit, shapes([p[0]]))),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0] / p[1].max(1e-6))],
+        ..STAGE
+    },
+    // A largest flow, inside the lag: the speed at which it ends, mm/s, at gain 1.
+    Candidate {
+        effect: Effect::RateLimit,
+        shapes: |s| vec![Shape::new(0.1 * s.v, 2.0 * s.v, 1)],
+        stage: Some(|y, p, k| through_valve(y, k, Kind::RateLimit, shapes([p[0]]))),
+        parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0])],
         ..STAGE
     },
     // Stops: the lower and the upper, mm.

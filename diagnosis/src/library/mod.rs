@@ -22,11 +22,7 @@ pub fn candidates(channel: Channel) -> Vec<Candidate> {
 
 /// What an effect of a model is in the library: a candidate, or one of its forms where it has the form's parameters.
 pub fn form(channel: Channel, effect: &EffectSpec) -> Option<Candidate> {
-    let own = form_names(channel, effect);
-    let forms = actuator::FORMS.iter().copied();
-    let form = forms
-        .filter(|_| !own.is_empty())
-        .find(|c| c.effect == effect.name);
+    let form = saved::form_of(channel, effect).and_then(|i| actuator::FORMS.get(i).copied());
     let all = candidates(channel);
     form.or_else(|| all.into_iter().find(|c| c.effect == effect.name))
 }
@@ -52,6 +48,13 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn every_form_has_the_names_of_its_shapes() {
+        let names = saved::FORMS.map(|(effect, _)| effect);
+        let forms: Vec<Effect> = actuator::FORMS.iter().map(|c| c.effect).collect();
+        assert_eq!(names.as_slice(), forms);
     }
 
     #[test]

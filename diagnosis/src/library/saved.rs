@@ -5,11 +5,13 @@ use super::candidate::{Candidate, MOST_AT_REST};
 use crate::signals::Scales;
 use plant::{Channel, Effect, EffectSpec};
 
-/// The parameters of the forms that only a joint search finds (see `actuator::FORMS`), in the order of their shapes.
-const FORMS: [(Effect, &[&str]); 6] = [
+/// The parameters of the forms that only a joint search finds (`actuator::FORMS`, in its order), in the order of their
+/// shapes.
+pub const FORMS: [(Effect, &[&str]); 7] = [
     (Effect::AsymmetricActuator, &["unequal_areas_per_mm"]),
     (Effect::DeadBand, &["overlap_mm", "valve_lag_ms"]),
     (Effect::RateLimit, &["opening_mm", "valve_lag_ms"]),
+    (Effect::RateLimit, &["valve_rate_mm_per_s"]),
     (Effect::Saturation, &["lower_mm", "upper_mm"]),
     (
         Effect::CoulombFriction,
@@ -27,15 +29,19 @@ const FORMS: [(Effect, &[&str]); 6] = [
     ),
 ];
 
-/// The names of the form that `effect` has; none where it is as the catalogue has it.
-pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static str] {
-    let form = FORMS.iter().find(|(name, names)| {
+/// Which of the forms `effect` has; `None` where it is as the catalogue has it.
+pub fn form_of(channel: Channel, effect: &EffectSpec) -> Option<usize> {
+    FORMS.iter().position(|(name, names)| {
         let given = names
             .iter()
             .all(|name| effect.parameters.contains_key(*name));
         channel == Channel::Actuator && *name == effect.name && given
-    });
-    form.map_or(&[], |(_, names)| names)
+    })
+}
+
+/// The names of the form that `effect` has; none where it is as the catalogue has it.
+pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static str] {
+    form_of(channel, effect).map_or(&[], |i| FORMS[i].1)
 }
 
 /// Amplitudes and shapes of `effect`, as `candidate` has them, for data of these sizes. The phase of a hum is of its own
