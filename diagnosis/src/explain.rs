@@ -6,8 +6,8 @@ use crate::library::candidate::Candidate;
 use crate::library::candidates;
 use crate::noise::Noise;
 use crate::problem::{Fitted, Problem};
-use crate::sensitivity;
 use crate::signals::rms;
+use crate::{sensitivity, sliding};
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
@@ -156,6 +156,9 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
     if out.after.effects.len() == 1 {
         out.alternatives = alternatives(&singles, out.before.cost, ln_n);
+    }
+    if let Some(sliding) = sliding::read(&out.after, base, noise) {
+        out.after = sliding;
     }
     Some(out)
 }

@@ -22,6 +22,19 @@ pub type Figure = (&'static str, &'static str, f64, [f64; 2]);
 
 /// The parameters of each effect of a solution.
 pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Figure>> {
+    let own = of_its_samples(solution, base, noise);
+    let Some(whole) = &solution.whole else {
+        return own;
+    };
+    let all = of_its_samples(whole, base, noise);
+    let which = |(own, all): (Figure, Figure)| if own.0 == "presliding_mm" { all } else { own };
+    let pairs = own.into_iter().zip(all);
+    pairs
+        .map(|(own, all)| own.into_iter().zip(all).map(which).collect())
+        .collect()
+}
+
+fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Figure>> {
     let scales = solution.problem.scales;
     let values = |effects: &[Fitted], which: usize| {
         let e = &effects[which];
@@ -114,7 +127,11 @@ fn covariance(solution: &Solution, base: &Base, noise: &Noise) -> Option<DMatrix
         meat[(p.index, p.index)] += p.precision;
     }
     // Scaled, since units differ by orders of magnitude.
-    let scale = DVector::from_fn(n, |i, _| 1.0 / bread[(i, i)].max(f64::MIN_POSITIVE).sqrt());
+    let scale = DVector::from_fn(n, |i, _| {
+        let own = bread[(i, i)].sqrt();
+        // What these samples do not tell at all does not vary.
+        if own > 0.0 { 1.0 / own } else { 0.0 }
+    });
     let scaled = DMatrix::from_fn(n, n, |i, j| {
         bread[(i, j)] * scale[i] * scale[j] + if i == j { 1e-9 } else { 0.0 }
     });

@@ -42,6 +42,7 @@ mod rest;
 mod saved_element;
 mod sensitivity;
 mod signals;
+mod sliding;
 mod spectrum;
 mod stamps;
 mod stretch;

@@ -38,7 +38,7 @@ impl SavedElement {
     pub fn sliding(&self) -> Option<[f64; 2]> {
         let [give, second, load, _] = self.shape;
         let (level, way) = match self.law {
-            Law::Slider => (1.0, give),
+            Law::Slider | Law::Bristles => (1.0, give),
             // Five of them: at six tenths of the largest give most of the force is there.
             Law::Distributed => (1.0, 0.6 * give),
             Law::BoucWen if load > 0.0 => {

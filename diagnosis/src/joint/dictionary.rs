@@ -13,6 +13,9 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
     ] {
         add(Law::Slider, [give * x, 0.0, 0.0, 0.0]);
     }
+    for give in [0.0007, 0.002, 0.006, 0.018] {
+        add(Law::Bristles, [give * x, 0.0, 0.0, 0.0]);
+    }
     for give in [0.0015, 0.006, 0.025] {
         for speed in [0.02, 0.05, 0.12, 0.25, 0.5] {
             add(Law::Stribeck, [give * x, speed * v, 0.0, 0.0]);
@@ -117,6 +120,6 @@ mod tests {
         assert!((200..300).contains(&all.len()), "{}", all.len());
         let laws: std::collections::HashSet<String> =
             all.iter().map(|e| format!("{:?}", e.law)).collect();
-        assert_eq!(laws.len(), 20, "{laws:?}");
+        assert_eq!(laws.len(), 21, "{laws:?}");
     }
 }

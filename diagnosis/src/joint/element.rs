@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 pub enum Law {
     /// Elastic, then it slides [give mm].
     Slider,
+    /// Bristles: friction that builds up smoothly [give mm].
+    Bristles,
     /// A slider whose force falls with speed [give mm, speed mm/s].
     Stribeck,
     /// Bouc-Wen [give mm, exponent, load, unload].
@@ -115,6 +117,7 @@ impl Element {
         };
         match self.law {
             Law::Slider => laws::slider(x, p),
+            Law::Bristles => laws::bristles(x, p),
             Law::Stribeck => times(laws::slider(x, p), &t.v, &|v| (-(v / q).powi(2)).exp()),
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
             Law::Distributed => laws::distributed(x, p),
@@ -204,6 +207,7 @@ impl Element {
         match self.law {
             Law::InSeries if self.relaxes() => Kind::Linear,
             Law::Slider
+            | Law::Bristles
             | Law::Stribeck
             | Law::BoucWen
             | Law::Distributed
@@ -231,18 +235,26 @@ impl Element {
         match self.law {
             Law::InSeries if self.relaxes() => Effect::MaxwellDamper,
             Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
-            Law::Slider | Law::InSeries | Law::SliderAway | Law::SliderAlong | Law::Distributed
+            Law::Slider
+            | Law::Bristles
+            | Law::InSeries
+            | Law::SliderAway
+            | Law::SliderAlong
+            | Law::Distributed
+            | Law::BoucWen
                 if self.yields_at() < FRICTION_YIELD * sizes.x =>
             {
                 Effect::CoulombFriction
             }
-            Law::BoucWen if self.yields_at() < FRICTION_YIELD * sizes.x => Effect::CoulombFriction,
             Law::Slider | Law::SliderAway | Law::SliderAlong | Law::Stribeck => {
                 Effect::BilinearHysteresis
             }
-            Law::BoucWen | Law::Distributed | Law::InSeries | Law::Worn | Law::Pinched => {
-                Effect::BoucWenHysteresis
-            }
+            Law::Bristles
+            | Law::BoucWen
+            | Law::Distributed
+            | Law::InSeries
+            | Law::Worn
+            | Law::Pinched => Effect::BoucWenHysteresis,
             Law::PowerOfSpeed if p < EXPONENTS[0] => Effect::CoulombFriction,
             Law::PowerOfSpeed if p < EXPONENTS[1] => Effect::ViscousDamping,
             Law::PowerOfSpeed => Effect::QuadraticDamping,
@@ -288,7 +300,12 @@ impl Element {
     pub fn may_slide(&self, sizes: &Sizes) -> bool {
         let yields = matches!(
             self.law,
-            Law::Slider | Law::Stribeck | Law::BoucWen | Law::Distributed | Law::InSeries
+            Law::Slider
+                | Law::Bristles
+                | Law::Stribeck
+                | Law::BoucWen
+                | Law::Distributed
+                | Law::InSeries
         );
         let give = self.yields_at() / sizes.x;
         let most = if self.is_bristles() {
@@ -313,7 +330,7 @@ impl Element {
     }
 
     /// Where it yields, mm.
-    fn yields_at(&self) -> f64 {
+    pub fn yields_at(&self) -> f64 {
         let [give, n, load, _] = self.shape;
         match self.law {
             // The force that its loading rate leads to, over its first stiffness.
@@ -330,6 +347,7 @@ impl Element {
         use Scale::{Log, Straight};
         match self.law {
             Law::Slider
+            | Law::Bristles
             | Law::Distributed
             | Law::PowerOfSpeed
             | Law::Saturating
@@ -357,6 +375,8 @@ impl Element {
         let x = sizes.x;
         match self.law {
             Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
+            // With a longer give it is Bouc-Wen's.
+            Law::Bristles => (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p),
             Law::Stribeck => (1e-4 * x..=0.5 * x).contains(&p) && q > 1e-3 * sizes.v && q < sizes.v,
             Law::BoucWen => {
                 let grows = r * (MOST_GROWTH * x / p).powf(q);

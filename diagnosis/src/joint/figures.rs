@@ -1,20 +1,18 @@
 //! The parameters of a name, each with its 90 % interval, on condition that the name is right.
 
+use super::covariance::{covariance, unknowns};
 use super::element::{Element, Law};
 use super::fit::Fit;
-use super::set::{DECLARED, Library, column};
+use super::set::{DECLARED, Library};
 use crate::interval;
-use crate::linear::dot;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use plant::{Channel, Effect};
+
+/// The way in which friction builds up.
+pub const PRESLIDING: &str = "presliding_mm";
 
 /// A parameter: name, unit, value.
 type Figure = (&'static str, &'static str, f64);
-
-/// Blocks of the sandwich, from long to short: what is correlated over many samples shows in the long ones.
-const SANDWICH: [usize; 3] = [12, 40, 120];
-/// Step of a shape, relative, and of a strength.
-const STEP: f64 = 1e-3;
 
 /// The parameters of a name in a fit whose elements `own` belong to it; `declared` are the values before.
 pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
@@ -109,17 +107,14 @@ fn friction(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
     let gives = |law| {
         matches!(
             law,
-            Law::Slider | Law::Stribeck | Law::InSeries | Law::Distributed
+            Law::Slider | Law::Bristles | Law::Stribeck | Law::InSeries | Law::Distributed
         )
     };
     if let Some((e, _)) = part.iter().find(|(e, _)| gives(e.law)) {
-        all.push(("presliding_mm", "mm", e.shape[0]));
+        all.push((PRESLIDING, "mm", e.shape[0]));
     }
     all
 }
-
-/// Below this share of a column's squares a direction is not told by the record.
-const UNTOLD: f64 = 1e-6;
 
 /// A declared parameter that has left its tolerance, as the change that it is.
 fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
@@ -131,38 +126,19 @@ fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure>
     vec![(p.error_parameter, p.error_unit(), error)]
 }
 
-/// An unknown of a fit.
-#[derive(Clone, Copy)]
-enum Unknown {
-    Parameter(usize),
-    Strength(usize),
-    Shape(usize, usize),
-}
-
-impl Unknown {
-    /// The fit with this unknown moved, and by how much.
-    fn moved(self, fit: &Fit) -> (Fit, f64) {
-        let mut other = fit.clone();
-        let value = match self {
-            Self::Parameter(i) => &mut other.parameters[i],
-            Self::Strength(i) => &mut other.elements[i].1,
-            Self::Shape(i, at) => &mut other.elements[i].0.shape[at],
-        };
-        let step = STEP * value.abs().max(1e-6);
-        *value += step;
-        (other, step)
-    }
-}
-
-/// Intervals of the figures of all names, by a sandwich over blocks of the residual.
+/// Intervals of the figures of all names, by a sandwich over blocks of the residual; of the samples in `sure` where the fit
+/// comes from these.
 pub fn with_intervals(
     library: &Library,
     fit: &Fit,
     names: &[(Effect, Vec<usize>)],
+    sure: Option<&[bool]>,
 ) -> Vec<Vec<interval::Figure>> {
     let declared = &std::array::from_fn(|i| library.declared_value(i));
     let unknowns = unknowns(library, fit);
-    let covariance = covariance(library, fit, &unknowns);
+    let whole = covariance(library, fit, &unknowns, None);
+    // Where friction slides nothing tells the way in which it builds up.
+    let sliding = sure.and_then(|sure| covariance(library, fit, &unknowns, Some(sure)));
     names
         .iter()
         .map(|(name, own)| {
@@ -174,107 +150,15 @@ pub fn with_intervals(
                     gradient[(i, j)] = (there.2 - here[i].2) / step;
                 }
             }
-            interval::around(here, &gradient, covariance.as_ref())
+            let all = interval::around(here.clone(), &gradient, whole.as_ref());
+            let Some(sliding) = &sliding else {
+                return all;
+            };
+            let sliding = interval::around(here, &gradient, Some(sliding));
+            let which = |(s, a): (interval::Figure, _)| if s.0 == PRESLIDING { a } else { s };
+            sliding.into_iter().zip(all).map(which).collect()
         })
         .collect()
-}
-
-/// Parameters inside their bounds, strengths, shapes that can be moved.
-fn unknowns(library: &Library, fit: &Fit) -> Vec<Unknown> {
-    let inside = |&i: &usize| {
-        let bound = library.parameter(i, fit.moved[i]);
-        let value = fit.parameters[i];
-        // A parameter that has left its tolerance has no upper bound.
-        let room = 1e-6 * (bound.high - bound.low).min(value.abs());
-        value > bound.low + room && value < bound.high - room
-    };
-    let mut all: Vec<Unknown> = (0..DECLARED)
-        .filter(inside)
-        .map(Unknown::Parameter)
-        .collect();
-    for (i, (element, strength)) in fit.elements.iter().enumerate() {
-        if *strength == 0.0 {
-            continue;
-        }
-        all.push(Unknown::Strength(i));
-        let shapes = element.movable().iter();
-        all.extend(shapes.map(|(at, _)| Unknown::Shape(i, *at)));
-    }
-    all
-}
-
-fn covariance(library: &Library, fit: &Fit, unknowns: &[Unknown]) -> Option<DMatrix<f64>> {
-    if unknowns.is_empty() {
-        return None;
-    }
-    let answer = |fit: &Fit| {
-        let mut y = vec![0.0; library.force.len()];
-        for i in 0..DECLARED {
-            crate::signals::add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
-        }
-        for (element, strength) in &fit.elements {
-            let force = column(library.tracks, library.every, |t| {
-                element.force(t, &fit.sizes)
-            });
-            crate::signals::add_scaled(&mut y, &force, *strength);
-        }
-        y
-    };
-    let here = answer(fit);
-    let residual: Vec<f64> = library
-        .force
-        .iter()
-        .zip(&here)
-        .map(|(f, y)| f - y)
-        .collect();
-    let columns: Vec<Vec<f64>> = unknowns
-        .iter()
-        .map(|unknown| {
-            let (moved, step) = unknown.moved(fit);
-            let there = answer(&moved);
-            there
-                .iter()
-                .zip(&here)
-                .map(|(t, h)| (t - h) / step)
-                .collect()
-        })
-        .collect();
-    let n = columns.len();
-    let size: Vec<f64> = columns
-        .iter()
-        .map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE).recip())
-        .collect();
-    let bread = DMatrix::from_fn(n, n, |i, j| {
-        dot(&columns[i], &columns[j]) * size[i] * size[j]
-    });
-    // Directions that the record does not tell at all stay where they are.
-    let eigen = bread.symmetric_eigen();
-    let inverses = eigen
-        .eigenvalues
-        .map(|l| if l > UNTOLD { 1.0 / l } else { 0.0 });
-    let q = &eigen.eigenvectors;
-    let inverse = q * DMatrix::from_diagonal(&inverses) * q.transpose();
-    let samples = residual.len();
-    // The widest of several block lengths.
-    let widest = SANDWICH
-        .iter()
-        .filter(|&&blocks| samples >= 4 * blocks)
-        .map(|&blocks| {
-            let mut meat: DMatrix<f64> = DMatrix::zeros(n, n);
-            for b in 0..blocks {
-                let (a, e) = (b * samples / blocks, (b + 1) * samples / blocks);
-                let score =
-                    DVector::from_fn(n, |i, _| dot(&columns[i][a..e], &residual[a..e]) * size[i]);
-                meat += &score * score.transpose();
-            }
-            // What was fitted has taken its share of the scatter.
-            let free = blocks as f64 / (blocks as f64 - n as f64).max(0.5 * blocks as f64);
-            &inverse * meat * &inverse * free
-        })
-        .max_by(|a, b| a.trace().total_cmp(&b.trace()))?;
-    Some(DMatrix::from_fn(n, n, |i, j| {
-        widest[(i, j)] * size[i] * size[j]
-    }))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Forces with a memory, over a whole motion. Each begins relaxed.
 
+use crate::signals::add_scaled;
+
 /// Elastic up to `give`, then it slides with force 1.
 pub fn slider(x: &[f64], give: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
@@ -11,12 +13,25 @@ pub fn slider(x: &[f64], give: f64) -> Vec<f64> {
     x.iter().map(step).collect()
 }
 
+/// Gives of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
+/// round, they build up as `1 - 2 exp(-way / give)`.
+const BRISTLES: [f64; 5] = [0.276, 0.569, 0.871, 1.266, 2.018];
+
+/// Bristles that slip one after the other. Turned round they do as Dahl's (A solid friction model, 1968); unlike his they
+/// hold at rest, where noise would lead his down to no force (Dupont et al., Single state elastoplastic friction models, 2002).
+pub fn bristles(x: &[f64], give: f64) -> Vec<f64> {
+    let mut sum = vec![0.0; x.len()];
+    for of_mean in BRISTLES {
+        add_scaled(&mut sum, &slider(x, of_mean * give), 0.2);
+    }
+    sum
+}
+
 /// Five sliders of equal force whose gives are spread evenly up to `most` (Iwan's parallel elements).
 pub fn distributed(x: &[f64], most: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for i in 1..=5 {
-        let one = slider(x, most * f64::from(i) / 5.0);
-        sum.iter_mut().zip(one).for_each(|(s, z)| *s += 0.2 * z);
+        add_scaled(&mut sum, &slider(x, most * f64::from(i) / 5.0), 0.2);
     }
     sum
 }
@@ -106,6 +121,7 @@ mod tests {
         let x = sine(4 * 628);
         for f in [
             slider(&x, 0.1),
+            bristles(&x, 0.1),
             distributed(&x, 0.5),
             bouc_wen(&x, 0.2, 2.0, 1.0, 1.0),
             bouc_wen(&x, 1.0, 1.0, -0.3, 1.9),
@@ -122,6 +138,28 @@ mod tests {
         let give = 0.1;
         let cycle = 4.0 * (1.0 - give);
         assert!((work(&x, &slider(&x, give)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+        // Bristles of the same give lose the same, as far as they have bent through at the turn.
+        assert!((work(&x, &bristles(&x, give)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn bristles_turned_round_build_up_exponentially_and_hold_at_rest() {
+        let give = 0.1;
+        let forth = (0..1000).map(|i| 1e-3 * f64::from(i));
+        let back = (0..1000).map(|i| 1.0 - 1e-3 * f64::from(i));
+        let f = bristles(&forth.chain(back).collect::<Vec<_>>(), give);
+        for way in [0.05, 0.1, 0.2, 0.3, 0.6] {
+            let dahl = 2.0 * (-way / give as f64).exp() - 1.0;
+            let own = f[1000 + (1e3 * way) as usize];
+            assert!((own - dahl).abs() < 0.05, "{way}: {own} for {dahl}");
+        }
+        // At rest, with noise of a tenth of the give, they hold: Dahl's would be at no force within a thousand samples.
+        let rest = (0..11_000).map(|i| 0.5 + 0.01 * f64::from((i * 7919) % 11 - 5) / 5.0);
+        let to_rest = (0..500).map(|i| 1e-3 * f64::from(i));
+        let f = bristles(&to_rest.chain(rest).collect::<Vec<_>>(), give);
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let (first, last) = (mean(&f[600..1700]), mean(&f[10_400..]));
+        assert!(first > 0.8 && (last - first).abs() < 1e-6, "{first} {last}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod band;
 mod blocks;
 mod certificate;
 mod closer;
+mod covariance;
 mod curvature;
 mod cutoff;
 mod dashpot;
@@ -26,6 +27,7 @@ mod save;
 mod search;
 mod separable;
 mod set;
+mod sliding;
 pub(crate) mod track;
 
 pub use fit::Fit;

@@ -1,12 +1,14 @@
 //! Names, a set, or neither: what the certificates allow to be said.
 
 use super::certificate::{Candidate, Rival, groups, only, taken};
+use super::covariance::settled;
 use super::element::Kind;
-use super::figures::with_intervals;
+use super::figures::{PRESLIDING, with_intervals};
 use super::fit::Fit;
 use super::polish::polish;
 use super::search::restrict;
 use super::set::{Library, Set};
+use super::sliding;
 use crate::answer::Certificate;
 use crate::criteria::{
     CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
@@ -93,7 +95,7 @@ pub fn conclude(
         let own = [(one.name, one.elements.clone(), None)];
         let both = [(one.name, 1.0), (Effect::CoulombFriction, odds)];
         let members = both.map(|(name, weight)| (name, weight / (1.0 + odds)));
-        let model = explained(library, set, &own, cutoff_hz)?;
+        let model = explained(library, set, &own, cutoff_hz, false)?;
         return Some(Outcome::Set(model, members.to_vec()));
     }
     if !sure.is_empty() {
@@ -102,7 +104,7 @@ pub fn conclude(
             .iter()
             .map(|n| (named(n), n.elements.clone(), Some(n.certificate())))
             .collect();
-        let mut model = explained(library, set, &groups, cutoff_hz)?;
+        let mut model = explained(library, set, &groups, cutoff_hz, true)?;
         let dashpot =
             |n: &&Candidate| n.elements.is_empty() && groups.iter().all(|g| g.0 != n.name);
         if let Some(dashpot) = names.iter().find(dashpot) {
@@ -125,7 +127,7 @@ pub fn conclude(
     let model = members.iter().find_map(|&(name, _)| {
         if name == first.name {
             let own = [(first.name, first.elements.clone(), None)];
-            return explained(library, set, &own, cutoff_hz);
+            return explained(library, set, &own, cutoff_hz, false);
         }
         let rival = first.rivals.iter().chain(&first.kin);
         let rival = rival.clone().find(|r| r.name == name)?;
@@ -170,21 +172,38 @@ fn members(first: &Candidate) -> Vec<(Effect, f64)> {
     members
 }
 
-/// The model with some names and no other elements.
-fn explained(library: &Library, set: &Set, groups: &[Named], cutoff_hz: f64) -> Option<Explained> {
+/// The model with some names, which may be vouched for, and no other elements.
+fn explained(
+    library: &Library,
+    set: &Set,
+    groups: &[Named],
+    cutoff_hz: f64,
+    vouched: bool,
+) -> Option<Explained> {
     let kept: Vec<usize> = groups.iter().flat_map(|g| g.1.clone()).collect();
     let own = if kept.len() == set.elements.len() {
         set.clone()
     } else {
         only(library, set, &kept)
     };
-    let fit = Fit::new(library, &own, cutoff_hz)?;
+    let fit = settled(library, &Fit::new(library, &own, cutoff_hz)?);
     let place = |e: &usize| own.elements.iter().position(|o| o == e);
     let named: Vec<(Effect, Vec<usize>)> = groups
         .iter()
         .map(|g| (g.0, g.1.iter().filter_map(place).collect()))
         .collect();
-    let figures = with_intervals(library, &fit, &named);
+    // A set says which laws may act, not how strong one is: its model is the one that answers best.
+    let sliding = vouched
+        .then(|| sliding::read(library, &own, &fit, &named))
+        .flatten();
+    let sure = sliding.as_ref().map(|s| &s.sure[..]);
+    let fit = sliding.as_ref().map_or(fit, |s| s.fit.clone());
+    let mut figures = with_intervals(library, &fit, &named, sure);
+    if let Some((_, interval)) = sliding.and_then(|s| s.presliding_mm) {
+        let way = figures.iter_mut().flatten();
+        way.filter(|f| f.0 == PRESLIDING)
+            .for_each(|f| f.3 = interval);
+    }
     let owner = |element: usize| {
         let own = named.iter().find(|n| n.1.contains(&element));
         own.unwrap_or(&named[0]).0
@@ -217,7 +236,7 @@ fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Expla
             .find(|g| g.kind == rival.kind);
         group?.elements
     };
-    explained(library, &set, &[(rival.name, own, None)], cutoff_hz)
+    explained(library, &set, &[(rival.name, own, None)], cutoff_hz, false)
 }
 
 #[cfg(test)]
