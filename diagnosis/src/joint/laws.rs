@@ -144,12 +144,12 @@ mod tests {
 
     #[test]
     fn bristles_turned_round_build_up_exponentially_and_hold_at_rest() {
-        let give = 0.1;
+        let give = 0.1_f64;
         let forth = (0..1000).map(|i| 1e-3 * f64::from(i));
         let back = (0..1000).map(|i| 1.0 - 1e-3 * f64::from(i));
         let f = bristles(&forth.chain(back).collect::<Vec<_>>(), give);
         for way in [0.05, 0.1, 0.2, 0.3, 0.6] {
-            let dahl = 2.0 * (-way / give as f64).exp() - 1.0;
+            let dahl = 2.0 * (-way / give).exp() - 1.0;
             let own = f[1000 + (1e3 * way) as usize];
             assert!((own - dahl).abs() < 0.05, "{way}: {own} for {dahl}");
         }
