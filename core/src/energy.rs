@@ -48,7 +48,7 @@ pub struct Windowed<const N: usize> {
 
 /// One past step of an axis, as far as later ones need it.
 #[derive(Clone, Copy, Debug)]
-struct Past {
+struct StepBefore {
     command_m: f32,
     displacement_m: f32,
     error_m: f32,
@@ -64,7 +64,7 @@ impl Errors {
     };
 }
 
-impl Past {
+impl StepBefore {
     const AT_REST: Self = Self {
         command_m: 0.0,
         displacement_m: 0.0,
@@ -84,7 +84,7 @@ pub struct EnergyErrors<const N: usize> {
     cumulative: [CompensatedSum; 3],
     stiffness_n_per_m: [[f32; N]; N],
     /// Of axes without an actuator nothing is kept.
-    past: [[Past; N]; MAX_WINDOW],
+    past: [[StepBefore; N]; MAX_WINDOW],
 }
 
 impl<const N: usize> EnergyErrors<N> {
@@ -94,7 +94,7 @@ impl<const N: usize> EnergyErrors<N> {
         Self {
             stiffness_n_per_m,
             window,
-            past: [[Past::AT_REST; N]; MAX_WINDOW],
+            past: [[StepBefore::AT_REST; N]; MAX_WINDOW],
             newest: 0,
             stiffness_force_n: [0.0; N],
             step: Errors::default(),
@@ -122,7 +122,7 @@ impl<const N: usize> EnergyErrors<N> {
                 .map(|k| self.stiffness_n_per_m[j][k] * error_m(k))
                 .sum();
             let (last, then) = (self.past[last][j], self.past[then][j]);
-            let here = Past {
+            let here = StepBefore {
                 command_m: now.command_m[j],
                 displacement_m: now.displacement_m[j],
                 error_m: error_m(j),

@@ -82,7 +82,7 @@ impl EstimatorSettings {
 
 /// The estimator and the model that it keeps.
 #[derive(Clone, Debug)]
-pub struct Estimator {
+pub struct PlantEstimator {
     plant: Plant,
     theta: [f32; MAX_PARAMETERS],
     covariance: Factored,
@@ -90,7 +90,7 @@ pub struct Estimator {
     forward: Forward,
 }
 
-impl Estimator {
+impl PlantEstimator {
     /// At rest at zero, with the plant as declared.
     pub fn at_rest(settings: &EstimatorSettings) -> Self {
         let mut covariance = Factored::default();
@@ -247,7 +247,7 @@ mod tests {
             period_s: 1.0 / 1024.0,
         };
         settings.check().unwrap();
-        let mut estimator = Estimator::at_rest(&settings);
+        let mut estimator = PlantEstimator::at_rest(&settings);
         let (mut rig, none) = (Forward::at_rest(), Spreads::new());
         let mut unused = [[0.0; MAX_PARAMETERS]; 2];
         for k in 0..8000 {

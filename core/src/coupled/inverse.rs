@@ -40,12 +40,12 @@ fn multiply(c: &mut [f32; 5], a: f32, b: f32) {
 
 /// The inverse, with the memory of its low-pass.
 #[derive(Clone, Copy, Debug)]
-pub struct Inverse {
+pub struct PlantInverse {
     rho: Pair,
     target: Pair,
 }
 
-impl Inverse {
+impl PlantInverse {
     /// At rest at zero.
     pub const fn at_rest() -> Self {
         Self {
@@ -146,7 +146,7 @@ mod tests {
     /// The largest tracking error, m, of two waves of 1 and 0.7 mm.
     fn worst_m(plant: &Plant) -> f32 {
         let period = 1.0 / 1024.0;
-        let (mut inverse, mut rig) = (Inverse::at_rest(), Forward::at_rest());
+        let (mut inverse, mut rig) = (PlantInverse::at_rest(), Forward::at_rest());
         let (mut slopes, none) = ([[0.0; MAX_PARAMETERS]; 2], Spreads::new());
         let (mut worst, mut sent) = (0.0_f32, [0.0; 2]);
         let wave = |size: f32, w: f32, t: f32| -> Jet<4> {

@@ -1,8 +1,8 @@
 //! Everything for a pair of coupled actuators, one call a sample.
 
 use super::coupler::{Coupler, LARGEST_ROTATION};
-use super::estimate::{Estimator, EstimatorSettings};
-use super::inverse::{Inverse, Jet};
+use super::estimate::{EstimatorSettings, PlantEstimator};
+use super::inverse::{Jet, PlantInverse};
 use super::observer::{Observer, ObserverConstants, ObserverSettings};
 use super::pair::Pair;
 use super::plant::Plant;
@@ -129,8 +129,8 @@ pub struct Tracked {
 pub struct Tracker {
     constants: TrackerConstants,
     observers: [Observer; 2],
-    estimator: Estimator,
-    inverse: Inverse,
+    estimator: PlantEstimator,
+    inverse: PlantInverse,
     sent_m: Pair,
     correction_m: Pair,
 }
@@ -140,8 +140,8 @@ impl Tracker {
     pub fn at_rest(constants: TrackerConstants) -> Self {
         Self {
             observers: [Observer::at_rest(), Observer::at_rest()],
-            estimator: Estimator::at_rest(&constants.settings.estimate),
-            inverse: Inverse::at_rest(),
+            estimator: PlantEstimator::at_rest(&constants.settings.estimate),
+            inverse: PlantInverse::at_rest(),
             sent_m: [0.0; 2],
             correction_m: [0.0; 2],
             constants,

@@ -75,9 +75,9 @@ fn push(points: &mut [f32; POINTS], newest: f32) {
     *points = [b, c, d, e, f, g, h, newest];
 }
 
-/// One axis.
+/// The last samples of one axis.
 #[derive(Clone, Copy, Debug)]
-struct Past {
+struct LastSamples {
     displacement_m: [f32; POINTS],
     force_n: [f32; POINTS],
     peak_speed_m: f32,
@@ -86,7 +86,7 @@ struct Past {
 /// Fitted forces of all axes.
 #[derive(Clone, Debug)]
 pub(crate) struct FittedForce<const N: usize> {
-    past: [Past; N],
+    last: [LastSamples; N],
 }
 
 impl<const N: usize> Correct<N> for FittedForce<N> {
@@ -102,7 +102,7 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
 
     fn at_rest(_: &Constants) -> Self {
         Self {
-            past: [Past {
+            last: [LastSamples {
                 displacement_m: [0.0; POINTS],
                 force_n: [0.0; POINTS],
                 peak_speed_m: 0.0,
@@ -114,13 +114,13 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
     fn at_target(&mut self, k: &Constants, now: &Observation<N>) -> [f32; N] {
         let mut force_n = now.force_n;
         for j in 0..actuated::<N>(k.physical) {
-            let past = &mut self.past[j];
-            push(&mut past.displacement_m, now.displacement_m[j]);
-            push(&mut past.force_n, now.force_n[j]);
-            let moving = FittedQuadratic::of(&past.displacement_m);
+            let last = &mut self.last[j];
+            push(&mut last.displacement_m, now.displacement_m[j]);
+            push(&mut last.force_n, now.force_n[j]);
+            let moving = FittedQuadratic::of(&last.displacement_m);
             let speed_m = moving.slope.abs();
-            past.peak_speed_m = larger(k.peak_memory * past.peak_speed_m, speed_m);
-            if speed_m <= k.hold_share * past.peak_speed_m {
+            last.peak_speed_m = larger(k.peak_memory * last.peak_speed_m, speed_m);
+            if speed_m <= k.hold_share * last.peak_speed_m {
                 continue;
             }
             // Newton's method for the time at which the fit, moved to the newest point, is at the target.
@@ -129,7 +129,7 @@ impl<const N: usize> Correct<N> for FittedForce<N> {
             let first = within(way_m / moving.slope);
             let speed_m = moving.slope + 2.0 * moving.bend * first;
             let reached = within(first + (way_m - moving.gain(first)) / speed_m);
-            let change_n = FittedQuadratic::of(&past.force_n).gain(reached);
+            let change_n = FittedQuadratic::of(&last.force_n).gain(reached);
             if change_n.is_finite() {
                 force_n[j] += change_n;
             }

@@ -14,7 +14,7 @@
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::lagrange::{self, Extrapolation};
-use super::past::Past;
+use super::past::PastTargets;
 use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
 use crate::linear::{Linear, Setting};
@@ -40,7 +40,7 @@ pub(crate) struct Darby {
     /// Velocity of the target in force, m per control step.
     velocity_m: f32,
     gate: Gate,
-    past: Past,
+    past: PastTargets,
 }
 
 impl PredictAxis for Darby {
@@ -71,7 +71,7 @@ impl PredictAxis for Darby {
             delay: k.delay,
             velocity_m: 0.0,
             gate: Gate::default(),
-            past: Past::at_rest(),
+            past: PastTargets::at_rest(),
         }
     }
 

@@ -10,7 +10,7 @@
 //! shows it that the delay differs from the declared one, and a gain error stays.
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use super::past::{Past, REACH};
+use super::past::{PastTargets, REACH};
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
 use crate::linear::{Linear, Setting};
@@ -43,7 +43,7 @@ impl Extrapolation {
 
     /// Takes in `target_m` and gives the polynomial `delay` control steps ahead of it.
     #[inline]
-    pub fn ahead(&self, past: &mut Past, target_m: f32, delay: f32) -> f32 {
+    pub fn ahead(&self, past: &mut PastTargets, target_m: f32, delay: f32) -> f32 {
         past.push(self.stride, target_m);
         let mut sum = self.weights[0] * target_m;
         let mut steps = 0.0;
@@ -84,7 +84,7 @@ pub(crate) struct Constants {
 /// Past targets of one axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Lagrange {
-    past: Past,
+    past: PastTargets,
 }
 
 impl PredictAxis for Lagrange {
@@ -113,7 +113,7 @@ impl PredictAxis for Lagrange {
 
     fn at_rest(_: &Constants) -> Self {
         Self {
-            past: Past::at_rest(),
+            past: PastTargets::at_rest(),
         }
     }
 

@@ -11,14 +11,14 @@ pub const REACH: usize = POINTS - 3;
 
 /// Past targets of one axis.
 #[derive(Clone, Debug)]
-pub(crate) struct Past {
+pub(crate) struct PastTargets {
     values: [f32; POINTS],
     newest: u16,
     /// Control steps since the newest point.
     phase: u16,
 }
 
-impl Past {
+impl PastTargets {
     /// At rest at zero.
     pub const fn at_rest() -> Self {
         Self {
@@ -65,7 +65,7 @@ mod tests {
     fn is_exact_at_kept_points_and_close_between_them() {
         for stride in [1, 3, 6] {
             let u = |i: f32| libm::sinf(0.0063 * i);
-            let mut past = Past::at_rest();
+            let mut past = PastTargets::at_rest();
             let mut worst = 0.0_f32;
             for i in 0..3000 {
                 past.push(stride, u(i as f32));
