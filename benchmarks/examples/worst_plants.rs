@@ -8,15 +8,8 @@
 #[path = "your_controller.rs"]
 mod your_controller;
 
+use benchmarks::rths::published::WORST_DRAWN;
 use benchmarks::rths::{Bench, Contestant, RthsRow, Rules};
-
-/// Drawn plants' worst J4 in an independent port of the problem, cases 1 to 4, per cent.
-const PORT: [(&str, [f64; 4]); 4] = [
-    ("pi-phase-lead", [46.0, 42.0, 64.0, 104.0]),
-    ("fixed-inverse", [17.0, 16.0, 24.0, 30.0]),
-    ("amb", [3.3, 3.2, 3.3, 4.0]),
-    ("amb/lead=1", [2.8, 2.6, 2.0, 2.4]),
-];
 
 /// Draws of twenty plants a case.
 const SEEDS: u64 = 9;
@@ -38,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (draw, rules) in draws {
         println!("\n{draw}");
         let record = [your_controller::read(&path, &rules)?];
-        let contestants: Vec<Contestant> = PORT
+        let contestants: Vec<Contestant> = WORST_DRAWN
             .iter()
             .map(|(name, _)| Contestant::named(name))
             .collect::<Result<_, _>>()?;
@@ -53,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             };
             rows.extend(bench.rows(|_| ())?);
         }
-        for (name, port) in PORT {
+        for (name, port) in WORST_DRAWN {
             let worst: Vec<String> = (1..=4)
                 .map(|case| {
                     let mut of_case: Vec<f64> = rows

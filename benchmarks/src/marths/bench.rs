@@ -30,6 +30,7 @@ pub struct Record {
     pub ground: Vec<f64>,
     reference: Trace,
     j2_true_floor: Both,
+    j5_floor: Both,
     j7_floor: Both,
 }
 
@@ -84,11 +85,19 @@ impl Problem {
         let (noisy, quiet) = (perfect(1.0)?, perfect(0.0)?);
         let column = |t: &Trace, i: usize| t.target_m.iter().map(|x| x[i]).collect::<Vec<_>>();
         let j2_true_floor = [0, 1].map(|i| deviation(&column(&noisy, i), &column(&quiet, i)));
+        let column = |x: &[Both], i: usize| x.iter().map(|x| x[i]).collect::<Vec<_>>();
+        let still: Vec<Both> = noisy
+            .stroke_m
+            .iter()
+            .map(|&s| trial::interface(s))
+            .collect();
+        let j5_floor = [0, 1].map(|i| deviation(&column(&noisy.interface, i), &column(&still, i)));
         Ok(Record {
             name: name.to_owned(),
             reference: trial::computed(&self.reference, &ground)?,
             j7_floor: declared::floor(&self.reference, &self.part, &ground)?,
             j2_true_floor,
+            j5_floor,
             ground,
         })
     }
@@ -151,6 +160,9 @@ pub struct MarthsRow {
     /// Noise of the target itself where the force comes from raw readings: no tracker can know it.
     #[serde(rename = "J2_true_floor")]
     pub j2_true_floor: Both,
+    /// J5 of noise alone, from raw readings.
+    #[serde(rename = "J5_floor")]
+    pub j5_floor: Both,
     /// J7 of a tracker without any error or delay.
     #[serde(rename = "J7_floor")]
     pub j7_floor: Both,
@@ -226,6 +238,7 @@ pub fn rows(
                 j,
                 j2_floor: record.j2_floor(),
                 j2_true_floor: record.j2_true_floor,
+                j5_floor: record.j5_floor,
                 j7_floor: record.j7_floor,
                 worst: Worst::of(&drawn),
             })

@@ -1,6 +1,6 @@
 //! The contestants, by name.
 
-use super::controller::{Controller, TargetSample, Uncompensated};
+use super::controller::{Controller, Outside, TargetSample, Uncompensated};
 use super::regression::{FourTaps, Start};
 use super::rig::{COUPLER, FRAME_RATIO, Parameters, noise_m};
 use super::structure::{Matrices, ROTATION, X};
@@ -28,9 +28,11 @@ pub enum Contestant {
     CoupledRaw,
     /// The same; the force comes from the estimated strokes.
     Coupled,
+    /// One of another crate.
+    Outside(&'static Outside),
 }
 
-/// A contestant, its name and what it knows, best known last.
+/// The contestants of the command's table, their names and what they know, best known last.
 pub const ALL: [(Contestant, &str, &str); 7] = [
     (Contestant::None, "none", "nothing"),
     (Contestant::Fir, "fir", "a calibration on the nominal plant"),
@@ -64,7 +66,10 @@ pub const ALL: [(Contestant, &str, &str); 7] = [
 impl Contestant {
     /// Its name.
     pub fn name(self) -> &'static str {
-        ALL.iter().find(|c| c.0 == self).map_or("", |c| c.1)
+        match self {
+            Self::Outside(outside) => outside.name,
+            own => ALL.iter().find(|c| c.0 == own).map_or("", |c| c.1),
+        }
     }
 
     /// By its name.
@@ -147,6 +152,7 @@ impl Calibration {
             Contestant::CoupledFixed => coupled(&self.coupled[0], false),
             Contestant::CoupledRaw => coupled(&self.coupled[1], false),
             Contestant::Coupled => coupled(&self.coupled[1], true),
+            Contestant::Outside(outside) => (outside.make)(),
             Contestant::Perfect => return None,
         })
     }

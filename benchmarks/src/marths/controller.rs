@@ -1,6 +1,7 @@
 //! What a contestant is, and how to add one.
 //!
-//! A controller from outside is one file that implements [`Controller`] and one row in [`super::contestants::ALL`].
+//! A controller of another crate is an [`Outside`] in a list of contestants: `benchmarks/examples/your_pair.rs` is one file
+//! that runs. To be in the command's table, it becomes one file here and one row in [`super::contestants::ALL`].
 
 /// What a controller gets to see of a sample beside the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,23 @@ pub trait Controller {
     /// Commands until the next sample, m.
     fn command(&mut self, target: &TargetSample) -> [f64; 2];
 }
+
+/// A controller of another crate.
+#[derive(Clone, Copy, Debug)]
+pub struct Outside {
+    /// Its name.
+    pub name: &'static str,
+    /// Makes one, at rest.
+    pub make: fn() -> Box<dyn Controller + Send>,
+}
+
+impl PartialEq for Outside {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Outside {}
 
 /// The target itself is sent.
 #[derive(Clone, Copy, Debug, Default)]

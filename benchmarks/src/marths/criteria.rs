@@ -4,6 +4,19 @@ use super::RATE_HZ;
 use super::trial::Trace;
 use serde::Serialize;
 
+/// What the criteria mean, for those who read them.
+pub const MEANING: [&str; 9] = [
+    "J1: delay of each stroke behind its target, ms",
+    "J2: tracking error of actuator 1 / 2 as read, standard deviation over that of the target, %",
+    "J3: the same, largest, %",
+    "J4: J1 again, as the problem has it, ms",
+    "J5: x / rotation as the controller's block has them against the target, standard deviation, %",
+    "J6: the same, largest, %",
+    "J7: x / rotation as the controller's block has them against the reference structure, standard deviation, %",
+    "J8: x of the second / third storey against the reference structure, standard deviation, %",
+    "J9: J7, largest, %",
+];
+
 /// A criterion for both.
 pub type Both = [f64; 2];
 

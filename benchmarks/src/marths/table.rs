@@ -34,10 +34,11 @@ pub fn both([a, b]: Both) -> String {
 /// What stands beside the rows of a record: what no controller can be better than.
 pub fn floors(row: &MarthsRow) -> String {
     format!(
-        "{}: the noise of the readings is a J2 of {}; raw readings make the target itself uncertain by {}; a tracker \
-         without error or delay has a J7 of {}",
+        "{}: the noise of the readings is a J2 of {} and, where a controller has nothing but them, a J5 of {}; raw readings \
+         make the target itself uncertain by {}; a tracker without error or delay has a J7 of {}",
         row.record,
         both(row.j2_floor),
+        both(row.j5_floor),
         both(row.j2_true_floor),
         both(row.j7_floor)
     )

@@ -37,7 +37,7 @@ pub struct Trace {
 }
 
 /// Where the interface is when the strokes are such, m and rad.
-fn interface(stroke_m: [f64; 2]) -> [f64; 2] {
+pub(super) fn interface(stroke_m: [f64; 2]) -> [f64; 2] {
     COUPLER
         .interface(&stroke_m.map(|x| x as f32))
         .map(f64::from)

@@ -18,6 +18,7 @@
 //! | [`mod@bench`] | all of it, on all cores |
 //! | [`follow`] | a controller from outside as a table of commands |
 //! | [`table`], [`verdict`] | rows as cells; targets and ties |
+//! | [`published`] | figures that others have |
 
 pub mod bench;
 pub mod case;
@@ -26,6 +27,7 @@ pub mod controller;
 pub mod criteria;
 pub mod follow;
 pub mod parameters;
+pub mod published;
 pub mod record;
 pub mod rules;
 pub mod shaking;

@@ -21,6 +21,55 @@ pub const SUMMARY_LEGEND: &str = "Per cent, cases 1/2/3/4. J2: tracking error; J
     displacement as it was. Worst: of the perturbed plants, as read. Lost: J4 of 100 % or more, of all \
     perturbed plants. Energy: error of what a yielding specimen has taken in the end";
 
+/// Head of what controllers do on specimens that yield.
+pub const YIELDING_HEAD: [&str; 7] = [
+    "controller",
+    "degrading: J2*",
+    "J4*",
+    "energy",
+    "pinched: J2*",
+    "J4*",
+    "energy",
+];
+
+/// What it means.
+pub const YIELDING_LEGEND: &str = "Specimens that yield, nominal plant, per cent, the largest of cases 1 to 4. Degrading: \
+    loses stiffness and strength; pinched: slips around zero beside that. Energy: error of what the specimen has taken in \
+    the end";
+
+/// The rows of one ground motion on both specimens that yield: a row a controller.
+pub fn yielding_summary(degrading: &[RthsRow], pinched: &[RthsRow]) -> Vec<Vec<String>> {
+    let figures: [fn(&RthsRow) -> f64; 3] = [
+        |r| r.j2_true,
+        |r| r.j4_true,
+        |r| r.energy_error.unwrap_or(f64::NAN),
+    ];
+    names(degrading)
+        .into_iter()
+        .map(|name| {
+            let mut row = vec![name.to_owned()];
+            for rows in [degrading, pinched] {
+                for figure in figures {
+                    let own = rows.iter().filter(|r| r.controller == name).map(figure);
+                    row.push(number(own.fold(0.0, f64::max)));
+                }
+            }
+            row
+        })
+        .collect()
+}
+
+/// Each controller once, in the order of the rows.
+pub(super) fn names(rows: &[RthsRow]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.controller.as_str()) {
+            names.push(&row.controller);
+        }
+    }
+    names
+}
+
 /// Head of all criteria.
 pub const HEAD: [&str; 17] = [
     "case",
@@ -54,12 +103,7 @@ pub fn number(x: f64) -> String {
 
 /// The summary of the rows of one ground motion: the noise alone first, then a row a controller.
 pub fn summary(rows: &[RthsRow]) -> Vec<Vec<String>> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.controller.as_str()) {
-            names.push(&row.controller);
-        }
-    }
+    let names = names(rows);
     let own =
         |name: &str| -> Vec<&RthsRow> { rows.iter().filter(|r| r.controller == name).collect() };
     let join = |rows: &[&RthsRow], figure: &dyn Fn(&RthsRow) -> f64| {

@@ -5,16 +5,18 @@ use super::page::{Drawn, cannot, escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
-use super::rths::table;
+use super::rths::{table, target_boxes};
 use crate::failure::Failure;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
 use benchmarks::marths::bench::{MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
 use benchmarks::marths::trial::Trace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
+use benchmarks::target::Target;
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.
@@ -28,9 +30,10 @@ pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
     rows: &[MarthsRow],
+    targets: &[Target],
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
-    let mut body = String::new();
+    let mut body = target_boxes(targets);
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         let Some(first) = group.first() else { continue };
         let _ = write!(body, "<h2>{}</h2>{}", escape(&first.record), verdict(group));
@@ -44,7 +47,8 @@ pub fn of_marths(
             escape(&floors(first))
         );
     }
-    let _ = write!(body, "<p>{}</p>", escape(LEGEND));
+    let meaning = MEANING.map(escape).join("<br>");
+    let _ = write!(body, "<p>{}<br>{meaning}</p>", escape(LEGEND));
     body += "<h2>What the controllers know</h2><ul>";
     for (_, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == name) {
@@ -77,7 +81,7 @@ fn verdict(rows: &[MarthsRow]) -> String {
     });
     nearest.map_or_else(String::new, |best| {
         format!(
-            "<p class=\"verdict\"><b>{}</b> tracks best: J2* of {} % for the two actuators{}.</p>",
+            "<p><b>{}</b> tracks best: J2* of {} % for the two actuators{}.</p>",
             best.controller,
             both(error(best)),
             if best.worst.perturbed > 0 {

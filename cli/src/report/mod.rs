@@ -22,7 +22,7 @@ pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
 pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};
 pub use difference::of_difference;
-pub use marths::of_marths;
+pub use marths::{DeclaredPart, of_marths};
 pub use monte_carlo::{ManyTests, of_monte_carlo};
 pub use page::TestSection;
 pub use rths::of_rths;

@@ -8,10 +8,14 @@ use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
 use crate::failure::Failure;
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
-use benchmarks::rths::table::{HEAD, SUMMARY_LEGEND, cells, floor_cells, summary, summary_head};
+use benchmarks::rths::table::{
+    HEAD, SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, cells, floor_cells, summary,
+    summary_head, yielding_summary,
+};
 use benchmarks::rths::trial::{Ground, Trace};
-use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, Statement, best};
+use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
 use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow};
+use benchmarks::target::Target;
 use std::fmt::Write as _;
 
 /// The published controller, for the pictures.
@@ -24,7 +28,8 @@ const BASELINE: &str = "pi-phase-lead";
 pub fn of_rths(
     bench: &Bench<'_>,
     rows: &[RthsRow],
-    targets: &[Statement],
+    yielding: &[Vec<RthsRow>],
+    targets: &[Target],
 ) -> Result<String, Failure> {
     let mut body = verdict(rows, targets);
     for record in bench.records {
@@ -36,6 +41,22 @@ pub fn of_rths(
         let name = group.first().map_or("", |r| &r.record);
         let table = table(&summary_head(group), summary(group).into_iter());
         let _ = write!(body, "<h3>{}</h3>{table}", escape(name));
+    }
+    if let [degrading, pinched] = yielding {
+        let _ = write!(
+            body,
+            "<h2>Specimens that yield</h2><p>{}.</p>",
+            escape(YIELDING_LEGEND)
+        );
+        let by_record = |rows| <[RthsRow]>::chunk_by(rows, |a, b| a.record == b.record);
+        for (degrading, pinched) in by_record(degrading).zip(by_record(pinched)) {
+            let name = degrading.first().map_or("", |r| &r.record);
+            let table = table(
+                &YIELDING_HEAD,
+                yielding_summary(degrading, pinched).into_iter(),
+            );
+            let _ = write!(body, "<h3>{}</h3>{table}", escape(name));
+        }
     }
     let meaning = MEANING.map(escape).join("<br>");
     let _ = write!(
@@ -69,13 +90,19 @@ pub fn of_rths(
     ))
 }
 
-fn verdict(rows: &[RthsRow], targets: &[Statement]) -> String {
+/// What was asked for, a box each: green where it is reached and nowhere else.
+pub(super) fn target_boxes(targets: &[Target]) -> String {
     let mut html = String::new();
     for target in targets {
         let class = if target.reached() { "" } else { " fair" };
         let sentence = escape(&target.sentence());
         let _ = write!(html, "<p class=\"verdict{class}\">{sentence}</p>");
     }
+    html
+}
+
+fn verdict(rows: &[RthsRow], targets: &[Target]) -> String {
+    let mut html = target_boxes(targets);
     let names = best(rows).join(", ");
     let _ = write!(
         html,

@@ -14,6 +14,7 @@
 //! The rig is the simulated one. What is not in `[plant]` is in no verdict.
 
 pub mod monitor;
+pub mod promise;
 pub mod survey;
 
 use crate::experiment::Experiment;

@@ -1,6 +1,6 @@
 //! From the multi-axial benchmark's record by `diagnose` to a lower floor, with nothing but the commands.
 
-use crate::common::{json, refused};
+use crate::common::{json, outerloop, refused};
 use serde_json::Value;
 use std::path::Path;
 
@@ -102,6 +102,127 @@ fn the_record_names_what_is_wrong_in_the_declared_part_and_the_floor_falls() {
     assert!(floor[0] < 0.5 && floor[1] < 0.5, "{floor:?}");
     let j7 = pair(&after["rows"][0]["J7"]);
     assert!(j7[0] < 0.6 && j7[1] < 0.6, "{j7:?}");
+}
+
+#[test]
+fn what_was_asked_for_is_printed_with_what_was_found() {
+    let Some(data) = data() else { return };
+    let answer = json(&[
+        "benchmark",
+        "marths",
+        "--records",
+        "ElCentro",
+        "--controllers",
+        "rodeac,coupled-raw,coupled",
+        "--plants",
+        "3",
+        "--data",
+        &data,
+        "--json",
+    ]);
+    let targets = answer["targets"].as_array().unwrap();
+    // RoDeAC reproduced; J2*, J5, J7 and J2* of raw readings; none lost; the floor of J7 as it was found.
+    assert_eq!(targets.len(), 7, "{targets:?}");
+    for target in targets {
+        assert!(target["missed_by"].as_f64().unwrap() <= 0.0, "{target}");
+    }
+    assert!(
+        targets[1]["asked"]
+            .as_str()
+            .unwrap()
+            .contains("100 were asked for")
+    );
+    assert_eq!(answer["criteria"].as_array().unwrap().len(), 9);
+    // The noise of raw readings alone, in rotation: no controller that has nothing else is below it.
+    let floor = pair(&answer["rows"][0]["J5_floor"]);
+    assert!((3.5..5.0).contains(&floor[1]), "{floor:?}");
+}
+
+#[test]
+fn a_table_of_commands_from_outside_gets_its_figures() {
+    let Some(data) = data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder
+        .path()
+        .join("targets.csv")
+        .to_string_lossy()
+        .into_owned();
+    let marths = |more: &[&str]| -> Vec<String> {
+        let all = [
+            "benchmark",
+            "marths",
+            "--records",
+            "ElCentro",
+            "--data",
+            &data,
+        ];
+        [&all[..], more]
+            .concat()
+            .iter()
+            .map(|s| (*s).to_owned())
+            .collect()
+    };
+    let run = |more: &[&str]| {
+        let arguments = marths(more);
+        outerloop(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    assert!(run(&["--targets", &table]).status.success());
+    let text = std::fs::read_to_string(&table).unwrap();
+    let mut lines = text.lines().skip(1);
+    let head = lines.next().unwrap();
+    assert_eq!(head, "time_s,target_m,target2_m,command_m,command2_m");
+    let rows: Vec<Vec<f64>> = lines
+        .map(|l| l.split(',').map(|c| c.parse().unwrap()).collect())
+        .collect();
+    // As they are, and sent ahead by what the actuators are late at 2 Hz: 55 and 24 ms.
+    let judged = |lead: [usize; 2]| {
+        let mut filled = format!("{head}\n");
+        for (k, row) in rows.iter().enumerate() {
+            let ahead = |i: usize| rows.get(k + lead[i]).map_or(0.0, |r| r[1 + i]);
+            filled += &format!(
+                "{:.9},{:e},{:e},{:e},{:e}\n",
+                row[0],
+                row[1],
+                row[2],
+                ahead(0),
+                ahead(1)
+            );
+        }
+        std::fs::write(&table, filled).unwrap();
+        let arguments = marths(&["--json", "--follow", &table]);
+        json(&arguments.iter().map(String::as_str).collect::<Vec<_>>())["rows"][0].clone()
+    };
+    let (as_they_are, ahead) = (judged([0, 0]), judged([56, 25]));
+    assert!(
+        pair(&as_they_are["J1"])[0] > 30.0 && pair(&ahead["J1"])[0].abs() < 12.0,
+        "{ahead}"
+    );
+    for i in 0..2 {
+        assert!(
+            pair(&ahead["J2"])[i] < 0.8 * pair(&as_they_are["J2"])[i],
+            "{ahead}"
+        );
+    }
+    assert!(ahead["J8"][0].is_null(), "the loop is not closed");
+    // Targets of another record are not these.
+    let others = [
+        "benchmark",
+        "marths",
+        "--records",
+        "Kobe",
+        "--data",
+        &data,
+        "--follow",
+        &table,
+    ];
+    refused(
+        &others,
+        &["is not that of this ground motion and case", "--targets"],
+    );
+    refused(
+        &["benchmark", "marths", "--data", &data, "--follow", &table],
+        &["one ground motion"],
+    );
 }
 
 #[test]

@@ -108,6 +108,9 @@ fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
     };
     let called = |truth: &str, i: usize| row(truth)[i].as_u64().unwrap();
     assert_eq!(called("ran_away", 0), 0);
+    let promise = &answer["promise"];
+    assert_eq!(promise["ran_away_called_stable"], 0);
+    assert_eq!(promise["sound_called_doubtful"], called("sound", 1));
     let sound: u64 = (0..3).map(|i| called("sound", i)).sum();
     assert!(sound > 15, "{sound} of 51 are sound");
     assert!(called("sound", 1) + called("sound", 2) <= 1 + sound / 20);
@@ -130,6 +133,12 @@ fn the_monitor_stops_what_breaks_and_nothing_else() {
     let all: u64 = broken.iter().map(|row| number(row, "count")).sum();
     let stopped: u64 = broken.iter().map(|row| number(row, "together")).sum();
     assert!(all >= 4 && stopped == all, "{stopped} of {all}");
+    let promise = &answer["promise"];
+    assert_eq!(promise["sound_stopped"], 0);
+    assert_eq!(
+        [number(promise, "broken"), number(promise, "broken_stopped")],
+        [all, stopped]
+    );
 }
 
 #[test]

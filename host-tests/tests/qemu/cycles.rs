@@ -1,6 +1,6 @@
 //! Cycles of a step on the board, by a model of its core and its flash, against the deadline.
 
-use host_tests::qemu::cycles::Code;
+use host_tests::qemu::cycles::{Code, Cost};
 use host_tests::qemu::dearest::dearest;
 use host_tests::qemu::image::image;
 use outerloop_core::{Method, Prediction};
@@ -8,9 +8,23 @@ use outerloop_core::{Method, Prediction};
 /// From the sample to the command, 25 us at 168 MHz.
 const DEADLINE: u64 = 4200;
 
-/// What three storeys should take at most with any named method, and one storey with the default one.
-const AIM: u64 = 3400;
-const AIM_DEFAULT: u64 = 1500;
+/// What one storey and three storeys should take at most with any method.
+const AIM: [u64; 2] = [1500, 3400];
+
+/// Why some take more than was aimed at.
+const WHY: [&str; 2] = [
+    "what these methods compute takes most of it from memory without wait states (the middle figure); the rest is instructions \
+     from a flash that is slower than the core",
+    "two force and prediction stages, one after the other; every method by itself keeps it",
+];
+
+/// Cycles beyond the aim, or a dash.
+fn beyond(cycles: u64, aim: u64) -> String {
+    match cycles.saturating_sub(aim) {
+        0 => "-".into(),
+        over => format!("+{over}"),
+    }
+}
 
 #[test]
 fn cycles_of_a_step_with_every_method() {
@@ -19,10 +33,18 @@ fn cycles_of_a_step_with_every_method() {
     };
     let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
     println!(
-        "worst step, one storey in the laboratory   1 storey             2 storeys            3 storeys"
+        "Worst step, one storey in the laboratory, deadline {DEADLINE} cycles. Of each size: instructions, cycles without\n\
+         waiting, cycles from the flash at 168 MHz. Beyond: by how much the aims are missed, {} cycles with one storey and\n\
+         {} with three.\n",
+        AIM[0], AIM[1]
     );
-    println!("instructions, cycles without waiting, cycles from the flash at 168 MHz");
-    let (mut too_long, mut beyond_aim) = (Vec::new(), Vec::new());
+    println!(
+        "{:28}  {:17}  beyond  {:17}  {:17}  beyond",
+        "", "1 storey", "2 storeys", "3 storeys"
+    );
+    let mut too_long = Vec::new();
+    // Of methods by themselves and of pairs, with one storey and with three: name and cycles of those beyond the aim.
+    let mut missed: [[Vec<(String, u64)>; 2]; 2] = Default::default();
     let behind = Prediction::ALL[1..]
         .iter()
         .map(|&p| Method::Paper.behind(p));
@@ -33,33 +55,60 @@ fn cycles_of_a_step_with_every_method() {
             dearest::<3>(&image, &code, method),
         ]
         .map(|course| course.unwrap().cost);
-        print!("{:28}", method.name());
-        for c in costs {
-            print!(
-                "  {:5} {:5} {:5}",
+        let [one, two, three] = costs;
+        let cells = |c: Cost| {
+            format!(
+                "{:5} {:5} {:5}",
                 c.instructions, c.without_waiting, c.cycles
-            );
-        }
-        let late = costs.iter().any(|c| c.cycles > DEADLINE);
+            )
+        };
         println!(
-            "{}",
-            if late {
-                "  later than the deadline"
-            } else {
-                ""
-            }
+            "{:28}  {}  {:>6}  {}  {}  {:>6}",
+            method.name(),
+            cells(one),
+            beyond(one.cycles, AIM[0]),
+            cells(two),
+            cells(three),
+            beyond(three.cycles, AIM[1])
         );
-        if late {
+        let pair = usize::from(!Method::ALL.contains(&method));
+        for (size, (cost, aim)) in [one, three].into_iter().zip(AIM).enumerate() {
+            if cost.cycles > aim {
+                missed[pair][size].push((method.name().to_owned(), cost.cycles));
+            }
+        }
+        if costs.iter().any(|c| c.cycles > DEADLINE) {
             too_long.push(method.name());
         }
         if method == Method::Paper {
-            assert!(costs[0].cycles <= AIM_DEFAULT, "{} cycles", costs[0].cycles);
+            assert!(one.cycles <= AIM[0], "{} cycles", one.cycles);
         }
-        if costs[2].cycles > AIM && Method::ALL.contains(&method) {
-            beyond_aim.push(method.name());
+    }
+    for (of, missed) in ["methods by themselves", "pairs of `paper` and a predictor"]
+        .iter()
+        .zip(&missed)
+    {
+        for (size, missed) in missed.iter().enumerate() {
+            let storeys = ["one storey", "three storeys"][size];
+            let Some((worst, cycles)) = missed.iter().max_by_key(|m| m.1) else {
+                println!("{storeys}, {of}: {} reached", AIM[size]);
+                continue;
+            };
+            println!(
+                "{storeys}, {of}: {} missed by {}, by at most {} cycles ({worst}): {}",
+                AIM[size],
+                missed.len(),
+                cycles - AIM[size],
+                WHY[size]
+            );
         }
     }
     // A board refuses at `Configure` what it has timed as too long.
     assert!(too_long.is_empty(), "more than {DEADLINE}: {too_long:?}");
-    assert!(beyond_aim.is_empty(), "more than {AIM}: {beyond_aim:?}");
+    assert!(
+        missed[0][1].is_empty(),
+        "more than {}: {:?}",
+        AIM[1],
+        missed[0][1]
+    );
 }

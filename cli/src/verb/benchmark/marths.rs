@@ -1,17 +1,23 @@
 //! `outerloop benchmark marths`: the multi-axial benchmark problem of real-time hybrid simulation.
 
-use super::shared::{RECORDS, check_plants, refused};
+mod by_table;
+
+use super::shared::{RECORDS, check_plants, print_targets, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
 use crate::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
-use crate::report;
+use crate::report::{self, DeclaredPart};
 use crate::terminal::{self, Progress, table};
 use crate::verb::json;
 use benchmarks::marths::bench::{self, MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::criteria::MEANING;
+use benchmarks::marths::declared::Floor;
 use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
+use benchmarks::marths::targets::targets;
+use benchmarks::target::Target;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -29,6 +35,12 @@ pub(super) struct Marths {
     /// `diagnose --save-model` makes of declared.toml and record-NAME.csv of this command's --out
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Write the strokes that one record asks for as a table there, for --follow
+    #[arg(long, value_name = "FILE", conflicts_with = "model")]
+    targets: Option<PathBuf>,
+    /// Judge a table of commands for a table of targets: columns time_s, target_m, target2_m, command_m, command2_m
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["targets", "model"])]
+    follow: Option<PathBuf>,
     /// Drawn plants for each record
     #[arg(long, default_value_t = 20)]
     plants: usize,
@@ -77,6 +89,9 @@ impl Marths {
                     .map_err(refused)
             })
             .collect::<Result<Vec<Record>, Failure>>()?;
+        if self.targets.is_some() || self.follow.is_some() {
+            return self.by_table(&records);
+        }
         let rows = {
             let drawn = contestants
                 .iter()
@@ -100,9 +115,10 @@ impl Marths {
                 .map(|r| Ok((r, PhysicalPartEstimate::of(&problem, r, self.seed)?)))
                 .collect::<Result<Vec<_>, Failure>>()
         })?;
+        let targets = self.asked_for(&rows, &parts);
         let answer = serde_json::json!({
-            "rules": "official", "seed": self.seed, "plants": self.plants, "rows": rows,
-            "model": self.model,
+            "rules": "official", "seed": self.seed, "plants": self.plants, "targets": targets, "rows": rows,
+            "criteria": MEANING, "model": self.model,
             "declared_part": parts.iter().map(|(record, found)| serde_json::json!({
                 "record": record.name, "floors": found.floors, "diagnosis": found.diagnosis,
             })).collect::<Vec<_>>(),
@@ -119,13 +135,14 @@ impl Marths {
                     file.display()
                 );
             }
-            print(&rows);
+            print(&rows, &targets);
             for (record, found) in &parts {
                 print_parts(&record.name, found);
             }
         }
         if let Some(folder) = &self.out {
-            let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
+            let page =
+                report::of_marths(&problem, &parts, &rows, &targets, (self.plants, self.seed))?;
             let mut files = vec![
                 ("report.html".to_owned(), page),
                 ("marths.json".to_owned(), json(&with_provenance)?),
@@ -144,6 +161,18 @@ impl Marths {
             output::write_all(folder, &files)?;
         }
         Ok(())
+    }
+
+    /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.
+    fn asked_for(&self, rows: &[MarthsRow], parts: &[DeclaredPart<'_>]) -> Vec<Target> {
+        if self.model.is_some() {
+            return Vec::new();
+        }
+        let floors: Vec<(&str, &[Floor])> = parts
+            .iter()
+            .map(|(record, found)| (record.name.as_str(), &found.floors[..]))
+            .collect();
+        targets(rows, &floors)
     }
 
     fn names(&self) -> Result<Vec<&'static str>, Failure> {
@@ -183,7 +212,8 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
     .map_err(refused)
 }
 
-fn print(rows: &[MarthsRow]) {
+fn print(rows: &[MarthsRow], targets: &[Target]) {
+    print_targets(targets);
     println!("{LEGEND}\n");
     for group in rows.chunk_by(|a, b| a.record == b.record) {
         let Some(first) = group.first() else { continue };

@@ -1,5 +1,6 @@
 //! `outerloop benchmark`: the benchmark problems of the field, one file a problem.
 
+mod command_table;
 mod marths;
 mod rths;
 mod shared;

@@ -1,22 +1,25 @@
 //! `outerloop benchmark rths`: the benchmark problem of real-time hybrid simulation.
 
-use super::shared::{RECORDS, check_plants, data_folder, named, refused};
+mod by_table;
+
+use super::shared::{RECORDS, check_plants, data_folder, named, print_targets, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
-use crate::files::table::NumberTable;
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{Progress, table};
 use crate::verb::json;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
-use benchmarks::rths::table::{SUMMARY_LEGEND, number, summary, summary_head};
-use benchmarks::rths::verdict::{CAUTION, Statement, best, targets};
+use benchmarks::rths::table::{
+    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, summary, summary_head, yielding_summary,
+};
+use benchmarks::rths::verdict::{CAUTION, best, targets, whole_table};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow, Rules, follow};
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use benchmarks::rths::{Bench, Contestant, Record, RthsRow, Rules};
+use benchmarks::target::Target;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(clap::Args, Debug)]
@@ -28,9 +31,10 @@ pub(super) struct Rths {
     /// half-scale, judged-by-estimate, uniform-plants, core-integrates
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     deviate: Vec<String>,
-    /// What is tested: linear (the problem's own), degrading or pinched
-    #[arg(long, default_value = "linear", value_name = "NAME")]
-    specimen: String,
+    /// What is tested: linear (the problem's own), degrading or pinched; left out: linear, and beside it the nominal plant
+    /// with the others
+    #[arg(long, value_name = "NAME")]
+    specimen: Option<String>,
     /// Records of the problem, separated by commas: ElCentro, Kobe, Morgan; left out: all
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     records: Vec<String>,
@@ -84,7 +88,11 @@ impl Rths {
                 .map(|n| Contestant::named(n).map_err(refused))
                 .collect::<Result<_, _>>()?,
         };
-        let records = self.load(&rules)?;
+        let behaviour = match &self.specimen {
+            Some(name) => Behaviour::named(name).map_err(refused)?,
+            None => Behaviour::Linear,
+        };
+        let records = self.load(&rules, behaviour)?;
         if self.case.is_none() && (self.targets.is_some() || self.follow.is_some()) {
             return Err(Failure::input(
                 "--targets and --follow: a case goes with them, as in --records ElCentro --case 1",
@@ -100,25 +108,48 @@ impl Rths {
             plants: self.plants,
             seed: self.seed,
         };
-        let rows = {
-            let trials = records.len() * CASES.len() * contestants.len() * (1 + self.plants);
-            let progress = Progress::over("trials", trials as u64);
-            bench.rows(|n| progress.add(n as u64)).map_err(refused)?
+        let beside: &[Behaviour] = match self.specimen {
+            None => &[Behaviour::Degrading, Behaviour::Pinched],
+            Some(_) => &[],
         };
-        let targets = targets(&rules, &rows);
+        let (rows, yielding) = {
+            let plants = 1 + self.plants + beside.len();
+            let trials = records.len() * CASES.len() * contestants.len() * plants;
+            let progress = Progress::over("trials", trials as u64);
+            let one_done = |n: usize| progress.add(n as u64);
+            let rows = bench.rows(one_done).map_err(refused)?;
+            let yielding = beside
+                .iter()
+                .map(|&behaviour| {
+                    let records = self.load(&rules, behaviour)?;
+                    let nominal = Bench {
+                        records: &records,
+                        plants: 0,
+                        ..bench
+                    };
+                    nominal.rows(one_done).map_err(refused)
+                })
+                .collect::<Result<Vec<_>, Failure>>()?;
+            (rows, yielding)
+        };
+        let mut targets = targets(&rules, &rows);
         let seconds = began.elapsed().as_secs_f64();
-        let answer = serde_json::json!({
+        targets.extend(whole_table(&rows, seconds));
+        let mut answer = serde_json::json!({
             "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": targets,
-            "best": best(&rows), "rows": rows, "seconds": seconds,
+            "best": best(&rows), "rows": rows, "seconds": seconds, "criteria": MEANING,
         });
+        for (behaviour, rows) in beside.iter().zip(&yielding) {
+            answer[behaviour.name()] = serde_json::json!(rows);
+        }
         let with_provenance = WithProvenance::of(&answer);
         if self.json {
             answer!("{}", json(&with_provenance)?);
         } else {
-            print(&rules, &rows, &targets);
+            print(&rules, &rows, &yielding, &targets);
         }
         if let Some(folder) = &self.out {
-            let page = report::of_rths(&bench, &rows, &targets)?;
+            let page = report::of_rths(&bench, &rows, &yielding, &targets)?;
             output::write_all(
                 folder,
                 &[
@@ -146,14 +177,13 @@ impl Rths {
             .map_err(refused)
     }
 
-    fn load(&self, rules: &Rules) -> Result<Vec<Record>, Failure> {
+    fn load(&self, rules: &Rules, behaviour: Behaviour) -> Result<Vec<Record>, Failure> {
         if let Some(unknown) = self.records.iter().find(|r| !RECORDS.contains(&r.as_str())) {
             return Err(Failure::input(format!(
                 "--records {unknown}: accepted are {}",
                 RECORDS.join(", ")
             )));
         }
-        let behaviour = Behaviour::named(&self.specimen).map_err(refused)?;
         let folder = data_folder(self.data.as_deref()).join("ground-motion");
         let own = |name: &str| folder.join(format!("RTHSBENCH_{name}.csv"));
         let files: Vec<PathBuf> = match (&self.record[..], &self.records[..]) {
@@ -175,116 +205,16 @@ impl Rths {
             })
             .collect()
     }
-
-    /// `--targets` and `--follow`: one record, one case.
-    fn by_table(&self, place: usize, records: &[Record], rules: &Rules) -> Result<(), Failure> {
-        let [record] = records else {
-            return Err(Failure::input(
-                "--case: with it goes one ground motion, as in --records ElCentro --case 1",
-            ));
-        };
-        match (&self.targets, &self.follow) {
-            (Some(file), _) => output::write(file, table_of_targets(record, place)),
-            (_, Some(file)) => self.judge(file, record, place, rules),
-            _ => Err(Failure::input(
-                "--case: belongs to --targets or --follow; all four cases are run without it",
-            )),
-        }
-    }
-
-    fn judge(
-        &self,
-        file: &Path,
-        record: &Record,
-        place: usize,
-        rules: &Rules,
-    ) -> Result<(), Failure> {
-        let commands_m = commands(file, &follow::targets_m(record, place))?;
-        let found = follow::judge(record, place, &commands_m, self.seed, rules).map_err(refused)?;
-        if self.json {
-            let mut row = serde_json::json!({
-                "controller": file.display().to_string(), "case": CASES[place].number,
-                "record": record.name, "J2_true": found.j2_true, "J4_true": found.j4_true,
-                "within_limits": found.within_limits, "perturbed": 0, "lost": 0,
-            });
-            for (i, j) in found.j.iter().enumerate() {
-                row[format!("J{}", i + 1)] = serde_json::json!(j);
-            }
-            let answer =
-                serde_json::json!({ "rules": rules.name(), "seed": self.seed, "rows": [row] });
-            answer!("{}", json(&WithProvenance::of(&answer))?);
-            return Ok(());
-        }
-        println!(
-            "{}, case {}, the loop not closed: the targets are those of the table.",
-            record.name, CASES[place].number
-        );
-        for (meaning, j) in MEANING.iter().zip(found.j) {
-            println!("{:>7}  {meaning}", number(j));
-        }
-        println!(
-            "{:>7}  J2 of the displacement as it was, %",
-            number(found.j2_true)
-        );
-        println!(
-            "{:>7}  J4 of the displacement as it was, %",
-            number(found.j4_true)
-        );
-        Ok(())
-    }
 }
 
-/// The targets as a table; the commands are to be filled in.
-fn table_of_targets(record: &Record, place: usize) -> String {
-    let mut text = format!(
-        "# {}, case {}: floor 1 of the reference structure at {RATE_HZ} Hz. A command is held until the next sample.\n\
-         time_s,target_m,command_m\n",
-        record.name, CASES[place].number
-    );
-    for (k, target_m) in follow::targets_m(record, place).iter().enumerate() {
-        let _ = writeln!(text, "{:.9},{target_m:.9e},0", k as f64 / RATE_HZ);
-    }
-    text
+/// The rows of one ground motion after the other.
+fn by_record(rows: &[RthsRow]) -> impl Iterator<Item = &[RthsRow]> {
+    rows.chunk_by(|a, b| a.record == b.record)
 }
 
-/// The commands of a table, whose targets have to be those that were given.
-fn commands(file: &Path, targets_m: &[f64]) -> Result<Vec<f64>, Failure> {
-    let name = file.display().to_string();
-    let text = std::fs::read_to_string(file)
-        .map_err(|e| Failure::input(format!("{name}: cannot be read: {e}")))?;
-    let mut table = NumberTable::parse(&name, &text)?;
-    let mut take = |wanted: &str| {
-        let found = table.headers.iter().position(|h| h.text == wanted);
-        let place = found.ok_or_else(|| {
-            table.refuse_header(format!(
-                "the column `{wanted}` is missing: time_s, target_m and command_m are accepted"
-            ))
-        })?;
-        Ok::<_, Failure>(std::mem::take(&mut table.columns[place]))
-    };
-    let (found_m, commands_m) = (take("target_m")?, take("command_m")?);
-    let peak = targets_m.iter().fold(0.0_f64, |p, t| p.max(t.abs()));
-    let other = found_m
-        .iter()
-        .zip(targets_m)
-        .position(|(found, target)| (found - target).abs() > 1e-6 * peak);
-    match other {
-        None => Ok(commands_m),
-        Some(row) => Err(Failure::input(format!(
-            "{name}, line {}: the target {:e} m is not that of this record and case, {:e} m: write the table anew \
-             with --targets",
-            table.lines.get(row).copied().unwrap_or(0),
-            found_m[row],
-            targets_m[row]
-        ))),
-    }
-}
-
-fn print(rules: &Rules, rows: &[RthsRow], targets: &[Statement]) {
+fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], targets: &[Target]) {
     println!("Rules: {}.", rules.name());
-    for target in targets {
-        println!("  {}", target.sentence());
-    }
+    print_targets(targets);
     match &best(rows)[..] {
         [] => {}
         [one] => println!("Least J4 as read, mean of all cases and ground motions: {one}."),
@@ -294,10 +224,18 @@ fn print(rules: &Rules, rows: &[RthsRow], targets: &[Statement]) {
         ),
     }
     println!("{CAUTION}\n\n{SUMMARY_LEGEND}.\n");
-    for group in rows.chunk_by(|a, b| a.record == b.record) {
+    for group in by_record(rows) {
         println!("{}", group.first().map_or("", |r| &r.record));
         let cells = summary(group).into_iter();
         println!("{}\n", named(table(&summary_head(group)), 0, cells));
+    }
+    if let [degrading, pinched] = yielding {
+        println!("{YIELDING_LEGEND}.\n");
+        for (degrading, pinched) in by_record(degrading).zip(by_record(pinched)) {
+            println!("{}", degrading.first().map_or("", |r| &r.record));
+            let cells = yielding_summary(degrading, pinched).into_iter();
+            println!("{}\n", named(table(&YIELDING_HEAD), 0, cells));
+        }
     }
     println!("J1 to J9 of every case: --json, or --out DIR for a report.");
 }

@@ -1,7 +1,8 @@
 //! What both benchmarks need.
 
 use crate::failure::Failure;
-use crate::terminal::Table;
+use crate::terminal::{Table, table};
+use benchmarks::target::{TARGET_HEAD, Target};
 use comfy_table::{CellAlignment, TableComponent};
 use std::path::{Path, PathBuf};
 
@@ -44,4 +45,18 @@ pub(super) fn named(mut t: Table, name: usize, rows: impl Iterator<Item = Vec<St
         column.set_cell_alignment(CellAlignment::Left);
     }
     t
+}
+
+/// What was asked for, what was found, by how much it is missed; below it the reasons.
+pub(super) fn print_targets(targets: &[Target]) {
+    if targets.is_empty() {
+        return;
+    }
+    println!(
+        "{}\n",
+        named(table(&TARGET_HEAD), 0, targets.iter().map(Target::cells))
+    );
+    for target in targets.iter().filter(|t| !t.reached()) {
+        println!("Missed. {}\n", target.sentence());
+    }
 }

@@ -4,7 +4,8 @@ use super::Check;
 use crate::failure::Failure;
 use crate::provenance::WithProvenance;
 use crate::soundness::monitor;
-use crate::soundness::survey::{self, ActualOutcome, SurveyCase};
+use crate::soundness::promise::{MonitorPromise, SurveyPromise};
+use crate::soundness::survey::{self, SurveyCase};
 use crate::terminal::{Progress, table};
 use crate::verb::json;
 use serde::Serialize;
@@ -12,6 +13,7 @@ use serde::Serialize;
 /// What the monitor did, as JSON.
 #[derive(Serialize)]
 struct Watched<'a> {
+    promise: MonitorPromise,
     rows: &'a [monitor::StopCounts],
     cases: &'a [monitor::MonitorCase],
 }
@@ -19,6 +21,7 @@ struct Watched<'a> {
 /// A survey as JSON.
 #[derive(Serialize)]
 struct Survey<'a> {
+    promise: SurveyPromise,
     rows: &'a [survey::VerdictCounts],
     cases: &'a [SurveyCase],
 }
@@ -37,7 +40,9 @@ impl Check {
             monitor::run(&plans, || progress.add(1))?
         };
         let rows = monitor::table(&cases);
+        let promise = MonitorPromise::of(&rows);
         let watched = Watched {
+            promise,
             rows: &rows,
             cases: &cases,
         };
@@ -84,6 +89,7 @@ impl Check {
                 monitor::TRACKING,
                 monitor::TOO_FAR,
             );
+            println!("{}", promise.sentence());
         }
         Ok(())
     }
@@ -101,7 +107,9 @@ impl Check {
             survey::run(&tests, || progress.add(1))?
         };
         let rows = survey::table(&cases);
+        let promise = SurveyPromise::of(&rows);
         let surveyed = Survey {
+            promise,
             rows: &rows,
             cases: &cases,
         };
@@ -121,9 +129,9 @@ impl Check {
                 ]);
             }
             println!("{t}");
+            println!("{}", promise.sentence());
         }
-        let all = |truth: ActualOutcome| rows.iter().find(|r| r.tests == "all" && r.truth == truth);
-        let missed = all(ActualOutcome::RanAway).map_or(0, |r| r.called[0]);
+        let missed = promise.ran_away_called_stable;
         if missed > 0 {
             return Err(Failure::test(format!(
                 "{missed} tests were called stable and ran away"

@@ -1,0 +1,83 @@
+//! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
+
+use super::super::command_table;
+use super::super::shared::refused;
+use super::Marths;
+use crate::failure::Failure;
+use crate::files::output;
+use crate::provenance::WithProvenance;
+use crate::verb::json;
+use benchmarks::marths::RATE_HZ;
+use benchmarks::marths::bench::Record;
+use benchmarks::marths::criteria::MEANING;
+use benchmarks::marths::follow;
+use benchmarks::marths::table::both;
+use std::path::Path;
+
+/// The columns that are to be filled in.
+const COMMANDS: [&str; 2] = ["command_m", "command2_m"];
+
+impl Marths {
+    /// `--targets` and `--follow`: one ground motion.
+    pub(super) fn by_table(&self, records: &[Record]) -> Result<(), Failure> {
+        let [record] = records else {
+            return Err(Failure::input(
+                "--targets and --follow: with them goes one ground motion, as in --records ElCentro",
+            ));
+        };
+        let [first, second] = follow::targets_m(record);
+        let targets = [("target_m", first), ("target2_m", second)];
+        if let Some(file) = &self.targets {
+            let comment = format!(
+                "{}: strokes of the reference structure at {RATE_HZ} Hz. A command is held until the next sample.",
+                record.name
+            );
+            let text = command_table::text(&comment, RATE_HZ, &targets, &COMMANDS);
+            return output::write(file, text);
+        }
+        match &self.follow {
+            Some(file) => {
+                let commands_m = command_table::commands(file, &targets, &COMMANDS)?;
+                self.judge((file, &commands_m), record)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn judge(
+        &self,
+        (file, commands_m): (&Path, &[Vec<f64>]),
+        record: &Record,
+    ) -> Result<(), Failure> {
+        let [first, second] = commands_m else {
+            return Err(Failure::input(
+                "--follow: two columns of commands are wanted",
+            ));
+        };
+        let found = follow::judge(record, [first, second], self.seed).map_err(refused)?;
+        if self.json {
+            let mut row = serde_json::json!(found);
+            row["controller"] = serde_json::json!(file.display().to_string());
+            row["record"] = serde_json::json!(record.name);
+            row["perturbed"] = serde_json::json!(0);
+            let answer = serde_json::json!({
+                "rules": "official", "seed": self.seed, "criteria": MEANING, "rows": [row],
+            });
+            answer!("{}", json(&WithProvenance::of(&answer))?);
+            return Ok(());
+        }
+        println!(
+            "{}, the loop not closed: the targets are those of the table, and J8 has no figure.",
+            record.name
+        );
+        let j = &found;
+        let figures = [j.j1_ms, j.j2, j.j3, j.j4_ms, j.j5, j.j6, j.j7, j.j8, j.j9];
+        for (meaning, figure) in MEANING.iter().zip(figures) {
+            if figure.iter().all(|x| x.is_finite()) {
+                println!("{:>15}  {meaning}", both(figure));
+            }
+        }
+        println!("{:>15}  J2 of the true strokes, %", both(j.j2_true));
+        Ok(())
+    }
+}

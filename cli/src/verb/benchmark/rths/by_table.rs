@@ -1,0 +1,92 @@
+//! A controller from outside as a table: `--targets` writes what it is to follow, `--follow` judges its commands.
+
+use super::super::command_table;
+use super::super::shared::refused;
+use super::Rths;
+use crate::failure::Failure;
+use crate::files::output;
+use crate::provenance::WithProvenance;
+use crate::verb::json;
+use benchmarks::rths::case::CASES;
+use benchmarks::rths::criteria::MEANING;
+use benchmarks::rths::table::number;
+use benchmarks::rths::{RATE_HZ, Record, Rules, follow};
+use std::path::Path;
+
+/// The column that is to be filled in.
+const COMMANDS: [&str; 1] = ["command_m"];
+
+impl Rths {
+    /// `--targets` and `--follow`: one record, one case.
+    pub(super) fn by_table(
+        &self,
+        place: usize,
+        records: &[Record],
+        rules: &Rules,
+    ) -> Result<(), Failure> {
+        let [record] = records else {
+            return Err(Failure::input(
+                "--case: with it goes one ground motion, as in --records ElCentro --case 1",
+            ));
+        };
+        let targets = [("target_m", follow::targets_m(record, place))];
+        match (&self.targets, &self.follow) {
+            (Some(file), _) => {
+                let comment = format!(
+                    "{}, case {}: floor 1 of the reference structure at {RATE_HZ} Hz. A command is held until the next sample.",
+                    record.name, CASES[place].number
+                );
+                let text = command_table::text(&comment, RATE_HZ, &targets, &COMMANDS);
+                output::write(file, text)
+            }
+            (_, Some(file)) => {
+                let commands_m = command_table::commands(file, &targets, &COMMANDS)?.concat();
+                self.judge((file, &commands_m), record, place, rules)
+            }
+            _ => Err(Failure::input(
+                "--case: belongs to --targets or --follow; all four cases are run without it",
+            )),
+        }
+    }
+
+    fn judge(
+        &self,
+        (file, commands_m): (&Path, &[f64]),
+        record: &Record,
+        place: usize,
+        rules: &Rules,
+    ) -> Result<(), Failure> {
+        let found = follow::judge(record, place, commands_m, self.seed, rules).map_err(refused)?;
+        if self.json {
+            let mut row = serde_json::json!({
+                "controller": file.display().to_string(), "case": CASES[place].number,
+                "record": record.name, "J2_true": found.j2_true, "J4_true": found.j4_true,
+                "within_limits": found.within_limits, "perturbed": 0, "lost": 0,
+            });
+            for (i, j) in found.j.iter().enumerate() {
+                row[format!("J{}", i + 1)] = serde_json::json!(j);
+            }
+            let answer = serde_json::json!({
+                "rules": rules.name(), "seed": self.seed, "criteria": MEANING, "rows": [row],
+            });
+            answer!("{}", json(&WithProvenance::of(&answer))?);
+            return Ok(());
+        }
+        println!(
+            "{}, case {}, the loop not closed: the targets are those of the table.",
+            record.name, CASES[place].number
+        );
+        for (meaning, j) in MEANING.iter().zip(found.j) {
+            println!("{:>7}  {meaning}", number(j));
+        }
+        println!(
+            "{:>7}  J2 of the displacement as it was, %",
+            number(found.j2_true)
+        );
+        println!(
+            "{:>7}  J4 of the displacement as it was, %",
+            number(found.j4_true)
+        );
+        Ok(())
+    }
+}
