@@ -2,6 +2,7 @@
 
 use super::monitor::{BreakageKind, StopCounts};
 use super::survey::{ActualOutcome, VerdictCounts};
+use outerloop_core::Prediction;
 use serde::Serialize;
 
 /// Most sound tests that may be called doubtful, as a share.
@@ -20,23 +21,28 @@ pub struct SurveyPromise {
     pub sound_called_doubtful: usize,
     /// Of them, called unstable.
     pub sound_called_unstable: usize,
+    /// Of the sound ones that were called doubtful or unstable, those with `amb`.
+    pub of_them_amb: usize,
 }
 
 impl SurveyPromise {
     /// Of [`super::survey::table`].
     pub fn of(rows: &[VerdictCounts]) -> Self {
-        let all = |truth| {
-            let row = rows.iter().find(|r| r.tests == "all" && r.truth == truth);
+        let of = |tests: &str, truth| {
+            let row = rows.iter().find(|r| r.tests == tests && r.truth == truth);
             row.map_or((0, [0; 3]), |r| (r.count, r.called))
         };
-        let (ran_away, [stable, ..]) = all(ActualOutcome::RanAway);
-        let (sound, [_, doubtful, unstable]) = all(ActualOutcome::Sound);
+        let (ran_away, [stable, ..]) = of("all", ActualOutcome::RanAway);
+        let (sound, [_, doubtful, unstable]) = of("all", ActualOutcome::Sound);
+        let amb = format!("predictor {}", Prediction::Amb.name());
+        let (_, [_, amb_doubtful, amb_unstable]) = of(&amb, ActualOutcome::Sound);
         Self {
             ran_away,
             ran_away_called_stable: stable,
             sound,
             sound_called_doubtful: doubtful,
             sound_called_unstable: unstable,
+            of_them_amb: amb_doubtful + amb_unstable,
         }
     }
 
@@ -48,7 +54,11 @@ impl SurveyPromise {
         let over = not_stable - 100.0 * MOST_DOUBTFUL;
         let said = match self.ran_away_called_stable {
             0 if over <= 0.0 => "reached".to_owned(),
-            0 => format!("missed by {over:.1} points"),
+            0 => format!(
+                "missed by {over:.1} points: {} of them have `amb`, which is doubtful with its published gains beyond the motion \
+                 that these are for",
+                self.of_them_amb
+            ),
             wrong => format!("missed: {wrong} tests ran away after a yes"),
         };
         format!(
@@ -126,16 +136,21 @@ mod tests {
 
     #[test]
     fn a_survey_that_misses_says_by_how_much() {
-        let row = |truth, called: [usize; 3]| VerdictCounts {
-            tests: "all".into(),
+        let row = |tests: &str, truth, called: [usize; 3]| VerdictCounts {
+            tests: tests.into(),
             truth,
             count: called.iter().sum(),
             called,
         };
         let rows = |doubtful| {
             [
-                row(ActualOutcome::Sound, [100 - doubtful - 1, doubtful, 1]),
-                row(ActualOutcome::RanAway, [0, 3, 7]),
+                row(
+                    "all",
+                    ActualOutcome::Sound,
+                    [100 - doubtful - 1, doubtful, 1],
+                ),
+                row("predictor amb", ActualOutcome::Sound, [1, 3, 0]),
+                row("all", ActualOutcome::RanAway, [0, 3, 7]),
             ]
         };
         let kept = SurveyPromise::of(&rows(4)).sentence();
@@ -148,7 +163,10 @@ mod tests {
             missed.contains("6 of 100, 6.0 %, with 1 called unstable 7.0 %"),
             "{missed}"
         );
-        assert!(missed.contains("missed by 2.0 points"), "{missed}");
+        assert!(
+            missed.contains("missed by 2.0 points: 3 of them have `amb`"),
+            "{missed}"
+        );
     }
 
     #[test]
