@@ -13,20 +13,23 @@ pub struct Refusal {
     pub accepted: &'static str,
 }
 
+/// What is accepted where no single value is wrong.
+const SOLVABLE: &str = "masses that leave a symmetric positive definite matrix";
+
 impl Refusal {
     /// A matrix or mass that leaves the equation of motion without a solution.
     pub(crate) const fn matrix(name: &'static str) -> Self {
         Self {
             name,
             value: f64::NAN,
-            accepted: "masses that leave a symmetric positive definite matrix",
+            accepted: SOLVABLE,
         }
     }
 }
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.value.is_nan() {
+        if self.accepted == SOLVABLE {
             write!(
                 f,
                 "{} is refused: accepted are {}",

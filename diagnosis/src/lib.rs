@@ -61,6 +61,6 @@ pub use diagnose::{Diagnosis, diagnose};
 pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, Room, next};
-pub use recording::Recording;
+pub use recording::{FEWEST_SAMPLES, Recording};
 pub use refusal::Refusal;
 pub use saved_element::SavedElement;

@@ -23,7 +23,7 @@ pub struct Recording {
 }
 
 /// The shortest record that is judged, samples.
-const SHORTEST: usize = 50;
+pub const FEWEST_SAMPLES: usize = 50;
 /// A distance between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds.
 const SLOW_S: f64 = 0.5;
 
@@ -54,9 +54,9 @@ impl Recording {
 
     fn check_samples(&self) -> Result<(), Refusal> {
         let (name, n) = (&self.name, self.time_s.len());
-        if n < SHORTEST {
+        if n < FEWEST_SAMPLES {
             return Err(Refusal::new(format!(
-                "{name}: {n} samples are too few: accepted are {SHORTEST} and more"
+                "{name}: {n} samples are too few: accepted are {FEWEST_SAMPLES} and more"
             )));
         }
         for (what, column) in self.columns() {

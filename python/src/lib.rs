@@ -228,7 +228,7 @@ fn diagnose<'py>(
 #[pyfunction]
 fn read_record(py: Python<'_>, file: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let table = py
-        .detach(|| any_table::read(&file, false))
+        .detach(|| any_table::read(&file, false)?.whole())
         .map_err(refused)?;
     let columns = PyDict::new(py);
     for (header, values) in table.headers.iter().zip(table.columns) {

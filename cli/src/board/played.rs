@@ -66,7 +66,9 @@ impl Played {
     /// A signal that ended before it had a record.
     pub fn recording(&self) -> Result<diagnosis::Recording, Failure> {
         let read = Recording::parse("the designed test's record", &self.text)?;
-        in_mm(&read).made_even().map_err(Failure::test)
+        in_mm(&read, 0..read.time_s.len())
+            .made_even()
+            .map_err(Failure::test)
     }
 }
 

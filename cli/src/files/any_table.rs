@@ -5,8 +5,8 @@ use super::{binary, decode};
 use crate::failure::Failure;
 use std::path::Path;
 
-/// Reads a file: text in any dialect, MAT or HDF5. `by_number`: a text without a header is a table whose columns are called 1,
-/// 2, ...
+/// Reads a file: text in any dialect, with its bad cells, MAT or HDF5. `by_number`: a text without a header is a table whose
+/// columns are called 1, 2, ...
 ///
 /// # Errors
 /// A file that cannot be read, or that holds no table of numbers.
@@ -16,9 +16,6 @@ pub fn read(path: &Path, by_number: bool) -> Result<NumberTable, Failure> {
         binary::parse(&file, bytes)
     } else {
         let text = decode::text(&file, bytes)?;
-        match by_number {
-            true => NumberTable::parse_by_number(&file, &text),
-            false => NumberTable::parse(&file, &text),
-        }
+        NumberTable::parse_with_bad_cells(&file, &text, by_number)
     }
 }

@@ -1,6 +1,6 @@
 //! Records of a specimen of several coordinates: coordinate 1 of the model is axis 1 of the file, and so on.
 
-use super::measured::{FilePart, Library};
+use super::measured::{self, FilePart, Library};
 use super::recording::{Column, Recording};
 use crate::failure::Failure;
 use diagnosis::{CoupledRecord, CoupledSpecimen};
@@ -62,6 +62,7 @@ fn part(
             file.file
         )));
     }
+    measured::refuse_gap(file, &(first..end))?;
     let named = |quantity: &str, names: [&str; 2], i: usize| -> Result<&Column, Failure> {
         let rotates = specimen.is_rotation(i);
         let column = file.column(quantity, i + 1);

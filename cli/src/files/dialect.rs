@@ -33,19 +33,23 @@ impl Dialect {
         }
     }
 
-    /// The one in which most lines are numbers; where none is, the one with the most cells in the first line.
+    /// The one in which most lines are numbers; where none is, because of a column of text, the one in which most lines
+    /// have numbers; else the one whose separator stands in the first line.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str> + Clone) -> Self {
         let looked_at = || lines.clone().take(LOOKED_AT);
-        let rows = |d: &Self| looked_at().filter(|l| d.is_row(l)).count();
-        let best = DIALECTS.iter().rev().max_by_key(|d| rows(d));
         let first = looked_at().next().unwrap_or("");
-        match best {
-            Some(best) if rows(best) > 0 => *best,
-            _ => DIALECTS
-                .into_iter()
-                .find(|d| d.separator.is_some_and(|s| first.contains(s)))
-                .unwrap_or(DIALECTS[0]),
-        }
+        let most = |is_row: fn(&Self, &str) -> bool| {
+            let rows = |d: &Self| looked_at().filter(|l| is_row(d, l)).count();
+            let best = DIALECTS.into_iter().rev().max_by_key(rows);
+            best.filter(|d| rows(d) > 0)
+        };
+        most(Self::is_row)
+            .or_else(|| most(Self::has_numbers))
+            .or_else(|| {
+                let stands = |d: &Self| d.separator.is_some_and(|s| first.contains(s));
+                DIALECTS.into_iter().find(stands)
+            })
+            .unwrap_or(DIALECTS[0])
     }
 
     /// The cells of a line, without the blanks and quotes around them.
@@ -67,6 +71,9 @@ impl Dialect {
 
     /// A cell as a number, finite or not.
     pub fn any_number(&self, cell: &str) -> Option<f64> {
+        // Some locales write the typographic minus sign, and nothing else can be meant by it.
+        let proper = cell.strip_prefix('\u{2212}').map(|rest| format!("-{rest}"));
+        let cell = proper.as_deref().unwrap_or(cell);
         if self.decimal_comma && cell.contains(',') {
             // A point beside a decimal comma would be a thousand's separator: which is meant cannot be known.
             return (!cell.contains('.'))
@@ -86,6 +93,12 @@ impl Dialect {
         let cells = self.cells(line);
         let cells = without_end(&cells);
         cells.len() > 1 && cells.iter().all(|c| self.number(c).is_some())
+    }
+
+    /// True if a line has at least two numbers, whatever stands beside them.
+    pub fn has_numbers(&self, line: &str) -> bool {
+        let cells = self.cells(line);
+        cells.iter().filter(|c| self.number(c).is_some()).count() > 1
     }
 }
 
@@ -119,6 +132,8 @@ mod tests {
             ("t x\n 0.0  1.5\n", None, false),
             ("t x\n 0,0  1,5\n", None, true),
             ("t;x\noops;no\n", Some(';'), false),
+            ("t;x;state\n0,0;1,5;up\n0,1;1,6;up\n", Some(';'), true),
+            ("t\tx\tstate\n0.0\t1.5\tup\n", Some('\t'), false),
             ("\"t\",\"x\"\n\"0\",\"1\"\n", Some(','), false),
             ("t,x\n\"0,0\",\"1,5\"\n", Some(','), true),
         ] {
@@ -139,6 +154,8 @@ mod tests {
         assert_eq!(comma.number("-1,5e-3"), Some(-1.5e-3));
         assert_eq!(comma.number("1.234,5"), None);
         assert_eq!(d.number("-1.5D-03"), Some(-1.5e-3));
+        assert_eq!(d.number("\u{2212}1.25"), Some(-1.25));
+        assert_eq!(comma.number("\u{2212}1,25"), Some(-1.25));
         assert_eq!(d.number("Disp"), None);
     }
 }

@@ -5,6 +5,7 @@ use super::recording::Recording;
 use crate::failure::Failure;
 use crate::trace::Trace;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A file, and the part of it that is meant.
@@ -111,12 +112,20 @@ impl Library {
 /// The part of a recording between two times, on an even grid.
 ///
 /// # Errors
-/// A span that is not inside the record; time that does not increase.
+/// A span that is not inside the record; time that does not increase; a quantity without a number inside the span.
 pub fn part_of(
     recording: &Recording,
     span_s: Option<[f64; 2]>,
 ) -> Result<diagnosis::Recording, Failure> {
-    let whole = in_mm(recording);
+    let sound = match rows_of(recording, span_s) {
+        Some(rows) => {
+            refuse_gap(recording, &rows)?;
+            recording.between_gaps(&rows)
+        }
+        // That it is empty is said below.
+        None => 0..recording.time_s.len(),
+    };
+    let whole = in_mm(recording, sound.clone());
     // All parts of a file on one grid, where one can be laid through the whole of it.
     let whole = whole.clone().made_even().unwrap_or(whole);
     let used = match span_s {
@@ -128,9 +137,31 @@ pub fn part_of(
         && let Some(sample) = used.backward_at()
     {
         let skipped = used.before.as_ref().map_or(0, |b| b.time_s.len());
-        return Err(recording.refuse_time(skipped + sample));
+        return Err(recording.refuse_time(sound.start + skipped + sample));
     }
     used.made_even().map_err(Failure::input)
+}
+
+/// That every quantity has a number in these rows.
+///
+/// # Errors
+/// The first gap.
+pub(super) fn refuse_gap(recording: &Recording, rows: &Range<usize>) -> Result<(), Failure> {
+    match recording.gap_in(rows) {
+        None => Ok(()),
+        Some((time_s, refusal)) => Err(Failure::input(format!(
+            "{refusal}; this is at {time_s} s: FILE@T0..T1 takes a part of the record without it"
+        ))),
+    }
+}
+
+/// The rows of a span, or of all; `None`: none is in it.
+fn rows_of(recording: &Recording, span_s: Option<[f64; 2]>) -> Option<Range<usize>> {
+    let [from_s, to_s] = span_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let inside = |t: &f64| (from_s..to_s).contains(t);
+    let first = recording.time_s.iter().position(inside)?;
+    let last = recording.time_s.iter().rposition(inside)?;
+    Some(first..last + 1)
 }
 
 fn inside(
@@ -152,15 +183,15 @@ fn inside(
     Ok(whole.span(from_s, to_s))
 }
 
-/// The first axis of a recording in mm, N and s.
-pub fn in_mm(recording: &Recording) -> diagnosis::Recording {
-    let mm = |x: &[f64]| x.iter().map(|x| x * 1e3).collect();
+/// Rows of the first axis of a recording in mm, N and s.
+pub fn in_mm(recording: &Recording, rows: Range<usize>) -> diagnosis::Recording {
+    let mm = |x: &[f64]| x[rows.clone()].iter().map(|x| x * 1e3).collect();
     diagnosis::Recording {
         name: recording.file.clone(),
-        time_s: recording.time_s.clone(),
+        time_s: recording.time_s[rows.clone()].to_vec(),
         command_mm: recording.command_m().map(mm),
         displacement_mm: recording.displacement_m().map(mm),
-        force_n: recording.force().map(<[f64]>::to_vec),
+        force_n: recording.force().map(|x| x[rows.clone()].to_vec()),
         ..diagnosis::Recording::default()
     }
 }
@@ -182,6 +213,46 @@ pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gap_outside_of_a_span_is_none_of_its_business() {
+        let rows: String = (0..300)
+            .map(|i| {
+                let x = if i == 100 {
+                    "NaN".into()
+                } else {
+                    format!("{i}.5")
+                };
+                format!("{:.2},{x},{i}\n", f64::from(i) * 0.01)
+            })
+            .collect();
+        let text = format!("time_s,command_mm,displacement_mm\n{rows}");
+        let table = crate::files::table::NumberTable::parse_with_bad_cells("r.csv", &text, false);
+        let recording = Recording::of(table.unwrap(), &Columns::default()).unwrap();
+        let part = |span| part_of(&recording, span).map_err(|e| e.to_string());
+        let before = part(Some([0.0, 1.0])).unwrap();
+        assert_eq!((before.time_s.len(), before.time_s[0]), (100, 0.0));
+        let after = part(Some([1.5, 3.0])).unwrap();
+        let past = after.before.as_ref().unwrap();
+        assert_eq!((after.time_s[0], past.time_s[0]), (1.5, 1.01));
+        assert!(
+            past.command_mm
+                .as_ref()
+                .unwrap()
+                .iter()
+                .all(|x| x.is_finite())
+        );
+        for span in [None, Some([0.5, 1.5])] {
+            let e = part(span).unwrap_err();
+            assert!(e.starts_with("r.csv, line 102: command_mm is `NaN`"), "{e}");
+            assert!(e.contains("at 1 s: FILE@T0..T1 takes a part"), "{e}");
+        }
+        let e = part(Some([5.0, 6.0])).unwrap_err();
+        assert!(
+            e.contains("is not inside the record: accepted are times from 0 to 2.99"),
+            "{e}"
+        );
+    }
 
     #[test]
     fn a_part_is_a_file_and_a_span() {

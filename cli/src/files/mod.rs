@@ -3,6 +3,7 @@
 pub mod any_table;
 pub mod archive;
 pub mod binary;
+mod cell;
 pub mod channels;
 pub mod columns;
 pub mod coupled;
@@ -17,8 +18,10 @@ pub mod near_fault;
 mod notes;
 pub mod output;
 pub mod plain;
+mod quantities;
 pub mod record_csv;
 pub mod recording;
+mod refused;
 pub mod signal;
 pub mod table;
 pub mod test;

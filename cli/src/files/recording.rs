@@ -9,59 +9,14 @@ use super::any_table;
 use super::columns::{ColumnAssignment, Columns};
 use super::header::Header;
 use super::notes;
-use super::table::NumberTable;
+use super::quantities::{ANGLE, MOMENT, PLAIN, QUANTITIES, UnitOf, known};
+use super::table::{BadCell, NumberTable};
 use crate::failure::Failure;
+use std::ops::Range;
 use std::path::Path;
 
-/// A unit, what it is in SI, and whether the SI value is the number as it stands.
-type UnitOf = (&'static str, f64);
-
-/// The displacement of a rotation is an angle.
-const LENGTH: &[UnitOf] = &[
-    ("m", 1.0),
-    ("mm", 1e-3),
-    ("cm", 1e-2),
-    ("in", 0.0254),
-    (ANGLE, 1.0),
-];
-/// The unit of a rotation, and of what resists it.
-const ANGLE: &str = "rad";
-const MOMENT: &str = "n_m";
-/// Pounds are those of NIST SP 811.
-const FORCE: &[UnitOf] = &[
-    ("n", 1.0),
-    ("kn", 1e3),
-    ("mn", 1e6),
-    ("lbf", 4.448_222),
-    ("kip", 4448.222),
-    (MOMENT, 1.0),
-    ("1", 1.0),
-];
-const ENERGY: &[UnitOf] = &[("j", 1.0)];
-const PLAIN: &[UnitOf] = &[("1", 1.0)];
-
-/// The quantities that are known, and the units that each can have; the first is the one that is written.
-const QUANTITIES: &[(&str, &[UnitOf])] = &[
-    ("time", &[("s", 1.0), ("ms", 1e-3)]),
-    ("command", LENGTH),
-    ("target", LENGTH),
-    ("displacement", LENGTH),
-    ("force", FORCE),
-    ("estimated_displacement", LENGTH),
-    ("estimated_force", FORCE),
-    ("velocity", &[("m_per_s", 1.0), ("mm_per_s", 1e-3)]),
-    ("acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
-    ("ground_acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
-    ("added_damping", &[("n_s_per_m", 1.0)]),
-    ("gain", PLAIN),
-    ("energy_error", ENERGY),
-    ("energy_error_hsem", ENERGY),
-    ("energy_error_stiffness", ENERGY),
-    ("energy_input", ENERGY),
-    ("energy_ratio", PLAIN),
-    ("step", PLAIN),
-    ("flags", PLAIN),
-];
+/// The quantities that are judged: a cell of theirs that is no number is a gap.
+const JUDGED: [&str; 4] = ["command", "target", "displacement", "force"];
 
 /// A recording in SI units.
 #[derive(Clone, Debug)]
@@ -76,6 +31,9 @@ pub struct Recording {
     pub lines: Vec<u64>,
     /// What the reader may want to know of columns that were not understood.
     pub notes: Vec<String>,
+    /// Rows in which a quantity has no number, in their order, and how that is refused: whoever uses columns asks
+    /// [`Recording::gap_in`].
+    gaps: Vec<(usize, Failure)>,
     /// What a row is called in messages.
     row_name: &'static str,
 }
@@ -110,11 +68,13 @@ impl Recording {
     /// # Errors
     /// A file that cannot be read, and all of [`Recording::parse`].
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        Self::load_with_any_time(path, &Columns::default())?.with_rising_time()
+        Self::load_with_any_time(path, &Columns::default())?
+            .without_gaps()?
+            .with_rising_time()
     }
 
-    /// The same, but time is left to be judged by [`Recording::refuse_time`]'s caller: where it is written with few
-    /// digits it may repeat itself, and a part of a record may be sound where the whole is not.
+    /// The same, but time and gaps are left to be judged by the caller: where time is written with few digits it may repeat
+    /// itself, and a part of a record may be sound where the whole is not.
     ///
     /// # Errors
     /// As [`Recording::load`], but for time that does not increase.
@@ -169,6 +129,30 @@ impl Recording {
         Self::of(NumberTable::parse(file, text)?, &Columns::default())?.with_rising_time()
     }
 
+    /// The recording, where every quantity has a number in every row.
+    ///
+    /// # Errors
+    /// The first gap.
+    fn without_gaps(self) -> Result<Self, Failure> {
+        let gap = self.gap_in(&(0..self.time_s.len()));
+        gap.map_or(Ok(()), |(_, refusal)| Err(refusal.clone()))?;
+        Ok(self)
+    }
+
+    /// The first gap in these rows: its time, s, and how it is refused.
+    pub fn gap_in(&self, rows: &Range<usize>) -> Option<(f64, &Failure)> {
+        let (row, refusal) = self.gaps.iter().find(|(row, _)| rows.contains(row))?;
+        Some((self.time_s[*row], refusal))
+    }
+
+    /// The rows around `rows` from the gap before them to the gap behind them.
+    pub fn between_gaps(&self, rows: &Range<usize>) -> Range<usize> {
+        let gaps = || self.gaps.iter().map(|(row, _)| *row);
+        let before = gaps().filter(|row| *row < rows.start).next_back();
+        let behind = gaps().find(|row| *row >= rows.end);
+        before.map_or(0, |row| row + 1)..behind.unwrap_or(self.time_s.len())
+    }
+
     fn with_rising_time(self) -> Result<Self, Failure> {
         match self.time_s.windows(2).position(|t| t[1] <= t[0]) {
             Some(row) => Err(self.refuse_time(row + 1)),
@@ -177,8 +161,12 @@ impl Recording {
     }
 
     /// The quantities in a table.
-    fn of(table: NumberTable, said: &Columns) -> Result<Self, Failure> {
+    pub(super) fn of(table: NumberTable, said: &Columns) -> Result<Self, Failure> {
         let assigned = assign(&table, &said.assigned)?;
+        let mut notes = Vec::new();
+        // A column with a cell that is no number is a gap in a quantity, and left out where it is none.
+        let bad_in = |j: usize| table.bad.iter().find(move |b| b.column == j);
+        let mut used = Vec::new();
         let mut columns: Vec<Column> = Vec::with_capacity(table.headers.len());
         for (j, (header, values)) in table.headers.iter().zip(&table.columns).enumerate() {
             let (column, factor) = match assigned.iter().find(|(at, _)| *at == j) {
@@ -201,6 +189,17 @@ impl Recording {
                     "{} of axis {} stands twice: accepted is one column of each quantity; --column says which",
                     column.quantity, column.axis
                 )));
+            }
+            if let Some(bad) = bad_in(j) {
+                let is_time = column.quantity == "time" && column.axis == 1;
+                if is_time && said.rate.is_none() {
+                    return Err(table.refuse_cell(bad));
+                }
+                if is_time || !JUDGED.contains(&column.quantity.as_str()) {
+                    notes.push(left_out(&table, bad));
+                    continue;
+                }
+                used.push(j);
             }
             let values: Vec<f64> = values.iter().map(|x| x * factor).collect();
             columns.push(Column { values, ..column });
@@ -226,18 +225,25 @@ impl Recording {
             (None, None) => return Err(no_time(&table)),
         };
         if time_s.len() < 2 {
+            let rows = match time_s.len() {
+                0 => "no row",
+                _ => "one row",
+            };
             return Err(Failure::input(format!(
-                "{}: has {} rows: accepted are at least 2",
+                "{}: has {rows} of numbers: accepted are at least {}",
                 table.file,
-                time_s.len()
+                diagnosis::FEWEST_SAMPLES
             )));
         }
+        notes.extend(notes::of(&table, &time_s, |quantity| {
+            columns
+                .iter()
+                .any(|c| c.quantity == quantity && c.axis == 1)
+        }));
+        let gaps = table.bad.iter().filter(|b| used.contains(&b.column));
         Ok(Self {
-            notes: notes::of(&table, &time_s, |quantity| {
-                columns
-                    .iter()
-                    .any(|c| c.quantity == quantity && c.axis == 1)
-            }),
+            notes,
+            gaps: gaps.map(|b| (b.row, table.refuse_cell(b))).collect(),
             file: table.file,
             time_s,
             columns,
@@ -354,6 +360,14 @@ fn assigned_column(
     }
 }
 
+/// That a column of something else is not used.
+fn left_out(table: &NumberTable, bad: &BadCell) -> String {
+    format!(
+        "{}: the column `{}` is left out: `{}` in {} {} is no number",
+        table.file, table.headers[bad.column].text, bad.text, table.row_name, table.lines[bad.row]
+    )
+}
+
 /// A column under a name that is not looked into.
 fn unknown(name: &str) -> Column {
     Column {
@@ -418,27 +432,6 @@ fn refuse_unit(table: &NumberTable, header: &Header, quantity: &str, units: &[Un
         accepted.join(", "),
         header.text
     ))
-}
-
-/// The quantity that a name begins with; its axis and unit where the rest of the name says both.
-type Known<'a> = (&'static str, &'static [UnitOf], Option<(usize, &'a str)>);
-
-fn known(name: &str) -> Option<Known<'_>> {
-    // The longest quantity that the name begins with: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.
-    let (quantity, units, rest) = QUANTITIES
-        .iter()
-        .filter_map(|(quantity, units)| Some((*quantity, *units, name.strip_prefix(quantity)?)))
-        .max_by_key(|(quantity, ..)| quantity.len())?;
-    let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let axis = match &rest[..digits] {
-        "" => Some(1),
-        number => number.parse().ok().filter(|n| *n >= 1),
-    };
-    let unit = rest[digits..].strip_prefix('_');
-    let says = axis
-        .zip(unit)
-        .filter(|(_, unit)| units.iter().any(|(text, _)| text == unit));
-    Some((quantity, units, says))
 }
 
 #[cfg(test)]

@@ -30,6 +30,9 @@ impl SignalPoints {
     /// too short, or moves nothing.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let recording = Recording::load_with_any_time(path, &Columns::default())?;
+        if let Some((_, refusal)) = recording.gap_in(&(0..recording.time_s.len())) {
+            return Err(refusal.clone());
+        }
         let refuse = |what: String| Failure::input(format!("{}: {what}", path.display()));
         let command = recording.command_m().ok_or_else(|| {
             refuse("has no command: accepted are the columns time_s and command_mm".into())

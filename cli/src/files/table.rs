@@ -1,12 +1,13 @@
 //! A table of numbers under a header, from text, MAT or HDF5, with the place of everything that is wrong in it.
 
+use super::cell;
 use super::dialect::{Dialect, without_end};
 use super::header::{Header, unit_named};
 use super::labview;
 use crate::failure::Failure;
 use std::collections::HashMap;
 
-/// Columns of finite numbers. Lines that begin with `#` or `%` are comments.
+/// Columns of numbers. Lines that begin with `#` or `%` are comments.
 #[derive(Clone, Debug)]
 pub struct NumberTable {
     /// The file's name, for messages.
@@ -17,10 +18,23 @@ pub struct NumberTable {
     pub headers: Vec<Header>,
     /// Line of each row; counted from 1 where the file has no lines.
     pub lines: Vec<u64>,
-    /// Values, one vector a column.
+    /// Values, one vector a column; NaN in a bad cell.
     pub columns: Vec<Vec<f64>>,
+    /// Cells that are no finite number, in the order of the file; none in a table that is whole.
+    pub bad: Vec<BadCell>,
     /// What a row is called: `line`, or `value` where the file has no lines.
     pub row_name: &'static str,
+}
+
+/// A cell that is no finite number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadCell {
+    /// Its row, from 0.
+    pub row: usize,
+    /// Its column, from 0.
+    pub column: usize,
+    /// What stands there.
+    pub text: Box<str>,
 }
 
 /// A line of the file that is neither blank nor a comment.
@@ -36,18 +50,15 @@ impl NumberTable {
     /// # Errors
     /// No header, a name that stands twice, a row of another length than the header, or a cell that is no finite number.
     pub fn parse(file: &str, text: &str) -> Result<Self, Failure> {
-        Self::parse_as(file, text, false)
+        Self::parse_with_bad_cells(file, text, false)?.whole()
     }
 
-    /// The same; where the file has no header its columns are called 1, 2, ...
+    /// The same, with its bad cells: whoever uses a column sees to it that none of them is used. `by_number`: where the file
+    /// has no header its columns are called 1, 2, ...
     ///
     /// # Errors
-    /// As [`NumberTable::parse`], but for the header.
-    pub fn parse_by_number(file: &str, text: &str) -> Result<Self, Failure> {
-        Self::parse_as(file, text, true)
-    }
-
-    fn parse_as(file: &str, text: &str, by_number: bool) -> Result<Self, Failure> {
+    /// As [`NumberTable::parse`], but for the cells, and for the header where `by_number`.
+    pub fn parse_with_bad_cells(file: &str, text: &str, by_number: bool) -> Result<Self, Failure> {
         let of_labview = labview::as_table(text);
         let text = of_labview.as_deref().unwrap_or(text);
         let lines: Vec<Line<'_>> = text
@@ -112,7 +123,8 @@ impl NumberTable {
         let refuse =
             |line: u64, what: String| Failure::input(format!("{file}, line {line}: {what}"));
         let mut columns = vec![Vec::with_capacity(rows.len()); headers.len()];
-        for line in rows {
+        let mut bad = Vec::new();
+        for (row, line) in rows.iter().enumerate() {
             let cells = dialect.cells(line.text);
             let cells = if cells.len() > headers.len() {
                 without_end(&cells)
@@ -135,16 +147,16 @@ impl NumberTable {
                     ),
                 ));
             }
-            for ((cell, column), header) in cells.iter().zip(&mut columns).zip(&headers) {
-                column.push(dialect.number(cell).ok_or_else(|| {
-                    refuse(
-                        line.number,
-                        format!(
-                            "{} is `{cell}`: accepted is a finite number",
-                            header.text.to_lowercase()
-                        ),
-                    )
-                })?);
+            for (at, (cell, column)) in cells.iter().zip(&mut columns).enumerate() {
+                let number = dialect.number(cell);
+                if number.is_none() {
+                    bad.push(BadCell {
+                        row,
+                        column: at,
+                        text: (*cell).into(),
+                    });
+                }
+                column.push(number.unwrap_or(f64::NAN));
             }
         }
         Ok(Self {
@@ -153,6 +165,7 @@ impl NumberTable {
             headers,
             lines: rows.iter().map(|l| l.number).collect(),
             columns,
+            bad,
             row_name: "line",
         })
     }
@@ -191,8 +204,29 @@ impl NumberTable {
             headers: names.iter().map(|name| Header::of(name, None)).collect(),
             lines: (1..=length as u64).collect(),
             columns,
+            bad: Vec::new(),
             row_name: "value",
         })
+    }
+
+    /// The table, where every cell is a number.
+    ///
+    /// # Errors
+    /// The first that is none.
+    pub fn whole(self) -> Result<Self, Failure> {
+        match self.bad.first() {
+            Some(bad) => Err(self.refuse_cell(bad)),
+            None => Ok(self),
+        }
+    }
+
+    /// That a cell is no number.
+    pub fn refuse_cell(&self, bad: &BadCell) -> Failure {
+        let name = self.headers[bad.column].text.to_lowercase();
+        self.refuse_row(
+            bad.row,
+            format!("{name} is `{}`: {}", bad.text, cell::wish(&bad.text)),
+        )
     }
 
     /// A refusal at row `row`.
@@ -219,24 +253,23 @@ impl Head {
     /// numbers that has as many cells as the row and no number among them; a row of units may stand between the two.
     fn of(lines: &[Line<'_>], dialect: &Dialect) -> Self {
         let cells = |at: usize| dialect.cells(lines[at].text);
-        let is_row = |at: &usize| {
-            let cells = cells(*at);
-            let cells = without_end(&cells);
-            cells.len() > 1 && cells.iter().all(|c| dialect.number(c).is_some())
-        };
+        let is_row = |at: &usize| dialect.is_row(lines[*at].text);
         let plain = Self {
             header: 0,
             units: None,
             first_row: 1,
         };
-        let Some(row) = (0..lines.len()).find(is_row) else {
+        let has_numbers = |at: &usize| dialect.has_numbers(lines[*at].text);
+        let all = || 0..lines.len();
+        let Some(row) = all().find(is_row).or_else(|| all().find(has_numbers)) else {
             return plain;
         };
         let width = without_end(&cells(row)).len();
         let names = |at: &usize| {
             let cells = cells(*at);
-            let cells = without_end(&cells);
-            cells.len() == width && cells.iter().all(|c| dialect.any_number(c).is_none())
+            // A last cell that is empty may be one, as below a column without a unit, or the end of every line.
+            let as_wide = [cells.len(), without_end(&cells).len()].contains(&width);
+            as_wide && cells.iter().all(|c| dialect.any_number(c).is_none())
         };
         let Some(last) = (0..row).rev().find(names) else {
             return plain;
@@ -315,14 +348,30 @@ mod tests {
 
     #[test]
     fn a_file_without_names_has_numbers_for_them() {
-        let t = NumberTable::parse_by_number("f.csv", "0,1\n2,3\n").unwrap();
+        let t = NumberTable::parse_with_bad_cells("f.csv", "0,1\n2,3\n", true).unwrap();
         let names: Vec<&str> = t.headers.iter().map(|h| h.text.as_str()).collect();
         assert_eq!(
             (names, t.columns),
             (vec!["1", "2"], vec![vec![0.0, 2.0], vec![1.0, 3.0]])
         );
-        let named = NumberTable::parse_by_number("f.csv", "a,b\n2,3\n").unwrap();
+        let named = NumberTable::parse_with_bad_cells("f.csv", "a,b\n2,3\n", true).unwrap();
         assert_eq!(named.headers[0].text, "a");
+    }
+
+    #[test]
+    fn a_column_of_text_hides_no_other() {
+        let text = "Rig B\nTime;Cmd;State\ns;mm;\n0,000;1,5;moves\n0,001;;moves\n";
+        let t = NumberTable::parse_with_bad_cells("f.txt", text, false).unwrap();
+        assert_eq!(t.header_place, "line 2");
+        assert_eq!(t.columns[0], [0.0, 0.001]);
+        let bad: Vec<(usize, usize, &str)> =
+            t.bad.iter().map(|b| (b.row, b.column, &*b.text)).collect();
+        assert_eq!(bad, [(0, 2, "moves"), (1, 1, ""), (1, 2, "moves")]);
+        let e = t.whole().unwrap_err().to_string();
+        assert_eq!(
+            e,
+            "f.txt, line 4: state is `moves`: accepted is a finite number"
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
 use super::plain::{self, typed};
-use super::{read, units};
+use super::{read, refused, units};
 use crate::failure::Failure;
 use crate::rig::declared::{self, Expected};
 use crate::serve::settings::Settings;
@@ -196,29 +196,9 @@ impl TestFile {
         if let Some(model) = &declared {
             declared::correct(model, &mut config)?;
         }
-        config.check().map_err(|e| {
-            let floors = config.structure.mass_kg.len();
-            match e.accepted {
-                "as many values as masses" => format!(
-                    "{} has {} and structure.mass_kg {floors}: accepted are {}",
-                    e.name, e.value, e.accepted
-                ),
-                accepted if accepted.ends_with("as storeys in the laboratory") => {
-                    let key = match e.name {
-                        "compensation.delay_ms" if expected == Expected::Truth => "plant.actuator.delay_ms or lag_ms",
-                        name => name,
-                    };
-                    format!("{key} has {} values: accepted are {accepted}", e.value)
-                }
-                // The delay that is declared to the loop was not in the file: the simulated actuator's stands behind it.
-                _ if e.name == "compensation.delay_ms" && expected == Expected::Truth => format!(
-                    "plant.actuator.delay_ms and lag_ms are {} together: accepted are {} where nothing else says what the \
-                     compensation is told (compensation.delay_ms, [declared.actuator])",
-                    e.value, e.accepted
-                ),
-                _ => e.to_string(),
-            }
-        })?;
+        config
+            .check()
+            .map_err(|e| refused::sentence(&e, &config, &plant, expected))?;
         // A rig that cannot be simulated is a mistake in this file, whatever runs it.
         let storeys = &config.structure.stiffness_n_per_m;
         plant::Rig::new(&plant, storeys, config.timing.rate_hz, 0).map_err(|e| e.to_string())?;

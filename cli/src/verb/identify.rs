@@ -40,6 +40,9 @@ impl Identify {
         let recording = Library::with(&self.columns)
             .parts(std::slice::from_ref(&self.record))?
             .remove(0);
+        for remark in &recording.remarks {
+            eprintln!("outerloop: note: {remark}");
+        }
         let found = diagnosis::identify(&recording).map_err(Failure::input)?;
         let doubt = doubt(&recording, &found);
         if let Some(path) = &self.write {

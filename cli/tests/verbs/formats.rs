@@ -105,6 +105,75 @@ fn one_record_in_every_dialect_is_one_record() {
     );
 }
 
+#[test]
+fn what_stands_beside_a_record_does_not_spoil_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, head: &str, line: &dyn Fn(usize, [f64; 3]) -> String| {
+        let lines = rows().into_iter().enumerate().map(|(i, row)| line(i, row));
+        let path = folder.path().join(name);
+        std::fs::write(
+            &path,
+            format!("{head}\n{}\n", lines.collect::<Vec<_>>().join("\n")),
+        )
+        .unwrap();
+        path.display().to_string()
+    };
+    let head = "time_s,command_mm,displacement_mm,State";
+    let whole = file("text.csv", head, &|_, [t, u, x]| {
+        format!("{t},{u},{x},moves")
+    });
+    let output = outerloop(&["identify", &whole]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("`State` is left out: `moves` in line 2 is no number"),
+        "{said}"
+    );
+    // A clock that jitters by up to 0.1 ms: what is done about it is said.
+    let late = |i: usize| 1e-4 * (i as f64 * 0.618_033_988_75).fract();
+    let jitter =
+        file(
+            "jitter.csv",
+            "time_s,command_mm,displacement_mm",
+            &|i, [t, u, x]| format!("{:.9},{u},{x}", t + late(i)),
+        );
+    let said = String::from_utf8(outerloop(&["identify", &jitter]).stderr).unwrap();
+    assert!(said.contains("laid on an even grid of 1.000 ms"), "{said}");
+    // A logger that lost a cell at 3.5 s: what is not asked for may be so.
+    let holed = file("hole.csv", "time_s,command_mm,displacement_mm", &|i,
+                                                                        [
+        t,
+        u,
+        x,
+    ]| match i {
+        3500 => format!("{t},,{x}"),
+        _ => format!("{t},{u},{x}"),
+    });
+    refused(
+        &["identify", &holed],
+        &["line 3502", "the cell is blank", "at 3.5 s", "FILE@T0..T1"],
+    );
+    let found = lag_ms(&[&format!("{holed}@0..3.4")]);
+    assert!((found - 20.0).abs() < 1.0, "{found}");
+    // Times of day, at an even rate.
+    let clock = file(
+        "clock.csv",
+        "Time (s),Command (mm),Displacement (mm)",
+        &|_, [t, u, x]| format!("2024-05-03 14:00:{t:06.3},{u},{x}"),
+    );
+    refused(
+        &["identify", &clock],
+        &[
+            "line 2",
+            "2024-05-03 14:00:00.000",
+            "a time of day",
+            "--rate HZ",
+        ],
+    );
+    let found = lag_ms(&[&clock, "--rate", "1000"]);
+    assert!((found - 20.0).abs() < 1.0, "{found}");
+}
+
 /// Data that others published, if they are on this machine.
 fn outside(name: &str) -> Option<String> {
     test_data::file(&format!("outside/{name}")).map(|path| path.display().to_string())

@@ -119,7 +119,10 @@ fn each_mistake_is_refused_with_its_line() {
         ("time_s,force_n\n0,1\n1,nan\n", "line 3: force_n is `nan`"),
         ("time_s,force_n\n0,1\n1,high\n", "line 3: force_n is `high`"),
         ("time_s,force_n\n0,1\n1\n", "line 3: has 1 columns"),
-        ("time_s,force_n\n0,1\n", "has 1 rows"),
+        (
+            "time_s,force_n\n0,1\n",
+            "has one row of numbers: accepted are at least 50",
+        ),
     ] {
         let e = parse(text).unwrap_err();
         assert!(e.contains(said) && !e.contains('\n'), "{e}");

@@ -1,0 +1,75 @@
+//! The quantities of recorded data, and the units that each can have.
+
+/// A unit, and what it is in SI.
+pub type UnitOf = (&'static str, f64);
+
+/// The displacement of a rotation is an angle.
+const LENGTH: &[UnitOf] = &[
+    ("m", 1.0),
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("in", 0.0254),
+    (ANGLE, 1.0),
+];
+/// The unit of a rotation.
+pub const ANGLE: &str = "rad";
+/// The unit of a moment.
+pub const MOMENT: &str = "n_m";
+/// Pounds are those of NIST SP 811.
+const FORCE: &[UnitOf] = &[
+    ("n", 1.0),
+    ("kn", 1e3),
+    ("mn", 1e6),
+    ("lbf", 4.448_222),
+    ("kip", 4448.222),
+    (MOMENT, 1.0),
+    ("1", 1.0),
+];
+const ENERGY: &[UnitOf] = &[("j", 1.0)];
+/// What has no unit.
+pub const PLAIN: &[UnitOf] = &[("1", 1.0)];
+
+/// The quantities that are known, and the units that each can have; the first is the one that is written.
+pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
+    ("time", &[("s", 1.0), ("ms", 1e-3)]),
+    ("command", LENGTH),
+    ("target", LENGTH),
+    ("displacement", LENGTH),
+    ("force", FORCE),
+    ("estimated_displacement", LENGTH),
+    ("estimated_force", FORCE),
+    ("velocity", &[("m_per_s", 1.0), ("mm_per_s", 1e-3)]),
+    ("acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
+    ("ground_acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
+    ("added_damping", &[("n_s_per_m", 1.0)]),
+    ("gain", PLAIN),
+    ("energy_error", ENERGY),
+    ("energy_error_hsem", ENERGY),
+    ("energy_error_stiffness", ENERGY),
+    ("energy_input", ENERGY),
+    ("energy_ratio", PLAIN),
+    ("step", PLAIN),
+    ("flags", PLAIN),
+];
+
+/// The quantity that a name begins with; its axis and unit where the rest of the name says both.
+pub type Known<'a> = (&'static str, &'static [UnitOf], Option<(usize, &'a str)>);
+
+/// What a name in a header means.
+pub fn known(name: &str) -> Option<Known<'_>> {
+    // The longest quantity that the name begins with: `energy_error_hsem_j` is not `energy_error` in `hsem_j`.
+    let (quantity, units, rest) = QUANTITIES
+        .iter()
+        .filter_map(|(quantity, units)| Some((*quantity, *units, name.strip_prefix(quantity)?)))
+        .max_by_key(|(quantity, ..)| quantity.len())?;
+    let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let axis = match &rest[..digits] {
+        "" => Some(1),
+        number => number.parse().ok().filter(|n| *n >= 1),
+    };
+    let unit = rest[digits..].strip_prefix('_');
+    let says = axis
+        .zip(unit)
+        .filter(|(_, unit)| units.iter().any(|(text, _)| text == unit));
+    Some((quantity, units, says))
+}
