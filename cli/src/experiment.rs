@@ -5,6 +5,7 @@ use crate::bench::interface::{Bench, Ending, PreparedTest, with_floors};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::{Excitation, TestFile};
+use crate::memory;
 use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
 use crate::trace::{Response, TestObserver};
@@ -200,6 +201,7 @@ impl Experiment {
         config.structure.physical_mass_kg.clear();
         config.rig = Default::default();
         let ground = self.ground(&config)?;
+        self.check_memory(self.response_bytes() * rigs.len() as u64)?;
         let responses = with_floors!(config.degrees_of_freedom(), N => {
             let design = Design::<N>::new(&config).map_err(Failure::input)?;
             ideal::responses(rigs, &config, &design, &ground, self.control_steps())
@@ -268,6 +270,50 @@ impl Experiment {
     pub fn control_steps(&self) -> usize {
         let timing = &self.test.config.timing;
         (self.seconds * timing.time_scale * timing.rate_hz).round() as usize
+    }
+
+    /// Of the displacements of all floors at all integration steps, in single precision.
+    fn response_bytes(&self) -> u64 {
+        let config = &self.test.config;
+        let steps = self.control_steps() / usize::from(config.timing.substeps);
+        4 * (steps * config.degrees_of_freedom()) as u64
+    }
+
+    /// Memory that the test and its ideal take, bytes. `keep`: every control step is kept, and written.
+    pub fn memory_bytes(&self, keep: bool) -> u64 {
+        let floors = self.test.config.degrees_of_freedom() as u64;
+        // Numbers of a control step that a trace holds, and that HDF5 holds once more; in CSV each takes 11 letters.
+        let numbers = 9 + 10 * floors;
+        let kept = if keep { numbers * (4 + 4 + 11) } else { 0 };
+        2 * self.response_bytes() + kept * self.control_steps() as u64
+    }
+
+    /// That so much memory is left.
+    ///
+    /// # Errors
+    /// Less.
+    pub fn check_memory(&self, bytes: u64) -> Result<(), Failure> {
+        let accepted = "shorter tests (excitation.duration_s), a smaller loop.time_scale, a lower loop.rate_hz";
+        memory::check(&self.size_in_words(), bytes, accepted)
+    }
+
+    /// What a test says before it takes much of the machine; `keep`: every control step is kept.
+    pub fn note_of_size(&self, keep: bool) -> Option<String> {
+        let bytes = memory::worth_saying(self.memory_bytes(keep))?;
+        Some(format!(
+            "{} take about {bytes} of memory",
+            self.size_in_words()
+        ))
+    }
+
+    fn size_in_words(&self) -> String {
+        let steps = self.control_steps() as f64;
+        let hours = steps / self.test.config.timing.rate_hz / 3600.0;
+        format!(
+            "{} million control steps, {} h in the laboratory,",
+            three(1e-6 * steps),
+            three(hours)
+        )
     }
 
     /// 1 / (2 M_1 omega_1): turns the C_cor of the first floor into a ratio of critical.

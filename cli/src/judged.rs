@@ -53,6 +53,9 @@ impl Experiment {
     ) -> Result<JudgedRun, Failure> {
         let mut config = self.test.config.clone();
         config.compensation.kind = method;
+        if keep {
+            self.check_memory(self.memory_bytes(keep))?;
+        }
         let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
         let mut observers = (Score::against(ideal), (trace, observer));
         let ending = self.run_config(bench, &config, &mut observers)?;

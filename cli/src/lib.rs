@@ -19,6 +19,7 @@
 //! | [`improve`] | a test, the diagnosis of its record, the next test |
 //! | `rig` | by what a rig departs from an ideal one: simulated, declared, found, taken out |
 //! | `keys` | every key of a test file, from the code that reads it |
+//! | `memory` | what a test takes of this machine's memory |
 //! | `numbers` | numbers for people: three digits and SI prefixes |
 //! | `provenance` | who ran what, when, with which files |
 //! | `wording` | what a diagnosis says, in sentences |
@@ -57,6 +58,7 @@ pub mod files;
 pub mod improve;
 pub mod judged;
 mod keys;
+mod memory;
 mod numbers;
 mod orders;
 mod physical_part;

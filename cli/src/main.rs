@@ -46,9 +46,8 @@ fn arguments() -> Result<Arguments, clap::Error> {
         .map(|verb| verb.get_name().to_owned())
         .collect();
     for verb in verbs {
-        // A number below zero is a value that is refused by name, not an unknown option.
         command = command.mut_subcommand(verb, |verb| {
-            verb.allow_negative_numbers(true).after_help(EXIT_STATUSES)
+            with_negative_numbers(verb).after_help(EXIT_STATUSES)
         });
     }
     let compensations = format!("{}\n\n{EXIT_STATUSES}", verb::help::compensations());
@@ -61,6 +60,19 @@ fn arguments() -> Result<Arguments, clap::Error> {
         command = command.mut_subcommand(verb, |verb| verb.after_long_help(lines.clone()));
     }
     Arguments::from_arg_matches(&command.try_get_matches()?)
+}
+
+/// A number below zero is a value that is refused by name, not an unknown option, here and in what is below.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let below: Vec<String> = command
+        .get_subcommands()
+        .map(|verb| verb.get_name().to_owned())
+        .collect();
+    below
+        .into_iter()
+        .fold(command.allow_negative_numbers(true), |command, verb| {
+            command.mut_subcommand(verb, with_negative_numbers)
+        })
 }
 
 fn main() -> ExitCode {

@@ -13,12 +13,7 @@ use std::path::{Path, PathBuf};
 /// A folder or file that cannot be written; what was there before is left as it was.
 pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
     let new = !folder.exists();
-    if !new && !folder.is_dir() {
-        return Err(Failure::input(format!(
-            "{}: is no folder: accepted is a folder, or a name that is free",
-            folder.display()
-        )));
-    }
+    refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
     write_into(folder, files).inspect_err(|_| {
         // Nothing of a result that could not be written; a folder with something in it stays.
@@ -26,6 +21,52 @@ pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(
             let _ = fs::remove_dir(folder);
         }
     })
+}
+
+/// That results can be written into `folder`, before a test has taken its time or its specimen.
+///
+/// # Errors
+/// No folder, or one in which no file can be made. Nothing is left there.
+pub fn look_ahead(folder: Option<&Path>) -> Result<(), Failure> {
+    let Some(folder) = folder else {
+        return Ok(());
+    };
+    refuse_no_folder(folder)?;
+    make_and_drop_file(folder).map_err(|e| cannot(folder, &e))
+}
+
+/// A file in `folder`, or in the first above it that is there, and gone again.
+fn make_and_drop_file(folder: &Path) -> Result<(), Error> {
+    let mut above = folder.ancestors().filter(|f| !f.as_os_str().is_empty());
+    let there = above.find(|f| f.exists()).unwrap_or(Path::new("."));
+    tempfile::Builder::new().tempfile_in(there).map(drop)
+}
+
+/// The same for a single file.
+///
+/// # Errors
+/// As [`look_ahead`], and a path that is a folder.
+pub fn look_ahead_of_file(file: Option<&Path>) -> Result<(), Failure> {
+    let Some(path) = file else {
+        return Ok(());
+    };
+    match Place::of(path).map_err(|e| cannot(path, &e))? {
+        Place::Stream => Ok(()),
+        Place::File(real) => {
+            let folder = real.parent().unwrap_or(Path::new(""));
+            make_and_drop_file(folder).map_err(|e| cannot(path, &e))
+        }
+    }
+}
+
+fn refuse_no_folder(folder: &Path) -> Result<(), Failure> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Failure::input(format!(
+            "{}: is no folder: accepted is a folder, or a name that is free",
+            folder.display()
+        )));
+    }
+    Ok(())
 }
 
 fn write_into<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
@@ -168,6 +209,34 @@ mod tests {
         assert!(!new.exists());
         assert!(write_all(folder.path(), &[(&long, "2")]).is_err());
         assert!(folder.path().exists());
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_known_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("file"), "").unwrap();
+        for good in [folder.path().to_owned(), at("new/deeper")] {
+            look_ahead(Some(&good)).unwrap();
+            look_ahead_of_file(Some(&good.join("a.csv"))).unwrap();
+        }
+        look_ahead_of_file(Some(Path::new("/dev/null"))).unwrap();
+        look_ahead_of_file(Some(&at("file"))).unwrap();
+        assert_eq!(
+            fs::read_dir(folder.path()).unwrap().count(),
+            1,
+            "nothing is left"
+        );
+        let said = |failed: Result<(), Failure>| failed.unwrap_err().to_string();
+        // No one can make a file there, whoever runs this.
+        for bad in ["/proc", "/proc/new/deeper"] {
+            let e = said(look_ahead(Some(Path::new(bad))));
+            assert!(e.starts_with(&format!("{bad}: cannot be written: ")), "{e}");
+        }
+        let e = said(look_ahead_of_file(Some(Path::new("/proc/new.csv"))));
+        assert!(e.starts_with("/proc/new.csv: cannot be written"), "{e}");
+        assert!(said(look_ahead(Some(&at("file")))).contains("is no folder"));
+        assert!(said(look_ahead_of_file(Some(folder.path()))).contains("it is a folder"));
     }
 
     #[test]

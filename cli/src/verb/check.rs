@@ -84,6 +84,7 @@ impl Check {
     /// # Errors
     /// Bad input; a test that cannot be stable.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         if let Some(rigs) = self.survey {
             return self.survey(rigs);
         }
@@ -126,10 +127,14 @@ impl Check {
             answer!("{}", json(&with_provenance)?);
         } else {
             print(&answer);
+            // Why a test is not stable is said once, at the end.
+            let why = match judgement.verdict {
+                SoundnessVerdict::Stable => format!(": {}", judgement.reason),
+                _ => String::new(),
+            };
             println!(
-                "\n{}: {}.\nExpected error: {}.",
+                "\n{}{why}.\nExpected error: {}.",
                 judgement.verdict.name().to_uppercase(),
-                judgement.reason,
                 expected(&judgement),
             );
             look_at_report(self.out.as_deref());

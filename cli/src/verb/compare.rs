@@ -43,6 +43,7 @@ impl Compare {
     /// # Errors
     /// Bad input; no row that is the structure's response.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         if let Some(test) = self.common.coupled()? {
             super::coupled::refuse(&[("--bench", self.bench)])?;
             let asked = (&self.record[..], &self.compensations[..]);

@@ -317,12 +317,16 @@ fn print_check(experiment: &CoupledExperiment, check: &CoupledCheck) {
     println!("{}", in_words(experiment, &check.planned));
     let mut limits = table(&LIMIT_HEAD);
     limits.add_rows(check.limits.iter().map(limit_row));
+    // Why a test is not stable is said once, at the end.
+    let why = match check.verdict {
+        SoundnessVerdict::Stable => format!(": {}", check.reason.trim_end_matches('.')),
+        _ => String::new(),
+    };
     println!(
-        "{limits}\n\n{} of {} rigs that differ are lost.\n{}: {}.\nExpected error: {} rms; at worst {} on a rig that differs.",
+        "{limits}\n\n{} of {} rigs that differ are lost.\n{}{why}.\nExpected error: {} rms; at worst {} on a rig that differs.",
         check.lost,
         check.plants,
         check.verdict.name().to_uppercase(),
-        check.reason.trim_end_matches('.'),
         percent(check.expected_eps_rms),
         percent(check.expected_eps_rms_differing),
     );

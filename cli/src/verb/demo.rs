@@ -56,6 +56,7 @@ impl Demo {
     /// # Errors
     /// A folder that cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(Some(&self.out))?;
         let test = TestFile::parse(TEST, "examples/table1.toml", Path::new(""), &[])?;
         let experiment = Experiment::new(test, &near_fault(), None)?;
         let structure = &experiment.test.config.structure;

@@ -57,6 +57,9 @@ impl Diagnose {
     /// # Errors
     /// Data or a model that cannot be judged.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
+        output::look_ahead_of_file(self.save_model.as_deref())?;
+        output::look_ahead_of_file(self.next.as_deref())?;
         let declared = model::load(&self.model)?;
         if let Some(path) = &self.save_model
             && same_file(path, &self.model)

@@ -65,6 +65,7 @@ impl Improve {
     /// # Errors
     /// Bad input, or a test that cannot be diagnosed.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         let files: Vec<PathBuf> = self.common.files(&self.more);
         let mut stories = Vec::new();
         for file in &files {

@@ -70,6 +70,7 @@ impl MonteCarlo {
     /// # Errors
     /// Bad input.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         if !(1..=1_000_000).contains(&self.tests) {
             return Err(Failure::input(format!(
                 "--tests {}: accepted are 1 to 1000000",

@@ -62,6 +62,8 @@ impl Run {
     /// # Errors
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
+        output::look_ahead_of_file(self.archive.as_deref())?;
         if let Some(test) = self.common.coupled()? {
             super::coupled::refuse(&[
                 ("--signal", self.signal.is_some()),
@@ -108,11 +110,15 @@ impl Run {
             None => test.config.compensation.kind,
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
+        let keep = self.out.is_some() || self.archive.is_some();
+        experiment.check_memory(experiment.memory_bytes(keep))?;
+        if let Some(note) = experiment.note_of_size(keep) {
+            eprintln!("outerloop: note: {note}");
+        }
         let drawn = !self.common.json && (self.plot || plot::columns().is_some());
         let (run, picture) = {
             let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
-            let keep = self.out.is_some() || self.archive.is_some();
             let rate_hz = test.config.timing.rate_hz;
             let title = format!("{} under {}", self.common.test.display(), experiment.record);
             let simulated = self.place.kind() == RigKind::Simulated;

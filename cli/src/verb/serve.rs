@@ -58,6 +58,7 @@ impl Serve {
     /// A test that cannot be served, an address that cannot be listened at, a rig that is lost; with `--once`, a client
     /// that did not come to its end.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         let test = TestFile::load(&self.test, &self.overrides)?;
         let element = DeclaredElement::of(&test)?;
         let title = format!("serves {}", self.test.display());

@@ -43,6 +43,7 @@ impl Sweep {
     /// # Errors
     /// Bad input; Ctrl-C before all tests ran.
     pub fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         let range = Range::parse(&self.over)?;
         if let Some(mm) = self.limit_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
             return Err(Failure::input(format!(

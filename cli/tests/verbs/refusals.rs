@@ -31,7 +31,45 @@ fn bad_input_gets_one_sentence() {
     );
     refused(
         &["run", TABLE1, "--set", "loop.rate_hz=nan"],
-        &["loop.rate_hz"],
+        &["loop.rate_hz = NaN"],
+    );
+    refused(
+        &["run", TABLE1, "--set", "structure.mass_kg=nan"],
+        &["structure.mass_kg = NaN"],
+    );
+    // An integration step has three keys, and the sentence names them all.
+    refused(
+        &["run", TABLE1, "--set", "loop.substeps=1000"],
+        &[
+            "loop.substeps = 1000",
+            "loop.rate_hz = 2000",
+            "of 500 ms",
+            "below 79.6 ms",
+        ],
+    );
+    for delay in ["-1", "2000", "1e9", "inf"] {
+        let set = format!("plant.actuator.delay_ms={delay}");
+        refused(
+            &["run", TABLE1, "--set", &set],
+            &["plant.actuator.delay_ms", delay, "0 to 1000 ms"],
+        );
+    }
+    // 4.6 days in the laboratory at 2000 Hz.
+    refused(
+        &[
+            "run",
+            TABLE1,
+            "--set",
+            "loop.time_scale=10000",
+            "--duration",
+            "3600",
+        ],
+        &[
+            "72000 million control steps",
+            "10000 h",
+            "GB of memory",
+            "loop.time_scale",
+        ],
     );
     refused(
         &["run", TABLE1, "--set", "loop.rate_hz=12"],
@@ -120,6 +158,28 @@ fn a_bad_ground_motion_is_refused_with_its_line() {
     );
 }
 
+/// A test on a rig takes its time and its specimen: what cannot be kept is refused before it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_place_that_cannot_be_written_is_refused_before_the_test() {
+    for (option, place) in [("--out", "/proc/new"), ("--archive", "/proc/new.h5")] {
+        // The scope would say its address if the test began.
+        let test = ["run", TABLE1, "--scope", "--duration", "2"];
+        refused(
+            &[&test[..], &[option, place]].concat(),
+            &[place, "cannot be written"],
+        );
+    }
+    let served = [
+        "serve",
+        "examples/opensees.toml",
+        "--scope",
+        "--out",
+        "/proc/new",
+    ];
+    refused(&served, &["/proc/new", "cannot be written"]);
+}
+
 #[test]
 fn a_broken_file_leaves_no_folder_behind() {
     let folder = tempfile::tempdir().unwrap();
@@ -155,6 +215,10 @@ fn a_misspelt_command_line_gets_one_sentence() {
         &["--seed", "whole numbers"],
     );
     refused(&["run", TABLE1, "--seed", "-3"], &["--seed", "`-3`"]);
+    refused(
+        &["benchmark", "rths", "--plants", "-1"],
+        &["--plants", "`-1`", "whole numbers"],
+    );
     refused(
         &["run", TABLE1, "--duration", "long"],
         &["--duration", "`long`", "numbers"],

@@ -61,6 +61,7 @@ impl Marths {
     /// # Errors
     /// Bad input, or files of the problem that are not there.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         let begin = std::time::Instant::now();
         note_seed(self.seed);
         check_plants(self.plants)?;

@@ -77,6 +77,7 @@ impl Rths {
     /// # Errors
     /// Bad input.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        output::look_ahead(self.out.as_deref())?;
         let began = Instant::now();
         note_seed(self.seed);
         let rules = self.rules()?;

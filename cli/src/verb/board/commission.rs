@@ -121,6 +121,7 @@ impl Commission {
     /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot be
     /// written.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        output::look_ahead_of_file(Some(&self.out))?;
         let test = TestFile::load(&self.test, &[])?;
         let trajectory = self.trajectory()?;
         let place = RigArguments::on_board(self.port.clone(), self.yes);
