@@ -1,4 +1,4 @@
-//! The scope's page in headless Chromium, driven over its DevTools protocol.
+//! The scope's page and a report in headless Chromium, driven over its DevTools protocol.
 #![allow(missing_docs)]
 
 mod common;
@@ -135,6 +135,26 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
+/// A browser with a page, and the folder that it lives in.
+fn open_in(chromium: &str, url: &str) -> (Ended, tempfile::TempDir, Page) {
+    let profile = tempfile::tempdir().unwrap();
+    let (browser, line) = started(
+        Command::new(chromium)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-background-networking",
+            ])
+            .args(["--remote-debugging-port=0", "--window-size=1200,1000"])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg(url),
+        "DevTools listening on",
+    );
+    let page = Page::open(line.split_whitespace().last().unwrap());
+    (browser, profile, page)
+}
+
 fn look_on(arguments: &[&str]) {
     let Some(chromium) = chromium() else { return };
     let seconds = std::env::var("OUTERLOOP_SCOPE_SECONDS");
@@ -153,21 +173,7 @@ fn look_on(arguments: &[&str]) {
         "the scope is at",
     );
     let url = line.split_whitespace().last().unwrap();
-    let profile = tempfile::tempdir().unwrap();
-    let (browser, line) = started(
-        Command::new(chromium)
-            .args([
-                "--headless",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--disable-background-networking",
-            ])
-            .args(["--remote-debugging-port=0", "--window-size=1200,1000"])
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg(url),
-        "DevTools listening on",
-    );
-    let mut page = Page::open(line.split_whitespace().last().unwrap());
+    let (browser, _profile, mut page) = open_in(chromium, url);
     page.wait("document.getElementById('mode').textContent === 'running'");
     assert!(
         page.value("document.body.innerText")
@@ -242,6 +248,57 @@ fn look_on(arguments: &[&str]) {
     drop(browser);
     std::thread::sleep(Duration::from_millis(500));
     assert!(test.0.try_wait().unwrap().is_none(), "the test goes on");
+}
+
+#[test]
+fn a_plot_of_a_report_is_saved_as_numbers_and_as_a_drawing() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let test = ["run", "examples/table1.toml", "--duration", "10", "--quiet"];
+    let ran = command(&[&test[..], &["--out", out]].concat()).status();
+    assert!(ran.unwrap().success());
+    let (_browser, _profile, mut page) = open_in(chromium, &format!("file://{out}/report.html"));
+    page.wait("document.readyState === 'complete'");
+    // What would go to the disk is kept here.
+    page.value(
+        "window.saved = []; HTMLAnchorElement.prototype.click = () => {};
+         URL.createObjectURL = (blob) => { blob.text().then((text) => saved.push(text)); return 'blob:none' };
+         for (const b of [...document.querySelectorAll('.plot .save button')].slice(0, 2)) b.click()",
+    );
+    page.wait("saved.length === 2");
+    let saved = page.value("saved");
+    let (csv, svg) = (saved[0].as_str().unwrap(), saved[1].as_str().unwrap());
+    let mut lines = csv.lines();
+    let head = "\"curve\",\"time of the model [s]\",\"displacement [mm]\"";
+    assert_eq!(lines.next(), Some(head));
+    let tested = lines.filter_map(|line| line.strip_prefix("\"test\","));
+    let values = tested.map(|line| line.split_once(',').unwrap().1.parse::<f64>().unwrap());
+    let peak = values.fold(0.0, |peak: f64, x| peak.max(x.abs()));
+    let summary = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    let whole = summary["peak_displacement_m"].as_f64().unwrap() * 1e3;
+    assert!((peak / whole - 1.0).abs() < 1e-3, "{peak} mm of {whole} mm");
+    for word in [
+        "time of the model [s]",
+        "displacement [mm]",
+        "ideal actuator",
+        "<style",
+    ] {
+        assert!(svg.contains(word), "{word}");
+    }
+    let sound =
+        "!new DOMParser().parseFromString(saved[1], 'image/svg+xml').querySelector('parsererror')";
+    assert_eq!(page.value(sound), true, "{svg}");
+    // What the page links to lies beside it.
+    let links =
+        page.value("[...document.querySelectorAll('a')].map((a) => a.getAttribute('href'))");
+    for link in links.as_array().unwrap() {
+        assert!(
+            folder.path().join(link.as_str().unwrap()).exists(),
+            "{link}"
+        );
+    }
 }
 
 /// The bytes of base64 without a library: one picture, when a person wants it.

@@ -126,10 +126,13 @@ impl<'a> Figures<'a> {
     pub fn displacement(&self) -> Drawn {
         let mut html = String::from("<h2>Displacement</h2>");
         for (j, floor) in self.floors() {
-            let caption = self.on_floor(j, "The test, over the response with an ideal actuator.");
-            html += &self.displacement_of(TALL, j, floor, self.whole_test(), &caption)?;
-            let caption = self.on_floor(j, "A closer look at the strongest part.");
-            html += &self.displacement_of(WIDE, j, floor, self.look.clone(), &caption)?;
+            if self.section.trace.floors.len() > 1 {
+                html += &format!("<h3>Floor {}</h3>", j + 1);
+            }
+            let caption = "The test, over the response with an ideal actuator.";
+            html += &self.displacement_of(TALL, j, floor, self.whole_test(), caption)?;
+            let caption = "A closer look at the strongest part.";
+            html += &self.displacement_of(WIDE, j, floor, self.look.clone(), caption)?;
             let ideal = self.section.ideal;
             let error = history(self.solved.len(), |k| {
                 let exact = ideal.at(k).map_or(f64::NAN, |u| f64::from(u[j]));
@@ -141,7 +144,7 @@ impl<'a> Figures<'a> {
                 self.cut(WIDE, j),
                 "error [mm]",
                 &[curve],
-                &self.on_floor(j, "What is left: test less ideal."),
+                "What is left: test less ideal.",
             )?;
         }
         Ok(html)

@@ -39,6 +39,11 @@ use figures::Figures;
 use page::{Drawn, cannot, escape, page, table, test_file, tile};
 use std::fmt::Write as _;
 
+/// What stands beside the report of a test.
+const RECORDS: &str = "<h2>The record</h2><p>Every channel of every control step: <a href=\"record.csv\">record.csv</a>, and \
+                       <a href=\"record.h5\">record.h5</a> for Python and MATLAB, which repeats the test, too. The figures: \
+                       <a href=\"summary.json\">summary.json</a>. They lie beside this page.</p>";
+
 /// The report of one test.
 ///
 /// # Errors
@@ -55,6 +60,7 @@ pub fn of_run(s: &TestSection<'_>) -> Result<String, Failure> {
             f.energy()?,
             f.damping()?,
             f.estimate()?,
+            RECORDS.into(),
             test_file(s.experiment),
         ]
         .concat())

@@ -253,7 +253,7 @@ pub fn plot(
     }
     let _ = write!(
         svg,
-        "</svg></svg><div class=\"foot\"><span class=\"cursor\"></span><span>{}</span></div></div>",
+        "</svg></svg><div class=\"foot\"><span class=\"save\"></span><span class=\"cursor\"></span><span class=\"unit\">{}</span></div></div>",
         escape(x_label)
     );
     Ok(svg)

@@ -1,5 +1,5 @@
-// Zoom, cursor and legend of the plots: drag over a part, double-click for the whole, click a name to hide its curve. On a
-// narrow screen a wide plot is laid out anew, as high as before and with letters that can be read.
+// Zoom, cursor and legend of the plots: drag over a part, double-click for the whole, click a name to hide its curve; CSV and
+// SVG save what is shown. On a narrow screen a wide plot is laid out anew, as high as before and with letters that can be read.
 "use strict";
 for (const plot of document.querySelectorAll(".plot")) {
   const svg = plot.querySelector("svg.drawing"), area = svg.querySelector("svg.area");
@@ -119,6 +119,43 @@ for (const plot of document.querySelectorAll(".plot")) {
   });
   svg.addEventListener("pointerleave", () => { line.setAttribute("d", ""); readout.textContent = ""; });
   svg.addEventListener("dblclick", () => { reset(); plot.classList.remove("zoomed"); });
+  const shown = () => curves.filter((c) => !c.path.classList.contains("off"));
+  const nameOf = (c) => plot.querySelector(`.key[data-curve="${c.path.dataset.curve}"]`)?.textContent ?? label_y;
+  const label_y = plot.querySelector(".head b").textContent, label_x = plot.querySelector(".unit").textContent;
+  const csv = () => {
+    const cell = (text) => `"${text.replaceAll('"', '""')}"`, inside = (p) => p[0] >= view.x[0] && p[0] <= view.x[1];
+    const rows = shown().flatMap((c) => c.points.filter(inside).map((p) => `${cell(nameOf(c))},${+p[0].toPrecision(6)},${+(percent ? 100 * 10 ** p[1] : p[1]).toPrecision(5)}`));
+    return [`"curve",${cell(label_x)},${cell(label_y)}`, ...rows].join("\n") + "\n";
+  };
+  const drawing = () => {
+    const copy = svg.cloneNode(true), style = shape("style"), [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
+    style.textContent = document.querySelector("style").textContent;
+    const text = (words, x, y, at) => {
+      const line = shape("text");
+      line.setAttribute("x", x); line.setAttribute("y", y); line.setAttribute("style", `text-anchor: ${at}`);
+      line.textContent = words;
+      copy.append(line);
+    };
+    text([label_y, ...(curves.length > 1 ? shown().map(nameOf) : [])].join("   "), left, -8, "start");
+    text(label_x, end, height + 14, "end");
+    copy.prepend(style);
+    for (const [name, value] of [["xmlns", "http://www.w3.org/2000/svg"], ["class", "plot drawing"], ["width", width], ["height", height + 48],
+      ["viewBox", `0 -26 ${width} ${height + 48}`]]) copy.setAttribute(name, value);
+    return new XMLSerializer().serializeToString(copy);
+  };
+  for (const [name, kind, content] of [["CSV", "text/csv", csv], ["SVG", "image/svg+xml", drawing]]) {
+    const button = document.createElement("button");
+    button.textContent = name;
+    button.title = `save what this plot shows as ${name}`;
+    button.addEventListener("click", () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([content()], { type: kind }));
+      link.download = `${label_y.replace(/[^a-zA-Z0-9]+/g, "-").replace(/^-|-$/g, "")}.${name.toLowerCase()}`;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    });
+    plot.querySelector(".save").append(button);
+  }
   for (const key of plot.querySelectorAll(".key")) key.addEventListener("click", () => {
     const off = key.classList.toggle("off");
     area.querySelector(`path[data-curve="${key.dataset.curve}"]`).classList.toggle("off", off);
