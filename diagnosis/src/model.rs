@@ -7,12 +7,18 @@ use crate::declared::LARGEST_TOLERANCE;
 use crate::library;
 use crate::refusal::Refusal;
 use crate::saved_element::SavedElement;
-use plant::{Channel, ChannelParameter, EffectSpec};
+use plant::{Channel, ChannelParameter, Effect, EffectSpec};
 use serde::{Deserialize, Serialize};
 
 /// Checks an effect that an earlier diagnosis added to `channel`, in the words of `plant.effects`.
 fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
     let place = format!("{channel}.effects");
+    if effect.name == Effect::Quantisation {
+        return Err(Refusal::new(format!(
+            "{place}: quantisation is refused: it is read off the values of a record, and a model works the same with or \
+             without it: leave it out"
+        )));
+    }
     if !library::candidates(channel)
         .iter()
         .any(|c| c.effect == effect.name)

@@ -36,6 +36,7 @@ pub mod structure_matrices;
 
 use crate::failure::Failure;
 use crate::files::test::TestFile;
+use crate::numbers::percent;
 use crate::rig::Departures;
 use closed_loop::Question;
 use limits::{DelayPart, StabilityLimits};
@@ -191,17 +192,17 @@ fn reason(a: &Stability) -> String {
         String::new()
     } else {
         format!(
-            "the first mode has {:.3} % of critical damping left in the loop and ",
-            a.row.damping_ratio * 100.0
+            "the first mode has {} of critical damping left in the loop and ",
+            percent(a.row.damping_ratio)
         )
     };
     format!(
         "with compensation `{}` the test cannot be stable: its specimen is {:.2} ms late at {:.2} Hz, {left}the response grows \
-         by {:.3} % a second: accepted are {}",
+         by {} a second: accepted are {}",
         a.row.compensation,
         a.limits.delay.present,
         a.first_hz / a.time_scale,
-        a.row.growth_per_s.exp_m1() * 100.0,
+        percent(a.row.growth_per_s.exp_m1()),
         would.join(", or "),
     )
 }
@@ -236,9 +237,9 @@ fn notes(test: &TestFile, answer: &Stability, at_bounds: bool) -> Vec<String> {
     if let Some(start) = &answer.at_start {
         notes.push(format!(
             "the predictor learns: its eigenvalues are those of what it comes to on the rig at the first natural \
-             frequency; with what it was told the response {} by {:.3} % a second until it has learnt",
+             frequency; with what it was told the response {} by {} a second until it has learnt",
             if start.stable { "decays" } else { "grows" },
-            start.growth_per_s.exp_m1().abs() * 100.0
+            percent(start.growth_per_s.exp_m1().abs())
         ));
     }
     if at_bounds {

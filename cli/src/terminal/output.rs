@@ -83,7 +83,11 @@ pub fn print_line(text: Arguments<'_>) {
 /// A line on standard error; dropped where that cannot be written, since nobody is left to read it.
 pub fn print_note(text: Arguments<'_>) {
     let mut out = stderr().lock();
-    let _ = out.write_fmt(text).and_then(|()| out.write_all(b"\n"));
+    let text = match terminal_size::terminal_size_of(&out) {
+        Some((width, _)) => wrapped(&text.to_string(), width.0.into()),
+        None => text.to_string(),
+    };
+    let _ = out.write_all((text + "\n").as_bytes());
 }
 
 /// What `answer!` is in this crate.

@@ -58,6 +58,24 @@ fn a_value_can_be_set_from_outside() {
 }
 
 #[test]
+fn the_damping_needs_the_delay_for_its_clamp_alone() {
+    let error = |told_ms: &str| {
+        let set = format!("compensation.delay_ms={told_ms}");
+        json(&["run", TABLE1, "--json", "--set", &set])["eps_rms"]
+            .as_f64()
+            .unwrap()
+    };
+    let right = error("4");
+    for told_ms in ["2", "16"] {
+        let told = error(told_ms);
+        assert!(
+            (told / right - 1.0).abs() < 0.15,
+            "{told_ms} ms: {told} for {right}"
+        );
+    }
+}
+
+#[test]
 fn a_trip_is_exit_status_1_and_says_which_limit() {
     let output = outerloop(&["run", TABLE1, "--json", "--set", "limits.force_n=3000"]);
     assert_eq!(output.status.code(), Some(1));

@@ -28,8 +28,8 @@ pub struct Compensation {
     pub gamma: f64,
     /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
     pub window_steps: u16,
-    /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list: the clamp is built on it,
-    /// and predictors begin with it.
+    /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list. What adds damping measures
+    /// the energy and needs it for its clamp alone: half of it or any more will do. Predictors begin with it.
     pub delay_ms: ActuatorTimes,
     /// C_cor is kept below this many times K tau.
     pub clamp: f64,
