@@ -51,9 +51,9 @@ fn is_grouped(cell: &str) -> bool {
     let groups: Vec<&str> = cell
         .split([',', '.', '\'', ' ', '\u{a0}', '\u{202f}', '\u{2019}'])
         .collect();
-    let digits = |part: &&str| part.chars().all(|c| c.is_ascii_digit());
+    let digits = |part: &str| part.chars().all(|c| c.is_ascii_digit());
     let first = groups.first().is_some_and(|g| (1..=3).contains(&g.len()));
-    groups.len() > 1 && first && groups.iter().all(|g| digits(&g)) && groups[1].len() == 3
+    groups.len() > 1 && first && groups.iter().all(|g| digits(g)) && groups[1].len() == 3
 }
 
 #[cfg(test)]

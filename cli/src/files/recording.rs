@@ -148,7 +148,7 @@ impl Recording {
     /// The rows around `rows` from the gap before them to the gap behind them.
     pub fn between_gaps(&self, rows: &Range<usize>) -> Range<usize> {
         let gaps = || self.gaps.iter().map(|(row, _)| *row);
-        let before = gaps().filter(|row| *row < rows.start).next_back();
+        let before = gaps().rfind(|row| *row < rows.start);
         let behind = gaps().find(|row| *row >= rows.end);
         before.map_or(0, |row| row + 1)..behind.unwrap_or(self.time_s.len())
     }
