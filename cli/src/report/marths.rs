@@ -5,7 +5,7 @@ use super::page::{Drawn, cannot, escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
-use super::rths::{table, target_boxes};
+use super::rths::{table, target_boxes, target_table};
 use crate::failure::Failure;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
@@ -49,6 +49,7 @@ pub fn of_marths(
     }
     let meaning = MEANING.map(escape).join("<br>");
     let _ = write!(body, "<p>{}<br>{meaning}</p>", escape(LEGEND));
+    body += &target_table(targets);
     body += "<h2>What the controllers know</h2><ul>";
     for (_, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == name) {

@@ -15,7 +15,7 @@ use benchmarks::rths::table::{
 use benchmarks::rths::trial::{Ground, Trace};
 use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
 use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow};
-use benchmarks::target::Target;
+use benchmarks::target::{TARGET_HEAD, Target};
 use std::fmt::Write as _;
 
 /// The published controller, for the pictures.
@@ -35,6 +35,7 @@ pub fn of_rths(
     for record in bench.records {
         body += &close_up_section(bench, record)?;
     }
+    body += &target_table(targets);
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
     let groups: Vec<&[RthsRow]> = rows.chunk_by(|a, b| a.record == b.record).collect();
     for group in &groups {
@@ -90,15 +91,36 @@ pub fn of_rths(
     ))
 }
 
-/// What was asked for, a box each: green where it is reached and nowhere else.
+/// How many of the figures that were asked for are reached, green where all are, and a box for each that is missed.
 pub(super) fn target_boxes(targets: &[Target]) -> String {
-    let mut html = String::new();
-    for target in targets {
-        let class = if target.reached() { "" } else { " fair" };
-        let sentence = escape(&target.sentence());
-        let _ = write!(html, "<p class=\"verdict{class}\">{sentence}</p>");
+    let missed: Vec<&Target> = targets.iter().filter(|t| !t.reached()).collect();
+    let (all, reached) = (targets.len(), targets.len() - missed.len());
+    let mut html = match (all, missed.len()) {
+        (0, _) => String::new(),
+        (_, 0) => format!(
+            "<p class=\"verdict\">All {all} figures that were asked for are <b>reached</b>.</p>"
+        ),
+        (_, n) => format!(
+            "<p class=\"verdict fair\">Of {all} figures that were asked for {reached} are reached and <b>{n} missed</b>.</p>"
+        ),
+    };
+    for target in missed {
+        let _ = write!(
+            html,
+            "<p class=\"verdict fair\">{}</p>",
+            escape(&target.sentence())
+        );
     }
     html
+}
+
+/// What was asked for, a row each.
+pub(super) fn target_table(targets: &[Target]) -> String {
+    if targets.is_empty() {
+        return String::new();
+    }
+    let table = table(&TARGET_HEAD, targets.iter().map(Target::cells));
+    format!("<h2>What was asked for</h2>{table}")
 }
 
 fn verdict(rows: &[RthsRow], targets: &[Target]) -> String {
