@@ -59,7 +59,7 @@ pub const ALL: [(Contestant, &str, &str); 7] = [
     (
         Contestant::Perfect,
         "perfect",
-        "not a controller: strokes are the last targets",
+        "nothing, since it is no controller: its strokes are the last targets",
     ),
 ];
 

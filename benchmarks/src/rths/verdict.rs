@@ -199,7 +199,7 @@ pub fn whole_table(rows: &[RthsRow], seconds: f64) -> Option<Target> {
             "s",
             [(seconds, WHOLE_TABLE_S)],
         )
-        .or_because("what else the machine did counts in it; see its processor time")
+        .or_because("what else the machine did counts in it: `time` shows the processor time, half of which two idle cores take")
     })
 }
 
