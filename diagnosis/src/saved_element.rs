@@ -22,6 +22,10 @@ pub struct SavedElement {
     pub reference_mm: f64,
     /// Top speed of that motion, mm/s: what powers of speed are relative to.
     pub reference_mm_per_s: f64,
+    /// Where the displacement was cut off as it was found, Hz: in a record the element acts on the motion below it, since
+    /// a force that is steep at rest makes much of the noise of a speed. A motion without noise needs none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutoff_hz: Option<f64>,
 }
 
 impl SavedElement {
@@ -67,6 +71,11 @@ impl SavedElement {
             Law::Away | Law::Square | Law::Beyond | Law::SizeOfSpeed => true,
             _ => self.shape[0] > 0.0,
         };
+        if let Some(hz) = self.cutoff_hz.filter(|hz| !above(*hz)) {
+            return Err(Refusal::new(format!(
+                "{place}: cutoff_hz = {hz} is refused: accepted is a finite number above 0"
+            )));
+        }
         if finite && first && above(self.reference_mm) && above(self.reference_mm_per_s) {
             return Ok(());
         }
@@ -79,6 +88,11 @@ impl SavedElement {
 
     /// Its force over a motion, N; of what was before it only the largest displacement counts.
     pub fn force(&self, s: &Signals) -> Vec<f64> {
+        if let Some(hz) = self.cutoff_hz {
+            let track = Track::below(s, hz);
+            let force = self.along(&track);
+            return force.into_iter().step_by(track.fine).collect();
+        }
         let track = Track {
             interval_s: s.interval_s,
             fine: 1,

@@ -32,6 +32,7 @@ impl Fit {
                 shape: element.shape,
                 reference_mm: self.sizes.x,
                 reference_mm_per_s: self.sizes.v,
+                cutoff_hz: Some(self.cutoff_hz).filter(|hz| hz.is_finite()),
             });
         }
     }

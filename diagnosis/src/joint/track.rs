@@ -3,7 +3,7 @@
 use super::band::Band;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, range};
-use crate::signals::averaged;
+use crate::signals::{Signals, averaged};
 use crate::spectrum::motion_band_hz;
 
 /// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
@@ -89,9 +89,7 @@ impl<'a> Source<'a> {
 
     /// The span below a cut-off.
     pub fn track(&self, cutoff_hz: f64) -> Track {
-        let rate_hz = 1.0 / self.recording.interval_s();
-        let fine = (MOTION_A_CYCLE * cutoff_hz.min(0.5 * rate_hz) / rate_hz).ceil();
-        let fine = (fine as usize).clamp(1, MOST_FINE);
+        let fine = fine(cutoff_hz, self.recording.interval_s());
         let motion = self.band.motion(cutoff_hz, fine);
         let mut track = Track {
             interval_s: self.recording.interval_s() / fine as f64,
@@ -109,7 +107,31 @@ impl<'a> Source<'a> {
     }
 }
 
+/// So many samples of the motion for each of the record's.
+fn fine(cutoff_hz: f64, interval_s: f64) -> usize {
+    let rate_hz = 1.0 / interval_s;
+    let fine = (MOTION_A_CYCLE * cutoff_hz.min(0.5 * rate_hz) / rate_hz).ceil();
+    (fine as usize).clamp(1, MOST_FINE)
+}
+
 impl Track {
+    /// The motion of a channel's signals below a cut-off, from their first sample on, for a force that is known.
+    pub fn below(s: &Signals, cutoff_hz: f64) -> Self {
+        let fine = fine(cutoff_hz, s.interval_s);
+        let motion = Band::new(&s.reading, s.interval_s).motion(cutoff_hz, fine);
+        Self {
+            interval_s: s.interval_s / fine as f64,
+            fine,
+            x: motion.x,
+            largest_before_mm: s.largest_before_mm,
+            v: motion.v,
+            a: motion.a,
+            first: 0,
+            time_s: s.time_s.clone(),
+            force: Vec::new(),
+        }
+    }
+
     /// Length of the span, samples.
     pub fn len(&self) -> usize {
         self.force.len()

@@ -21,7 +21,10 @@ pub struct Planned<'a> {
 
 /// The answer of one channel, mm or N; `None` where the model has no such channel.
 pub fn answer(model: &Model, channel: Channel, planned: &Planned<'_>) -> Option<Vec<f64>> {
-    let base = Base::of(model, channel)?;
+    let mut base = Base::of(model, channel)?;
+    // A planned motion has no noise that would have to be cut off.
+    let elements = base.elements.iter_mut();
+    elements.for_each(|e| e.cutoff_hz = None);
     let h = planned.interval_s;
     let input = planned.input;
     let force = match planned.force {
