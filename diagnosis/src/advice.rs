@@ -5,7 +5,7 @@ use crate::base::Base;
 use crate::criteria::REACH;
 use crate::joint::{Doubt, Found, Outcome};
 use crate::noise::Noise;
-use plant::{Effect, Family};
+use plant::{Channel, Effect, Family};
 
 /// The declared parameters that were free, as refitted.
 pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
@@ -100,13 +100,98 @@ pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
         && is_new)
         .then(|| {
             format!(
-                "Of what is left of the held-out data, {:.4} {unit} rms, most is a constant {mean:.4} {unit}, which the training \
-                 data do not have: a zero was set anew between them. Without it {:.4} {unit} rms is left.",
-                left.test_rms,
-                (squares - mean * mean).max(0.0).sqrt(),
+                "Of what is left of the held-out data, {} {unit} rms, most is a constant {} {unit}, which the training \
+                 data do not have: a zero was set anew between them, or it has drifted. Without it {} {unit} rms is left.",
+                four(left.test_rms),
+                four(mean),
+                four((squares - mean * mean).max(0.0).sqrt()),
                 unit = answer.unit
             )
         })
+}
+
+/// Four digits.
+pub fn four(x: f64) -> String {
+    let places = if x == 0.0 || !x.is_finite() {
+        0
+    } else {
+        (3 - x.abs().log10().floor() as i32).clamp(0, 9) as usize
+    };
+    format!("{x:.places$}")
+}
+
+/// Of a name that is the error of a declared parameter: whether the refitted parameter holds it already, as in a joint search, or
+/// it acts on the refitted value.
+pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
+    let channel = answer.channel;
+    let of = |e: &FoundEffect| {
+        let parameter = &channel.parameters()[channel.parameter_of_error(e.name)?];
+        let named = |r: &&Refitted| r.name == parameter.name;
+        let r = answer.refitted.iter().find(named)?;
+        let (name, effect) = (parameter.name, e.name);
+        if held {
+            return (r.tolerances().abs() > REACH).then(|| {
+                format!(
+                    "The {effect} is the change of {name} from {} to {}, which the refitted parameter holds: one change, not two.",
+                    four(r.declared),
+                    four(r.value)
+                )
+            });
+        }
+        let error = e.parameters.first()?.value;
+        // A load cell's gain stays beside the stiffness.
+        if channel == Channel::Specimen && effect == Effect::GainError {
+            return Some(format!(
+                "The {effect} acts on the force of the refitted {name}: together {}.",
+                four(parameter.with_error(r.value, error))
+            ));
+        }
+        Some(format!(
+            "The {effect} comes on top of the refitted {name} of {}: the improved model has {}.",
+            four(r.value),
+            four(parameter.with_error(r.value, error))
+        ))
+    };
+    answer.effects.iter().filter_map(of).collect()
+}
+
+/// Exponents of speed that are in proportion for all that is meant by it.
+const PROPORTIONAL: std::ops::Range<f64> = 0.85..1.15;
+/// From this damping ratio on nothing overshoots by more than a sixth: nobody would call it ringing.
+const RINGS: f64 = 0.5;
+
+/// What a name covers beside what it says: a law of another power, an oil column that does not ring, a transducer that bends.
+pub fn covers(effects: &[FoundEffect]) -> Vec<String> {
+    let of = |e: &FoundEffect| {
+        let named = |name: &str| e.parameters.iter().find(|p| p.name == name);
+        match e.name {
+            Effect::ViscousDamping | Effect::CoulombFriction => {
+                let exponent = named("exponent")?.value;
+                (!PROPORTIONAL.contains(&exponent)).then(|| {
+                    format!(
+                        "The force of that {} grows with the power {exponent:.2} of the speed: the law of a fluid damper with \
+                         orifices, or of a seal.",
+                        e.name
+                    )
+                })
+            }
+            Effect::OilColumn => {
+                let ratio = named("damping_ratio")?.value;
+                (ratio > RINGS).then(|| {
+                    format!(
+                        "With a damping ratio of {ratio:.2} nothing rings: a valve or a controller of second order is as likely as \
+                         the oil."
+                    )
+                })
+            }
+            Effect::Softening | Effect::Hardening => Some(format!(
+                "A displacement transducer whose scale bends makes the same of a spring as {}: a second transducer would tell.",
+                e.name
+            )),
+            _ => None,
+        }
+    };
+    effects.iter().filter_map(of).collect()
 }
 
 /// Sentences on what a joint search came to.
@@ -208,10 +293,7 @@ fn damping(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Option<String> 
             .iter()
             .any(|e| e.name == Effect::ViscousDamping)
     {
-        return Some(format!(
-            "The viscous damping is a change of the declared damping from {declared:.3} to {value:.3} N s/mm, which the refitted \
-             parameter holds: one dashpot, not two."
-        ));
+        return None;
     }
     if value - declared <= REACH * refitted.tolerance {
         return None;

@@ -59,6 +59,14 @@ pub struct FoundEffect {
     pub parameters: Vec<FoundParameter>,
 }
 
+impl FoundEffect {
+    /// Whether its strength, the first of its parameters, is told from nothing at all.
+    pub fn is_told(&self) -> bool {
+        let strength = self.parameters.first().map(|p| p.ci90);
+        strength.is_none_or(|[low, high]| low > 0.0 || high < 0.0)
+    }
+}
+
 /// A member of a set of effects that explain the data equally well.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Member {
@@ -138,6 +146,8 @@ pub struct Line {
     pub width_hz: f64,
     /// rms, in the channel's unit.
     pub rms: f64,
+    /// Whether it stands in a rest, too: then the motion does not bring it about.
+    pub at_rest: bool,
 }
 
 /// The anatomy of what the model leaves, each class alone.
@@ -189,6 +199,15 @@ pub struct Errors {
     pub test_nrmse: f64,
     /// rms(measured - model) on held-out data, in the channel's unit.
     pub test_rms: f64,
+}
+
+impl Errors {
+    /// Not worked out: no numbers, which JSON writes as null.
+    pub const UNKNOWN: Self = Self {
+        train_nrmse: f64::NAN,
+        test_nrmse: f64::NAN,
+        test_rms: f64::NAN,
+    };
 }
 
 /// How far an effect got.

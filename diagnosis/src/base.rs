@@ -94,7 +94,11 @@ impl Base {
     pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
         let bound = |f: &Free| {
             let reach = REACH * f.tolerance;
-            let floor = self.channel.parameters()[f.index].least;
+            let own = self.channel.parameters()[f.index].least;
+            let floor = match self.channel {
+                Channel::Specimen => own.max(self.least(f.index)),
+                Channel::Actuator => own,
+            };
             let least = (self.values[f.index] - reach).max(floor);
             Bound {
                 low: least - theta[f.index],

@@ -18,7 +18,7 @@ use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem};
 use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
-use crate::signals::rms;
+use crate::signals::{end_of, rms};
 use crate::{advice, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum};
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
@@ -76,6 +76,7 @@ pub fn diagnose(
         let (mut answer, found) = channel.judge(&mut improved);
         driven::not_above(&mut answer, f64::INFINITY);
         channel.hear_lines(&mut answer);
+        channel.hear_disturbances(&mut answer);
         channel.ask_for_other_inputs(&mut answer);
         let mut lacks = input::lacks(&channel.base, train);
         lacks.extend(input::damages(&answer, train));
@@ -97,6 +98,7 @@ pub fn diagnose(
     remarks.sort();
     remarks.dedup();
     for answer in &mut channels {
+        answer.notes.extend(advice::covers(&answer.effects));
         answer.notes.extend(advice::another_zero(answer));
         answer.notes.extend(remarks.iter().cloned());
     }
@@ -120,11 +122,6 @@ fn line_hz(settled: &Solution) -> Option<f64> {
     let residual = settled.problem.residuals(&[], scales);
     let longest = residual.iter().max_by_key(|r| r.len())?;
     spectrum::line_hz(longest, scales.interval_s, 44.0, 66.0).map(|l| l.0)
-}
-
-/// The last `n` samples.
-fn end_of(x: &[f64], n: usize) -> &[f64] {
-    &x[x.len() - n..]
 }
 
 impl ChannelDiagnosis<'_> {
@@ -159,6 +156,8 @@ impl ChannelDiagnosis<'_> {
 
     fn not_assessed(&self, why: impl Into<String>) -> ChannelAnswer {
         let mut answer = self.blank(Verdict::NotAssessed);
+        (answer.error_before, answer.error_after) = (Errors::UNKNOWN, Errors::UNKNOWN);
+        (answer.noise_floor_rms, answer.improvement_ci90) = (f64::NAN, [f64::NAN; 2]);
         answer.notes.push(why.into());
         answer
     }

@@ -3,11 +3,12 @@
 use crate::base::Base;
 use crate::fit::{Frame, Solution, settle};
 use crate::library::candidate::Candidate;
-use crate::library::candidates;
+use crate::library::{KNEE, candidates};
 use crate::noise::Noise;
+use crate::polish::{Shaped, polish};
 use crate::problem::{Fitted, Problem};
 use crate::signals::rms;
-use crate::{sensitivity, sliding};
+use crate::{simpler, sliding};
 use plant::{Channel, Effect};
 use rayon::prelude::*;
 
@@ -34,9 +35,6 @@ const READING: f64 = 3e-5;
 const REMAINS: f64 = 0.3;
 /// A second effect must explain this share of the original structured rms.
 const SECOND: f64 = 0.2;
-
-/// An effect with its shapes.
-type Shaped = (Candidate, Vec<f64>);
 
 /// What the search came to.
 #[derive(Debug)]
@@ -114,6 +112,12 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     // What leaves more than was there before has fitted the noise's colour, not the record.
     let worst = left(&out.before);
     singles.retain(|s| left(s) <= worst);
+    // Nothing that is read passes a stop or a clip.
+    let all = singles.len();
+    singles.retain(|s| !simpler::is_passed(s, noise));
+    if singles.len() < all {
+        library.retain(|c| c.effect != Effect::Saturation);
+    }
     singles.sort_by(|a, b| score(a, ln_n).total_cmp(&score(b, ln_n)));
     let best_left = singles.first().map_or(0.0, left);
     // Where the best one leaves nothing but noise, its form is in the record, too, if it shows.
@@ -141,22 +145,39 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
         return Some(out);
     }
     out.after = first.clone();
-    let mut now = first_left;
+    out.alternatives = alternatives(&singles, out.before.cost, ln_n);
+    out.alternatives
+        .extend(search.gives_way(&first, &out.before, ln_n));
+    let now = first_left;
     if now > (MATTERS * noise.rms).max(0.1 * start)
-        && let Some(pair) = search.second(&first, &singles, &library, ln_n, left)
+        && let Some((pair, others)) = search.second(&first, &singles, &library, ln_n, left)
     {
         let pair_left = structured(left(&pair), noise);
         let more = (now * now - pair_left * pair_left).max(0.0).sqrt();
         if gain(&first, &pair) > EVIDENCE && more > SECOND * start && pair_left < 0.5 * now {
-            out.after = pair;
-            now = pair_left;
+            (out.after, out.alternatives) = (pair, others);
         }
     }
+    let as_well = |s: &Solution, than: &Solution| score(s, ln_n) < score(than, ln_n) + room(than);
+    if let Some(late) = simpler::late_beside_declared(&out.after, base, noise)
+        && as_well(&late, &out.after)
+    {
+        out.after = late;
+    }
+    if let Some(plain) = simpler::plain_friction(&out.after, base, noise) {
+        out.after = plain;
+    }
+    // What may be something else is not certain anyway.
+    if out.alternatives.is_empty()
+        && let Some(told) = simpler::told(&out.after, base, noise)
+    {
+        out.after = told;
+    }
+    let named = |n: &Effect| out.after.effects.iter().any(|e| e.candidate.effect == *n);
+    out.alternatives.retain(|n| !named(n));
+    let now = structured(left(&out.after), noise);
     out.structured[1] = now;
     out.vetoed = now > (REMAINS * start).max(MATTERS * noise.rms);
-    if out.after.effects.len() == 1 {
-        out.alternatives = alternatives(&singles, out.before.cost, ln_n);
-    }
     if let Some(sliding) = sliding::read(&out.after, base, noise) {
         out.after = sliding;
     }
@@ -259,7 +280,7 @@ impl<'a> Search<'a> {
         library: &[Candidate],
         ln_n: f64,
         left: impl Fn(&Solution) -> f64,
-    ) -> Option<Solution> {
+    ) -> Option<(Solution, Vec<Effect>)> {
         let by_score = |a: &Solution, b: &Solution| score(a, ln_n).total_cmp(&score(b, ln_n));
         let mut all: Vec<Solution> = Vec::new();
         for leader in std::iter::once(first).chain(singles.iter().skip(1).take(1)) {
@@ -284,8 +305,40 @@ impl<'a> Search<'a> {
         };
         let simpler = all.iter().find(|s| is_simpler(s, best) && !shows(s));
         let chosen = simpler.unwrap_or(best).clone();
-        Some(polish(chosen, self.base, self.noise))
+        // What does as well in the place of either.
+        let as_well = all.iter().filter(|s| score(s, ln_n) < most);
+        let mut others: Vec<Effect> = as_well.filter_map(|s| in_its_place(s, &chosen)).collect();
+        others.sort();
+        others.dedup();
+        Some((polish(chosen, self.base, self.noise), others))
     }
+
+    /// Of a force that ends at a limit: a spring that gives way at a displacement, where it fits as well. Only damping and mass,
+    /// which a clipped channel clips, too, tell the two apart.
+    fn gives_way(&self, first: &Solution, before: &Solution, ln_n: f64) -> Option<Effect> {
+        let own = first.effects.first()?.candidate;
+        if own.effect != Effect::Saturation || own.channel != Channel::Specimen {
+            return None;
+        }
+        let rivals = self.best_with(&[], &[KNEE], before);
+        let most = score(first, ln_n) + room(first);
+        let rival = rivals.first().filter(|s| score(s, ln_n) < most)?;
+        Some(rival.effects[0].candidate.effect)
+    }
+}
+
+/// The effect that one pair has in the place of one of another pair; `None` where they have none in common, and where the
+/// one contains the other.
+fn in_its_place(pair: &Solution, of: &Solution) -> Option<Effect> {
+    let has = |s: &Solution, e: &Fitted| {
+        let same = |f: &Fitted| f.candidate.effect == e.candidate.effect;
+        s.effects.iter().any(same)
+    };
+    let mut new = pair.effects.iter().filter(|e| !has(of, e));
+    let mut gone = of.effects.iter().filter(|e| !has(pair, e));
+    let (new, gone) = (new.next().filter(|_| new.next().is_none())?, gone.next()?);
+    let contains = new.candidate.includes.contains(&gone.candidate.effect);
+    (!contains).then_some(new.candidate.effect)
 }
 
 /// Whether a pair has a special case in place of one effect of another pair.
@@ -298,39 +351,6 @@ fn is_simpler(pair: &Solution, than: &Solution) -> bool {
     let gone = than.effects.iter().find(|e| !has(pair, e));
     new.zip(gone)
         .is_some_and(|(new, gone)| gone.candidate.includes.contains(&new.candidate.effect))
-}
-
-/// How often a solution is made linear around itself at most.
-const STEPS: usize = 6;
-/// A fall of the cost that is not worth another step.
-const POLISHED: f64 = 0.2;
-
-/// Moves the shapes of all effects together to their best.
-fn polish(solution: Solution, base: &Base, noise: &Noise) -> Solution {
-    let mut best = solution;
-    for _ in 0..STEPS {
-        let Some(step) = sensitivity::step(&best, base, noise) else {
-            break;
-        };
-        if step.iter().all(Vec::is_empty) {
-            break;
-        }
-        let next = [1.0, 0.4, 0.1].into_iter().find_map(|share| {
-            let moved = best.effects.iter().zip(&step).map(|(e, step)| {
-                let shapes = e.shapes.iter().zip(step).map(|(v, d)| v + share * d);
-                (e.candidate, shapes.collect())
-            });
-            let moved: Vec<Shaped> = moved.collect();
-            settle(&best.problem, base, noise, &moved).filter(|next| next.cost < best.cost)
-        });
-        let Some(next) = next else { break };
-        let fall = best.cost - next.cost;
-        best = next;
-        if fall < POLISHED {
-            break;
-        }
-    }
-    best
 }
 
 /// By how much the cost of two explanations may differ that are equally good: by chance, or by a small part of what

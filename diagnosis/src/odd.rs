@@ -26,6 +26,12 @@ pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
 
 fn of(model: &Model, r: &Recording) -> Vec<String> {
     let mut all = Vec::new();
+    for (what, unit, x) in [
+        ("displacement", "mm", &r.displacement_mm),
+        ("force", "N", &r.force_n),
+    ] {
+        all.extend(x.as_ref().and_then(|x| spikes(r, what, unit, x)));
+    }
     if let (Some(a), Some(u), Some(x)) = (&model.actuator, &r.command_mm, &r.displacement_mm) {
         if u == x {
             all.push(format!(
@@ -61,6 +67,47 @@ fn unit(
     Some(format!(
         "{}: {what} is {ratio:.4} times what the model says, and {why}. Are the columns in the units of their headers?",
         r.name
+    ))
+}
+
+/// A single sample leaves its neighbours by so many times what nine tenths of all samples leave theirs by,
+const LEAVES: f64 = 20.0;
+/// and by this share of the channel's range,
+const FAR: f64 = 0.02;
+/// while its neighbours differ from each other by at most this share of that.
+const BACK: f64 = 0.3;
+/// So many are no chance.
+const FEWEST: usize = 3;
+
+/// Single samples that jump away and back: a loose contact, a lost packet.
+fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
+    let off = |i: usize| (x[i] - 0.5 * (x[i - 1] + x[i + 1])).abs();
+    let mut usual: Vec<f64> = (1..x.len() - 1).map(off).collect();
+    let at = usual.len() * 9 / 10;
+    let usual = *usual.select_nth_unstable_by(at, f64::total_cmp).1;
+    let least = (LEAVES * usual).max(FAR * range(x));
+    // Both neighbours lie on the same side: a sample beside a spike is none.
+    let alone = |i: &usize| {
+        let [before, after] = [x[*i] - x[i - 1], x[*i] - x[i + 1]];
+        off(*i) > least && before * after > 0.0 && (x[i + 1] - x[i - 1]).abs() < BACK * off(*i)
+    };
+    let found: Vec<usize> = (1..x.len() - 1).filter(alone).collect();
+    if found.len() < FEWEST {
+        return None;
+    }
+    let first = found[0];
+    let same = found.iter().all(|i| x[*i] == x[first]);
+    let reads = if same {
+        format!("read {} {unit}", x[first])
+    } else {
+        "jump away from both of their neighbours".into()
+    };
+    Some(format!(
+        "{}: {} single samples of the {what} {reads}, the first at {:.3} s: dropouts, of a loose contact or of lost packets. They \
+         are judged as if the rig had moved so: leave them out of the file, or mend the cause and record again.",
+        r.name,
+        found.len(),
+        r.time_s[first]
     ))
 }
 
@@ -164,6 +211,30 @@ mod tests {
             zeros[0].contains("force stands at 0 from 2.000 s"),
             "{zeros:?}"
         );
+    }
+
+    #[test]
+    fn samples_that_drop_out_are_counted() {
+        let dropped = said(|r| {
+            let x = r.displacement_mm.as_mut().unwrap();
+            (0..40).for_each(|i| x[517 + 211 * i] = 0.0);
+        });
+        let of =
+            |s: &String| s.contains("single samples of the displacement read 0 mm, the first at");
+        assert!(dropped.iter().any(of), "{dropped:?}");
+        // One that stands near 0 anyway does not count, and a sharp turn is none.
+        let number: Vec<&str> = dropped[0].split(' ').collect();
+        assert!(
+            (35..=40).contains(&number[1].parse::<i32>().unwrap()),
+            "{dropped:?}"
+        );
+        let turns = said(|r| {
+            let saw = |i: usize| (i % 500) as f64 / 50.0;
+            r.command_mm = Some((0..10_000).map(saw).collect());
+            r.displacement_mm = Some((0..10_000).map(|i| 1.001 * saw(i)).collect());
+            r.force_n = Some((0..10_000).map(|i| 101.0 * saw(i)).collect());
+        });
+        assert_eq!(turns, Vec::<String>::new());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
 use crate::refusal::Refusal;
 use crate::spectrum::motion_band_hz;
+use std::ops::Range;
 
 /// Factor beyond which a proportion is a slip of units.
 const SLIP: f64 = 250.0;
@@ -233,9 +234,10 @@ const GOES_ON: f64 = 0.15;
 /// And of its whole range: less is its noise while everything holds.
 const GOES_FAR: f64 = 0.02;
 
-/// Whether `x` stands at a rail again and again: at its largest or smallest value while what drives it goes on in the
-/// same direction and comes back. A part that has stopped because its drive has turned (a play, a hold) is no rail.
-pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
+/// The longest of the stops of `x` where it stands at a rail again and again: at its largest or smallest value while what
+/// drives it goes on in the same direction and comes back. A part that has stopped because its drive has turned (a play, a
+/// hold) is no rail.
+pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     let (low, high) = x
         .iter()
         .fold((f64::MAX, f64::MIN), |(l, h), &v| (l.min(v), h.max(v)));
@@ -254,11 +256,12 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
             _ => {}
         }
     }
+    let longest = stops.iter().max_by_key(|s| s.1 - s.0).map(|s| s.0..s.1);
     if stops.len() < STOPS {
-        return false;
+        return None;
     }
     let Some(drive) = drive else {
-        return true;
+        return longest;
     };
     // Upward like x at the upper rail: of a drive with the other sign the other way round.
     let sign = if correlation(x, drive) < 0.0 {
@@ -274,7 +277,8 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> bool {
         let turn = farthest - inside[inside.len() - 1];
         farthest - inside[0] > (GOES_ON * turn).max(least)
     };
-    2 * stops.iter().filter(|s| on(s)).count() >= stops.len()
+    let most = 2 * stops.iter().filter(|s| on(s)).count() >= stops.len();
+    longest.filter(|_| most)
 }
 
 /// Share of the spring's force from which on a declared mass may turn the sign of the whole.
@@ -298,10 +302,11 @@ mod tests {
     fn a_rail_is_one_and_a_part_that_waits_for_its_drive_to_come_back_is_none() {
         let drive: Vec<f64> = (0..6000).map(|i| (0.01 * f64::from(i)).sin()).collect();
         let rail: Vec<f64> = drive.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
-        assert!(clipped(&rail, Some(&drive)) && clipped(&rail, None));
+        assert!(clipped(&rail, Some(&drive)).is_some() && clipped(&rail, None).is_some());
         let late = crate::signals::delayed(&drive, 0.02, 1e-3);
         let rail: Vec<f64> = late.iter().map(|u| u.clamp(-0.8, 0.8)).collect();
-        assert!(clipped(&rail, Some(&drive)));
+        let stop = clipped(&rail, Some(&drive)).unwrap();
+        assert!(rail[stop].iter().all(|x| x.abs() == 0.8));
         // A play stops where its drive turns; its values at the turns are alike to the last digit that is written.
         let mut at = 0.0_f64;
         let play = |u: &f64| {
@@ -309,7 +314,7 @@ mod tests {
             (at * 1e3).round() / 1e3
         };
         let waits: Vec<f64> = drive.iter().map(play).collect();
-        assert!(clipped(&waits, None) && !clipped(&waits, Some(&drive)));
+        assert!(clipped(&waits, None).is_some() && clipped(&waits, Some(&drive)).is_none());
     }
 
     #[test]

@@ -168,6 +168,11 @@ pub fn add_scaled(y: &mut [f64], x: &[f64], factor: f64) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
+/// The last `n` samples.
+pub fn end_of(x: &[f64], n: usize) -> &[f64] {
+    &x[x.len() - n..]
+}
+
 /// Root of the mean square.
 pub fn rms(parts: &[Vec<f64>]) -> f64 {
     let n: usize = parts.iter().map(Vec::len).sum();

@@ -1,12 +1,13 @@
 //! What the rest of a channel depends on.
 
 use super::channel::ChannelDiagnosis;
+use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::coherence::linear_share;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::foretold::next_error;
 use crate::recording::{Recording, range};
-use crate::remainder::{Moves, anatomy, correction, lines, rms_with};
+use crate::remainder::{Moves, anatomy, clock, correction, lines, rms_with};
 use crate::rest;
 use crate::signals::rms;
 use plant::{Channel, Family};
@@ -26,6 +27,17 @@ fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
     found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
     Some((rms(&[still]), found))
 }
+
+/// Which share of the squares lines hold.
+fn held(found: &[Line], whole: f64) -> f64 {
+    let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
+    square / (whole * whole).max(f64::MIN_POSITIVE)
+}
+
+/// What lines of a rest must hold of all that is left to be worth a sentence.
+const MATTERS: f64 = 0.02;
+/// Two readings of one line, in a rest of a second or two and in the whole record, differ by this much at most, Hz.
+const SAME_HZ: f64 = 1.0;
 
 /// Power of the motion by which an error that has no name may grow faster, beyond the motion that was learned from, than
 /// within it: the next terms of a force's series are its square and its cube.
@@ -73,6 +85,16 @@ impl ChannelDiagnosis<'_> {
             let [low, high] = next_error(train, &learned, &planned);
             let high = high * beyond(answer.verdict, &learned, &planned);
             answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
+            let of = |records: &[Recording], answers: &[Vec<f64>], rests: &[Vec<f64>]| {
+                let all = records.iter().zip(answers).zip(rests);
+                all.map(|((r, y), rest)| Moves::new(y, Vec::new(), rest.clone(), r.interval_s()))
+                    .collect::<Vec<_>>()
+            };
+            let (of_train, of_test) = (
+                of(self.train, &learned, train),
+                of(self.test, &planned, test),
+            );
+            answer.notes.extend(self.other_clock(&of_train, &of_test));
         }
         let learned = self.moves(self.train, train);
         let judged = self.moves(self.test, test);
@@ -91,6 +113,82 @@ impl ChannelDiagnosis<'_> {
                 }
             });
             answer.remainder = Some(found);
+        }
+    }
+
+    /// Of what is left and is speed times time: a clock that runs otherwise.
+    fn other_clock(&self, train: &[Moves], test: &[Moves]) -> Option<String> {
+        let found = clock(train, test)?;
+        let output = self.output();
+        let (way, ms) = (
+            if found.late > 0.0 { "late" } else { "early" },
+            1e3 * found.at_the_end_s.abs(),
+        );
+        Some(format!(
+            "{:.0} % of the squares of what is left are speed times time: the {output} comes more and more {way}, by {:.0} ppm \
+             of the time, {ms:.1} ms at the end of the training data. That is what a logger's clock does that runs otherwise \
+             than the other: record both channels by one clock, or stretch the time of one of them by that.",
+            100.0 * found.share,
+            1e6 * found.late.abs()
+        ))
+    }
+
+    /// What the channel's output is called.
+    fn output(&self) -> &'static str {
+        match self.base.channel {
+            Channel::Actuator => "displacement",
+            Channel::Specimen => "force",
+        }
+    }
+
+    /// Lines that stand in the rest, too, are a disturbance whatever else is missing: they are said with frequency and
+    /// amplitude.
+    pub(super) fn hear_disturbances(&self, answer: &mut ChannelAnswer) {
+        if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
+            return;
+        }
+        let t = &answer.traces;
+        let rest: Vec<f64> = t
+            .measured
+            .iter()
+            .zip(&t.after)
+            .map(|(y, m)| y - m)
+            .collect();
+        let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
+            return;
+        };
+        // Of the reading itself: what a model makes of the input's noise has a band, and looks like a line at its end.
+        let Some((still, mut found)) = lines_at_rest(r, &t.measured) else {
+            return;
+        };
+        if held(&found, still) < LINES || held(&found, rms(&[rest])) < MATTERS {
+            return;
+        }
+        found.iter_mut().for_each(|l| l.at_rest = true);
+        let all: Vec<String> = found
+            .iter()
+            .map(|l| {
+                let amplitude = std::f64::consts::SQRT_2 * l.rms;
+                format!(
+                    "{:.2} Hz with an amplitude of {} {}",
+                    l.frequency_hz,
+                    four(amplitude),
+                    answer.unit
+                )
+            })
+            .collect();
+        answer.notes.push(format!(
+            "A disturbance of {} stands in the rest, too: the motion does not bring it about, and no element of a model of the motion \
+             will take it. Look for a pump, a valve that hunts, a dither, another machine.",
+            all.join(" and ")
+        ));
+        if let Some(anatomy) = &mut answer.remainder {
+            let near = |a: &Line, b: &Line| {
+                (a.frequency_hz - b.frequency_hz).abs() < a.width_hz.max(b.width_hz) + SAME_HZ
+            };
+            anatomy.lines.retain(|l| !found.iter().any(|f| near(l, f)));
+            found.append(&mut anatomy.lines);
+            anatomy.lines = found;
         }
     }
 
@@ -120,11 +218,6 @@ impl ChannelDiagnosis<'_> {
             return;
         };
         let whole = rms(std::slice::from_ref(&rest));
-        // Which share of the squares lines hold.
-        let held = |found: &[Line], whole: f64| {
-            let square: f64 = found.iter().map(|l| l.rms * l.rms).sum();
-            square / (whole * whole).max(f64::MIN_POSITIVE)
-        };
         let mut found = lines(&rest, &t.input, r.interval_s());
         if held(&found, whole) < LINES {
             // A motion of many frequencies has harmonics everywhere: there lines show at rest only.
@@ -137,15 +230,20 @@ impl ChannelDiagnosis<'_> {
             }
             answer.noise_floor_rms *= (1.0 - share).max(0.0).sqrt();
             found = at_rest;
+            found.iter_mut().for_each(|l| l.at_rest = true);
         }
         let all: Vec<String> = found
             .iter()
-            .map(|l| format!("{:.3} Hz", l.frequency_hz))
+            .map(|l| {
+                let amplitude = std::f64::consts::SQRT_2 * l.rms;
+                let amplitude = format!("{} {}", four(amplitude), answer.unit);
+                format!("{:.3} Hz with an amplitude of {amplitude}", l.frequency_hz)
+            })
             .collect();
         answer.verdict = Verdict::Unknown;
         answer.notes = vec![format!(
-            "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise: a pump, a \
-             valve that hunts, another axis; its cause is outside these channels.",
+            "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise, but a \
+             disturbance: a pump, a valve that hunts, another axis; its cause is outside these channels.",
             answer.unit,
             all.join(", ")
         )];

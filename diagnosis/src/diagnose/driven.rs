@@ -108,7 +108,10 @@ impl ChannelDiagnosis<'_> {
                     unknown(&mut answer, names[0].effect, explained.max(0.0));
                 } else {
                     let floor = (ACCOUNTS * before.test_rms).max(ABOUT_THE_NOISE * noise.rms);
-                    answer.verdict = if after.test_rms <= floor && !more {
+                    let beside = TO_THE_NOISE * noise.rms;
+                    let nothing =
+                        noise.from == Source::Rest && after.test_rms <= noise.rms.hypot(beside);
+                    answer.verdict = if nothing || after.test_rms <= floor && !more {
                         Verdict::Effect
                     } else {
                         Verdict::Partial
@@ -158,6 +161,7 @@ impl ChannelDiagnosis<'_> {
         let left = |rms: f64| (rms * rms - noise.rms * noise.rms).max(0.0).sqrt();
         let structured = [reached, answer.error_after.test_rms].map(left);
         answer.notes = advice::notes(&answer, structured, noise, false);
+        answer.notes.extend(advice::one_change(&answer, true));
         answer.notes.extend(noise.from.note().map(String::from));
         not_above(&mut answer, rms(std::slice::from_ref(&kept.residual)));
         if answer.verdict != Verdict::None {

@@ -2,7 +2,10 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::answer::*;
-use crate::criteria::{FALSE_SINGLES, TRANSDUCER};
+use crate::base::Free;
+use crate::criteria::{
+    FALSE_SINGLES, FRICTION_YIELD, LEAST_SURE, MAY_BE_FRICTION, REACH, STRIBECK_YIELD, TRANSDUCER,
+};
 use crate::explain::Explanation;
 use crate::fit::Solution;
 use crate::improved::improve;
@@ -10,6 +13,7 @@ use crate::interval;
 use crate::model::Model;
 use crate::noise::Noise;
 use crate::problem::Problem;
+use crate::recording::range;
 use crate::signals::rms;
 use crate::{advice, joint, lattice};
 use plant::{Channel, Effect, EffectSpec, Family};
@@ -37,8 +41,35 @@ fn vouch(answer: &mut ChannelAnswer, leaves_more: bool) {
     for effect in &mut answer.effects {
         effect.certificate = certificate;
         let by_rivals = certificate.map_or(0.0, |c| joint::q(c.rivals_leave));
-        effect.q = Some(FALSE_SINGLES[usize::from(leaves_more)].max(by_rivals));
+        let q = FALSE_SINGLES[usize::from(leaves_more)].max(by_rivals);
+        effect.q = Some(if effect.is_told() { q } else { LEAST_SURE });
     }
+}
+
+/// A parameter that is so many tolerances off stands at the end of what it may be.
+const AT_THE_END: f64 = 0.99 * REACH;
+
+/// Half the range of the displacement, mm.
+fn half_range(problem: &Problem) -> f64 {
+    let all = problem.stretches.iter().map(|s| s.seen(&s.signals.x));
+    0.5 * range(&all.flatten().copied().collect::<Vec<f64>>())
+}
+
+/// Friction and hysteresis are of one kind, and told apart by where they yield: what yields between the two borders may be
+/// either.
+fn of_one_kind(effect: &FoundEffect, half_mm: f64) -> Option<Effect> {
+    let named = |name: &str| effect.parameters.iter().find(|p| p.name == name);
+    let share = |name: &str| named(name).map(|p| p.value / half_mm);
+    match effect.name {
+        Effect::CoulombFriction => share("presliding_mm").filter(|s| *s > FRICTION_YIELD),
+        Effect::StribeckFriction => share("presliding_mm").filter(|s| *s > STRIBECK_YIELD),
+        Effect::BilinearHysteresis | Effect::BoucWenHysteresis => {
+            let early = share("yield_mm").filter(|s| *s < MAY_BE_FRICTION)?;
+            return (early > 0.0).then_some(Effect::CoulombFriction);
+        }
+        _ => None,
+    }
+    .map(|_| Effect::BilinearHysteresis)
 }
 
 impl ChannelDiagnosis<'_> {
@@ -110,15 +141,25 @@ impl ChannelDiagnosis<'_> {
         };
         let possible = effects.iter().all(|e| self.can_be(e));
         if found && !e.vetoed && !worse && possible {
-            answer.verdict = if e.alternatives.is_empty() {
-                Verdict::Effect
-            } else {
-                Verdict::Ambiguous
-            };
+            answer.verdict = Verdict::Effect;
             answer.error_after = after;
             answer.alternatives.clone_from(&e.alternatives);
+            let half_mm = half_range(&e.after.problem);
+            let theta = e.after.problem.theta;
+            let specimen = self.base.channel == Channel::Specimen;
+            let kin = effects.iter().filter(|_| specimen);
+            let kin = kin.filter_map(|e| of_one_kind(e, half_mm));
+            let kin: Vec<Effect> = kin.filter(|n| !e.alternatives.contains(n)).collect();
+            answer.alternatives.extend(kin);
+            let wants = effects
+                .iter()
+                .filter_map(|e| self.at_its_end(e.name, &theta));
+            let wants: Vec<Effect> = wants.filter(|n| !answer.alternatives.contains(n)).collect();
+            answer.alternatives.extend(wants);
             answer.effects = effects;
-            if e.alternatives.is_empty() {
+            if !answer.alternatives.is_empty() {
+                answer.verdict = Verdict::Ambiguous;
+            } else {
                 vouch(&mut answer, e.structured[1] > noise.rms);
             }
             improve(&self.base, &e.after, &answer.effects, improved);
@@ -139,6 +180,7 @@ impl ChannelDiagnosis<'_> {
         };
         answer.refitted = advice::refitted(&self.base, &solution.problem.theta);
         answer.notes = advice::notes(&answer, e.structured, noise, worse && found && !e.vetoed);
+        answer.notes.extend(advice::one_change(&answer, false));
         answer.notes.extend(noise.from.note().map(String::from));
         if let (Some((problem, b)), Some((_, a))) = (held_before, held_after) {
             answer.traces = self.traces(
@@ -155,6 +197,35 @@ impl ChannelDiagnosis<'_> {
             }
         }
         answer
+    }
+
+    /// The error of a declared parameter that makes the same of the motion as an effect and stands at the end of its
+    /// tolerances: it wants more, and is a rival.
+    fn at_its_end(&self, effect: Effect, theta: &[f64; 4]) -> Option<Effect> {
+        let channel = self.base.channel;
+        let alike: &[Effect] = match (channel, effect) {
+            (Channel::Actuator, e) if e.entry().family == Family::Timing => {
+                &[Effect::DelayError, Effect::LagError]
+            }
+            (Channel::Specimen, Effect::ChannelSkew) => &[Effect::ViscousDamping],
+            (Channel::Specimen, Effect::RigCompliance) => &[Effect::GainError],
+            _ => &[],
+        };
+        alike.iter().copied().find(|rival| {
+            let at = channel.parameter_of_error(*rival);
+            let own = |f: &&Free| Some(f.index) == at;
+            let end = |f: &Free| {
+                let off = theta[f.index] - self.base.values[f.index];
+                // A dashpot takes work; the displacement of one that is read early gives it.
+                let off = if *rival == Effect::ViscousDamping {
+                    off
+                } else {
+                    off.abs()
+                };
+                off > AT_THE_END * f.tolerance
+            };
+            *rival != effect && self.base.free.iter().find(own).is_some_and(end)
+        })
     }
 
     /// Whether a change with time is one that can be: far within its time constant only its rate shows, and its end may come

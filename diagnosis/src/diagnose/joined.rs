@@ -5,7 +5,9 @@ use crate::answer::{
     Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
     Verdict,
 };
-use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
+use crate::criteria::{
+    ACCOUNTS, BESIDE_NOISE, LEAST_SURE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
+};
 use crate::joint::{self, Explained, Fit, Outcome};
 use crate::model::Model;
 use crate::noise::{Noise, Source};
@@ -14,6 +16,8 @@ use crate::signals::rms;
 use crate::{advice, interval, rest};
 use plant::Effect;
 
+/// Up to so many times a noise that a rest has told, nothing beside it remains: half of it in squares more.
+const TO_THE_NOISE: f64 = 1.12;
 /// Where what is left is all that is known of the noise, and something is still missing.
 const NOISE_UNKNOWN: &str = "No rest tells the noise: the stated figure is what the model leaves, of which a part is no noise.";
 
@@ -135,7 +139,9 @@ impl ChannelDiagnosis<'_> {
                         let known = if told { BESIDE_NOISE } else { f64::INFINITY };
                         let floor = answer.noise_floor_rms;
                         let most = share.min(known * floor).max(NOISE * floor);
-                        if !more && after.moving <= most {
+                        // Nothing remains beside a noise that a rest has told.
+                        let nothing = told && after.moving <= TO_THE_NOISE * floor;
+                        if nothing || !more && after.moving <= most {
                             Verdict::Effect
                         } else {
                             Verdict::Partial
@@ -151,6 +157,7 @@ impl ChannelDiagnosis<'_> {
             _ => answer.verdict = Verdict::Unknown,
         }
         answer.notes = advice::joined(&answer, &found);
+        answer.notes.extend(advice::one_change(&answer, true));
         let told = noise.is_some_and(|n| n.from == Source::Rest);
         if answer.verdict == Verdict::Partial && !told && answer.noise_floor_rms >= lowest {
             answer.notes.push(NOISE_UNKNOWN.into());
@@ -196,10 +203,10 @@ fn effects(explained: &Explained) -> Vec<FoundEffect> {
         Option<Certificate>,
         Vec<crate::interval::Figure>,
     )| {
-        FoundEffect {
+        let found = FoundEffect {
             name: *name,
             family: name.entry().family,
-            q: certificate.map(|c| joint::q(c.rivals_leave)),
+            q: None,
             certificate: *certificate,
             parameters: figures
                 .iter()
@@ -210,6 +217,14 @@ fn effects(explained: &Explained) -> Vec<FoundEffect> {
                     ci90,
                 })
                 .collect(),
+        };
+        let sure = |c: Certificate| {
+            let q = joint::q(c.rivals_leave);
+            if found.is_told() { q } else { LEAST_SURE }
+        };
+        FoundEffect {
+            q: certificate.map(sure),
+            ..found
         }
     };
     explained.names.iter().map(effect).collect()

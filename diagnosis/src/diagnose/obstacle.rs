@@ -5,6 +5,7 @@ use crate::answer::ChannelAnswer;
 use crate::recording::{Recording, range};
 use crate::{lattice, plausible};
 use plant::{Channel, Effect};
+use std::ops::Range;
 
 /// Whether the converter's steps are so large that a signal rests on each of them for a while.
 fn coarse(x: &[f64]) -> bool {
@@ -34,12 +35,9 @@ impl ChannelDiagnosis<'_> {
             let driven_by = r.command_mm.as_deref().unwrap_or(target);
             if self.base.channel == Channel::Specimen
                 && !coarse(input)
-                && plausible::clipped(input, Some(driven_by))
+                && let Some(stop) = plausible::clipped(input, Some(driven_by))
             {
-                return Some(format!(
-                    "{}: the input of the {name} is clipped: it stays at its largest or smallest value again and again",
-                    r.name
-                ));
+                return Some(self.clips(r, "displacement", "mm", input, &stop, ""));
             }
         }
         None
@@ -55,17 +53,41 @@ impl ChannelDiagnosis<'_> {
         {
             return None;
         }
-        let stands = |r: &&Recording| {
-            let input = self.input_of(r).map(Vec::as_slice);
-            self.target_of(r)
-                .is_some_and(|x| !coarse(x) && plausible::clipped(x, input))
+        let (what, unit) = match self.base.channel {
+            Channel::Actuator => ("displacement", "mm"),
+            Channel::Specimen => ("force", answer.unit.as_str()),
         };
-        let r = self.train.iter().find(stands)?;
-        Some(format!(
-            "{}: the output of the {} is clipped: it stays at its largest or smallest value again and again, and what \
-             is cut off there passes for another effect",
+        let stands = |r: &Recording| {
+            let input = self.input_of(r).map(Vec::as_slice);
+            let x = self.target_of(r).filter(|x| !coarse(x))?;
+            let stop = plausible::clipped(x, input)?;
+            let passes = ", and what is cut off there passes for another effect";
+            Some(self.clips(r, what, unit, x, &stop, passes))
+        };
+        self.train.iter().find_map(stands)
+    }
+
+    /// Where a signal stands at its rail, and what to do about it.
+    fn clips(
+        &self,
+        r: &Recording,
+        what: &str,
+        unit: &str,
+        x: &[f64],
+        stop: &Range<usize>,
+        so: &str,
+    ) -> String {
+        let at = x[stop.start];
+        let middle = x.iter().sum::<f64>() / x.len() as f64;
+        let end = if at > middle { "largest" } else { "smallest" };
+        format!(
+            "{}: the {what} of the {} is clipped: it stays at its {end} value, {at:.4} {unit}, again and again, the longest \
+             from {:.3} s to {:.3} s{so}. Record with a wider range of the amplifier and the converter, or give spans \
+             without these times (FILE@T0..T1)",
             r.name,
-            self.base.channel.name()
-        ))
+            self.base.channel.name(),
+            r.time_s[stop.start],
+            r.time_s[stop.end - 1]
+        )
     }
 }

@@ -79,7 +79,22 @@ pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED
             ("stiffness_n_per_mm", "N/mm", strength),
         ],
         Effect::Drift => vec![("force_n", "N", strength), ("time_constant_s", "s", p)],
-        _ => vec![("strength", "N or N/mm", strength)],
+        _ => vec![("strength", unit(first.law), strength)],
+    }
+}
+
+/// Unit of a law's strength.
+const fn unit(law: Law) -> &'static str {
+    match law {
+        Law::PowerOfPlace
+        | Law::Lessened
+        | Law::Away
+        | Law::Square
+        | Law::Beyond
+        | Law::Lost
+        | Law::Relaxing => "N/mm",
+        Law::SizeOfSpeed => "N s/mm",
+        _ => "N",
     }
 }
 
@@ -112,6 +127,10 @@ fn friction(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
     };
     if let Some((e, _)) = part.iter().find(|(e, _)| gives(e.law)) {
         all.push((PRESLIDING, "mm", e.shape[0]));
+    }
+    // A force that hardly grows with speed has no give: its smooth reversals are a power of the speed.
+    if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::PowerOfSpeed) {
+        all.push(("exponent", "", e.shape[0]));
     }
     all
 }

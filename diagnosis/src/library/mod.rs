@@ -9,6 +9,7 @@ mod specimen;
 
 pub use candidate::Candidate;
 pub use saved::form_names;
+pub use specimen::KNEE;
 
 use plant::{Channel, EffectSpec};
 

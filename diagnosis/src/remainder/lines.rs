@@ -86,6 +86,7 @@ pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
             frequency_hz: centre * bin_hz,
             width_hz: width as f64 * bin_hz,
             rms: (square * own / whole).sqrt(),
+            at_rest: false,
         });
     }
     found

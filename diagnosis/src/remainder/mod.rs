@@ -1,9 +1,11 @@
 //! The anatomy of what a model leaves: how much of its squares each class of dependence would take on data that were not
 //! learned from, each class alone; and the class that takes most as a correction without a name.
 
+mod clock;
 mod columns;
 mod lines;
 
+pub use clock::clock;
 pub use columns::Moves;
 pub use lines::lines;
 

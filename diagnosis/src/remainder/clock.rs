@@ -1,0 +1,114 @@
+//! A clock that runs otherwise than another: what is left is the speed of the answer times the time.
+
+use super::columns::Moves;
+use crate::linear::{dot, gram};
+use crate::signals::add_scaled;
+use nalgebra::DVector;
+
+/// Of the squares on held-out data, what a clock must take to be said.
+const TAKES: f64 = 0.3;
+/// With it the columns leave at most this share of what they leave without it: a channel that is late by a constant time takes
+/// three quarters of what a clock does.
+const LEAVES: f64 = 0.5;
+
+/// A clock of the output that runs otherwise than that of the input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// By which share of the time the output comes later and later; earlier where it is negative.
+    pub late: f64,
+    /// By how much it is late at the end of the longest record, s.
+    pub at_the_end_s: f64,
+    /// Share of the squares on held-out data.
+    pub share: f64,
+}
+
+/// The speed of a model's answer times the time, its speed and itself.
+fn columns(answer: &Moves) -> [Vec<f64>; 3] {
+    let h = answer.interval_s;
+    let timed = answer.v.iter().enumerate();
+    [
+        timed.map(|(i, v)| i as f64 * h * v).collect(),
+        answer.v.clone(),
+        answer.x.clone(),
+    ]
+}
+
+/// What columns from `from` on leave of the rests of test records, as a share, and their weights.
+fn left(from: usize, train: &[Moves], test: &[Moves]) -> Option<(f64, Vec<f64>)> {
+    let mut all: Vec<Vec<f64>> = vec![Vec::new(); 3 - from];
+    let mut rest = Vec::new();
+    for m in train {
+        let own = columns(m);
+        let own = own.into_iter().skip(from);
+        all.iter_mut()
+            .zip(own)
+            .for_each(|(all, own)| all.extend(own));
+        rest.extend_from_slice(&m.rest);
+    }
+    let right = DVector::from_fn(all.len(), |i, _| dot(&all[i], &rest));
+    let weights = gram(&all).cholesky()?.solve(&right);
+    let (mut before, mut after) = (0.0, 0.0);
+    for m in test {
+        let mut rest = m.rest.clone();
+        before += dot(&rest, &rest);
+        for (column, w) in columns(m).iter().skip(from).zip(weights.iter()) {
+            add_scaled(&mut rest, column, -w);
+        }
+        after += dot(&rest, &rest);
+    }
+    Some((
+        after / before.max(f64::MIN_POSITIVE),
+        weights.iter().copied().collect(),
+    ))
+}
+
+/// The clock that the rests show; `x` and `v` of each are those of the model's answer. `None` where they show none.
+pub fn clock(train: &[Moves], test: &[Moves]) -> Option<Clock> {
+    let (with, weights) = left(0, train, test)?;
+    let (without, _) = left(1, train, test)?;
+    let share = 1.0 - with;
+    if share < TAKES || with > LEAVES * without {
+        return None;
+    }
+    let late = -weights[0];
+    let seconds = train.iter().map(|m| m.x.len() as f64 * m.interval_s);
+    Some(Clock {
+        late,
+        at_the_end_s: late * seconds.fold(0.0, f64::max),
+        share,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spring of 100 N/mm whose force is read by another clock.
+    fn record(phase: f64, rest: impl Fn(f64, f64) -> f64) -> Moves {
+        let h = 2e-3;
+        let x = |t: f64| 10.0 * (2.1 * t + phase).sin() + 4.0 * (5.3 * t).cos();
+        let times = || (0..15_000).map(move |i| f64::from(i) * h);
+        let answer: Vec<f64> = times().map(|t| 100.0 * x(t)).collect();
+        let noise = |i: usize| ((i * 7919) % 1009) as f64 / 504.5 - 1.0;
+        let left = times()
+            .enumerate()
+            .map(|(i, t)| 100.0 * (rest(t, x(t))) + noise(i));
+        Moves::new(&answer, Vec::new(), left.collect(), h)
+    }
+
+    #[test]
+    fn a_clock_that_is_slow_is_found_with_its_rate_and_a_late_channel_is_none() {
+        let x = |t: f64, phase: f64| 10.0 * (2.1 * t + phase).sin() + 4.0 * (5.3 * t).cos();
+        let slow = |phase| record(phase, move |t, now| x(t * (1.0 - 3e-4), phase) - now);
+        let found = clock(&[slow(0.3)], &[slow(1.9)]).unwrap();
+        assert!((found.late / 3e-4 - 1.0).abs() < 0.05, "{found:?}");
+        assert!(
+            (found.at_the_end_s - 9e-3).abs() < 1e-3 && found.share > 0.8,
+            "{found:?}"
+        );
+        let late = |phase| record(phase, move |t, now| x(t - 5e-3, phase) - now);
+        assert_eq!(clock(&[late(0.3)], &[late(1.9)]), None);
+        let cubic = |phase| record(phase, |_, now| 1e-3 * now.powi(3));
+        assert_eq!(clock(&[cubic(0.3)], &[cubic(1.9)]), None);
+    }
+}

@@ -1,0 +1,99 @@
+//! What the figures of a solution say themselves: that an effect is a simpler one, or that none is told.
+
+use crate::base::Base;
+use crate::fit::{Solution, settle};
+use crate::interval;
+use crate::library::candidates;
+use crate::noise::Noise;
+use crate::polish::{Shaped, polish};
+use crate::problem::Fitted;
+use plant::{Channel, Effect};
+
+/// Place of the damping among a specimen's declared parameters.
+const DAMPING: usize = 1;
+/// Of noise next to nothing lies so many times its rms away.
+const FAR: f64 = 5.0;
+/// Of a limit, what a transducer of class 0.5 may be off.
+const CLASS: f64 = 0.005;
+/// Readings beyond a limit, as a share of those that a model without it has there, that stand against it.
+const PASS: f64 = 0.01;
+
+/// Fitted again with other effects.
+fn again(s: &Solution, base: &Base, noise: &Noise, effects: &[Shaped]) -> Option<Solution> {
+    let settled = settle(&s.problem, base, noise, effects)?;
+    Some(polish(settled, base, noise))
+}
+
+fn shaped(effects: &[Fitted]) -> Vec<Shaped> {
+    let own = effects.iter();
+    own.map(|e| (e.candidate, e.shapes.clone())).collect()
+}
+
+/// Friction that falls with speed, where the interval of its level at rest over that in motion holds 1, is friction;
+/// `None` where there is no such thing.
+pub fn plain_friction(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
+    let falls = |e: &Fitted| e.candidate.effect == Effect::StribeckFriction;
+    let at = s.effects.iter().position(falls)?;
+    let figures = interval::parameters(s, base, noise);
+    let ratio = figures[at].iter().find(|f| f.0 == "rest_ratio")?;
+    if ratio.3[0] > 1.0 {
+        return None;
+    }
+    let mut all = candidates(base.channel).into_iter();
+    let plain = all.find(|c| c.effect == Effect::CoulombFriction)?;
+    let mut effects = shaped(&s.effects);
+    effects[at] = (plain, vec![effects[at].1[0]]);
+    again(s, base, noise, &effects)
+}
+
+/// Of several effects those whose strength these samples tell; `None` where they tell all, or none.
+pub fn told(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
+    let figures = interval::parameters(s, base, noise);
+    let tells = |figures: &Vec<interval::Figure>| {
+        let [low, high] = figures.first().map_or([1.0; 2], |f| f.3);
+        low > 0.0 || high < 0.0
+    };
+    let pairs = s.effects.iter().zip(&figures);
+    let stay = pairs.filter(|p| tells(p.1)).map(|p| p.0.clone());
+    let stay: Vec<Fitted> = stay.collect();
+    if stay.is_empty() || stay.len() == s.effects.len() {
+        return None;
+    }
+    again(s, base, noise, &shaped(&stay))
+}
+
+/// A force that is read late beside the damping as it was declared: on a specimen that is nearly a spring the two are one
+/// phase, and what was declared is known from elsewhere.
+pub fn late_beside_declared(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
+    let late = |e: &Fitted| e.candidate.effect == Effect::ChannelSkew;
+    if base.channel != Channel::Specimen || !s.effects.iter().any(late) {
+        return None;
+    }
+    let mut held = base.clone();
+    held.free.retain(|f| f.index != DAMPING);
+    let mut problem = s.problem.clone();
+    let mut theta = problem.theta;
+    theta[DAMPING] = base.values[DAMPING];
+    problem.set(base, theta);
+    let begin = Solution {
+        problem,
+        ..s.clone()
+    };
+    again(&begin, &held, noise, &shaped(&s.effects))
+}
+
+/// Whether readings lie beyond a limit of this solution, where nothing passes: it is none.
+pub fn is_passed(s: &Solution, noise: &Noise) -> bool {
+    let limits = |e: &&Fitted| e.candidate.effect == Effect::Saturation;
+    let Some(limit) = s.effects.iter().find(limits).map(|e| e.shapes[0]) else {
+        return false;
+    };
+    let offset = s.problem.theta[3].abs();
+    let beyond = limit + offset + (FAR * noise.rms).max(CLASS * limit);
+    let count = |of: &dyn Fn(&crate::stretch::Stretch) -> Vec<f64>, at: f64| {
+        let all = s.problem.stretches.iter().flat_map(of);
+        all.filter(|y| y.abs() > at).count() as f64
+    };
+    let measured = count(&|s| s.judged(&s.target), beyond);
+    measured > PASS * count(&|s| s.judged(&s.signals.base), limit)
+}
