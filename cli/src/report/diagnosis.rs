@@ -107,6 +107,10 @@ fn found(a: &ChannelAnswer) -> String {
 
 fn errors(a: &ChannelAnswer) -> String {
     let (before, after) = (&a.error_before, &a.error_after);
+    // What was not worked out has no tile.
+    if before.test_rms.is_nan() {
+        return String::new();
+    }
     let tile = |value: String, meaning: &str| {
         format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
     };
@@ -125,7 +129,9 @@ fn errors(a: &ChannelAnswer) -> String {
             "is the fall on held-out data, 90 % interval",
         ));
     }
-    tiles.push(tile(quantity(a.noise_floor_rms, &a.unit), "the noise"));
+    if !a.noise_floor_rms.is_nan() {
+        tiles.push(tile(quantity(a.noise_floor_rms, &a.unit), "the noise"));
+    }
     tiles.push(tile(
         format!(
             "{} / {}",

@@ -153,8 +153,8 @@ pub fn of_diagnosis(
         );
         Ok(html)
     };
-    let lead = "What was measured is compared with what the declared model says, its parameters refitted within three \
-                tolerances; what is left beyond the noise is traced to an effect that the model lacks.";
+    let lead = "What was measured is compared with what the declared model says, its parameters refitted around what \
+                was declared; what is left beyond the noise is traced to an effect that the model lacks.";
     Ok(page(title, lead, &body().map_err(cannot)?))
 }
 

@@ -106,6 +106,7 @@ fn errors(channels: &[ChannelAnswer]) -> Table {
     for a in channels {
         let (before, after) = (&a.error_before, &a.error_after);
         let rms = |x: f64| quantity(x, &a.unit);
+        let percent = |x: f64| if x.is_nan() { "-".into() } else { percent(x) };
         t.add_row([
             a.channel.name().to_owned(),
             verdict(a.verdict).to_owned(),

@@ -53,6 +53,22 @@ pub fn headline(a: &ChannelAnswer) -> String {
 
 /// How much larger than the noise an error may be before it is said that more is missing.
 const MORE: f64 = 1.5;
+/// Up to so many times the noise nothing remains beside it.
+const NOTHING: f64 = 1.1;
+/// From this share of the squares on, lines that stand in a rest, too, are what is left.
+const DISTURBED: f64 = 0.3;
+
+/// Frequencies of what oscillates at rest as in motion, where it is most of what is left.
+fn disturbed(a: &ChannelAnswer) -> Option<String> {
+    let r = a.remainder.as_ref()?;
+    let own: Vec<_> = r.lines.iter().filter(|l| l.at_rest).collect();
+    let squares: f64 = own.iter().map(|l| l.rms * l.rms).sum();
+    let all: Vec<String> = own
+        .iter()
+        .map(|l| format!("{} Hz", digits(l.frequency_hz)))
+        .collect();
+    (!own.is_empty() && squares >= DISTURBED * r.rms * r.rms).then(|| all.join(" and "))
+}
 
 /// How sure the names are, where the search says it.
 pub fn sureness(a: &ChannelAnswer) -> Option<String> {
@@ -72,6 +88,17 @@ pub fn sureness(a: &ChannelAnswer) -> Option<String> {
 /// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
 pub fn next(a: &ChannelAnswer) -> Option<String> {
     let left = a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE);
+    if let Some(disturbed) = disturbed(a) {
+        let model = if a.effects.is_empty() {
+            "the model stays as it was declared"
+        } else {
+            "keep the improved model (--save-model)"
+        };
+        return Some(format!(
+            "Next: find what oscillates at {disturbed} while the rig is at rest, pumps and drives on and off one after the \
+             other, stop it or filter it, and record again; it does not depend on the motion. Until then {model}."
+        ));
+    }
     Some(match a.verdict {
         Verdict::NotAssessed => return None,
         Verdict::None if left > MORE => format!(
@@ -89,6 +116,9 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
         ),
         Verdict::Effect => {
             "Next: keep the improved model (--save-model) and take it into the next test (run --model).".into()
+        }
+        Verdict::Partial if left < NOTHING => {
+            "Next: keep the improved model (--save-model); what it leaves on the held-out data is no more than the noise.".into()
         }
         Verdict::Partial => {
             "Next: keep the improved model (--save-model); for what remains, vary one thing at a time, one amplitude at \
@@ -207,9 +237,10 @@ pub fn rest(a: &ChannelAnswer) -> Option<String> {
     }
     for l in &r.lines {
         parts.push(format!(
-            "a line at {} Hz holds {} rms",
+            "a line at {} Hz holds {} rms{}",
             digits(l.frequency_hz),
-            quantity(l.rms, &a.unit)
+            quantity(l.rms, &a.unit),
+            if l.at_rest { ", in the rest, too" } else { "" }
         ));
     }
     Some(format!(
@@ -255,6 +286,7 @@ pub fn parameter(p: &FoundParameter) -> String {
 /// A value with its unit, where it has one.
 pub fn quantity(x: f64, unit: &str) -> String {
     match unit {
+        _ if x.is_nan() => "-".into(),
         "" | "1" => digits(x),
         unit => format!("{} {unit}", digits(x)),
     }

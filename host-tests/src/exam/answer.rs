@@ -1,6 +1,6 @@
 //! An answer: what `outerloop diagnose --json` prints.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Both channels' verdicts.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
@@ -58,8 +58,14 @@ pub struct Value {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[serde(default)]
 pub struct Error {
-    /// Rms of measured less model on the held-out record, in the channel's unit.
+    /// Rms of measured less model on the held-out record, in the channel's unit; NaN where none was worked out.
+    #[serde(deserialize_with = "or_nan")]
     pub test_rms: f64,
+}
+
+/// JSON has null for a number that is none.
+fn or_nan<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 impl Answer {

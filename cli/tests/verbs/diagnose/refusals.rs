@@ -178,6 +178,9 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
         let d = lab.diagnose(&model, file);
         let c = channel(&d, name);
         assert_eq!(c["verdict"], "not_assessed", "{c}");
+        // What was not worked out is null, not 0.
+        assert!(c["error_before"]["test_rms"].is_null(), "{c}");
+        assert!(c["noise_floor_rms"].is_null(), "{c}");
         let notes = c["notes"].to_string();
         assert!(notes.contains(words), "`{words}` is not in {notes}");
     };
@@ -189,12 +192,20 @@ fn what_cannot_be_judged_is_not_assessed_and_says_why() {
         let x: f64 = row[2].parse().unwrap();
         row[2] = x.clamp(-0.03, 0.03).to_string();
     });
-    why(&rail, "specimen", "the input of the specimen is clipped");
+    why(
+        &rail,
+        "specimen",
+        "the displacement of the specimen is clipped: it stays at its",
+    );
     let cut = lab.changed("cut.csv", |_, row| {
         let f: f64 = row[3].parse().unwrap();
         row[3] = f.clamp(-3000.0, 3000.0).to_string();
     });
-    why(&cut, "specimen", "the output of the specimen is clipped");
+    why(
+        &cut,
+        "specimen",
+        "the force of the specimen is clipped: it stays at its",
+    );
     let text = std::fs::read_to_string(&still).unwrap();
     lab.write("nocommand.csv", &text.replacen("command_m", "oil_c", 1));
     why(&lab.path("nocommand.csv"), "actuator", "missing");
