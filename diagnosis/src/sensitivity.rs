@@ -5,8 +5,10 @@ use crate::fit::{ONCE, Solution};
 use crate::library::candidate::Candidate;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
-use crate::problem::Fitted;
+use crate::problem::{Fitted, Problem};
 use nalgebra::DVector;
+use plant::Channel;
+use std::borrow::Cow;
 
 /// An unknown of an effect.
 #[derive(Clone, Copy, Debug)]
@@ -83,15 +85,22 @@ impl Jacobian {
             .collect();
         let n = base.free.len() + all.len();
         let (mut columns, mut white) = (vec![Vec::new(); n], Vec::new());
-        for stretch in &problem.stretches {
+        // The noise of a reading is late by whole samples: a small step that takes it over to the next one is no derivative.
+        let late = stages.iter().any(|(c, _)| c.stage.is_some());
+        let smooth = match base.channel {
+            Channel::Specimen if late => Cow::Owned(without_noise(problem, base)),
+            _ => Cow::Borrowed(problem),
+        };
+        for (stretch, motion) in problem.stretches.iter().zip(&smooth.stretches) {
             let mut raw = problem.staged_columns(base, stretch, &stages);
-            let here = problem.answer(stretch, &solution.effects, &scales);
+            let from = smooth.answer(motion, &solution.effects, &scales);
             for unknown in &all {
                 let (moved, step) = unknown.moved(&solution.effects);
-                let there = problem.answer(stretch, &moved, &scales);
-                let change = there.iter().zip(&here).map(|(t, h)| (t - h) / step);
+                let there = smooth.answer(motion, &moved, &scales);
+                let change = there.iter().zip(&from).map(|(t, h)| (t - h) / step);
                 raw.push(change.collect());
             }
+            let here = problem.answer(stretch, &solution.effects, &scales);
             for (raw, column) in raw.into_iter().zip(&mut columns) {
                 noise.whiten_into(&stretch.judged(&raw), column);
             }
@@ -105,6 +114,16 @@ impl Jacobian {
             known: priors(solution, base),
         }
     }
+}
+
+/// The same with a displacement that is read without noise.
+fn without_noise(problem: &Problem, base: &Base) -> Problem {
+    let mut smooth = problem.clone();
+    for stretch in &mut smooth.stretches {
+        stretch.signals.reading = stretch.signals.x.clone();
+    }
+    smooth.set(base, problem.theta);
+    smooth
 }
 
 fn priors(solution: &Solution, base: &Base) -> Vec<Prior> {
