@@ -38,7 +38,7 @@ pub fn parse(file: &str, bytes: Vec<u8>) -> Result<NumberTable, Failure> {
         Failure::input(format!(
             "{file}: holds no series of numbers: accepted are vectors, or matrices with a quantity a column; {}",
             if all.is_empty() {
-                "structures and cells are not read: save their fields as variables of their own"
+                "structures of version 5 and cells are not read: save with save(..., '-v7.3'), or their fields as variables"
             } else {
                 "single numbers are no record"
             }

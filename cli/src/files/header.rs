@@ -15,8 +15,33 @@ pub struct Header {
 const UNITS: &[(&str, &[&str])] = &[
     ("s", &["s", "sec", "secs", "second", "seconds", "sek"]),
     ("ms", &["ms", "msec", "millisecond", "milliseconds"]),
+    // The micro sign and the Greek letter are two characters.
+    (
+        "us",
+        &[
+            "us",
+            "\u{b5}s",
+            "\u{3bc}s",
+            "usec",
+            "microsecond",
+            "microseconds",
+        ],
+    ),
+    ("min", &["min", "mins", "minute", "minutes"]),
     ("m", &["m", "meter", "metre", "meters", "metres"]),
     ("mm", &["mm", "millimeter", "millimetre"]),
+    (
+        "um",
+        &[
+            "um",
+            "\u{b5}m",
+            "\u{3bc}m",
+            "micron",
+            "microns",
+            "micrometer",
+            "micrometre",
+        ],
+    ),
     ("cm", &["cm"]),
     ("in", &["in", "inch", "inches"]),
     ("n", &["n", "newton", "newtons"]),
@@ -219,7 +244,7 @@ fn split(text: &str) -> (&str, String) {
             && let Some((unit, _)) = rest.split_once(close)
             && let Some(unit) = unit_named(unit)
         {
-            return (base, unit.to_owned());
+            return (base.trim_end_matches('_'), unit.to_owned());
         }
     }
     for mark in [" in ", "/", ",", " ", "_"] {
@@ -271,6 +296,10 @@ mod tests {
             ("acc_x_g", None, "acc_g"),
             ("Beschleunigung [m/s²]", None, "acc_m_per_s2"),
             ("Sollweg [mm]", None, "command_mm"),
+            ("Time_[s]", None, "time_s"),
+            ("Time (\u{b5}s)", None, "time_us"),
+            ("Time", Some("min"), "time_min"),
+            ("Disp [\u{3bc}m]", None, "displacement_um"),
         ] {
             assert_eq!(Header::of(text, beneath).name(known), name, "{text}");
         }

@@ -8,7 +8,8 @@ const MAGIC: &str = "LabVIEW Measurement";
 const END: &str = "***End_of_Header***";
 
 /// The text with its table alone: the lines before it are blank, so that messages keep their line, and the units of
-/// `Y_Unit_Label` stand in the names. `None`: the text is no such file, or one without times of its own.
+/// `Y_Unit_Label` stand in the names. A file without a column of times has those of `X0` and `Delta_X`. `None`: the text is no
+/// such file, or one with times for each channel.
 pub fn as_table(text: &str) -> Option<String> {
     if !text.starts_with(MAGIC) {
         return None;
@@ -25,9 +26,12 @@ pub fn as_table(text: &str) -> Option<String> {
                 .collect::<Vec<_>>(),
         )
     };
-    if key("X_Columns")?.first() != Some(&"One") {
-        return None;
-    }
+    let first = |name: &str| key(name)?.first()?.replace(',', ".").parse::<f64>().ok();
+    let clock = match *key("X_Columns")?.first()? {
+        "One" => None,
+        "No" => Some((first("X0")?, first("Delta_X")?)),
+        _ => return None,
+    };
     let names = lines.get(end + 1)?;
     let separator = if names.contains('\t') { '\t' } else { ',' };
     let units = key("Y_Unit_Label").unwrap_or_default();
@@ -49,13 +53,17 @@ pub fn as_table(text: &str) -> Option<String> {
         .collect();
     let mut table = "\n".repeat(end + 1);
     table += &names.join(&separator.to_string());
-    for line in &lines[end + 2..] {
+    for (row, line) in lines[end + 2..].iter().enumerate() {
+        let time = clock.map(|(from_s, step_s)| (from_s + row as f64 * step_s).to_string());
         let cells = line.trim_end().splitn(names.len() + 1, separator);
+        let mut cells: Vec<&str> = cells.take(names.len()).collect();
+        if let (Some(time), [empty, ..]) = (&time, &mut cells[..])
+            && empty.trim().is_empty()
+        {
+            *empty = time;
+        }
         table.push('\n');
-        table += &cells
-            .take(names.len())
-            .collect::<Vec<_>>()
-            .join(&separator.to_string());
+        table += &cells.join(&separator.to_string());
     }
     table.push('\n');
     Some(table)
@@ -89,8 +97,22 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_times_is_left_as_it_is() {
-        assert_eq!(as_table(&TEXT.replace("\tOne", "\tNo")), None);
+    fn a_file_without_times_has_those_of_its_header() {
+        let text = TEXT
+            .replace("\tOne", "\tNo")
+            .replace("0.002\t0.002", "0,002\t0,002")
+            .replace("\n0.000\t", "\n\t")
+            .replace("\n0.002\t", "\n\t");
+        let table = as_table(&text).unwrap();
+        assert!(
+            table.ends_with("\n0\t-1.5\t0.25\n0.002\t-1.6\t0.26\n"),
+            "{table}"
+        );
+    }
+
+    #[test]
+    fn what_has_times_for_each_channel_is_left_as_it_is() {
+        assert_eq!(as_table(&TEXT.replace("\tOne", "\tMulti")), None);
         assert_eq!(as_table("time_s,a\n0,1\n"), None);
     }
 }

@@ -8,6 +8,7 @@ const LENGTH: &[UnitOf] = &[
     ("m", 1.0),
     ("mm", 1e-3),
     ("cm", 1e-2),
+    ("um", 1e-6),
     ("in", 0.0254),
     (ANGLE, 1.0),
 ];
@@ -31,7 +32,10 @@ pub const PLAIN: &[UnitOf] = &[("1", 1.0)];
 
 /// The quantities that are known, and the units that each can have; the first is the one that is written.
 pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
-    ("time", &[("s", 1.0), ("ms", 1e-3)]),
+    (
+        "time",
+        &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("min", 60.0)],
+    ),
     ("command", LENGTH),
     ("target", LENGTH),
     ("displacement", LENGTH),

@@ -172,6 +172,13 @@ impl Recording {
             let (column, factor) = match assigned.iter().find(|(at, _)| *at == j) {
                 Some((_, a)) => assigned_column(&table, header, a)?,
                 None => {
+                    // Times of day need no unit where --rate stands for them.
+                    if let Some(bad) = bad_in(j).filter(|_| said.rate.is_some())
+                        && header.likely() == Some("time")
+                    {
+                        notes.push(left_out(&table, bad));
+                        continue;
+                    }
                     let found = column(&table, header)?;
                     // What was said on the command line stands above what a name suggests.
                     let taken =
@@ -427,7 +434,7 @@ fn refuse_unit(table: &NumberTable, header: &Header, quantity: &str, units: &[Un
         .collect();
     table.refuse_header(format!(
         "the column `{}` is refused: accepted are {}, a unit in brackets or in a row beneath, or --column \
-         {quantity}={}:UNIT",
+         '{quantity}={}:UNIT'",
         header.text,
         accepted.join(", "),
         header.text

@@ -97,7 +97,7 @@ fn one_record_in_every_dialect_is_one_record() {
     );
     refused(
         &["identify", &unnamed],
-        &["`Time`", "time_s", "--column time=Time:UNIT"],
+        &["`Time`", "time_s", "--column 'time=Time:UNIT'"],
     );
     refused(
         &["identify", &unnamed, "--column", "time=Zeit:s"],
@@ -155,6 +155,22 @@ fn what_stands_beside_a_record_does_not_spoil_it() {
     );
     let found = lag_ms(&[&format!("{holed}@0..3.4")]);
     assert!((found - 20.0).abs() < 1.0, "{found}");
+    // Small units, and times of day at an even rate whose column says no unit.
+    let micro = file(
+        "micro.csv",
+        "Time (us),Command (um),Displacement (um)",
+        &|i, [_, u, x]| format!("{},{},{}", 1000 * i, 1e3 * u, 1e3 * x),
+    );
+    let day =
+        file(
+            "day.csv",
+            "Time,Command (mm),Displacement (mm)",
+            &|_, [t, u, x]| format!("14:00:{t:06.3},{u},{x}"),
+        );
+    for arguments in [&[micro.as_str()][..], &[&day, "--rate", "1000"]] {
+        let found = lag_ms(arguments);
+        assert!((found - 20.0).abs() < 1.0, "{arguments:?}: {found}");
+    }
     // Times of day, at an even rate.
     let clock = file(
         "clock.csv",
