@@ -20,7 +20,7 @@ pub fn as_table(text: &str) -> Option<String> {
         let found = lines[..end].iter().find(|line| line.starts_with(name))?;
         Some(
             found
-                .split(['\t', ','])
+                .split(if found.contains('\t') { '\t' } else { ',' })
                 .skip(1)
                 .map(str::trim)
                 .collect::<Vec<_>>(),

@@ -109,7 +109,7 @@ fn each_mistake_is_refused_with_its_line() {
         ("time_s,command\n0,1\n1,1\n", "`command` is refused"),
         ("time_s,command0_mm\n0,1\n1,1\n", "`command0_mm` is refused"),
         ("time_s,commandm\n0,1\n1,1\n", "`commandm` is refused"),
-        ("time_min,command_mm\n0,1\n1,1\n", "time_s"),
+        ("time_h,command_mm\n0,1\n1,1\n", "time_s"),
         ("command_mm,force_n\n0,1\n1,1\n", "has no time"),
         (
             "time_s,command_mm,command_m\n0,1,1\n1,1,1\n",
