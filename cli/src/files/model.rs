@@ -129,6 +129,11 @@ mod tests {
             ("158.0", "\"stiff\"", "m.toml, line 4, `"),
             ("158.0", "nan", "specimen.stiffness_n_per_mm.value = NaN"),
             (TEXT, "", "declares no channel"),
+            (
+                "tolerance = 3 }",
+                "tolerance = 3 }\n[[specimen.effects]]\nname = \"quantisation\"\nstep_n = 1.0",
+                "quantisation is refused: it is read off the values of a record",
+            ),
         ] {
             let e = parse("m.toml", &TEXT.replace(from, to))
                 .unwrap_err()
