@@ -406,7 +406,8 @@ impl Element {
                     && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
             }
             Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
-            Law::Beyond => p.abs() < 1e12,
+            // A gap to both sides is no narrower than nothing; a contact on one side stands anywhere.
+            Law::Beyond => p.abs() < 1e12 && (q != 0.0 || p >= 0.0),
             Law::Away | Law::Square | Law::SizeOfSpeed => true,
         }
     }
@@ -418,6 +419,17 @@ const MOST_GROWTH: f64 = 1.0;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gap_is_no_narrower_than_nothing() {
+        let sizes = Sizes {
+            x: 4.0,
+            ..Sizes::default()
+        };
+        let is_sound = |p, side| Element::new(Law::Beyond, [p, side]).is_sound(&sizes);
+        assert!(is_sound(0.5, 0.0) && is_sound(0.0, 0.0) && !is_sound(-0.5, 0.0));
+        assert!(is_sound(-0.5, 1.0) && is_sound(-0.5, -1.0));
+    }
 
     #[test]
     fn what_a_spring_has_lost_stays_lost() {
