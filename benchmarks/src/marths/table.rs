@@ -21,6 +21,12 @@ pub const LEGEND: &str = "Standard deviations in per cent, of the nominal plant 
      tracking error of actuator 1 / 2, as read; J2*: of the true strokes. J5: x / rotation, as the controller's block has \
      them, against the target; J7: against the reference structure.";
 
+/// The rows of one ground motion after the other, each with its name.
+pub fn by_record(rows: &[MarthsRow]) -> impl Iterator<Item = (&str, &[MarthsRow])> {
+    let groups = rows.chunk_by(|a, b| a.record == b.record);
+    groups.map(|group| (group[0].record.as_str(), group))
+}
+
 /// Two figures in a cell.
 pub fn both([a, b]: Both) -> String {
     let one = |x: f64| match x {

@@ -2,6 +2,12 @@
 
 use super::bench::{LOST_PERCENT, RthsRow};
 
+/// The rows of one ground motion after the other, each with its name.
+pub fn by_record(rows: &[RthsRow]) -> impl Iterator<Item = (&str, &[RthsRow])> {
+    let groups = rows.chunk_by(|a, b| a.record == b.record);
+    groups.map(|group| (group[0].record.as_str(), group))
+}
+
 /// Head of the summary of one ground motion: a controller a row, cases 1 to 4 side by side. A specimen that yields has a
 /// column more.
 pub fn summary_head(rows: &[RthsRow]) -> Vec<&'static str> {

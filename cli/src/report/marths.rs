@@ -13,7 +13,7 @@ use benchmarks::marths::bench::{MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::rig::Parameters;
-use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
+use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use benchmarks::marths::trial::Trace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
 use benchmarks::target::Target;
@@ -34,17 +34,16 @@ pub fn of_marths(
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
     let mut body = target_boxes(targets);
-    for group in rows.chunk_by(|a, b| a.record == b.record) {
-        let Some(first) = group.first() else { continue };
-        let _ = write!(body, "<h2>{}</h2>{}", escape(&first.record), verdict(group));
-        if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == first.record) {
+    for (name, group) in by_record(rows) {
+        let _ = write!(body, "<h2>{}</h2>{}", escape(name), verdict(group));
+        if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == name) {
             body += &close_up_section(problem, record, seed)?;
         }
         let _ = write!(
             body,
             "{}<p>{}.</p>",
             table(&HEAD, group.iter().map(cells)),
-            escape(&floors(first))
+            escape(&floors(&group[0]))
         );
     }
     let meaning = MEANING.map(escape).join("<br>");

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
-    HEAD, SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, cells, floor_cells, summary,
+    HEAD, SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, cells, floor_cells, summary,
     summary_head, yielding_summary,
 };
 use benchmarks::rths::trial::{Ground, Trace};
@@ -37,9 +37,7 @@ pub fn of_rths(
     }
     body += &target_table(targets);
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
-    let groups: Vec<&[RthsRow]> = rows.chunk_by(|a, b| a.record == b.record).collect();
-    for group in &groups {
-        let name = group.first().map_or("", |r| &r.record);
+    for (name, group) in by_record(rows) {
         let table = table(&summary_head(group), summary(group).into_iter());
         let _ = write!(body, "<h3>{}</h3>{table}", escape(name));
     }
@@ -49,9 +47,7 @@ pub fn of_rths(
             "<h2>Specimens that yield</h2><p>{}.</p>",
             escape(YIELDING_LEGEND)
         );
-        let by_record = |rows| <[RthsRow]>::chunk_by(rows, |a, b| a.record == b.record);
-        for (degrading, pinched) in by_record(degrading).zip(by_record(pinched)) {
-            let name = degrading.first().map_or("", |r| &r.record);
+        for ((name, degrading), (_, pinched)) in by_record(degrading).zip(by_record(pinched)) {
             let table = table(
                 &YIELDING_HEAD,
                 yielding_summary(degrading, pinched).into_iter(),
@@ -65,8 +61,7 @@ pub fn of_rths(
         "<h2>All criteria</h2><p>{meaning}<br>*: of the displacement as it was, without the sensor's noise.<br>\
          Worst: of the perturbed plants.</p>"
     );
-    for group in groups {
-        let name = group.first().map_or("", |r| &r.record);
+    for (name, group) in by_record(rows) {
         let of_cases = group.chunk_by(|a, b| a.case == b.case);
         let all = of_cases.flat_map(|rows| {
             rows.first()

@@ -15,7 +15,7 @@ use benchmarks::marths::bench::{self, MarthsRow, Problem, Record};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
-use benchmarks::marths::table::{HEAD, LEGEND, both, cells, floors};
+use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use benchmarks::marths::targets::targets;
 use benchmarks::target::Target;
 use std::path::{Path, PathBuf};
@@ -216,9 +216,8 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
 fn print(rows: &[MarthsRow], targets: &[Target]) {
     print_targets(targets);
     println!("{LEGEND}\n");
-    for group in rows.chunk_by(|a, b| a.record == b.record) {
-        let Some(first) = group.first() else { continue };
-        println!("{}", floors(first));
+    for (_, group) in by_record(rows) {
+        println!("{}", floors(&group[0]));
         let cells = group.iter().map(cells);
         println!("{}\n", super::shared::named(table(&HEAD), 0, cells));
     }

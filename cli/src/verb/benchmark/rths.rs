@@ -13,7 +13,7 @@ use crate::verb::json;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
-    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, summary, summary_head, yielding_summary,
+    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, summary, summary_head, yielding_summary,
 };
 use benchmarks::rths::verdict::{CAUTION, best, targets, whole_table};
 use benchmarks::rths::yielding::Behaviour;
@@ -208,11 +208,6 @@ impl Rths {
     }
 }
 
-/// The rows of one ground motion after the other.
-fn by_record(rows: &[RthsRow]) -> impl Iterator<Item = &[RthsRow]> {
-    rows.chunk_by(|a, b| a.record == b.record)
-}
-
 fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], targets: &[Target]) {
     println!("Rules: {}.", rules.name());
     print_targets(targets);
@@ -225,15 +220,15 @@ fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], targets: &[
         ),
     }
     println!("{CAUTION}\n\n{SUMMARY_LEGEND}.\n");
-    for group in by_record(rows) {
-        println!("{}", group.first().map_or("", |r| &r.record));
+    for (name, group) in by_record(rows) {
+        println!("{name}");
         let cells = summary(group).into_iter();
         println!("{}\n", named(table(&summary_head(group)), 0, cells));
     }
     if let [degrading, pinched] = yielding {
         println!("{YIELDING_LEGEND}.\n");
-        for (degrading, pinched) in by_record(degrading).zip(by_record(pinched)) {
-            println!("{}", degrading.first().map_or("", |r| &r.record));
+        for ((name, degrading), (_, pinched)) in by_record(degrading).zip(by_record(pinched)) {
+            println!("{name}");
             let cells = yielding_summary(degrading, pinched).into_iter();
             println!("{}\n", named(table(&YIELDING_HEAD), 0, cells));
         }
