@@ -9,7 +9,7 @@
 mod your_controller;
 
 use benchmarks::rths::published::WORST_DRAWN;
-use benchmarks::rths::{Bench, Contestant, RthsRow, Rules};
+use benchmarks::rths::{Benchmark, Contestant, RthsRow, Rules};
 
 /// Draws of twenty plants a case.
 const SEEDS: u64 = 9;
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect::<Result<_, _>>()?;
         let mut rows: Vec<RthsRow> = Vec::new();
         for seed in 1..=SEEDS {
-            let bench = Bench {
+            let bench = Benchmark {
                 rules: &rules,
                 records: &record,
                 contestants: &contestants,

@@ -7,9 +7,9 @@
 //!
 //! Without a record the ground is shaken by a few sines. `outerloop benchmark rths` prints the rows of the others.
 
-use benchmarks::rths::controller::{Controller, ControllerInput, Declared, Outside};
+use benchmarks::rths::controller::{Controller, ControllerInput, DeclaredPlant, Outside};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow, Rules};
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow, Rules};
 
 /// The target 25 ms ahead, along a line: what one would try first.
 struct Ahead {
@@ -30,7 +30,7 @@ impl Controller for Ahead {
 static ENTRY: Outside = Outside {
     name: "ahead",
     told: "the delay",
-    make: |_: &Declared| {
+    make: |_: &DeclaredPlant| {
         Box::new(Ahead {
             samples: 0.025 * RATE_HZ,
             last_m: 0.0,
@@ -40,11 +40,11 @@ static ENTRY: Outside = Outside {
 
 /// Its rows, one a case.
 pub fn rows(
-    record: Record,
+    record: GroundRecord,
     rules: &Rules,
     plants: usize,
 ) -> Result<Vec<RthsRow>, benchmarks::Refused> {
-    let bench = Bench {
+    let bench = Benchmark {
         rules,
         records: &[record],
         contestants: &[
@@ -58,7 +58,7 @@ pub fn rows(
 }
 
 /// A few sines, swelling and dying, for a first look without the problem's records.
-pub fn sines(rules: &Rules) -> Record {
+pub fn sines(rules: &Rules) -> GroundRecord {
     let points: Vec<f32> = (0..600)
         .map(|i| {
             let t = f64::from(i) * 0.01;
@@ -66,7 +66,7 @@ pub fn sines(rules: &Rules) -> Record {
             (4.0 * wave * (0.52 * t).sin()) as f32
         })
         .collect();
-    Record::new("sines", &points, 0.01, rules, Behaviour::Linear)
+    GroundRecord::new("sines", &points, 0.01, rules, Behaviour::Linear)
 }
 
 /// Interval (s) and accelerations (m/s^2) of a record of two columns, time in s and acceleration in g, below a line of heads.
@@ -85,10 +85,10 @@ pub fn points(path: &str) -> Result<(f64, Vec<f32>), Box<dyn std::error::Error>>
 }
 
 /// The same as a record of the problem.
-pub fn read(path: &str, rules: &Rules) -> Result<Record, Box<dyn std::error::Error>> {
+pub fn read(path: &str, rules: &Rules) -> Result<GroundRecord, Box<dyn std::error::Error>> {
     let (interval_s, points) = points(path)?;
     let name = path.rsplit('/').next().unwrap_or(path);
-    Ok(Record::new(
+    Ok(GroundRecord::new(
         name,
         &points,
         interval_s,

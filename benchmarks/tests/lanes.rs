@@ -6,10 +6,10 @@ use benchmarks::rths::channels::Noise;
 use benchmarks::rths::parameters::Parameters;
 use benchmarks::rths::trial::{Official, run};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Contestant, Record, Rules};
+use benchmarks::rths::{Contestant, GroundRecord, Rules};
 
 /// Three seconds of a swelling and dying ground motion of several frequencies, m/s^2.
-fn record(rules: &Rules, behaviour: Behaviour) -> Record {
+fn record(rules: &Rules, behaviour: Behaviour) -> GroundRecord {
     let acc: Vec<f32> = (0..300)
         .map(|i| {
             let t = i as f32 * 0.01;
@@ -17,7 +17,7 @@ fn record(rules: &Rules, behaviour: Behaviour) -> Record {
             4.0 * wave * (t * 1.05).sin().powi(2)
         })
         .collect();
-    Record::new("waves", &acc, 0.01, rules, behaviour)
+    GroundRecord::new("waves", &acc, 0.01, rules, behaviour)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The multi-axial benchmark against the figures that an independent port of the problem gave.
 #![allow(missing_docs)]
 
-use benchmarks::marths::bench::{MarthsRow, Problem, Record, rows};
+use benchmarks::marths::bench::{GroundRecord, MarthsRow, Problem, rows};
 use benchmarks::marths::contestants::Contestant;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ fn data() -> Option<PathBuf> {
     )
 }
 
-fn problem(folder: &Path) -> (Problem, Record) {
+fn problem(folder: &Path) -> (Problem, GroundRecord) {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let problem = Problem::parse(
         &read("marths/K_matrix.csv"),

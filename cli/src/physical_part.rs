@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::files::{coupled, model};
 use benchmarks::marths::PERIOD_S;
-use benchmarks::marths::bench::{Problem, Record};
+use benchmarks::marths::bench::{GroundRecord, Problem};
 use benchmarks::marths::contestants::Contestant;
 use benchmarks::marths::declared::{self, COORDINATES, Floor};
 use benchmarks::marths::rig::Parameters;
@@ -95,7 +95,7 @@ impl PhysicalPartEstimate {
     ///
     /// # Errors
     /// A record that cannot be judged; a structure that cannot be integrated.
-    pub fn of(problem: &Problem, record: &Record, seed: u64) -> Result<Self, Failure> {
+    pub fn of(problem: &Problem, record: &GroundRecord, seed: u64) -> Result<Self, Failure> {
         let nominal = Parameters::nominal();
         let trace = problem.trial(Contestant::CoupledRaw, record, &nominal, seed);
         let trace = trace.map_err(refused)?;

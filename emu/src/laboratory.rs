@@ -8,7 +8,7 @@ mod timer;
 mod updates;
 
 use crate::chain::{Chain, Converters, Instant, Shown};
-use crate::log::{Fault, Log, LoggedEvent, Planned};
+use crate::log::{InjectedFault, Log, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
 use crate::permission::Permission;
 use crate::registers::{
@@ -42,7 +42,7 @@ pub struct Laboratory {
     rig: Rig,
     wired: [Calibration; MAX_ACTUATORS],
     /// What goes wrong, each after as many resets as there were before it.
-    plan: VecDeque<Planned>,
+    plan: VecDeque<PlannedFault>,
     gone_wrong: usize,
     drill_address: u64,
     /// The board's time waits for the PC.
@@ -68,7 +68,7 @@ pub struct Laboratory {
     permit_steps: u64,
     steps: u64,
     mend_at_step: u64,
-    active: Option<Fault>,
+    active: Option<InjectedFault>,
     frozen: Shown,
     resets: usize,
     quiet_steps: u32,
@@ -122,7 +122,7 @@ impl Laboratory {
     }
 
     /// With faults to come, each behind the reset that the one before has ended in.
-    pub fn with_plan(mut self, plan: impl IntoIterator<Item = Planned>) -> Self {
+    pub fn with_plan(mut self, plan: impl IntoIterator<Item = PlannedFault>) -> Self {
         self.plan = plan.into_iter().collect();
         self
     }
@@ -286,7 +286,7 @@ impl Laboratory {
         self.chain.show(session, &self.registers, shown);
         let closed = self.permission.closed(at.0, IDLE_TURN_NS);
         chain_contact(session, at, closed);
-        let pressed = self.active == Some(Fault::EmergencyStop);
+        let pressed = self.active == Some(InjectedFault::EmergencyStop);
         stop_contact(session, at, !pressed);
         self.idle_turn_ns = at.0 + IDLE_TURN_NS;
     }

@@ -37,7 +37,7 @@ pub mod wire;
 pub use chain::Converters;
 pub use image::Firmware;
 pub use laboratory::Laboratory;
-pub use log::{Fault, Log, LoggedEvent, Planned};
+pub use log::{InjectedFault, Log, LoggedEvent, PlannedFault};
 pub use permission::Contact;
 pub use registers::{Mutant, Violation};
 pub use run::run;

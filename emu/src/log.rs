@@ -6,7 +6,7 @@ use link::MAX_ACTUATORS;
 
 /// What can go wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum InjectedFault {
     /// The displacement sensor's wire breaks: the converter stands at its upper end.
     SensorAtRail,
     /// The displacement sensor stands still.
@@ -45,11 +45,11 @@ pub enum Fault {
 
 /// A fault, and for how long PERMIT has been high when it comes.
 #[derive(Clone, Copy, Debug)]
-pub struct Planned {
+pub struct PlannedFault {
     /// Control steps with PERMIT high.
     pub after_steps: u64,
     /// What goes wrong.
-    pub fault: Fault,
+    pub fault: InjectedFault,
 }
 
 /// Something that was seen, and when, ns.

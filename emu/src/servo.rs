@@ -1,6 +1,6 @@
 //! What a servo that has gone wrong makes of its command.
 
-use crate::log::Fault;
+use crate::log::InjectedFault;
 use std::collections::VecDeque;
 
 /// Periods in which a gain changes: hydraulics have no jumps.
@@ -20,16 +20,16 @@ pub struct Servo {
 
 impl Servo {
     /// The command that the rig follows with this command and this `fault`.
-    pub fn follow(&mut self, told_m: f64, fault: Option<Fault>) -> f64 {
+    pub fn follow(&mut self, told_m: f64, fault: Option<InjectedFault>) -> f64 {
         self.told_m.push_front(told_m);
         self.told_m.truncate(KEPT);
         match fault {
-            Some(Fault::LateBy(periods)) => {
+            Some(InjectedFault::LateBy(periods)) => {
                 let first_m = self.told_m.back().copied();
                 let before_m = self.told_m.get(periods).copied();
                 before_m.or(first_m).unwrap_or(told_m)
             }
-            Some(Fault::Gain { percent }) => {
+            Some(InjectedFault::Gain { percent }) => {
                 self.since = (self.since + 1).min(GAIN_PERIODS);
                 let share = f64::from(self.since) / f64::from(GAIN_PERIODS);
                 told_m * (1.0 + share * (f64::from(percent) / 100.0 - 1.0))
@@ -50,7 +50,7 @@ mod tests {
     fn a_gain_comes_by_and_by_and_a_late_servo_goes_where_it_was_sent_before() {
         let mut servo = Servo::default();
         assert_eq!(servo.follow(1.0, None), 1.0);
-        let gain = Some(Fault::Gain { percent: 150 });
+        let gain = Some(InjectedFault::Gain { percent: 150 });
         let first = servo.follow(1.0, gain);
         assert!((first - 1.005).abs() < 1e-12, "{first}");
         for _ in 0..200 {
@@ -61,6 +61,6 @@ mod tests {
         for i in 0..10 {
             servo.follow(f64::from(i), None);
         }
-        assert_eq!(servo.follow(10.0, Some(Fault::LateBy(3))), 7.0);
+        assert_eq!(servo.follow(10.0, Some(InjectedFault::LateBy(3))), 7.0);
     }
 }

@@ -1,7 +1,7 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
 use diagnosis::{ChannelAnswer, Verdict};
-use outerloop_cli::files::measured::{FilePart, Library};
+use outerloop_cli::files::measured::{FilePart, RecordFiles};
 use outerloop_cli::files::model;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ impl Case {
         let (file, span) = first.split_once('@').unwrap_or((first, "0.."));
         let from_s = span.split_once("..").and_then(|s| s.0.parse().ok());
         let part: FilePart = folder.join(file).display().to_string().parse()?;
-        let whole = Library::default()
+        let whole = RecordFiles::default()
             .parts(&[part])
             .map_err(|e| e.to_string())?;
         let whole = whole.into_iter().next().ok_or("no record")?;
@@ -108,7 +108,7 @@ impl Case {
         test: &[String],
     ) -> Result<(ChannelAnswer, f64), String> {
         let folder = test_data::file("outside").ok_or("no data")?;
-        let mut library = Library::default();
+        let mut library = RecordFiles::default();
         let mut parts = |spans: &[String]| {
             let parse = |s: &String| {
                 let (file, span) = s.split_once('@').map_or((s.as_str(), ""), |p| p);

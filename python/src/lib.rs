@@ -9,7 +9,7 @@ use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::any_table;
 use outerloop_cli::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use outerloop_cli::files::measured::{self, FilePart, Library};
+use outerloop_cli::files::measured::{self, FilePart, RecordFiles};
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::files::recording;
 use outerloop_cli::files::test::TestFile;
@@ -62,7 +62,7 @@ enum Recorded<'py> {
 
 /// Recordings, and whether all of their forces are in newtons.
 fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
-    let mut library = Library::default();
+    let mut library = RecordFiles::default();
     let (mut parts, mut has_unit) = (Vec::new(), true);
     for each in all {
         parts.push(match each {
@@ -76,7 +76,7 @@ fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
                     .iter()
                     .map(|(name, values)| (name.clone(), values.as_array().to_vec()))
                     .unzip();
-                let whole = recording::Recording::of_columns("the recording", &names, values)
+                let whole = recording::SiRecording::of_columns("the recording", &names, values)
                     .map_err(refused)?;
                 has_unit &= whole.force().is_none() || whole.force_has_unit();
                 measured::part_of(&whole, None).map_err(refused)?

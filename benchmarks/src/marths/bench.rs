@@ -23,7 +23,7 @@ pub struct Problem {
 }
 
 /// A ground motion with the reference response.
-pub struct Record {
+pub struct GroundRecord {
     /// Its name.
     pub name: String,
     /// Acceleration at the samples, scaled, m/s^2.
@@ -68,7 +68,7 @@ impl Problem {
         name: &str,
         points_m_per_s2: &[f64],
         interval_s: f64,
-    ) -> Result<Record, Refused> {
+    ) -> Result<GroundRecord, Refused> {
         let ground = sampled(points_m_per_s2, interval_s);
         let perfect = |noise| {
             let (calibration, nominal) = (&self.calibration, Parameters::nominal());
@@ -92,7 +92,7 @@ impl Problem {
             .map(|&s| trial::interface(s))
             .collect();
         let j5_floor = [0, 1].map(|i| deviation(&column(&noisy.interface, i), &column(&still, i)));
-        Ok(Record {
+        Ok(GroundRecord {
             name: name.to_owned(),
             reference: trial::computed(&self.reference, &ground)?,
             j7_floor: declared::floor(&self.reference, &self.part, &ground)?,
@@ -109,7 +109,7 @@ impl Problem {
     pub fn trial(
         &self,
         contestant: Contestant,
-        record: &Record,
+        record: &GroundRecord,
         plant: &Parameters,
         draw: u64,
     ) -> Result<Trace, Refused> {
@@ -124,7 +124,7 @@ impl Problem {
     }
 }
 
-impl Record {
+impl GroundRecord {
     /// The response of the reference structure.
     pub fn reference(&self) -> &Trace {
         &self.reference
@@ -198,13 +198,13 @@ pub struct Worst {
 /// A numerical part that cannot be integrated.
 pub fn rows(
     problem: &Problem,
-    records: &[Record],
+    records: &[GroundRecord],
     contestants: &[Contestant],
     plants: usize,
     draw: u64,
     tell: impl Fn() + Sync,
 ) -> Result<Vec<MarthsRow>, Refused> {
-    let pairs: Vec<(&Record, Contestant)> = records
+    let pairs: Vec<(&GroundRecord, Contestant)> = records
         .iter()
         .flat_map(|r| contestants.iter().map(move |&c| (r, c)))
         .collect();

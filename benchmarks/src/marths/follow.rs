@@ -4,14 +4,14 @@
 //! played to the nominal plant and judged by where the strokes come to lie. The loop is not closed: no force goes back into
 //! the structure, so J8, which is of the storeys above, has no figure.
 
-use super::bench::Record;
+use super::bench::GroundRecord;
 use super::criteria::Criteria;
 use super::rig::{Channels, Parameters, at_rest};
 use super::trial::{Trace, interface};
 use crate::Refused;
 
 /// The targets of actuator 1 and 2 under `record`, m, one a sample at 1024 Hz.
-pub fn targets_m(record: &Record) -> [Vec<f64>; 2] {
+pub fn targets_m(record: &GroundRecord) -> [Vec<f64>; 2] {
     let strokes = &record.reference().target_m;
     [0, 1].map(|i| strokes.iter().map(|s| s[i]).collect())
 }
@@ -20,7 +20,11 @@ pub fn targets_m(record: &Record) -> [Vec<f64>; 2] {
 ///
 /// # Errors
 /// Another number of commands than samples.
-pub fn judge(record: &Record, commands_m: [&[f64]; 2], seed: u64) -> Result<Criteria, Refused> {
+pub fn judge(
+    record: &GroundRecord,
+    commands_m: [&[f64]; 2],
+    seed: u64,
+) -> Result<Criteria, Refused> {
     let reference = record.reference();
     let samples = reference.target_m.len();
     if commands_m.iter().any(|c| c.len() != samples) {

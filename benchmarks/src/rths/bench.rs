@@ -5,7 +5,7 @@ use super::channels::Noise;
 use super::controller::{Contestant, Controller};
 use super::criteria::{Judge, TrialVerdict, delay_ms};
 use super::parameters::Parameters;
-use super::record::Record;
+use super::record::GroundRecord;
 use super::rules::{Deviation, Rules};
 use super::trial::{Ground, Official, Trace, run};
 use crate::Refused;
@@ -79,11 +79,11 @@ fn floors<S: Serializer>(floor: &[f64; 9], serializer: S) -> Result<S::Ok, S::Er
 }
 
 /// What is tried, and by which rules.
-pub struct Bench<'a> {
+pub struct Benchmark<'a> {
     /// The rules.
     pub rules: &'a Rules,
     /// The ground motions.
-    pub records: &'a [Record],
+    pub records: &'a [GroundRecord],
     /// Who is on trial.
     pub contestants: &'a [Contestant],
     /// Perturbed plants for each case.
@@ -94,19 +94,24 @@ pub struct Bench<'a> {
 
 /// One case under one record with some plants of it.
 struct Task<'a> {
-    record: &'a Record,
+    record: &'a GroundRecord,
     place: usize,
     /// The first plant's index.
     first: usize,
 }
 
-impl Bench<'_> {
+impl Benchmark<'_> {
     /// All rows: by record, then by case, then by controller. `done` is called with the number of trials that are done.
     ///
     /// # Errors
     /// What core refuses of a controller.
     pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<RthsRow>, Refused> {
-        let samples = self.records.iter().map(Record::samples).max().unwrap_or(0);
+        let samples = self
+            .records
+            .iter()
+            .map(GroundRecord::samples)
+            .max()
+            .unwrap_or(0);
         let noise: Vec<Noise> = (0..=self.plants)
             .into_par_iter()
             .map(|index| Noise::new((self.seed << 32) + index as u64, samples))
@@ -230,7 +235,7 @@ impl Bench<'_> {
     pub fn trace(
         &self,
         contestant: &Contestant,
-        record: &Record,
+        record: &GroundRecord,
         place: usize,
     ) -> Result<Trace, Refused> {
         let noise = Noise::new(self.seed << 32, record.samples());
@@ -266,7 +271,7 @@ fn controllers<const L: usize>(
 }
 
 fn row<'a>(
-    record: &Record,
+    record: &GroundRecord,
     place: usize,
     contestant: &Contestant,
     floor: [f64; 9],

@@ -10,13 +10,13 @@ use super::case::{CASES, Structure};
 use super::channels::Noise;
 use super::criteria::{TrialVerdict, delay_ms};
 use super::parameters::{Parameters, Specimen};
-use super::record::Record;
+use super::record::GroundRecord;
 use super::rules::{Deviation, Rules};
 use super::trial::{Answers, Hybrid, Readings, Trace, run};
 use crate::Refused;
 
 /// The targets of the case at `place` of [`CASES`] under `record`, m, one a sample at 4096 Hz.
-pub fn targets_m(record: &Record, place: usize) -> Vec<f64> {
+pub fn targets_m(record: &GroundRecord, place: usize) -> Vec<f64> {
     let floors = record.ground(place).reference_m;
     floors.iter().map(|floors| floors[0]).collect()
 }
@@ -26,7 +26,7 @@ pub fn targets_m(record: &Record, place: usize) -> Vec<f64> {
 /// # Errors
 /// Another number of commands than samples.
 pub fn judge(
-    record: &Record,
+    record: &GroundRecord,
     place: usize,
     commands_m: &[f64],
     seed: u64,
@@ -94,7 +94,7 @@ mod tests {
     fn a_quarter_of_a_second_too_little_is_refused_and_the_inverse_of_the_plant_follows() {
         let acc: Vec<f32> = (0..200).map(|i| (0.4 * i as f32).sin()).collect();
         let rules = Rules::official();
-        let record = Record::new("sine", &acc, 0.02, &rules, Behaviour::Linear);
+        let record = GroundRecord::new("sine", &acc, 0.02, &rules, Behaviour::Linear);
         let targets = targets_m(&record, 0);
         assert!(judge(&record, 0, &targets[..1000], 1, &rules).is_err());
         // A target sent as it is arrives some 25 ms late; one sent ahead by that does not.

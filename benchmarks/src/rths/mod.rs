@@ -17,7 +17,7 @@
 //! | [`criteria`] | J1 to J9 |
 //! | [`mod@bench`] | all of it, on all cores |
 //! | [`follow`] | a controller from outside as a table of commands |
-//! | [`table`], [`verdict`] | rows as cells; targets and ties |
+//! | [`table`], [`verdict`] | rows as cells; goals and ties |
 //! | [`published`] | figures that others have |
 
 pub mod bench;
@@ -38,8 +38,8 @@ pub mod trial;
 pub mod verdict;
 pub mod yielding;
 
-pub use bench::{Bench, RthsRow};
+pub use bench::{Benchmark, RthsRow};
 pub use controller::Contestant;
-pub use record::Record;
+pub use record::GroundRecord;
 pub use rules::Rules;
 pub use size::{FLOORS, RATE_HZ};

@@ -9,7 +9,7 @@ use super::trial::Ground;
 use super::yielding::Behaviour;
 
 /// A ground motion with the answers of the whole structures.
-pub struct Record {
+pub struct GroundRecord {
     /// Its name.
     pub name: String,
     shaking: Shaking,
@@ -19,7 +19,7 @@ pub struct Record {
     behaviour: Behaviour,
 }
 
-impl Record {
+impl GroundRecord {
     /// From points `interval_s` apart, m/s^2; scaled by the rules. `RTHSBENCH_` in front of a name is left out.
     pub fn new(
         name: &str,

@@ -5,7 +5,7 @@ use super::controller::Contestant;
 use super::published::{PORT, TABLE_3, WORST_DRAWN};
 use super::rules::{Deviation, Rules};
 use super::table::names;
-use crate::target::Target;
+use crate::goal::Goal;
 
 /// The setting of the delay corrector in which the structure is right.
 pub const RIGHT_STRUCTURE: &str = "hydraulic/mu=1.5";
@@ -23,7 +23,7 @@ const WHOLE_TABLE_S: f64 = 120.0;
 type Figure = fn(&RthsRow) -> f64;
 
 /// All that can be said of these rows by the problem's rules, with drawn plants as published or drawn evenly.
-pub fn targets(rules: &Rules, rows: &[RthsRow]) -> Vec<Target> {
+pub fn goals(rules: &Rules, rows: &[RthsRow]) -> Vec<Goal> {
     if rows.iter().any(|r| r.energy_error.is_some()) {
         // The figures are asked for of the problem's own specimen, which does not yield.
         return Vec::new();
@@ -55,18 +55,14 @@ pub fn targets(rules: &Rules, rows: &[RthsRow]) -> Vec<Target> {
             "{}, largest distance of J2, J2*, J4, J4* and J7 from an independent port",
             port.controller
         );
-        Some(Target::new(
-            asked,
-            "points",
-            own.map(|r| (distance(r), 0.3)),
-        ))
+        Some(Goal::new(asked, "points", own.map(|r| (distance(r), 0.3))))
     }));
     all.extend(drawn_as_in_the_port(rows, false));
     all
 }
 
 /// The record to beat and the figures to reach.
-fn asked_for(rows: &[RthsRow]) -> Vec<Target> {
+fn asked_for(rows: &[RthsRow]) -> Vec<Goal> {
     let asked: [(&str, &str, Figure, [f64; 4], bool); 6] = [
         (
             "J4 as read, against the best known before (adaptive model-based, one sample of lead)",
@@ -119,7 +115,7 @@ fn asked_for(rows: &[RthsRow]) -> Vec<Target> {
                 return None;
             }
             let found = own.map(figure).into_iter().zip(limit);
-            Some(Target::new(format!("{controller}, {asked}"), "%", found))
+            Some(Goal::new(format!("{controller}, {asked}"), "%", found))
         })
         .collect()
 }
@@ -134,13 +130,13 @@ fn four_cases<'a>(controller: &str, rows: &'a [RthsRow]) -> Option<[&'a RthsRow;
 }
 
 /// Plants that were lost, of three records, four cases and twenty plants of each.
-fn none_lost(controller: &str, rows: &[RthsRow]) -> Option<Target> {
+fn none_lost(controller: &str, rows: &[RthsRow]) -> Option<Goal> {
     let own = || rows.iter().filter(|r| r.controller == controller);
     let drawn: usize = own().map(|r| r.perturbed).sum();
     let lost: usize = own().map(|r| r.lost).sum();
     (drawn >= 3 * 4 * PLANTS).then(|| {
         let asked = format!("{controller}, lost of {drawn} perturbed plants");
-        Target::new(asked, "plants", [(lost as f64, 0.0)])
+        Goal::new(asked, "plants", [(lost as f64, 0.0)])
     })
 }
 
@@ -149,7 +145,7 @@ fn largest_distance(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 /// The published controller against the problem's own table.
-fn table_3(rows: &[RthsRow]) -> Option<Target> {
+fn table_3(rows: &[RthsRow]) -> Option<Goal> {
     let own = four_cases(WORST_DRAWN[0].0, rows)?;
     let found = own
         .iter()
@@ -159,14 +155,14 @@ fn table_3(rows: &[RthsRow]) -> Option<Target> {
         "{}, largest distance of J1 to J9 from the published Table 3",
         WORST_DRAWN[0].0
     );
-    Some(Target::new(asked, "points", found).or_because(
+    Some(Goal::new(asked, "points", found).or_because(
         "J3 and J5 are the largest of a noisy reading and differ from draw to draw; the mean of six draws is within .5 \
          (cargo test --release -p host-tests --test scenarios rths_baseline::)",
     ))
 }
 
 /// The published controller on the worst drawn plant, against a port that does not say how it draws.
-fn drawn_as_in_the_port(rows: &[RthsRow], evenly: bool) -> Option<Target> {
+fn drawn_as_in_the_port(rows: &[RthsRow], evenly: bool) -> Option<Goal> {
     let (controller, port) = WORST_DRAWN[0];
     let own = four_cases(controller, rows)?;
     if own.iter().any(|r| r.perturbed < PLANTS) {
@@ -187,14 +183,14 @@ fn drawn_as_in_the_port(rows: &[RthsRow], evenly: bool) -> Option<Target> {
          deviations (--deviate uniform-plants) they come to its figures (cargo run --release -p benchmarks --example \
          worst_plants)"
     };
-    Some(Target::new(asked, "% of it", off).or_because(why))
+    Some(Goal::new(asked, "% of it", off).or_because(why))
 }
 
 /// How long the whole table took, wall clock: every controller, three records, four cases, twenty plants. `None` of a part.
-pub fn whole_table(rows: &[RthsRow], seconds: f64) -> Option<Target> {
+pub fn whole_table(rows: &[RthsRow], seconds: f64) -> Option<Goal> {
     let all = Contestant::all().len() * 3 * 4;
     (rows.len() == all && rows.iter().all(|r| r.perturbed >= PLANTS)).then(|| {
-        Target::new(
+        Goal::new(
             "the whole table, wall clock (two cores)",
             "s",
             [(seconds, WHOLE_TABLE_S)],

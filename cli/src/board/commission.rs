@@ -1,7 +1,7 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
-use super::answers::Answers;
 use super::connection::Connection;
+use super::cross_readings::CrossReadings;
 use super::limits::PlannedMotion;
 use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
 use super::orders::{clear, done, event, status};
@@ -58,13 +58,13 @@ pub fn commission<P: Port>(
     let mut alone = SingleActuator {
         actuator,
         rate_hz,
-        answers: Answers::new(&identity, actuator, rate_hz, shown.frozen_m),
+        readings: CrossReadings::new(&identity, actuator, rate_hz, shown.frozen_m),
         identity,
     };
     alone.arm(board)?;
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
-    played.stiffness_n_per_m = alone.answers.stiffness_n_per_m();
+    played.stiffness_n_per_m = alone.readings.stiffness_n_per_m();
     played.suspicion = alone.wiring_mistake(test);
     Ok(played)
 }
@@ -74,7 +74,7 @@ struct SingleActuator {
     actuator: usize,
     rate_hz: f64,
     identity: Identity,
-    answers: Answers,
+    readings: CrossReadings,
 }
 
 impl SingleActuator {
@@ -85,7 +85,7 @@ impl SingleActuator {
     ) -> Result<Option<(u32, StepReport)>, Failure> {
         let step = board.step()?;
         if let Some((_, step)) = &step {
-            self.answers.look_for_rails(&self.identity, step);
+            self.readings.look_for_rails(&self.identity, step);
         }
         Ok(step)
     }
@@ -176,7 +176,7 @@ impl SingleActuator {
                     let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
                     let ([displacement_m], [force_n]) = (record.displacement_m, record.force_n);
                     played.add_at(time_s, step.command_m, displacement_m, force_n);
-                    self.answers.add_step(&self.identity, &step);
+                    self.readings.add_step(&self.identity, &step);
                 }
                 Some(Mode::Finished) => break stopped.then(|| "it was stopped by hand".to_owned()),
                 Some(Mode::Tripped) => {
@@ -210,7 +210,7 @@ impl SingleActuator {
         let structure = &test.config.structure;
         let storeys = &structure.stiffness_n_per_m;
         let physical = test.config.physical_storeys().min(storeys.len());
-        self.answers.wiring_mistake(&storeys[..physical])
+        self.readings.wiring_mistake(&storeys[..physical])
     }
 
     /// Why the board tripped, and at which actuator.
@@ -220,7 +220,7 @@ impl SingleActuator {
         };
         let several = self.identity.actuators() > 1;
         let name = trip.fault.name();
-        match (self.answers.rail(), trip.limited_axis()) {
+        match (self.readings.rail(), trip.limited_axis()) {
             (Some(which), _) if trip.fault == Fault::AdcRail => format!("{name}: {which}"),
             (_, Some(axis)) if several => format!("{name} of actuator {}", axis + 1),
             _ => name.into(),

@@ -9,7 +9,7 @@
 //!  bench        a whole test: configure, load, arm, start, receive
 //!  further_inputs what a board records beside displacement and force
 //!  image        the images that can be flashed
-//!  answers      how every actuator answers while one is moved: stiffness, and wires that are exchanged
+//!  cross_readings  what every actuator reads while one is moved: stiffness, and exchanged wires
 //!  trajectory   what moves the actuator without a test: a formula or points
 //!  played       what that left behind
 //!  limits       those that a board asks for, worked out from the planned test
@@ -18,12 +18,12 @@
 //!  wording      what a board says, in words
 //! ```
 
-mod answers;
 mod bench;
 mod build;
 mod commission;
 mod configured_test;
 mod connection;
+mod cross_readings;
 pub mod emulated;
 pub(crate) mod further_inputs;
 mod image;

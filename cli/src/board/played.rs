@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::files::measured::in_mm;
-use crate::files::recording::Recording;
+use crate::files::recording::SiRecording;
 use std::fmt::Write as _;
 
 /// A signal that was played.
@@ -65,7 +65,7 @@ impl Played {
     /// # Errors
     /// A signal that ended before it had a record.
     pub fn recording(&self) -> Result<diagnosis::Recording, Failure> {
-        let read = Recording::parse("the designed test's record", &self.text)?;
+        let read = SiRecording::parse("the designed test's record", &self.text)?;
         in_mm(&read, 0..read.time_s.len())
             .made_even()
             .map_err(Failure::test)

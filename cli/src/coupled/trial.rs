@@ -1,9 +1,9 @@
 //! A test of two coupled actuators on the simulated rig, and the ideal that it is compared with.
 
 use super::experiment::CoupledExperiment;
-use super::record::CoupledRecord;
 use super::settings;
 use super::table::CoupledCompensation;
+use super::trace::CoupledTrace;
 use crate::bench::interface::with_floors;
 use crate::failure::Failure;
 use outerloop_core::coupled::{CoupledLoop, Plant};
@@ -30,7 +30,7 @@ impl Ideal {
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Its record.
-    pub record: CoupledRecord,
+    pub record: CoupledTrace,
     /// Where the loop stood.
     pub state: Mode,
     /// The first fault.
@@ -126,11 +126,11 @@ fn run_of<const N: usize>(
     let coupler = &test.coupled.coupler;
     let mut rig = CoupledRig::new(&test.rig, coupler, &test.sensors, test.timing.rate_hz, seed)
         .map_err(Failure::input)?;
-    let mut record = CoupledRecord {
+    let mut record = CoupledTrace {
         rate_hz: test.timing.rate_hz,
         coordinates: test.coupled.structure.coordinates.clone(),
         target: vec![Vec::new(); N],
-        ..CoupledRecord::default()
+        ..CoupledTrace::default()
     };
     let steps = experiment.steps();
     let most: Vec<f64> = (0..N).map(|j| RUNAWAY * ideal.peak(j)).collect();
@@ -179,7 +179,7 @@ fn run_of<const N: usize>(
     })
 }
 
-impl CoupledRecord {
+impl CoupledTrace {
     /// Takes in what a control step gave, but for targets and ground.
     fn take(
         &mut self,

@@ -1,7 +1,7 @@
 //! Records of a specimen of several coordinates: coordinate 1 of the model is axis 1 of the file, and so on.
 
-use super::measured::{self, FilePart, Library};
-use super::recording::{Column, Recording};
+use super::measured::{self, FilePart, RecordFiles};
+use super::recording::{Column, SiRecording};
 use crate::failure::Failure;
 use diagnosis::{CoupledRecord, CoupledSpecimen};
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ struct Placed {
 /// A file that cannot be used; a coordinate without its columns; a span that is not inside its record; training and test
 /// data that overlap.
 pub fn parts(
-    library: &mut Library,
+    library: &mut RecordFiles,
     specimen: &CoupledSpecimen,
     [train, test]: [&[FilePart]; 2],
 ) -> Result<[Vec<CoupledRecord>; 2], Failure> {
@@ -46,7 +46,7 @@ pub fn parts(
 }
 
 fn part(
-    file: &Recording,
+    file: &SiRecording,
     span_s: Option<[f64; 2]>,
     specimen: &CoupledSpecimen,
 ) -> Result<Placed, Failure> {

@@ -1,7 +1,7 @@
 //! Measured data as a diagnosis takes it: `FILE[@T0..T1]`, in mm, N and s.
 
 use super::columns::Columns;
-use super::recording::Recording;
+use super::recording::SiRecording;
 use crate::failure::Failure;
 use crate::trace::Trace;
 use std::collections::HashMap;
@@ -58,12 +58,12 @@ impl std::str::FromStr for FilePart {
 
 /// Files that were read, each once however many parts of it are used.
 #[derive(Debug, Default)]
-pub struct Library {
-    read: HashMap<PathBuf, Recording>,
+pub struct RecordFiles {
+    read: HashMap<PathBuf, SiRecording>,
     columns: Columns,
 }
 
-impl Library {
+impl RecordFiles {
     /// With what is said on the command line about the files' columns.
     pub fn with(columns: &Columns) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl Library {
     /// True if every force that was read is in newtons.
     pub fn force_has_unit(&self) -> bool {
         let mut forces = self.read.values().filter(|r| r.force().is_some());
-        forces.all(Recording::force_has_unit)
+        forces.all(SiRecording::force_has_unit)
     }
 
     /// True if a force was read, and all of them are in newtons.
@@ -96,10 +96,10 @@ impl Library {
     }
 
     /// The recording behind `path`; one file under two names is one recording.
-    pub(super) fn whole_file(&mut self, path: &Path) -> Result<&Recording, Failure> {
+    pub(super) fn whole_file(&mut self, path: &Path) -> Result<&SiRecording, Failure> {
         let same = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if !self.read.contains_key(&same) {
-            let recording = Recording::load_with_any_time(path, &self.columns)?;
+            let recording = SiRecording::load_with_any_time(path, &self.columns)?;
             for note in &recording.notes {
                 eprintln!("outerloop: note: {note}");
             }
@@ -114,7 +114,7 @@ impl Library {
 /// # Errors
 /// A span that is not inside the record; time that does not increase; a quantity without a number inside the span.
 pub fn part_of(
-    recording: &Recording,
+    recording: &SiRecording,
     span_s: Option<[f64; 2]>,
 ) -> Result<diagnosis::Recording, Failure> {
     let sound = match rows_of(recording, span_s) {
@@ -146,7 +146,7 @@ pub fn part_of(
 ///
 /// # Errors
 /// The first gap.
-pub(super) fn refuse_gap(recording: &Recording, rows: &Range<usize>) -> Result<(), Failure> {
+pub(super) fn refuse_gap(recording: &SiRecording, rows: &Range<usize>) -> Result<(), Failure> {
     match recording.gap_in(rows) {
         None => Ok(()),
         Some((time_s, refusal)) => Err(Failure::input(format!(
@@ -156,7 +156,7 @@ pub(super) fn refuse_gap(recording: &Recording, rows: &Range<usize>) -> Result<(
 }
 
 /// The rows of a span, or of all; `None`: none is in it.
-fn rows_of(recording: &Recording, span_s: Option<[f64; 2]>) -> Option<Range<usize>> {
+fn rows_of(recording: &SiRecording, span_s: Option<[f64; 2]>) -> Option<Range<usize>> {
     let [from_s, to_s] = span_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let inside = |t: &f64| (from_s..to_s).contains(t);
     let first = recording.time_s.iter().position(inside)?;
@@ -184,7 +184,7 @@ fn inside(
 }
 
 /// Rows of the first axis of a recording in mm, N and s.
-pub fn in_mm(recording: &Recording, rows: Range<usize>) -> diagnosis::Recording {
+pub fn in_mm(recording: &SiRecording, rows: Range<usize>) -> diagnosis::Recording {
     let mm = |x: &[f64]| x[rows.clone()].iter().map(|x| x * 1e3).collect();
     diagnosis::Recording {
         name: recording.file.clone(),
@@ -228,7 +228,7 @@ mod tests {
             .collect();
         let text = format!("time_s,command_mm,displacement_mm\n{rows}");
         let table = crate::files::table::NumberTable::parse_with_bad_cells("r.csv", &text, false);
-        let recording = Recording::of(table.unwrap(), &Columns::default()).unwrap();
+        let recording = SiRecording::of(table.unwrap(), &Columns::default()).unwrap();
         let part = |span| part_of(&recording, span).map_err(|e| e.to_string());
         let before = part(Some([0.0, 1.0])).unwrap();
         assert_eq!((before.time_s.len(), before.time_s[0]), (100, 0.0));

@@ -27,7 +27,7 @@ pub fn to_csv(trace: &Trace) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::recording::Recording;
+    use crate::files::recording::SiRecording;
     use crate::trace::TestObserver;
     use outerloop_core::Record;
 
@@ -51,7 +51,7 @@ mod tests {
             r.energy_sum.hsem_j = next();
             trace.on_step(&r);
         }
-        let back = Recording::parse("record.csv", &to_csv(&trace)).unwrap();
+        let back = SiRecording::parse("record.csv", &to_csv(&trace)).unwrap();
         let same = |quantity: &str, axis: usize, values: &[f32]| {
             let read = &back.column(quantity, axis).unwrap().values;
             assert_eq!(read.len(), values.len());

@@ -20,7 +20,7 @@ const JUDGED: [&str; 4] = ["command", "target", "displacement", "force"];
 
 /// A recording in SI units.
 #[derive(Clone, Debug)]
-pub struct Recording {
+pub struct SiRecording {
     /// The file, for messages.
     pub file: String,
     /// Time, s; increases.
@@ -32,7 +32,7 @@ pub struct Recording {
     /// What the reader may want to know of columns that were not understood.
     pub notes: Vec<String>,
     /// Rows in which a quantity has no number, in their order, and how that is refused: whoever uses columns asks
-    /// [`Recording::gap_in`].
+    /// [`SiRecording::gap_in`].
     gaps: Vec<(usize, Failure)>,
     /// What a row is called in messages.
     row_name: &'static str,
@@ -62,11 +62,11 @@ impl Column {
 /// The longest displacement of a test rig, m: beyond it the unit is not what the file says.
 const LONGEST_M: f64 = 20.0;
 
-impl Recording {
+impl SiRecording {
     /// Reads `path`.
     ///
     /// # Errors
-    /// A file that cannot be read, and all of [`Recording::parse`].
+    /// A file that cannot be read, and all of [`SiRecording::parse`].
     pub fn load(path: &Path) -> Result<Self, Failure> {
         Self::load_with_any_time(path, &Columns::default())?
             .without_gaps()?
@@ -77,7 +77,7 @@ impl Recording {
     /// itself, and a part of a record may be sound where the whole is not.
     ///
     /// # Errors
-    /// As [`Recording::load`], but for time that does not increase.
+    /// As [`SiRecording::load`], but for time that does not increase.
     pub fn load_with_any_time(path: &Path, columns: &Columns) -> Result<Self, Failure> {
         let recording = Self::of(
             any_table::read(path, !columns.assigned.is_empty())?,
@@ -293,7 +293,7 @@ impl Recording {
         (!column.is_of_rotation()).then_some(&column.values[..])
     }
 
-    /// R_m of axis 1: N, or the file's own unit where [`Recording::force_has_unit`] says no; none of a moment.
+    /// R_m of axis 1: N, or the file's own unit where [`SiRecording::force_has_unit`] says no; none of a moment.
     pub fn force(&self) -> Option<&[f64]> {
         self.linear("force")
     }

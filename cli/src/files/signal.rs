@@ -3,7 +3,7 @@
 
 use super::columns::Columns;
 use super::output;
-use super::recording::Recording;
+use super::recording::SiRecording;
 use crate::failure::Failure;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -29,7 +29,7 @@ impl SignalPoints {
     /// A file that cannot be read; no command; uneven time; a signal that does not begin and end at zero, is too long or
     /// too short, or moves nothing.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let recording = Recording::load_with_any_time(path, &Columns::default())?;
+        let recording = SiRecording::load_with_any_time(path, &Columns::default())?;
         if let Some((_, refusal)) = recording.gap_in(&(0..recording.time_s.len())) {
             return Err(refusal.clone());
         }

@@ -9,8 +9,8 @@ use super::plot::{
 use super::rths::table;
 use crate::coupled::experiment::CoupledExperiment;
 use crate::coupled::planned::CoupledCheck;
-use crate::coupled::record::CoupledRecord;
 use crate::coupled::summary::CoupledSummary;
+use crate::coupled::trace::CoupledTrace;
 use crate::coupled::trial::Ideal;
 use crate::failure::Failure;
 use crate::numbers::{joule, length, percent, three};
@@ -30,7 +30,7 @@ pub struct CoupledSection<'a> {
     /// Its figures.
     pub summary: &'a CoupledSummary,
     /// Its record.
-    pub record: &'a CoupledRecord,
+    pub record: &'a CoupledTrace,
     /// The ideal that it is compared with.
     pub ideal: &'a Ideal,
 }

@@ -5,22 +5,22 @@ use super::page::{Drawn, cannot, escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
-use super::rths::{table, target_boxes, target_table};
+use super::rths::{goal_boxes, goal_table, table};
 use crate::failure::Failure;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
-use benchmarks::marths::bench::{MarthsRow, Problem, Record};
+use benchmarks::goal::Goal;
+use benchmarks::marths::bench::{GroundRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use benchmarks::marths::trial::Trace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
-use benchmarks::target::Target;
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.
-pub type DeclaredPart<'a> = (&'a Record, PhysicalPartEstimate);
+pub type DeclaredPart<'a> = (&'a GroundRecord, PhysicalPartEstimate);
 
 /// The benchmark: for each ground motion who tracks best, a closer look and the table; then what J7 hides.
 ///
@@ -30,10 +30,10 @@ pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
     rows: &[MarthsRow],
-    targets: &[Target],
+    goals: &[Goal],
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
-    let mut body = target_boxes(targets);
+    let mut body = goal_boxes(goals);
     for (name, group) in by_record(rows) {
         let _ = write!(body, "<h2>{}</h2>{}", escape(name), verdict(group));
         if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == name) {
@@ -48,7 +48,7 @@ pub fn of_marths(
     }
     let meaning = MEANING.map(escape).join("<br>");
     let _ = write!(body, "<p>{}<br>{meaning}</p>", escape(LEGEND));
-    body += &target_table(targets);
+    body += &goal_table(goals);
     body += "<h2>What the controllers know</h2><ul>";
     for (_, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == name) {
@@ -94,7 +94,11 @@ fn verdict(rows: &[MarthsRow]) -> String {
 }
 
 /// The published adaptive controller and core's on the nominal plant, around the largest displacement.
-fn close_up_section(problem: &Problem, record: &Record, seed: u64) -> Result<String, Failure> {
+fn close_up_section(
+    problem: &Problem,
+    record: &GroundRecord,
+    seed: u64,
+) -> Result<String, Failure> {
     let trace = |contestant| {
         problem
             .trial(contestant, record, &Parameters::nominal(), seed)
@@ -107,7 +111,7 @@ fn close_up_section(problem: &Problem, record: &Record, seed: u64) -> Result<Str
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.5;
 
-fn draw_close_up(record: &Record, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
+fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
     let reference = &record.reference().numerical;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))

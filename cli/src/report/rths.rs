@@ -6,6 +6,7 @@ use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
 use crate::failure::Failure;
+use benchmarks::goal::{GOAL_HEAD, Goal};
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
@@ -14,8 +15,7 @@ use benchmarks::rths::table::{
 };
 use benchmarks::rths::trial::{Ground, Trace};
 use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
-use benchmarks::rths::{Bench, Contestant, RATE_HZ, Record, RthsRow};
-use benchmarks::target::{TARGET_HEAD, Target};
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow};
 use std::fmt::Write as _;
 
 /// The published controller, for the pictures.
@@ -26,16 +26,16 @@ const BASELINE: &str = "pi-phase-lead";
 /// # Errors
 /// The drawing library's; a controller that core refuses.
 pub fn of_rths(
-    bench: &Bench<'_>,
+    bench: &Benchmark<'_>,
     rows: &[RthsRow],
     yielding: &[Vec<RthsRow>],
-    targets: &[Target],
+    goals: &[Goal],
 ) -> Result<String, Failure> {
-    let mut body = verdict(rows, targets);
+    let mut body = verdict(rows, goals);
     for record in bench.records {
         body += &close_up_section(bench, record)?;
     }
-    body += &target_table(targets);
+    body += &goal_table(goals);
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
     for (name, group) in by_record(rows) {
         let table = table(&summary_head(group), summary(group).into_iter());
@@ -87,9 +87,9 @@ pub fn of_rths(
 }
 
 /// How many of the figures that were asked for are reached, green where all are, and a box for each that is missed.
-pub(super) fn target_boxes(targets: &[Target]) -> String {
-    let missed: Vec<&Target> = targets.iter().filter(|t| !t.reached()).collect();
-    let (all, reached) = (targets.len(), targets.len() - missed.len());
+pub(super) fn goal_boxes(goals: &[Goal]) -> String {
+    let missed: Vec<&Goal> = goals.iter().filter(|t| !t.reached()).collect();
+    let (all, reached) = (goals.len(), goals.len() - missed.len());
     let mut html = match (all, missed.len()) {
         (0, _) => String::new(),
         (_, 0) => format!(
@@ -110,16 +110,16 @@ pub(super) fn target_boxes(targets: &[Target]) -> String {
 }
 
 /// What was asked for, a row each.
-pub(super) fn target_table(targets: &[Target]) -> String {
-    if targets.is_empty() {
+pub(super) fn goal_table(goals: &[Goal]) -> String {
+    if goals.is_empty() {
         return String::new();
     }
-    let table = table(&TARGET_HEAD, targets.iter().map(Target::cells));
+    let table = table(&GOAL_HEAD, goals.iter().map(Goal::cells));
     format!("<h2>What was asked for</h2>{table}")
 }
 
-fn verdict(rows: &[RthsRow], targets: &[Target]) -> String {
-    let mut html = target_boxes(targets);
+fn verdict(rows: &[RthsRow], goals: &[Goal]) -> String {
+    let mut html = goal_boxes(goals);
     let names = best(rows).join(", ");
     let _ = write!(
         html,
@@ -130,7 +130,7 @@ fn verdict(rows: &[RthsRow], targets: &[Target]) -> String {
     html
 }
 
-fn close_up_section(bench: &Bench<'_>, record: &Record) -> Result<String, Failure> {
+fn close_up_section(bench: &Benchmark<'_>, record: &GroundRecord) -> Result<String, Failure> {
     let refused = |e: benchmarks::Refused| Failure::input(e.to_string());
     let place = CASES.len() - 1;
     let trace = |name| {

@@ -5,9 +5,9 @@ use crate::coupled::experiment::CoupledExperiment;
 use crate::coupled::file::CoupledTest;
 use crate::coupled::load;
 use crate::coupled::planned::{self, CoupledCheck};
-use crate::coupled::record::CoupledRecord;
 use crate::coupled::summary::CoupledSummary;
 use crate::coupled::table::CoupledCompensation;
+use crate::coupled::trace::CoupledTrace;
 use crate::coupled::trial::{self, Ideal, Trial};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
@@ -167,7 +167,7 @@ fn print(rows: &[CoupledSummary]) {
 }
 
 /// x of the interface in the terminal.
-fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledRecord) -> String {
+fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledTrace) -> String {
     let of = |x: &[f32]| {
         let mut response = Response::new(1);
         x.iter().for_each(|u| response.push(&[*u]));

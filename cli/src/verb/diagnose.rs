@@ -5,7 +5,7 @@ mod coupled;
 use super::{json, look_at_report};
 use crate::failure::Failure;
 use crate::files::columns::Columns;
-use crate::files::measured::{FilePart, Library};
+use crate::files::measured::{FilePart, RecordFiles};
 use crate::files::{model, output, signal};
 use crate::provenance::WithProvenance;
 use crate::report;
@@ -72,7 +72,7 @@ impl Diagnose {
         if let Some(specimen) = &declared.coupled {
             return self.several(specimen);
         }
-        let mut library = Library::with(&self.columns);
+        let mut library = RecordFiles::with(&self.columns);
         let train = library.parts(&self.train)?;
         let test = library.parts(&self.test)?;
         let rest = library.parts(&self.rest)?;

@@ -3,7 +3,7 @@
 use super::json;
 use crate::failure::Failure;
 use crate::files::columns::Columns;
-use crate::files::measured::{FilePart, Library};
+use crate::files::measured::{FilePart, RecordFiles};
 use crate::files::test::TestFile;
 use crate::files::{output, read};
 use crate::numbers::{percent, three};
@@ -37,7 +37,7 @@ impl Identify {
     /// # Errors
     /// A record or a test file that cannot be used.
     pub fn run(&self) -> Result<(), Failure> {
-        let recording = Library::with(&self.columns)
+        let recording = RecordFiles::with(&self.columns)
             .parts(std::slice::from_ref(&self.record))?
             .remove(0);
         for remark in &recording.remarks {

@@ -37,12 +37,12 @@ pub struct Improve {
 /// All rows as JSON.
 #[derive(Serialize)]
 struct Rows<'a> {
-    rows: Vec<Row<'a>>,
+    rows: Vec<JsonRow<'a>>,
 }
 
 /// A row as JSON.
 #[derive(Serialize)]
-struct Row<'a> {
+struct JsonRow<'a> {
     test: String,
     undeclared: String,
     found: String,
@@ -156,8 +156,8 @@ impl Improve {
     }
 }
 
-fn row<'a>(name: &str, s: &'a Improvement) -> Row<'a> {
-    Row {
+fn row<'a>(name: &str, s: &'a Improvement) -> JsonRow<'a> {
+    JsonRow {
         test: name.to_owned(),
         undeclared: s.undeclared(),
         found: Improvement::named(&s.diagnosis),

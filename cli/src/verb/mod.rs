@@ -24,7 +24,7 @@ pub mod sweep;
 
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::files::ground_motion::{ColumnChoice, GroundMotionFile, Unit};
+use crate::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::provenance::note_seed;
@@ -38,9 +38,9 @@ pub struct MotionArguments {
     /// Interval of a ground motion that has one acceleration a line, s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<f64>,
-    /// Unit of such a ground motion
+    /// AccelerationUnit of such a ground motion
     #[arg(long, value_name = "UNIT")]
-    unit: Option<Unit>,
+    unit: Option<AccelerationUnit>,
     /// Counts for one of that unit, of a ground motion in MiniSEED as a recorder writes it; the station's metadata have it
     #[arg(long, value_name = "COUNTS", allow_negative_numbers = true)]
     sensitivity: Option<f64>,

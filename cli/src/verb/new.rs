@@ -76,7 +76,7 @@ impl New {
 }
 
 /// What a person says of the structure and the rig.
-struct Answers {
+struct RigInWords {
     storeys: usize,
     mass_kg: f64,
     stiffness_n_per_m: f64,
@@ -147,7 +147,7 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
         "Ground motion, a file [the built-in near-fault record]",
         from,
     )?;
-    Ok(Answers {
+    Ok(RigInWords {
         storeys: storeys.round() as usize,
         mass_kg,
         stiffness_n_per_m: stiffness * 1e3,
@@ -175,7 +175,7 @@ fn line(question: &str, from: &mut dyn BufRead) -> Result<String, Failure> {
     Ok(answer.trim().to_owned())
 }
 
-impl Answers {
+impl RigInWords {
     fn text(&self) -> String {
         let each = |x: f64| match self.storeys {
             1 => format!("{x}"),

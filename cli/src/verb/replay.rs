@@ -23,7 +23,7 @@ pub struct Replay {
 
 /// What a replay found.
 #[derive(Clone, Debug, Serialize)]
-struct Found {
+struct ReplayResult {
     steps: usize,
     channels: usize,
     values_different: usize,
@@ -96,7 +96,7 @@ impl Replay {
     }
 }
 
-fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> Found {
+fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> ReplayResult {
     let again = channels::of(trace);
     let mut first: Option<(usize, String)> = None;
     let mut different = 0;
@@ -119,7 +119,7 @@ fn compare(archived: &archive::ArchivedTest, trace: &Trace) -> Found {
             }
         }
     }
-    Found {
+    ReplayResult {
         steps: archived.steps,
         channels: again.len(),
         values_different: different,

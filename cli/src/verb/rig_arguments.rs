@@ -55,7 +55,7 @@ pub enum RigKind {
 }
 
 /// A board and who is asked before it moves.
-pub type Board = (BoardConnection, Operator);
+pub type ConnectedBoard = (BoardConnection, Operator);
 
 impl RigArguments {
     /// A simulated or emulated rig; of a board the port is not known.
@@ -95,7 +95,7 @@ impl RigArguments {
         test: &TestFile,
         plan: &PlannedMotion,
         seed: u64,
-    ) -> Result<Option<Board>, Failure> {
+    ) -> Result<Option<ConnectedBoard>, Failure> {
         if let Some(device) = &self.port {
             let operator = if self.yes {
                 Operator::not_asked()

@@ -3,9 +3,9 @@ use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
 use nalgebra::{SMatrix, SVector};
 use outerloop_cli::coupled::experiment::CoupledExperiment;
 use outerloop_cli::coupled::load;
-use outerloop_cli::coupled::record::CoupledRecord;
 use outerloop_cli::coupled::summary::CoupledSummary;
 use outerloop_cli::coupled::table::CoupledCompensation;
+use outerloop_cli::coupled::trace::CoupledTrace;
 use outerloop_cli::coupled::trial::{self, Ideal};
 use outerloop_cli::files::near_fault::near_fault;
 use outerloop_cli::summary::TestVerdict;
@@ -27,7 +27,7 @@ fn experiment(overrides: &[&str]) -> CoupledExperiment {
     load::experiment(test.unwrap().unwrap(), &near_fault(), Some(12.0)).unwrap()
 }
 
-fn run(overrides: &[&str]) -> (CoupledExperiment, Ideal, CoupledRecord, CoupledSummary) {
+fn run(overrides: &[&str]) -> (CoupledExperiment, Ideal, CoupledTrace, CoupledSummary) {
     let e = experiment(overrides);
     let kind = e.test.coupled.compensation;
     let ideal = trial::ideal(&e).unwrap();

@@ -3,7 +3,7 @@
 use super::Laboratory;
 use super::pins::{BUTTON, drive, stop_contact};
 use crate::chain::{self, Shown};
-use crate::log::{Fault, LoggedEvent, Planned};
+use crate::log::{InjectedFault, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
 use rigless::device::Level;
 use rigless::emulator::{Host, Stop};
@@ -22,18 +22,18 @@ impl Laboratory {
     pub(super) fn disturbed(&mut self, mut shown: Shown) -> Shown {
         let top = f64::from(self.chain.converters().widths().sensor_top);
         match self.active {
-            Some(Fault::SensorAtRail) => shown.displacement[self.victim] = top,
-            Some(Fault::FrozenSensor) => {
+            Some(InjectedFault::SensorAtRail) => shown.displacement[self.victim] = top,
+            Some(InjectedFault::FrozenSensor) => {
                 shown.displacement[self.victim] = self.frozen.displacement[self.victim];
             }
-            Some(Fault::NoiseBurst) => {
+            Some(InjectedFault::NoiseBurst) => {
                 let up = self.permit_steps.is_multiple_of(2);
                 let sign = if up { 1.0 } else { -1.0 };
                 let free = 0.005 * top;
                 let force = &mut shown.force[self.victim];
                 *force = (*force + sign * BURST_SHARE * top).clamp(free, top - free);
             }
-            Some(Fault::Stiffness { percent }) => {
+            Some(InjectedFault::Stiffness { percent }) => {
                 let none = chain::sensor_code(self.wired[self.victim].force, 0.0);
                 let force = &mut shown.force[self.victim];
                 *force = none + (*force - none) * f64::from(percent) / 100.0;
@@ -49,8 +49,9 @@ impl Laboratory {
         stop: Stop,
         host: &mut dyn Host,
     ) {
-        let due =
-            |p: &mut Planned| self.permit_steps >= p.after_steps && self.resets >= self.gone_wrong;
+        let due = |p: &mut PlannedFault| {
+            self.permit_steps >= p.after_steps && self.resets >= self.gone_wrong
+        };
         let Some(planned) = self.plan.pop_front_if(due) else {
             return;
         };
@@ -58,32 +59,32 @@ impl Laboratory {
         self.note(session, stop.at, LoggedEvent::Fault);
         self.active = Some(planned.fault);
         match planned.fault {
-            Fault::EmergencyStop => stop_contact(session, stop.at, false),
-            Fault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
-            Fault::Chain(contact) => self.permission.fault = Some(contact),
-            Fault::LinkCut(steps) => {
+            InjectedFault::EmergencyStop => stop_contact(session, stop.at, false),
+            InjectedFault::Button => drive(session, stop.at, BUTTON, Some(Level::High)),
+            InjectedFault::Chain(contact) => self.permission.fault = Some(contact),
+            InjectedFault::LinkCut(steps) => {
                 self.wire.cut();
                 self.mend_at_step = self.steps + steps;
             }
-            Fault::Reset => {
+            InjectedFault::Reset => {
                 session.reset_by_pin(stop.at, stop.instruction_count, host);
                 self.pins_float(session, stop.at);
             }
             // Memory of the chip: it is there.
-            Fault::Drill(number) => drop(host.write(
+            InjectedFault::Drill(number) => drop(host.write(
                 self.drill_address,
                 Width::W32,
                 u64::from(DRILL_MAGIC + number),
             )),
-            Fault::DeadOutput => self.chain.break_output(session, self.victim),
+            InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.
-            Fault::SensorAtRail
-            | Fault::FrozenSensor
-            | Fault::NoiseBurst
-            | Fault::DeadValve
-            | Fault::Gain { .. }
-            | Fault::Stiffness { .. }
-            | Fault::LateBy(_) => {}
+            InjectedFault::SensorAtRail
+            | InjectedFault::FrozenSensor
+            | InjectedFault::NoiseBurst
+            | InjectedFault::DeadValve
+            | InjectedFault::Gain { .. }
+            | InjectedFault::Stiffness { .. }
+            | InjectedFault::LateBy(_) => {}
         }
     }
 

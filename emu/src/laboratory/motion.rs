@@ -2,7 +2,7 @@
 
 use super::Laboratory;
 use crate::chain::{self, Shown};
-use crate::log::Fault;
+use crate::log::InjectedFault;
 use crate::nucleo::Nucleo;
 use link::MAX_ACTUATORS;
 use rigless::session::Session;
@@ -21,7 +21,7 @@ impl Laboratory {
     ) -> Shown {
         let actuators = self.chain.converters().actuators();
         let closed = self.permission.closed(at_ns, period_ns);
-        let dead = self.active == Some(Fault::DeadValve);
+        let dead = self.active == Some(InjectedFault::DeadValve);
         let victim = self.victim;
         let moves = |actuator: usize| closed && !(dead && actuator == victim);
         let period_s = period_ns as f64 * 1e-9;

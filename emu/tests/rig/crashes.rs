@@ -1,12 +1,12 @@
 //! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
-use emu::{Fault, LoggedEvent, Planned};
+use emu::{InjectedFault, LoggedEvent, PlannedFault};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{CrashCause, CrashReport, StartCause, Status};
 use outerloop_cli::board::Image;
-use outerloop_core::{Event, Fault as LoopFault, Mode};
+use outerloop_core::{Event, Fault, Mode};
 
 const MS: u64 = 1_000_000;
 
@@ -20,12 +20,12 @@ const WATCHDOG_NS: u64 = 50 * MS;
 const PLACES: u32 = 10;
 
 /// A fault in the middle of a test, 0.3 s after PERMIT came.
-fn in_mid_test(fault: Fault) -> Desk {
+fn in_mid_test(fault: InjectedFault) -> Desk {
     on_bench(fault, Bench::default())
 }
 
-fn on_bench(fault: Fault, bench: Bench) -> Desk {
-    let plan = Some(Planned {
+fn on_bench(fault: InjectedFault, bench: Bench) -> Desk {
+    let plan = Some(PlannedFault {
         after_steps: 600,
         fault,
     });
@@ -40,7 +40,7 @@ fn crash(drill: u32) -> (Course, Status) {
 }
 
 fn crash_on(drill: u32, bench: Bench) -> (Course, Status) {
-    let mut desk = on_bench(Fault::Drill(drill), bench);
+    let mut desk = on_bench(InjectedFault::Drill(drill), bench);
     desk.until_reset();
     desk.assert_nothing_lost();
     let status = desk.status();
@@ -155,9 +155,9 @@ fn an_exhausted_stack_is_seen_wherever_a_frame_begins() {
         // The end of the stack is the same on every image.
         return;
     }
-    let drills = (0..PLACES).map(|eights| Planned {
+    let drills = (0..PLACES).map(|eights| PlannedFault {
         after_steps: 0,
-        fault: Fault::Drill(0x30 + eights),
+        fault: InjectedFault::Drill(0x30 + eights),
     });
     let mut desk = Desk::with(Bench {
         then: drills.collect(),
@@ -215,13 +215,10 @@ fn a_program_that_hangs_with_interrupts_off_is_reset() {
 
 #[test]
 fn a_step_that_takes_too_long_trips_in_the_next() {
-    let mut desk = in_mid_test(Fault::Drill(6));
+    let mut desk = in_mid_test(InjectedFault::Drill(6));
     desk.until(Mode::Tripped);
     let status = desk.status();
-    assert_eq!(
-        status.trip.map(|t| t.fault),
-        Some(LoopFault::DeadlineMissed)
-    );
+    assert_eq!(status.trip.map(|t| t.fault), Some(Fault::DeadlineMissed));
     assert_eq!(status.timing.overruns, 1);
     assert_eq!(status.started, StartCause::Power);
     let course = desk.course();
@@ -238,7 +235,7 @@ fn a_step_that_takes_too_long_trips_in_the_next() {
 
 #[test]
 fn the_emergency_stop_acts_in_one_period_and_stands_against_arming() {
-    let mut desk = in_mid_test(Fault::EmergencyStop);
+    let mut desk = in_mid_test(InjectedFault::EmergencyStop);
     desk.until(Mode::Tripped);
     let course = desk.course();
     let after = course.permit_low_ns - course.fault_ns;
@@ -255,11 +252,11 @@ fn the_emergency_stop_acts_in_one_period_and_stands_against_arming() {
     );
     assert_eq!(
         desk.status().trip.map(|t| t.fault),
-        Some(LoopFault::EmergencyStop)
+        Some(Fault::EmergencyStop)
     );
     desk.order(Command::Event(Event::Clear));
     let reply = desk.ask(Command::Event(Event::Arm));
-    let pressed = Some(Obstacle::Fault(LoopFault::EmergencyStop));
+    let pressed = Some(Obstacle::Fault(Fault::EmergencyStop));
     assert!(
         matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == pressed),
         "{reply:?}"
@@ -269,7 +266,7 @@ fn the_emergency_stop_acts_in_one_period_and_stands_against_arming() {
 
 #[test]
 fn the_reset_button_in_mid_test() {
-    let mut desk = in_mid_test(Fault::Reset);
+    let mut desk = in_mid_test(InjectedFault::Reset);
     desk.until_reset();
     let status = desk.status();
     assert_eq!(
@@ -303,9 +300,9 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     }
     // It has sunk before it is armed, too: the approach takes its time.
     let mut desk = Desk::with(Bench {
-        plan: Some(Planned {
+        plan: Some(PlannedFault {
             after_steps: 3000,
-            fault: Fault::Reset,
+            fault: InjectedFault::Reset,
         }),
         sinks_m_per_s: 0.001,
         ..Bench::default()

@@ -1,7 +1,7 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Converters, Firmware, Laboratory, Log, LoggedEvent, Mutant, Planned, Wire};
+use emu::{Converters, Firmware, Laboratory, Log, LoggedEvent, Mutant, PlannedFault, Wire};
 use link::command::Command;
 use link::frame::checksum;
 use link::reply::Reply;
@@ -120,9 +120,9 @@ pub struct Bench {
     pub firmware: Option<Firmware>,
     pub crystal_hz: u64,
     pub lsi_hz: u64,
-    pub plan: Option<Planned>,
+    pub plan: Option<PlannedFault>,
     /// What goes wrong after that, each behind a reset.
-    pub then: Vec<Planned>,
+    pub then: Vec<PlannedFault>,
     pub mutant: Option<Mutant>,
     /// The rig, a TOML table; left out: 3 ms late, a linear specimen.
     pub rig: Option<RigSpec>,
@@ -178,7 +178,7 @@ pub struct Course {
 
 impl Desk {
     /// Switches a board on, with a fault to come.
-    pub fn new(plan: Option<Planned>) -> Self {
+    pub fn new(plan: Option<PlannedFault>) -> Self {
         Self::with(Bench {
             plan,
             ..Bench::default()

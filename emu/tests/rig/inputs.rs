@@ -1,7 +1,7 @@
 //! What an image with one actuator records beside displacement and force.
 
 use crate::desk::{Bench, Desk};
-use emu::{Fault, Planned};
+use emu::{InjectedFault, PlannedFault};
 use link::reply::Reply;
 use link::telemetry::Input;
 use link::{Calibration, Command};
@@ -9,9 +9,9 @@ use outerloop_core::Mode;
 
 /// Largest distance of the command as read back from the command as sent, m, after a fault in mid test and until the test
 /// trips.
-fn read_back_after(fault: Fault) -> f32 {
+fn read_back_after(fault: InjectedFault) -> f32 {
     let mut desk = Desk::with(Bench {
-        plan: Some(Planned {
+        plan: Some(PlannedFault {
             after_steps: 600,
             fault,
         }),
@@ -29,8 +29,8 @@ fn read_back_after(fault: Fault) -> f32 {
 
 #[test]
 fn a_dead_output_is_told_from_a_dead_valve_by_the_command_read_back() {
-    let valve = read_back_after(Fault::DeadValve);
-    let output = read_back_after(Fault::DeadOutput);
+    let valve = read_back_after(InjectedFault::DeadValve);
+    let output = read_back_after(InjectedFault::DeadOutput);
     println!("command read back off by {valve} m with a dead valve, {output} m with a dead output");
     let code_m = Calibration::placeholder(&crate::desk::codes())
         .command

@@ -2,14 +2,14 @@
 //! reason readable, and every step that was sent received.
 
 use crate::desk::{Desk, PERIOD_NS, config, fine};
-use emu::{Contact, Fault, LoggedEvent, Planned};
+use emu::{Contact, InjectedFault, LoggedEvent, PlannedFault};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
-use outerloop_core::{Config, Event, Fault as Reason, Method, Mode};
+use outerloop_core::{Config, Event, Fault, Method, Mode};
 
 /// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
-fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
-    let plan = fault.map(|fault| Planned {
+fn begun(fault: Option<InjectedFault>, change: impl Fn(&mut Config)) -> Desk {
+    let plan = fault.map(|fault| PlannedFault {
         after_steps: 1200,
         fault,
     });
@@ -29,7 +29,7 @@ fn begun(fault: Option<Fault>, change: impl Fn(&mut Config)) -> Desk {
 }
 
 /// The test trips on `reason`; what follows is as it has to be. Gives the time from the fault to PERMIT low, ns.
-fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
+fn trips(desk: &mut Desk, reason: Fault) -> Option<u64> {
     desk.until(Mode::Tripped);
     for _ in 0..100 {
         desk.step();
@@ -69,16 +69,16 @@ fn trips(desk: &mut Desk, reason: Reason) -> Option<u64> {
 
 #[test]
 fn a_broken_sensor_wire() {
-    let mut desk = begun(Some(Fault::SensorAtRail), |_| {});
-    let after = trips(&mut desk, Reason::AdcRail).unwrap();
+    let mut desk = begun(Some(InjectedFault::SensorAtRail), |_| {});
+    let after = trips(&mut desk, Fault::AdcRail).unwrap();
     assert!(after <= PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
 }
 
 #[test]
 fn a_sensor_that_stands_still() {
-    let mut desk = begun(Some(Fault::FrozenSensor), |_| {});
-    let after = trips(&mut desk, Reason::StaleSample).unwrap();
+    let mut desk = begun(Some(InjectedFault::FrozenSensor), |_| {});
+    let after = trips(&mut desk, Fault::StaleSample).unwrap();
     // 20 steps, as the test says, and some while the target itself hardly moves.
     assert!(after <= 60 * PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
@@ -86,26 +86,28 @@ fn a_sensor_that_stands_still() {
 
 #[test]
 fn a_burst_of_noise_beyond_the_limit_of_the_force() {
-    let mut desk = begun(Some(Fault::NoiseBurst), |c| c.limits.force_n = Some(4500.0));
-    let after = trips(&mut desk, Reason::Force).unwrap();
+    let mut desk = begun(Some(InjectedFault::NoiseBurst), |c| {
+        c.limits.force_n = Some(4500.0)
+    });
+    let after = trips(&mut desk, Fault::Force).unwrap();
     assert!(after <= 2 * PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
 }
 
 #[test]
 fn each_limit() {
-    let limits: [(Reason, fn(&mut Config)); 6] = [
-        (Reason::Increment, |c| {
+    let limits: [(Fault, fn(&mut Config)); 6] = [
+        (Fault::Increment, |c| {
             (c.limits.increment_m, c.limits.velocity_m_per_s) = (Some(2e-5), None);
         }),
-        (Reason::Velocity, |c| c.limits.velocity_m_per_s = Some(0.04)),
-        (Reason::Displacement, |c| {
+        (Fault::Velocity, |c| c.limits.velocity_m_per_s = Some(0.04)),
+        (Fault::Displacement, |c| {
             c.limits.displacement_m = Some(0.003)
         }),
-        (Reason::Force, |c| c.limits.force_n = Some(400.0)),
-        (Reason::Tracking, |c| c.limits.tracking_m = Some(0.0001)),
+        (Fault::Force, |c| c.limits.force_n = Some(400.0)),
+        (Fault::Tracking, |c| c.limits.tracking_m = Some(0.0001)),
         // The rig is 3 ms late, and nothing takes the energy out that this puts in.
-        (Reason::EnergyRatio, |c| {
+        (Fault::EnergyRatio, |c| {
             c.compensation.kind = Method::None;
             c.limits.energy_trip = Some(0.02);
         }),
@@ -120,15 +122,15 @@ fn each_limit() {
 #[test]
 fn a_relay_that_opens_by_itself() {
     // The rig stands then, so that its sensor counts as frozen long before the patience with a relay is over.
-    let mut desk = begun(Some(Fault::Chain(Contact::Broken)), |_| {});
-    let after = trips(&mut desk, Reason::StaleSample).unwrap();
+    let mut desk = begun(Some(InjectedFault::Chain(Contact::Broken)), |_| {});
+    let after = trips(&mut desk, Fault::StaleSample).unwrap();
     assert!(after <= 60 * PERIOD_NS, "{after} ns");
     desk.assert_nothing_lost();
 }
 
 #[test]
 fn a_relay_that_stays_closed_stands_against_the_next_arming() {
-    let mut desk = begun(Some(Fault::Chain(Contact::Welded)), |_| {});
+    let mut desk = begun(Some(InjectedFault::Chain(Contact::Welded)), |_| {});
     desk.until(Mode::Finished);
     desk.order(Command::Event(Event::Clear));
     // Telemetry of before is still on its way.
@@ -137,7 +139,7 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
         desk.step();
     }
     let reply = desk.ask(Command::Event(Event::Arm));
-    let welded = Some(Obstacle::Fault(Reason::PermitChain));
+    let welded = Some(Obstacle::Fault(Fault::PermitChain));
     assert!(
         matches!(reply, Reply::Rejected { obstacle, .. } if obstacle == welded),
         "{reply:?}"
@@ -146,7 +148,7 @@ fn a_relay_that_stays_closed_stands_against_the_next_arming() {
 
 #[test]
 fn the_blue_button_holds_the_test() {
-    let mut desk = begun(Some(Fault::Button), |_| {});
+    let mut desk = begun(Some(InjectedFault::Button), |_| {});
     desk.until(Mode::Holding);
     desk.order(Command::Event(Event::Start));
     desk.until(Mode::Finished);
@@ -173,8 +175,8 @@ fn a_test_without_limits_and_a_board_without_calibration_are_refused() {
 
 #[test]
 fn a_cut_line_ends_the_test_by_itself_and_the_reason_is_there_when_it_is_mended() {
-    let mut desk = begun(Some(Fault::LinkCut(2000)), |_| {});
-    let after = trips(&mut desk, Reason::LinkLost).unwrap();
+    let mut desk = begun(Some(InjectedFault::LinkCut(2000)), |_| {});
+    let after = trips(&mut desk, Fault::LinkLost).unwrap();
     println!("PERMIT low {} ms after the cut", after / 1_000_000);
     assert!(after <= 1_100 * PERIOD_NS, "{after} ns");
 }

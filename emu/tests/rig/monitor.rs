@@ -2,7 +2,7 @@
 //! motion is 1.2 times the planned peak. Limits as `outerloop check --monitor` has them.
 
 use crate::desk::{Bench, Desk};
-use emu::{Fault, Planned};
+use emu::{InjectedFault, PlannedFault};
 use link::Calibration;
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator, calibrate};
@@ -55,7 +55,7 @@ struct Ran {
     motion: f64,
 }
 
-fn run(rig: &str, shaken: &Shaking, fault: Option<Planned>) -> Ran {
+fn run(rig: &str, shaken: &Shaking, fault: Option<PlannedFault>) -> Ran {
     let text = format!("{TEST}{rig}");
     let test = TestFile::parse(&text, "monitor", Path::new(""), &[]).unwrap();
     let spec = test.plant.clone();
@@ -125,18 +125,18 @@ fn sound_tests_run_to_their_end() {
 fn what_breaks_is_stopped_in_time() {
     let told = "delay_ms = 3\n[plant.sensors]\ndisplacement_noise_mm = 0.02\nforce_noise_n = 5\n";
     // The actuator stands at 0: the approach takes no time, and after 1.5 s the pulse is on its way.
-    let late = |fault| Planned {
+    let late = |fault| PlannedFault {
         after_steps: 3000,
         fault,
     };
-    let soft = Planned {
+    let soft = PlannedFault {
         after_steps: 0,
-        fault: Fault::Stiffness { percent: 40 },
+        fault: InjectedFault::Stiffness { percent: 40 },
     };
     for (shaken, fault) in [
-        (SHORT, late(Fault::LateBy(100))),
-        (SHORT, late(Fault::Gain { percent: 150 })),
-        (SHORT, late(Fault::FrozenSensor)),
+        (SHORT, late(InjectedFault::LateBy(100))),
+        (SHORT, late(InjectedFault::Gain { percent: 150 })),
+        (SHORT, late(InjectedFault::FrozenSensor)),
         (SLOW, soft),
     ] {
         let ran = run(told, &shaken, Some(fault));

@@ -1,16 +1,16 @@
 //! Every actuator has its own outputs, limits and faults, and all stop together.
 
 use crate::desk::{ACTUATORS, Bench, Desk, codes};
-use emu::{Fault as Wrong, Log, LoggedEvent, Planned};
+use emu::{InjectedFault, Log, LoggedEvent, PlannedFault};
 use link::Command;
 use link::reply::Reply;
 use link::telemetry::Input;
 use outerloop_core::{Fault, Mode, Trip};
 
 /// A test that trips because something of an actuator goes wrong.
-fn tripped(actuator: usize, fault: Wrong) -> (Desk, Trip) {
+fn tripped(actuator: usize, fault: InjectedFault) -> (Desk, Trip) {
     let mut desk = Desk::with(Bench {
-        plan: Some(Planned {
+        plan: Some(PlannedFault {
             after_steps: 900,
             fault,
         }),
@@ -24,7 +24,7 @@ fn tripped(actuator: usize, fault: Wrong) -> (Desk, Trip) {
 }
 
 /// A test in which the sensors of an actuator go wrong; how long PERMIT stayed high, ns, and what tripped.
-fn trip(actuator: usize, fault: Wrong) -> (u64, Fault, Log) {
+fn trip(actuator: usize, fault: InjectedFault) -> (u64, Fault, Log) {
     let (mut desk, trip) = tripped(actuator, fault);
     let course = desk.course();
     for _ in 0..200 {
@@ -55,7 +55,7 @@ fn since_the_trip(log: &Log) -> Vec<[Option<u16>; ACTUATORS]> {
 #[test]
 fn a_broken_wire_of_any_actuator_trips_within_a_period_and_all_outputs_stand() {
     for actuator in [0, 2] {
-        let (permit_ns, fault, log) = trip(actuator, Wrong::SensorAtRail);
+        let (permit_ns, fault, log) = trip(actuator, InjectedFault::SensorAtRail);
         println!("actuator {actuator}: {fault:?}, PERMIT low after {permit_ns} ns");
         assert_eq!(fault, Fault::AdcRail);
         assert!(permit_ns <= 500_000, "{permit_ns}");
@@ -70,7 +70,7 @@ fn a_broken_wire_of_any_actuator_trips_within_a_period_and_all_outputs_stand() {
 
 #[test]
 fn a_sensor_that_freezes_is_noticed_whichever_it_is() {
-    let (permit_ns, fault, _) = trip(1, Wrong::FrozenSensor);
+    let (permit_ns, fault, _) = trip(1, InjectedFault::FrozenSensor);
     println!(
         "PERMIT low {} ms after the second sensor froze",
         permit_ns / 1_000_000
@@ -136,7 +136,7 @@ fn span(codes: impl Iterator<Item = u16> + Clone) -> u16 {
 #[test]
 fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_moving() {
     for actuator in 0..ACTUATORS {
-        let [valve, output] = [Wrong::DeadValve, Wrong::DeadOutput].map(|fault| {
+        let [valve, output] = [InjectedFault::DeadValve, InjectedFault::DeadOutput].map(|fault| {
             let (desk, trip) = tripped(actuator, fault);
             let stands = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
             assert!(stands, "{fault:?}: {:?}", trip.fault);

@@ -3,7 +3,7 @@
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict};
-use outerloop_cli::files::measured::{FilePart, Library};
+use outerloop_cli::files::measured::{FilePart, RecordFiles};
 use outerloop_cli::files::model;
 use plant::Effect;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const BEAM: &str = "nrc_faster";
 fn record(name: &str, span_s: Option<[f64; 2]>) -> Option<Recording> {
     let file = test_data::file(&format!("measured/{name}.csv"))?;
     let part = FilePart { file, span_s };
-    Some(Library::default().parts(&[part]).unwrap().remove(0))
+    Some(RecordFiles::default().parts(&[part]).unwrap().remove(0))
 }
 
 fn declared(name: &str) -> Model {

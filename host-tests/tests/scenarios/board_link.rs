@@ -9,7 +9,7 @@ use outerloop_cli::board::{
 use outerloop_cli::experiment::Experiment;
 use outerloop_cli::failure::Failure;
 use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::recording::Recording;
+use outerloop_cli::files::recording::SiRecording;
 use outerloop_cli::files::signal::SignalPoints as PointsOfSignal;
 use outerloop_cli::files::test::TestFile;
 use outerloop_cli::judged::JudgedRun;
@@ -307,7 +307,7 @@ fn a_designed_signal_is_played_by_the_board_and_refused_beyond_a_limit_before_an
     });
     let mut connection = connect(loopback(&t));
     let played = play(&mut connection, &t, &trajectory);
-    let recording = Recording::parse("signal.csv", &played.text).unwrap();
+    let recording = SiRecording::parse("signal.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     assert!((6000..6003).contains(&command.len()), "{}", command.len());
     for (i, wanted) in command_m.iter().enumerate() {
@@ -354,7 +354,7 @@ fn a_commissioning_chirp_is_recorded_and_reads_back() {
     };
     let trajectory = Trajectory::Formula(signal);
     let played = play(&mut connection, &t, &trajectory);
-    let recording = Recording::parse("chirp.csv", &played.text).unwrap();
+    let recording = SiRecording::parse("chirp.csv", &played.text).unwrap();
     let command = recording.command_m().unwrap();
     let measured = recording.displacement_m().unwrap();
     assert!(

@@ -3,13 +3,13 @@
 use benchmarks::rths::channels::Noise;
 use benchmarks::rths::published::{PORT, TABLE_3, WORST_DRAWN};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, Record, RthsRow, Rules};
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use host_tests::data;
 
-fn record(name: &str) -> Option<Record> {
+fn record(name: &str) -> Option<GroundRecord> {
     let file = data::ground_motion(&format!("RTHSBENCH_{name}"))?;
     let rules = Rules::official();
-    Some(Record::new(
+    Some(GroundRecord::new(
         name,
         &file.acc_m_per_s2,
         file.interval_s,
@@ -19,12 +19,12 @@ fn record(name: &str) -> Option<Record> {
 }
 
 /// The rows of some controllers, nominal plant.
-fn rows(record: Record, names: &[&str], seed: u64) -> Vec<RthsRow> {
+fn rows(record: GroundRecord, names: &[&str], seed: u64) -> Vec<RthsRow> {
     let contestants: Vec<_> = names
         .iter()
         .map(|n| Contestant::named(n).expect("a controller"))
         .collect();
-    let bench = Bench {
+    let bench = Benchmark {
         rules: &Rules::official(),
         records: &[record],
         contestants: &contestants,
@@ -121,7 +121,7 @@ fn evenly_drawn_plants_have_the_worst_figures_of_an_independent_port() {
         let Some(record) = record("ElCentro") else {
             return;
         };
-        let bench = Bench {
+        let bench = Benchmark {
             rules: &rules,
             records: &[record],
             contestants: &contestants,

@@ -1,6 +1,6 @@
 //! The published controller: PI with phase lead.
 
-use super::interface::{Controller, ControllerInput, Declared};
+use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::linear::Section;
 use crate::rths::size::RATE_HZ;
 
@@ -11,7 +11,7 @@ struct Baseline {
     integral_m: f64,
 }
 
-pub(super) fn make(_: &Declared) -> Box<dyn Controller> {
+pub(super) fn make(_: &DeclaredPlant) -> Box<dyn Controller> {
     Box::new(Baseline {
         lead: Section::new([50.8, 50.8 * 168.6], [1.0, 8570.0], 1.0 / RATE_HZ),
         integral_m: 0.0,

@@ -1,6 +1,6 @@
 //! Core's methods, in f32 as they fly: behind the problem's numerical part, or with core's own integration.
 
-use super::interface::{Controller, ControllerInput, Declared};
+use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::Refused;
 use crate::rths::case::Case;
 use crate::rths::channels;
@@ -28,7 +28,7 @@ pub(super) struct CoreSetup {
 impl CoreSetup {
     /// For `method`: the same for all. Adaptive ones may learn in motions of a fifth of a millimetre, and the time series
     /// from what moves below 8 Hz, twice the first natural frequency: above is noise.
-    pub fn new(declared: &Declared, method: Method, lead_steps: f64, late_steps: f64) -> Self {
+    pub fn new(declared: &DeclaredPlant, method: Method, lead_steps: f64, late_steps: f64) -> Self {
         let plant = &declared.plant;
         // The published adaptive model-based compensation begins with the actuator alone.
         let begins_with = if method.predictor == Prediction::Amb {
@@ -80,14 +80,14 @@ impl CoreSetup {
     ///
     /// # Errors
     /// What core refuses.
-    pub fn behind(&self, declared: &Declared) -> Result<Box<dyn Controller>, Refused> {
+    pub fn behind(&self, declared: &DeclaredPlant) -> Result<Box<dyn Controller>, Refused> {
         Ok(Box::new(Behind {
             follower: Follower::new(self.design(declared)?, self.late_steps as f32),
             calibration: self.calibration,
         }))
     }
 
-    fn design(&self, declared: &Declared) -> Result<Design<FLOORS>, Refused> {
+    fn design(&self, declared: &DeclaredPlant) -> Result<Design<FLOORS>, Refused> {
         Design::with_structure(&config(declared, &self.compensation), &structure(declared))
             .map_err(|e: Refusal| Refused::new(format!("rths: {e}")))
     }
@@ -123,7 +123,7 @@ const STEPS_AT_REST: usize = 300;
 
 impl<'a, const L: usize> CoreLoops<'a, L> {
     pub(super) fn new(
-        declared: &Declared,
+        declared: &DeclaredPlant,
         setup: &CoreSetup,
         shaking: &'a Shaking,
     ) -> Result<Self, Refused> {
@@ -177,7 +177,7 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
 }
 
 /// Delay of the declared plant at the first natural frequency, ms: the delay that methods with a delay parameter are given.
-fn delay_ms(declared: &Declared) -> f64 {
+fn delay_ms(declared: &DeclaredPlant) -> f64 {
     let case = &declared.case;
     let stiffness = case.reference().stiffness / case.mass_kg;
     let omega = nalgebra::SymmetricEigen::new(stiffness)
@@ -188,7 +188,7 @@ fn delay_ms(declared: &Declared) -> f64 {
 }
 
 /// The numerical part for core: its own mass and damping; of the stiffness, the whole and the numerical part.
-fn structure(declared: &Declared) -> Structure<FLOORS> {
+fn structure(declared: &DeclaredPlant) -> Structure<FLOORS> {
     let plain = |m: &Matrix3<f64>| std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
     let specimen = &declared.plant.specimen;
     let (whole, numerical) = (declared.case.reference(), declared.case.numerical(specimen));
@@ -204,7 +204,7 @@ fn structure(declared: &Declared) -> Structure<FLOORS> {
 }
 
 /// The test. The structure here is a shear frame of the same masses, which core checks but does not use.
-fn config(declared: &Declared, compensation: &Compensation) -> Config {
+fn config(declared: &DeclaredPlant, compensation: &Compensation) -> Config {
     let all = |x: f64| [x; FLOORS].into_iter().collect();
     let Case {
         mass_kg,

@@ -2,7 +2,7 @@
 
 use super::core_method::CoreLoops;
 use super::core_method::CoreSetup;
-use super::interface::{Controller, Declared};
+use super::interface::{Controller, DeclaredPlant};
 use super::outside::{OUTSIDE, Outside};
 use crate::Refused;
 use crate::rths::case::Case;
@@ -60,7 +60,7 @@ impl Contestant {
             .collect()
     }
 
-    /// A controller of another crate, for [`crate::rths::Bench`]; `benchmarks/examples/your_controller.rs` is one.
+    /// A controller of another crate, for [`crate::rths::Benchmark`]; `benchmarks/examples/your_controller.rs` is one.
     pub fn from_outside(outside: &'static Outside) -> Self {
         Self {
             name: outside.name.to_owned(),
@@ -180,13 +180,13 @@ impl Contestant {
         }
     }
 
-    fn setup(&self, declared: &Declared, method: Method) -> CoreSetup {
+    fn setup(&self, declared: &DeclaredPlant, method: Method) -> CoreSetup {
         CoreSetup::new(declared, method, self.lead_steps, self.late_steps)
     }
 
-    fn declared(&self, case: &Case) -> Declared {
+    fn declared(&self, case: &Case) -> DeclaredPlant {
         let mut plant = Parameters::NOMINAL;
         plant.specimen.stiffness_n_per_m *= self.stiffness;
-        Declared { case: *case, plant }
+        DeclaredPlant { case: *case, plant }
     }
 }

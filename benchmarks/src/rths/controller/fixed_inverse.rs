@@ -1,7 +1,7 @@
 //! The inverse of the declared plant to third order, fixed: `A_0 r + A_1 r' + A_2 r'' + A_3 r'''` over the numerator, with
 //! backward differences of the target.
 
-use super::interface::{Controller, ControllerInput, Declared};
+use super::interface::{Controller, ControllerInput, DeclaredPlant};
 use crate::rths::size::RATE_HZ;
 
 struct FixedInverse {
@@ -11,7 +11,7 @@ struct FixedInverse {
     last_m: [f64; 3],
 }
 
-pub(super) fn make(declared: &Declared) -> Box<dyn Controller> {
+pub(super) fn make(declared: &DeclaredPlant) -> Box<dyn Controller> {
     let [a0, a1, a2, a3, ..] = declared.plant.inverse();
     Box::new(FixedInverse {
         factors: [a0, a1 * RATE_HZ, a2 * RATE_HZ.powi(2), a3 * RATE_HZ.powi(3)],

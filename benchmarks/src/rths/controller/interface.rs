@@ -29,7 +29,7 @@ pub trait Controller: Send {
 
 /// What a controller knows before the test: never the drawn plant.
 #[derive(Clone, Copy, Debug)]
-pub struct Declared {
+pub struct DeclaredPlant {
     /// The structure.
     pub case: Case,
     /// The plant as it is declared.

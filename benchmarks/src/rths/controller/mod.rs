@@ -16,5 +16,5 @@ mod outside;
 
 pub use core_method::CoreLoops;
 pub use entry::Contestant;
-pub use interface::{Controller, ControllerInput, Declared};
+pub use interface::{Controller, ControllerInput, DeclaredPlant};
 pub use outside::{OUTSIDE, Outside};

@@ -1,6 +1,6 @@
 //! Controllers that are not core's methods.
 
-use super::interface::{Controller, Declared};
+use super::interface::{Controller, DeclaredPlant};
 use super::{baseline, fixed_inverse};
 
 /// A controller that is not one of core's methods.
@@ -10,7 +10,7 @@ pub struct Outside {
     /// What it is told.
     pub told: &'static str,
     /// Makes one, at rest.
-    pub make: fn(&Declared) -> Box<dyn Controller>,
+    pub make: fn(&DeclaredPlant) -> Box<dyn Controller>,
 }
 
 /// All that are not core's.

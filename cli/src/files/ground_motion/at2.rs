@@ -1,6 +1,6 @@
 //! PEER's AT2: lines of text, one of them with the unit, then NPTS and DT, then the values.
 
-use super::points::Unit;
+use super::points::AccelerationUnit;
 use super::points::{Points, values};
 use crate::failure::Failure;
 use crate::files::table::number;
@@ -54,7 +54,7 @@ pub fn checked(
     points: f64,
     interval: f64,
     acc: Vec<f64>,
-    unit: Unit,
+    unit: AccelerationUnit,
 ) -> Result<Points, Failure> {
     if points != acc.len() as f64 || interval.is_nan() || interval <= 0.0 {
         return Err(Failure::input(format!(
@@ -70,14 +70,14 @@ pub fn checked(
     })
 }
 
-fn unit_of(named: &str) -> Option<Unit> {
+fn unit_of(named: &str) -> Option<AccelerationUnit> {
     let unit = named
         .trim_end_matches(['.', ')'])
         .split_whitespace()
         .next()?;
     match unit {
-        "G" | "(G" | "G'S" | "GS" => Some(Unit::G),
-        _ => Unit::named(&named.to_lowercase()),
+        "G" | "(G" | "G'S" | "GS" => Some(AccelerationUnit::G),
+        _ => AccelerationUnit::named(&named.to_lowercase()),
     }
 }
 

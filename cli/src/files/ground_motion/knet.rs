@@ -3,7 +3,7 @@
 //! Source: NIED, "K-NET ASCII data format" (kyoshin.bosai.go.jp/kyoshin/man/knetform_en.html).
 
 use super::at2::checked;
-use super::points::{Points, Unit, refuse_line, values};
+use super::points::{AccelerationUnit, Points, refuse_line, values};
 use crate::failure::Failure;
 use crate::files::table::number;
 
@@ -48,13 +48,13 @@ pub fn parse(file: &str, text: &str) -> Result<Points, Failure> {
     let duration_s = value(DURATION, &number, "seconds")?;
     let gal_per_count = value(SCALE, &scale, "a factor such as 7845(gal)/8223790")?;
     // Read as gal; of the counts each is worth the factor.
-    let mut acc = values(file, text, HEAD_LINES, None, Unit::Gal)?;
+    let mut acc = values(file, text, HEAD_LINES, None, AccelerationUnit::Gal)?;
     let mean = acc.iter().sum::<f64>() / acc.len().max(1) as f64;
     for a in &mut acc {
         *a = (*a - mean) * gal_per_count;
     }
     let points = (duration_s * rate_hz).round();
-    checked(file, points, 1.0 / rate_hz, acc, Unit::Gal)
+    checked(file, points, 1.0 / rate_hz, acc, AccelerationUnit::Gal)
 }
 
 /// `3920(gal)/6182761`: gal over counts.

@@ -7,7 +7,7 @@ mod miniseed;
 mod points;
 mod strong_motion;
 
-pub use points::{ColumnChoice, Unit};
+pub use points::{AccelerationUnit, ColumnChoice};
 
 use super::header::Header;
 use super::table::{NumberTable, number};
@@ -122,7 +122,7 @@ impl GroundMotionFile {
             return Err(Failure::input(format!(
                 "{file}: reaches {:.3} g by its unit, more than any earthquake: accepted are up to 6 g; is the unit \
                  right?",
-                peak / Unit::G.in_si()
+                peak / AccelerationUnit::G.in_si()
             )));
         }
         Ok(Self {
@@ -158,7 +158,7 @@ fn points_of(table: &NumberTable) -> Result<Points, Failure> {
     }
     let found = accelerations()
         .next()
-        .and_then(|(at, header)| Some((time?, at, Unit::named(&header.unit)?)));
+        .and_then(|(at, header)| Some((time?, at, AccelerationUnit::named(&header.unit)?)));
     let (time, acc, unit) = found.ok_or_else(|| {
         let header: String = names.join(",").chars().take(SHOWN).collect();
         table.refuse_header(format!(

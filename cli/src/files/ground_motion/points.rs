@@ -10,14 +10,14 @@ pub struct ColumnChoice {
     /// `--dt`, s.
     pub interval_s: Option<f64>,
     /// `--unit`.
-    pub unit: Option<Unit>,
+    pub unit: Option<AccelerationUnit>,
     /// `--sensitivity`: what one of that unit is in a recorder's counts.
     pub sensitivity: Option<f64>,
 }
 
 /// Unit of an acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Unit {
+pub enum AccelerationUnit {
     /// Standard gravity, 9.80665 m/s^2.
     #[value(name = "g")]
     G,
@@ -29,7 +29,7 @@ pub enum Unit {
     Gal,
 }
 
-impl Unit {
+impl AccelerationUnit {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::G => "g",
@@ -62,7 +62,7 @@ pub(super) struct Points {
     pub(super) interval_s: f64,
     pub(super) acc_m_per_s2: Vec<f64>,
     /// The unit that the file itself says; `None`: it was said beside it.
-    pub(super) unit: Option<Unit>,
+    pub(super) unit: Option<AccelerationUnit>,
 }
 
 /// That something in a line, counted from 0, is not what it should be.
@@ -83,7 +83,7 @@ pub(super) fn values(
     text: &str,
     from: usize,
     width: Option<usize>,
-    unit: Unit,
+    unit: AccelerationUnit,
 ) -> Result<Vec<f64>, Failure> {
     let mut acc = Vec::new();
     for (i, line) in text.lines().enumerate().skip(from) {

@@ -5,7 +5,7 @@
 
 use super::at2::checked;
 use super::fortran::{numbers, width_in};
-use super::points::Unit;
+use super::points::AccelerationUnit;
 use super::points::{Points, refuse_line, values};
 use crate::failure::Failure;
 use crate::files::table::number;
@@ -55,7 +55,7 @@ impl Format {
 struct PointsLine {
     points: f64,
     interval_s: Option<f64>,
-    unit: Option<Unit>,
+    unit: Option<AccelerationUnit>,
     width: Option<usize>,
 }
 
@@ -75,7 +75,7 @@ fn points_line(line: &str) -> Option<PointsLine> {
         .or_else(|| lower.rsplit_once(" in "));
     let unit = named.and_then(|(_, rest)| {
         let word = rest.split_whitespace().next()?;
-        Unit::named(word.split(['(', ',']).next()?.trim_end_matches('.'))
+        AccelerationUnit::named(word.split(['(', ',']).next()?.trim_end_matches('.'))
     });
     Some(PointsLine {
         points,
@@ -163,8 +163,8 @@ fn smc(file: &str, text: &str) -> Result<Points, Failure> {
         return Err(cannot());
     }
     let from = reals_at + SMC_REALS + *comments as usize;
-    let acc = values(file, text, from, Some(10), Unit::Gal)?;
-    checked(file, *points, 1.0 / hz, acc, Unit::Gal)
+    let acc = values(file, text, from, Some(10), AccelerationUnit::Gal)?;
+    checked(file, *points, 1.0 / hz, acc, AccelerationUnit::Gal)
 }
 
 fn esm(file: &str, text: &str) -> Result<Points, Failure> {
@@ -178,7 +178,7 @@ fn esm(file: &str, text: &str) -> Result<Points, Failure> {
         match key.trim() {
             "SAMPLING_INTERVAL_S" => interval = number(value),
             "NDATA" => points = number(value),
-            "UNITS" => unit = Unit::named(&value.to_lowercase()),
+            "UNITS" => unit = AccelerationUnit::named(&value.to_lowercase()),
             "DATA_TYPE" if !value.eq_ignore_ascii_case("ACCELERATION") => {
                 return Err(refuse_line(file, i, value, "ACCELERATION"));
             }

@@ -7,7 +7,7 @@ fn load(name: &str, text: &str, columns: ColumnChoice) -> Result<GroundMotionFil
     GroundMotionFile::load(&path, columns).map_err(|e| e.to_string())
 }
 
-fn plain(dt: f64, unit: Unit) -> ColumnChoice {
+fn plain(dt: f64, unit: AccelerationUnit) -> ColumnChoice {
     ColumnChoice {
         interval_s: Some(dt),
         unit: Some(unit),
@@ -75,7 +75,7 @@ fn knet_is_scaled_from_counts_behind_its_mean() {
 /// A file that pymseed has written: `cli/tests/miniseed/write.py`.
 fn miniseed(
     name: &str,
-    unit: Option<Unit>,
+    unit: Option<AccelerationUnit>,
     sensitivity: Option<f64>,
 ) -> Result<GroundMotionFile, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/miniseed");
@@ -108,7 +108,12 @@ fn miniseed_of_every_packing_is_the_motion_that_was_written() {
     ] {
         // A million counts for one m/s^2, or values that are a ten millionth of them.
         let sensitivity = counts.then_some(1e6);
-        let g = miniseed(name, Some(Unit::MetrePerSecondSquared), sensitivity).unwrap();
+        let g = miniseed(
+            name,
+            Some(AccelerationUnit::MetrePerSecondSquared),
+            sensitivity,
+        )
+        .unwrap();
         assert!((g.interval_s - 0.01).abs() < 1e-9, "{name}");
         assert_eq!(g.acc_m_per_s2.len(), 500, "{name}");
         for (i, a) in g.acc_m_per_s2.iter().enumerate() {
@@ -127,7 +132,7 @@ fn miniseed_of_every_packing_is_the_motion_that_was_written() {
 
 #[test]
 fn miniseed_that_cannot_be_an_acceleration_is_refused() {
-    let metres = Some(Unit::MetrePerSecondSquared);
+    let metres = Some(AccelerationUnit::MetrePerSecondSquared);
     for (name, unit, sensitivity, said) in [
         ("steim2.mseed", None, None, "does not say its unit"),
         ("steim2.mseed", metres, None, "accepted with --sensitivity"),
@@ -192,7 +197,7 @@ fn the_same_motion_in_every_format_is_the_same() {
     let text = format!("{head}   3   .0200   NPTS, DT\n .1 -.2\n .3\n");
     let old_at2 = load("a.at2", &text, ColumnChoice::default()).unwrap();
     let text = "# gal\n98.0665\n-196.133\n294.1995\n";
-    let column = load("a.txt", text, plain(0.02, Unit::Gal)).unwrap();
+    let column = load("a.txt", text, plain(0.02, AccelerationUnit::Gal)).unwrap();
     for other in [&at2, &old_at2, &column] {
         assert!((csv.interval_s - other.interval_s).abs() < 1e-9);
         for (a, b) in csv.acc_m_per_s2.iter().zip(&other.acc_m_per_s2) {
@@ -265,10 +270,15 @@ fn the_networks_formats_hold_the_same_motion() {
             assert!((a - b).abs() < 1e-5, "{name}: {a} {b}");
         }
     }
-    let one_line = load("g.txt", "98.0665 -196.133 294.1995", plain(0.02, Unit::Gal)).unwrap();
+    let one_line = load(
+        "g.txt",
+        "98.0665 -196.133 294.1995",
+        plain(0.02, AccelerationUnit::Gal),
+    )
+    .unwrap();
     assert_eq!(one_line.acc_m_per_s2.len(), 3);
     let unit = ColumnChoice {
-        unit: Some(Unit::Gal),
+        unit: Some(AccelerationUnit::Gal),
         ..ColumnChoice::default()
     };
     let two = load("h.txt", "0 98.0665\n0.02 -196.133\n0.04 294.1995\n", unit).unwrap();
@@ -313,7 +323,11 @@ fn variables_of_a_binary_file_are_columns() {
     );
     assert_eq!(one.as_ref().unwrap().acc_m_per_s2, g(&acc));
     assert_eq!(one.unwrap().interval_s, 0.01);
-    let alone = variables(&[("ag", &acc), ("dt", &[0.01])], plain(0.01, Unit::G)).unwrap();
+    let alone = variables(
+        &[("ag", &acc), ("dt", &[0.01])],
+        plain(0.01, AccelerationUnit::G),
+    )
+    .unwrap();
     assert_eq!((alone.acc_m_per_s2, alone.interval_s), (g(&acc), 0.01));
     for (named, said) in [
         (&[("ag", &acc[..])][..], "--dt S"),
@@ -404,11 +418,11 @@ fn each_mistake_is_refused_with_its_line() {
         assert!(e.contains(said), "{said} is not in: {e}");
         assert!(!e.contains('\n'));
     }
-    let e = load("a.txt", "0\n1\nx\n", plain(0.01, Unit::G)).unwrap_err();
+    let e = load("a.txt", "0\n1\nx\n", plain(0.01, AccelerationUnit::G)).unwrap_err();
     assert!(e.contains("line 3: `x`"), "{e}");
-    let e = load("a.txt", "0\n1\n", plain(-1.0, Unit::G)).unwrap_err();
+    let e = load("a.txt", "0\n1\n", plain(-1.0, AccelerationUnit::G)).unwrap_err();
     assert!(e.contains("--dt = -1"), "{e}");
     let csv = "time_s,acc_g\n0,0\n0.02,1\n";
-    let e = load("a.csv", csv, plain(0.01, Unit::G)).unwrap_err();
+    let e = load("a.csv", csv, plain(0.01, AccelerationUnit::G)).unwrap_err();
     assert!(e.contains("0.02 s and --dt says 0.01 s"), "{e}");
 }

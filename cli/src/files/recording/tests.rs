@@ -1,7 +1,7 @@
 use super::*;
 
-fn parse(text: &str) -> Result<Recording, String> {
-    Recording::parse("r.csv", text).map_err(|e| e.to_string())
+fn parse(text: &str) -> Result<SiRecording, String> {
+    SiRecording::parse("r.csv", text).map_err(|e| e.to_string())
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn what_the_header_does_not_say_is_said_beside_it() {
     let table = || NumberTable::parse("r.csv", "Zeit;A;B;Disp (mm)\n0;1;2;3\n0,5;4;5;6\n").unwrap();
     let of = |said: &[&str], rate| {
         let assigned = said.iter().map(|s| s.parse().unwrap()).collect();
-        Recording::of(table(), &Columns { assigned, rate }).map_err(|e| e.to_string())
+        SiRecording::of(table(), &Columns { assigned, rate }).map_err(|e| e.to_string())
     };
     let r = of(&["time=zeit:ms", "command=2:mm", "force=B:kn"], None).unwrap();
     assert_eq!(r.time_s, [0.0, 5e-4]);
@@ -61,7 +61,7 @@ fn what_the_header_does_not_say_is_said_beside_it() {
     }
     let table = || NumberTable::parse("r.csv", "command_mm,force_n\n1,2\n3,4\n").unwrap();
     let of = |rate| {
-        Recording::of(
+        SiRecording::of(
             table(),
             &Columns {
                 assigned: vec![],

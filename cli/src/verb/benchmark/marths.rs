@@ -2,7 +2,7 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, print_targets, refused};
+use super::shared::{RECORDS, check_plants, print_goals, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
@@ -11,13 +11,13 @@ use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, DeclaredPart};
 use crate::terminal::{self, Progress, table};
 use crate::verb::json;
-use benchmarks::marths::bench::{self, MarthsRow, Problem, Record};
+use benchmarks::goal::Goal;
+use benchmarks::marths::bench::{self, GroundRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, Contestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
+use benchmarks::marths::goals::goals;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
-use benchmarks::marths::targets::targets;
-use benchmarks::target::Target;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -89,7 +89,7 @@ impl Marths {
                     .record(name, &points, motion.interval_s)
                     .map_err(refused)
             })
-            .collect::<Result<Vec<Record>, Failure>>()?;
+            .collect::<Result<Vec<GroundRecord>, Failure>>()?;
         if self.targets.is_some() || self.follow.is_some() {
             return self.by_table(&records);
         }
@@ -116,9 +116,9 @@ impl Marths {
                 .map(|r| Ok((r, PhysicalPartEstimate::of(&problem, r, self.seed)?)))
                 .collect::<Result<Vec<_>, Failure>>()
         })?;
-        let targets = self.asked_for(&rows, &parts);
+        let goals = self.asked_for(&rows, &parts);
         let answer = serde_json::json!({
-            "rules": "official", "seed": self.seed, "plants": self.plants, "targets": targets, "rows": rows,
+            "rules": "official", "seed": self.seed, "plants": self.plants, "targets": goals, "rows": rows,
             "criteria": MEANING, "model": self.model,
             "declared_part": parts.iter().map(|(record, found)| serde_json::json!({
                 "record": record.name, "floors": found.floors, "diagnosis": found.diagnosis,
@@ -136,14 +136,14 @@ impl Marths {
                     file.display()
                 );
             }
-            print(&rows, &targets);
+            print(&rows, &goals);
             for (record, found) in &parts {
                 print_parts(&record.name, found);
             }
         }
         if let Some(folder) = &self.out {
             let page =
-                report::of_marths(&problem, &parts, &rows, &targets, (self.plants, self.seed))?;
+                report::of_marths(&problem, &parts, &rows, &goals, (self.plants, self.seed))?;
             let mut files = vec![
                 ("report.html".to_owned(), page),
                 ("marths.json".to_owned(), json(&with_provenance)?),
@@ -165,7 +165,7 @@ impl Marths {
     }
 
     /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.
-    fn asked_for(&self, rows: &[MarthsRow], parts: &[DeclaredPart<'_>]) -> Vec<Target> {
+    fn asked_for(&self, rows: &[MarthsRow], parts: &[DeclaredPart<'_>]) -> Vec<Goal> {
         if self.model.is_some() {
             return Vec::new();
         }
@@ -173,7 +173,7 @@ impl Marths {
             .iter()
             .map(|(record, found)| (record.name.as_str(), &found.floors[..]))
             .collect();
-        targets(rows, &floors)
+        goals(rows, &floors)
     }
 
     fn names(&self) -> Result<Vec<&'static str>, Failure> {
@@ -213,8 +213,8 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
     .map_err(refused)
 }
 
-fn print(rows: &[MarthsRow], targets: &[Target]) {
-    print_targets(targets);
+fn print(rows: &[MarthsRow], goals: &[Goal]) {
+    print_goals(goals);
     println!("{LEGEND}\n");
     for (_, group) in by_record(rows) {
         println!("{}", floors(&group[0]));

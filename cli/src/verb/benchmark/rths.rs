@@ -2,7 +2,7 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, data_folder, named, print_targets, refused};
+use super::shared::{RECORDS, check_plants, data_folder, named, print_goals, refused};
 use crate::failure::Failure;
 use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
 use crate::files::output;
@@ -10,15 +10,16 @@ use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{Progress, table};
 use crate::verb::json;
+use benchmarks::goal::Goal;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
-    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, summary, summary_head, yielding_summary,
+    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, summary, summary_head,
+    yielding_summary,
 };
-use benchmarks::rths::verdict::{CAUTION, best, targets, whole_table};
+use benchmarks::rths::verdict::{CAUTION, best, goals, whole_table};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Bench, Contestant, Record, RthsRow, Rules};
-use benchmarks::target::Target;
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -102,7 +103,7 @@ impl Rths {
         if let Some(case) = self.case {
             return self.by_table(usize::from(case) - 1, &records, &rules);
         }
-        let bench = Bench {
+        let bench = Benchmark {
             rules: &rules,
             records: &records,
             contestants: &contestants,
@@ -123,7 +124,7 @@ impl Rths {
                 .iter()
                 .map(|&behaviour| {
                     let records = self.load(&rules, behaviour)?;
-                    let nominal = Bench {
+                    let nominal = Benchmark {
                         records: &records,
                         plants: 0,
                         ..bench
@@ -133,11 +134,11 @@ impl Rths {
                 .collect::<Result<Vec<_>, Failure>>()?;
             (rows, yielding)
         };
-        let mut targets = targets(&rules, &rows);
+        let mut goals = goals(&rules, &rows);
         let seconds = began.elapsed().as_secs_f64();
-        targets.extend(whole_table(&rows, seconds));
+        goals.extend(whole_table(&rows, seconds));
         let mut answer = serde_json::json!({
-            "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": targets,
+            "rules": rules.name(), "seed": self.seed, "plants": self.plants, "targets": goals,
             "best": best(&rows), "rows": rows, "seconds": seconds, "criteria": MEANING,
         });
         for (behaviour, rows) in beside.iter().zip(&yielding) {
@@ -147,10 +148,10 @@ impl Rths {
         if self.json {
             answer!("{}", json(&with_provenance)?);
         } else {
-            print(&rules, &rows, &yielding, &targets);
+            print(&rules, &rows, &yielding, &goals);
         }
         if let Some(folder) = &self.out {
-            let page = report::of_rths(&bench, &rows, &yielding, &targets)?;
+            let page = report::of_rths(&bench, &rows, &yielding, &goals)?;
             output::write_all(
                 folder,
                 &[
@@ -178,7 +179,7 @@ impl Rths {
             .map_err(refused)
     }
 
-    fn load(&self, rules: &Rules, behaviour: Behaviour) -> Result<Vec<Record>, Failure> {
+    fn load(&self, rules: &Rules, behaviour: Behaviour) -> Result<Vec<GroundRecord>, Failure> {
         if let Some(unknown) = self.records.iter().find(|r| !RECORDS.contains(&r.as_str())) {
             return Err(Failure::input(format!(
                 "--records {unknown}: accepted are {}",
@@ -196,7 +197,7 @@ impl Rths {
             .iter()
             .map(|path| {
                 let file = GroundMotionFile::load(path, ColumnChoice::default())?;
-                Ok(Record::new(
+                Ok(GroundRecord::new(
                     &file.name,
                     &file.acc_m_per_s2,
                     file.interval_s,
@@ -208,9 +209,9 @@ impl Rths {
     }
 }
 
-fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], targets: &[Target]) {
+fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], goals: &[Goal]) {
     println!("Rules: {}.", rules.name());
-    print_targets(targets);
+    print_goals(goals);
     match &best(rows)[..] {
         [] => {}
         [one] => println!("Least J4 as read, mean of all cases and ground motions: {one}."),

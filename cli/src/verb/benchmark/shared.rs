@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::terminal::{Table, table};
-use benchmarks::target::{TARGET_HEAD, Target};
+use benchmarks::goal::{GOAL_HEAD, Goal};
 use comfy_table::{CellAlignment, TableComponent};
 use std::path::{Path, PathBuf};
 
@@ -48,15 +48,15 @@ pub(super) fn named(mut t: Table, name: usize, rows: impl Iterator<Item = Vec<St
 }
 
 /// What was asked for, what was found, by how much it is missed; below it the reasons.
-pub(super) fn print_targets(targets: &[Target]) {
-    if targets.is_empty() {
+pub(super) fn print_goals(goals: &[Goal]) {
+    if goals.is_empty() {
         return;
     }
     println!(
         "{}\n",
-        named(table(&TARGET_HEAD), 0, targets.iter().map(Target::cells))
+        named(table(&GOAL_HEAD), 0, goals.iter().map(Goal::cells))
     );
-    for target in targets.iter().filter(|t| !t.reached()) {
+    for target in goals.iter().filter(|t| !t.reached()) {
         println!("Missed. {}\n", target.sentence());
     }
 }

@@ -163,7 +163,7 @@ impl Commission {
     }
 
     /// Keeps a recording; what the actuator is by it.
-    fn keep(&self, turn: &MovedActuator) -> Result<Found, Failure> {
+    fn keep(&self, turn: &MovedActuator) -> Result<FoundActuator, Failure> {
         let number = turn.actuator + 1;
         let file = match turn.of {
             1 => self.out.clone(),
@@ -182,7 +182,7 @@ impl Commission {
             None
         };
         let stiffness = turn.played.stiffness_n_per_m.iter();
-        Ok(Found {
+        Ok(FoundActuator {
             number,
             file,
             identified,
@@ -208,7 +208,7 @@ fn wrong(turn: &MovedActuator) -> Result<(), Failure> {
 
 /// What was found of an actuator.
 #[derive(Serialize)]
-struct Found {
+struct FoundActuator {
     /// From 1.
     number: usize,
     /// Its recording.
@@ -222,11 +222,11 @@ struct Found {
 /// The file of all of them.
 #[derive(Serialize)]
 struct Actuators<'a> {
-    actuator: &'a [Found],
+    actuator: &'a [FoundActuator],
 }
 
 /// As a table, beside the declared stiffness of the storeys.
-fn described(found: &[Found], storeys_n_per_m: &[f64]) -> String {
+fn described(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> String {
     let names = ["actuator", "gain", "delay, ms", "lag, ms", "offset, mm"].map(str::to_owned);
     let forces = (1..=found.len()).map(|j| format!("force {j}, kN/mm"));
     let head: Vec<String> = names.into_iter().chain(forces).collect();
@@ -252,7 +252,7 @@ fn described(found: &[Found], storeys_n_per_m: &[f64]) -> String {
 }
 
 /// What the test file says of these actuators' times; `None` where one of them was not identified.
-fn for_the_test_file(found: &[Found]) -> Option<String> {
+fn for_the_test_file(found: &[FoundActuator]) -> Option<String> {
     let each: Option<Vec<_>> = found.iter().map(|f| f.identified.as_ref()).collect();
     let each: Vec<_> = each?
         .into_iter()
@@ -275,7 +275,7 @@ fn for_the_test_file(found: &[Found]) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn found(number: usize, times: Option<[f64; 2]>) -> Found {
+    fn found(number: usize, times: Option<[f64; 2]>) -> FoundActuator {
         let identified = times.map(|[delay_ms, lag_ms]| Identified {
             gain: 1.0,
             gain_ci90: [1.0; 2],
@@ -287,7 +287,7 @@ mod tests {
             offset_mm_ci90: [0.0; 2],
             nrmse: 0.0,
         });
-        Found {
+        FoundActuator {
             number,
             file: PathBuf::new(),
             identified,

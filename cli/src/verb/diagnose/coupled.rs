@@ -2,7 +2,7 @@
 
 use super::{Diagnose, file_name, json};
 use crate::failure::Failure;
-use crate::files::measured::Library;
+use crate::files::measured::RecordFiles;
 use crate::files::{coupled, model, output};
 use crate::provenance::WithProvenance;
 use crate::report;
@@ -28,7 +28,7 @@ impl Diagnose {
                 )));
             }
         }
-        let mut library = Library::with(&self.columns);
+        let mut library = RecordFiles::with(&self.columns);
         let [train, test] = coupled::parts(&mut library, declared, [&self.train, &self.test])?;
         let d = terminal::while_waiting("diagnosing", || {
             diagnosis::diagnose_coupled(declared, &train, &test)

@@ -53,7 +53,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     static REPORTS: StaticCell<Queue<Report, 256>> = StaticCell::new();
     static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
     static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
-    static ANSWERS: StaticCell<report::Answers> = StaticCell::new();
+    static ANSWERS: StaticCell<report::ReplyQueue> = StaticCell::new();
     static RECEIVED: ConstStaticCell<[u8; 2048]> = ConstStaticCell::new([0; 2048]);
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
@@ -170,7 +170,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     let serial = uart(p.USART3, p.PD9, p.PD8, p.DMA1_CH3, p.DMA1_CH1);
     let (tx, rx) = serial.split();
     let rx = rx.into_ring_buffered(RECEIVED.take());
-    let answers: &'static report::Answers = ANSWERS.init(report::Answers::new());
+    let answers: &'static report::ReplyQueue = ANSWERS.init(report::ReplyQueue::new());
     let store = Store::new(Flash::new(p.FLASH, Irqs));
 
     let mut watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);

@@ -10,7 +10,7 @@ use crate::verb::json;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
-use benchmarks::rths::{RATE_HZ, Record, Rules, follow};
+use benchmarks::rths::{GroundRecord, RATE_HZ, Rules, follow};
 use std::path::Path;
 
 /// The column that is to be filled in.
@@ -21,7 +21,7 @@ impl Rths {
     pub(super) fn by_table(
         &self,
         place: usize,
-        records: &[Record],
+        records: &[GroundRecord],
         rules: &Rules,
     ) -> Result<(), Failure> {
         let [record] = records else {
@@ -52,7 +52,7 @@ impl Rths {
     fn judge(
         &self,
         (file, commands_m): (&Path, &[f64]),
-        record: &Record,
+        record: &GroundRecord,
         place: usize,
         rules: &Rules,
     ) -> Result<(), Failure> {

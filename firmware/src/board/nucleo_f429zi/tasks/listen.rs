@@ -1,6 +1,6 @@
 //! The task that receives commands.
 
-use super::report::Answers;
+use super::report::ReplyQueue;
 use crate::board::nucleo_f429zi::store::Store;
 use crate::board::stack::HighWater;
 use crate::station::{CommandResult, Heartbeat, Heartbeats, Outcome, Service, Wiring};
@@ -29,7 +29,7 @@ pub struct Listener {
     /// What the control interrupt made of its orders.
     pub outcomes: Consumer<'static, Outcome>,
     /// Answers on their way out.
-    pub answers: &'static Answers,
+    pub answers: &'static ReplyQueue,
     /// Signs of life.
     pub heartbeats: &'static Heartbeats,
     /// The flash.

@@ -17,7 +17,7 @@ use link::reply::NumberedReply;
 use link::telemetry::STEPS;
 
 /// Answers on their way out.
-pub type Answers = Channel<NoopRawMutex, NumberedReply, 2>;
+pub type ReplyQueue = Channel<NoopRawMutex, NumberedReply, 2>;
 
 /// How often the task looks for something to send.
 const BEAT: Duration = Duration::from_millis(1);
@@ -32,7 +32,7 @@ pub struct Reporter {
     /// Answers commands.
     pub service: &'static RefCell<Service>,
     /// Answers on their way out.
-    pub answers: &'static Answers,
+    pub answers: &'static ReplyQueue,
     /// Signs of life.
     pub heartbeats: &'static Heartbeats,
     /// How many actuators and further inputs the board has.

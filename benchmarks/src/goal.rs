@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// Figures that were asked for, beside those that were found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Target {
+pub struct Goal {
     /// What is asked, and of whom.
     pub asked: String,
     /// What was found: a figure a case, an actuator or a coordinate.
@@ -21,10 +21,10 @@ pub struct Target {
     pub why: Option<&'static str>,
 }
 
-/// Head of a table of targets.
-pub const TARGET_HEAD: [&str; 4] = ["asked for", "found", "at most", ""];
+/// Head of a table of goals.
+pub const GOAL_HEAD: [&str; 4] = ["asked for", "found", "at most", ""];
 
-impl Target {
+impl Goal {
     /// Of figures and the most that each may be.
     pub fn new(
         asked: impl Into<String>,
@@ -62,7 +62,7 @@ impl Target {
         self.missed_by <= 0.0
     }
 
-    /// The cells under [`TARGET_HEAD`].
+    /// The cells under [`GOAL_HEAD`].
     pub fn cells(&self) -> Vec<String> {
         let list = |x: &[f64]| match x {
             [first, rest @ ..] if rest.iter().all(|v| v == first) => self.number(*first),
@@ -108,19 +108,19 @@ mod tests {
 
     #[test]
     fn what_is_missed_says_by_how_much_and_why_and_nan_is_missed() {
-        let reached = Target::new("J4", "%", [(0.05, 0.1), (0.1, 0.1)]).or_because("never said");
+        let reached = Goal::new("J4", "%", [(0.05, 0.1), (0.1, 0.1)]).or_because("never said");
         assert!(reached.reached() && reached.why.is_none());
         assert_eq!(
             reached.sentence(),
             "J4: 0.05/0.10 %, asked for at most 0.10 %: reached."
         );
-        let missed = Target::new("J2", "points", [(0.4, 0.5), (0.75, 0.5)]).or_because("it is so");
+        let missed = Goal::new("J2", "points", [(0.4, 0.5), (0.75, 0.5)]).or_because("it is so");
         assert!(!missed.reached());
         assert_eq!(
             missed.sentence(),
             "J2: 0.40/0.75 points, asked for at most 0.50 points: missed by 0.25 points: it is so."
         );
-        assert!(!Target::new("J1", "%", [(f64::NAN, 1.0), (0.5, 1.0)]).reached());
-        assert!(!Target::new("nothing was found", "%", []).missed_by.is_nan());
+        assert!(!Goal::new("J1", "%", [(f64::NAN, 1.0), (0.5, 1.0)]).reached());
+        assert!(!Goal::new("nothing was found", "%", []).missed_by.is_nan());
     }
 }

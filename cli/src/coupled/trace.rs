@@ -7,7 +7,7 @@ pub type Both = [Vec<f32>; 2];
 
 /// Every control step of a running test, by column.
 #[derive(Clone, Debug, Default)]
-pub struct CoupledRecord {
+pub struct CoupledTrace {
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// Names of the coordinates, with their units.
@@ -36,7 +36,7 @@ pub struct CoupledRecord {
     pub ground_m_per_s2: Vec<f32>,
 }
 
-impl CoupledRecord {
+impl CoupledTrace {
     /// Number of control steps.
     pub fn len(&self) -> usize {
         self.ground_m_per_s2.len()

@@ -18,7 +18,7 @@ const LATEST: usize = 4;
 
 /// What all actuators read while one moved.
 #[derive(Clone, Debug)]
-pub struct Answers {
+pub struct CrossReadings {
     moved: usize,
     rate_hz: f64,
     /// Motion below this is none, m.
@@ -31,7 +31,7 @@ pub struct Answers {
     railed: Vec<Option<(usize, &'static str)>>,
 }
 
-impl Answers {
+impl CrossReadings {
     /// Nothing yet, of the board `identity`, whose actuator `moved`, from 0, is moved.
     pub fn new(identity: &Identity, moved: usize, rate_hz: f64, least_m: f64) -> Self {
         let each = || vec![Vec::new(); identity.actuators()];
@@ -226,7 +226,7 @@ mod tests {
         };
         let all = 1..u.len() - 1;
         let f = all.map(|i| k * u[i] + m * a(i) + noise()).collect();
-        let answers = Answers {
+        let readings = CrossReadings {
             moved: 0,
             rate_hz,
             least_m: 1e-4,
@@ -235,7 +235,7 @@ mod tests {
             force_n: vec![f],
             railed: Vec::new(),
         };
-        answers.stiffness_n_per_m()[0]
+        readings.stiffness_n_per_m()[0]
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::bench::MarthsRow;
 use super::contestants::Contestant;
 use super::criteria::Both;
 use super::declared::Floor;
-use crate::target::Target;
+use crate::goal::Goal;
 
 /// Drawn plants of which the worst was asked for.
 const PLANTS: usize = 100;
@@ -20,16 +20,16 @@ const ABOVE_FLOOR: f64 = 0.1;
 const FLOOR: f64 = 0.5;
 
 /// All that can be said of these rows; `parts`: record and J7's floors, as declared first, with all as found last.
-pub fn targets(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Target> {
+pub fn goals(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Goal> {
     let of = |contestant: Contestant| {
         rows.iter()
             .filter(move |r| r.controller == contestant.name())
     };
-    let mut all: Vec<Target> = of(Contestant::Rodeac)
+    let mut all: Vec<Goal> = of(Contestant::Rodeac)
         .filter(|r| r.record == "ElCentro")
         .map(|r| {
             let asked = "rodeac, ElCentro, distance of J2 from the published 3.4 / 1.8 %";
-            Target::new(
+            Goal::new(
                 asked,
                 "points",
                 pairs(distance(r.j.j2, RODEAC_J2), [NEAR; 2]),
@@ -63,19 +63,19 @@ pub fn targets(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Target> {
     if plants > 0 {
         let lost: usize = drawn().map(|w| w.lost).sum();
         let asked = format!("coupled and coupled-raw, lost of {plants} drawn plants");
-        all.push(Target::new(asked, "plants", [(lost as f64, 0.0)]));
+        all.push(Goal::new(asked, "plants", [(lost as f64, 0.0)]));
     }
     all.extend(parts.iter().filter_map(|(record, floors)| {
         let asked = format!(
             "a tracker without error, {record}, J7 with the physical part as `diagnose` found it"
         );
         let found = floors.last()?;
-        Some(Target::new(asked, "%", pairs(found.j7, [FLOOR; 2])))
+        Some(Goal::new(asked, "%", pairs(found.j7, [FLOOR; 2])))
     }));
     all
 }
 
-fn asked(row: &MarthsRow, what: &str, unit: &'static str, found: Both, limit: Both) -> Target {
+fn asked(row: &MarthsRow, what: &str, unit: &'static str, found: Both, limit: Both) -> Goal {
     let drawn = row.worst.perturbed;
     let fewer = if drawn < PLANTS {
         format!(" ({PLANTS} were asked for: --plants {PLANTS})")
@@ -86,7 +86,7 @@ fn asked(row: &MarthsRow, what: &str, unit: &'static str, found: Both, limit: Bo
         "{}, {}, {what}, worst of {drawn} drawn plants{fewer}",
         row.controller, row.record
     );
-    Target::new(asked, unit, pairs(found, limit))
+    Goal::new(asked, unit, pairs(found, limit))
 }
 
 fn distance(a: Both, b: Both) -> Both {
