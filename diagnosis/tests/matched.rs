@@ -5,6 +5,7 @@ mod rig;
 
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict, diagnose};
 use plant::{Channel, Effect, EffectSpec};
+use rayon::prelude::*;
 use rig::{model, pair};
 use std::slice::from_ref;
 
@@ -147,7 +148,12 @@ fn asked(train: &Recording, test: &Recording) -> Diagnosis {
 
 /// The error on `test` of a model as it is, before anything in it moves.
 fn error_of(model: &Model, channel: Channel, train: &Recording, test: &Recording) -> f64 {
-    let again = diagnose(model, from_ref(train), from_ref(test), &[]).unwrap();
+    let mut own = model.clone();
+    if channel == Channel::Specimen {
+        // The other way round a compliance of the rig needs the specimen's stiffness.
+        own.actuator = None;
+    }
+    let again = diagnose(&own, from_ref(train), from_ref(test), &[]).unwrap();
     let own = again.channels.iter().find(|c| c.channel == channel);
     own.map_or(f64::NAN, |c| c.error_before.test_rms)
 }
@@ -186,18 +192,27 @@ fn every_effect_is_named_or_is_in_the_set() {
     let (mut exact, mut in_set, mut clean) = (0, 0, 0);
     let mut differ = Vec::new();
     let all = cases();
-    for (i, (channel, effect)) in all.iter().enumerate() {
-        let [train, test] = pair(from_ref(effect), i as u64);
-        let found = asked(&train, &test);
+    let answered = all
+        .par_iter()
+        .enumerate()
+        .map(|(i, (channel, effect))| {
+            let [train, test] = pair(from_ref(effect), i as u64);
+            let found = asked(&train, &test);
+            let own = found.channels.iter().find(|a| a.channel == *channel);
+            // The phase of a hum is its record's own.
+            let is_saved = !own.unwrap().effects.is_empty() && effect.name != Effect::MainsHum;
+            let saved = is_saved.then(|| error_of(&found.improved, *channel, &train, &test));
+            (found, saved)
+        })
+        .collect::<Vec<_>>();
+    for ((channel, effect), (found, saved)) in all.iter().zip(answered) {
         let of = |c: Channel| found.channels.iter().find(|a| a.channel == c).unwrap();
         let (answer, seconds) = (of(*channel), found.seconds);
         let other = match channel {
             Channel::Actuator => of(Channel::Specimen),
             Channel::Specimen => of(Channel::Actuator),
         };
-        // The phase of a hum is its record's own.
-        if !answer.effects.is_empty() && effect.name != Effect::MainsHum {
-            let saved = error_of(&found.improved, *channel, &train, &test);
+        if let Some(saved) = saved {
             let reported = answer.error_after.test_rms;
             println!("  saved {saved:.4}, reported {reported:.4}");
             if saved.is_nan() || saved > 1.1 * reported {

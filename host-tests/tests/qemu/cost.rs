@@ -7,6 +7,7 @@ use host_tests::qemu::profile::{self, Counts, PARTS};
 use host_tests::{Scenario, table1, whole_pipeline};
 use outerloop_core::Config;
 use outerloop_core::{Design, OuterLoop};
+use std::sync::OnceLock;
 
 /// Two-stage filter, integration, three energy errors, Eq 20, every interlock, record.
 fn single() -> Scenario {
@@ -18,6 +19,12 @@ fn three() -> Scenario {
         Config::shear_frame([1000.0; 3], [797.3e3; 3], [0.02; 3]),
         4.0,
     ))
+}
+
+/// [`parts`] of one degree of freedom, traced once for all that ask.
+fn parts_of_one() -> Option<&'static [Counts]> {
+    static TRACED: OnceLock<Option<Vec<Counts>>> = OnceLock::new();
+    TRACED.get_or_init(|| parts::<1>(&single())).as_deref()
 }
 
 /// Instructions by part, of every control period in which an integration step was solved.
@@ -75,11 +82,11 @@ fn print_parts(title: &str, steps: &[Counts]) -> u32 {
 
 #[test]
 fn instructions_of_a_step() {
-    let Some(one) = parts::<1>(&single()) else {
+    let Some(one) = parts_of_one() else {
         return;
     };
     let three = parts::<3>(&three()).expect("the image is there");
-    let worst = print_parts("one degree of freedom", &one);
+    let worst = print_parts("one degree of freedom", one);
     print_parts("three degrees of freedom", &three);
     assert!(one.len() > 1500, "{} steps were looked at", one.len());
     assert!(worst <= 900, "{worst} instructions at worst");
@@ -110,8 +117,8 @@ fn the_image_counts_the_same() {
     let (_, summary) = run().unwrap();
     assert_eq!(run().unwrap().1, summary, "the count repeats");
     let counted = summary.instructions(f64::from(summary.worst_ticks));
-    let traced = parts::<1>(&scenario).expect("the image is there");
-    let (worst, _) = worst_and_mean(&traced, |counts| counts.iter().sum());
+    let traced = parts_of_one().expect("the image is there");
+    let (worst, _) = worst_and_mean(traced, |counts| counts.iter().sum());
     println!(
         "worst step: {counted:.0} instructions by the clock of the image, {worst} by its trace"
     );
