@@ -8,7 +8,7 @@ use std::process::ExitCode;
 #[derive(Parser, Debug)]
 #[command(name = "outerloop", version, about = "Runs and judges fast pseudodynamic tests", after_help = EXIT_STATUSES)]
 struct Arguments {
-    /// No tables, sentences and progress: JSON that is asked for, and what goes wrong
+    /// Print no tables, sentences or progress, only JSON where it is asked for and errors
     #[arg(short, long, global = true)]
     quiet: bool,
     #[command(subcommand)]

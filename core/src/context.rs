@@ -54,7 +54,8 @@ impl<const N: usize> Context<'_, N> {
     }
 }
 
-/// What the predictor of one actuator may know. Of no number of floors, so that an image holds each design once.
+/// What the predictor of one actuator may know. Not generic over the number of floors, so that an image holds each
+/// design once.
 #[derive(Debug)]
 pub(crate) struct ActuatorContext<'a> {
     /// `[compensation]`, with the parameters of all methods.

@@ -29,13 +29,14 @@ pub struct Design<const N: usize> {
 pub(crate) struct StepConstants<const N: usize> {
     pub(crate) newmark: newmark::Coefficients<N>,
     pub(crate) signal: signal::SignalConstants,
-    /// Control steps by which the target is led.
+    /// Control steps by which the target is advanced.
     pub(crate) lead_steps: f32,
-    /// What is sent is not the target: there is a predictor, or the actuator is elsewhere than its command.
+    /// True if the sent command differs from the target: there is a predictor, or the actuator's gain or offset is
+    /// corrected.
     pub(crate) predicts: bool,
     /// From command to true displacement.
     pub(crate) command: [rig::CommandMap; N],
-    /// Samples are not what they say.
+    /// True if samples are corrected before they are used.
     pub(crate) corrects: bool,
     pub(crate) limits: supervise::InterlockLimits,
     pub(crate) frozen_m: f32,

@@ -100,9 +100,9 @@ pub struct Follower<const N: usize> {
     energy: EnergyErrors<N>,
     /// Copy of the numerical part, moved by what is corrected of the force alone.
     copy: Newmark<N>,
-    /// Control steps by which the numerical part gets the force too late.
+    /// Delay, in control steps, with which the numerical part gets the force.
     late_steps: f32,
-    /// The copy has something to answer.
+    /// True if the copy of the numerical part has a force to respond to.
     corrects: bool,
     /// Axes whose course is followed: those with an actuator, or all where the predictor looks at all.
     followed: usize,

@@ -39,7 +39,7 @@ impl<const N: usize> IdealTest<N> {
         self.signal.command_m()
     }
 
-    /// The integration has come to its next step: the force that the next call of [`IdealTest::step`] is given counts.
+    /// True if the next call of [`IdealTest::step`] solves an integration step and uses its force.
     #[inline]
     pub fn at_target(&self) -> bool {
         self.signal.at_target()

@@ -1,9 +1,9 @@
 //! A method as a linear system, for reports on stability. Nothing of it runs in a step, so it is in f64.
 //!
-//! A fixed predictor is linear as it is. One that learns is not: what stands for it is its law at rest, with what it was
-//! told ([`Setting::declared`]) or with what it has come to ([`Setting::learnt`]): the parameters that bring this very rig to the
-//! target at one frequency, within the law's bounds. While it learns it is neither. Each method says its linear form in
-//! its own file; what is made of it is the affair of the report.
+//! A fixed predictor is linear. An adaptive one is not; it is replaced by its law with fixed parameters, either those
+//! declared to it ([`Setting::declared`]) or those it has learnt ([`Setting::learnt`]): the parameters that bring this
+//! rig to the target at one frequency, within the law's bounds. While it learns it is neither. Each method has its
+//! linear form in its own file; the report decides what to make of it.
 
 use crate::config::{Compensation, Config};
 
@@ -48,7 +48,8 @@ impl Sum {
         }
     }
 
-    /// Displacement and velocity that are missing at `omega` so that the answer of the motion ahead there is `wanted`.
+    /// Factors of displacement and velocity that have to be added so that the frequency response at `omega` is
+    /// `wanted`.
     pub(crate) fn missing(&self, wanted: FrequencyResponse, omega: f64) -> [f64; 2] {
         let square = omega * omega;
         let real = self.displacement - square * self.acceleration;
@@ -189,7 +190,7 @@ impl<'a> Setting<'a> {
         self.compensation().inverse(self.actuator)
     }
 
-    /// What is to be answered and at which frequency, rad per control step; `None` where nothing has been learnt.
+    /// Required frequency response and its frequency, rad per control step; `None` where nothing has been learnt.
     pub(crate) fn wanted(&self) -> Option<(FrequencyResponse, f64)> {
         self.learnt
     }

@@ -65,12 +65,13 @@ pub struct Step<'a, const N: usize> {
     pub record: &'a Record<N>,
 }
 
-/// How the actuator goes from one target from outside to the next.
+/// How the actuator moves between targets that come from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Pace {
-    /// To each target at the speed of the approach, `loop.approach_m_per_s`; there it stands until the next one comes.
+    /// Moves to each target at the speed of the approach, `loop.approach_m_per_s`, and stands there until the next one
+    /// comes.
     #[default]
     StopAndGo,
     /// A target every `loop.substeps` control steps: extrapolated while the next is worked out, interpolated once it is
@@ -123,8 +124,7 @@ pub struct OuterLoop<const N: usize> {
     lead_m: [f32; N],
     /// While resuming: the share of the prediction that is sent.
     resume_share: f32,
-    /// Where the targets come from outside: how they are gone to, the next of them, and the force that the last was
-    /// answered with.
+    /// Targets from outside: how the actuator moves to them, the next target, and the force returned for the last.
     pace: Option<Pace>,
     next_target_m: Option<[f32; N]>,
     answer_n: [f32; N],

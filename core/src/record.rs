@@ -18,7 +18,7 @@ pub struct Record<const N: usize> {
     pub ground_m_per_s2: f32,
     /// u_c: the target that was in force while the sample was taken, m. Energies and errors are measured on it.
     pub command_m: [f32; N],
-    /// What was sent to the actuators for it, m: u_c itself where there is no predictor.
+    /// The command that was sent to the actuators for it, m: u_c itself where there is no predictor.
     pub sent_m: [f32; N],
     /// u_m as measured, m.
     pub displacement_m: [f32; N],

@@ -36,7 +36,7 @@ impl fmt::Display for Refusal {
                 self.name, self.accepted
             )
         } else if self.value.abs() >= 1e15 {
-            // Nobody counts zeros.
+            // Fifteen zeros are not readable.
             write!(
                 f,
                 "{} = {:e} is refused: accepted are {}",

@@ -63,8 +63,8 @@ impl<const N: usize> Structure<N> {
     }
 }
 
-/// Number of axes with an actuator: at most all, and at least one, which the design has checked. Said wherever axes are gone
-/// through, so that with a single axis there is nothing to decide.
+/// Number of axes with an actuator: at most all, and at least one, which the design has checked. Every loop over axes
+/// asks for it: with a single axis the compiler then knows the number.
 #[inline]
 pub(crate) fn actuated<const N: usize>(physical: usize) -> usize {
     if N == 1 { 1 } else { physical.min(N) }

@@ -13,7 +13,7 @@ use link::command::Channel;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Orders to a board at a serial port
+/// Send commands to a board at a serial port
 #[derive(Args, Debug)]
 pub struct Board {
     #[command(subcommand)]
@@ -22,9 +22,9 @@ pub struct Board {
 
 #[derive(Subcommand, Debug)]
 enum Order {
-    /// Who the board is: firmware, clocks, limits
+    /// Show what the board is: firmware, clocks, limits
     Identify(Plain),
-    /// How it is: state, readings, times, the reason of a trip or a crash
+    /// Show its state, readings, times and the reason of a trip or a crash
     Status(Plain),
     Calibrate(Calibrate),
     Commission(Commission),
@@ -110,7 +110,7 @@ impl Plain {
     }
 }
 
-/// Shows the calibration, or exchanges it
+/// Show the calibration, or replace it
 #[derive(Args, Debug)]
 struct Calibrate {
     /// The board's serial port, e.g. /dev/ttyACM0

@@ -23,7 +23,7 @@ use crate::terminal::{Progress, table};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Whether a test may be run, before the oil is on: exit status 0 stable, 1 doubtful, 2 unstable
+/// Check whether a test may be run, before the oil is on: exit status 0 stable, 1 doubtful, 2 unstable
 #[derive(clap::Args, Debug)]
 pub struct Check {
     /// The test file
@@ -34,10 +34,11 @@ pub struct Check {
     record: Option<PathBuf>,
     #[command(flatten)]
     motion: MotionArguments,
-    /// Instead of a test: the verdicts against what the tests then do, over so many drawn rigs
+    /// Instead of a test: compare the verdicts with what the tests then do, over this many drawn rigs
     #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
     survey: Option<usize>,
-    /// Instead of a test: the energy monitor over so many sound tests, and a quarter as many in which something breaks
+    /// Instead of a test: try the energy monitor on this many sound tests, and on a quarter as many in which something
+    /// breaks
     #[arg(
         long,
         value_name = "TESTS",

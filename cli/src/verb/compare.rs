@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The same test under several compensations
+/// Run the same test under several compensations
 #[derive(clap::Args, Debug)]
 pub struct Compare {
     #[command(flatten)]
@@ -28,8 +28,8 @@ pub struct Compare {
     /// Compensations, separated by commas; left out: all
     #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
     compensations: Vec<String>,
-    /// The same on the bench: delays of 1 to 60 ms, several actuators and specimens, noise, and what the compensation
-    /// was with_provenance wrong, in place of the test file's rig
+    /// The same on the bench: delays of 1 to 60 ms, several actuators and specimens, noise, and wrong declarations to
+    /// the compensation, in place of the test file's rig
     #[arg(long)]
     bench: bool,
     /// Write report.html there, and the rows as compare.json, or as bench.json with --bench

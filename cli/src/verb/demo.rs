@@ -14,7 +14,7 @@ use crate::wording::headline;
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
 
-/// The whole story with no input, on a built-in near-fault record
+/// Show a whole test without any input, on a built-in near-fault record
 #[derive(clap::Args, Debug)]
 pub struct Demo {
     /// Where report.html goes

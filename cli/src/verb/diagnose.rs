@@ -27,18 +27,18 @@ pub struct Diagnose {
     /// Data to judge on, which takes no part in the search; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
     test: Vec<FilePart>,
-    /// Data in which nothing moves, which tells the noise; left out: looked for before and after the motion
+    /// Data without motion, from which the noise is estimated; left out: looked for before and after the motion
     #[arg(long, value_name = "FILE@T0..T1")]
     rest: Vec<FilePart>,
     /// Write the improved model there
     #[arg(long, value_name = "FILE")]
     save_model: Option<PathBuf>,
-    /// Add what the rest depends on to the improved model as a correction without a name, where a class of dependence
-    /// takes enough of it on held-out data
+    /// Add a correction without a name to the improved model, where what remains depends on the motion clearly enough
+    /// on held-out data
     #[arg(long)]
     remainder: bool,
-    /// Design the test that tells most about what is left open, inside the limits that the model declares in its table
-    /// [limits], else inside what the records have shown, and write its command there: time_s,command_mm
+    /// Design the test that tells most about what is left open, and write its command there (time_s,command_mm). It
+    /// keeps the limits of the model's table [limits], else what the records have shown
     #[arg(long, value_name = "FILE")]
     next: Option<PathBuf>,
     /// Write report.html, diagnosis.json and model.toml there

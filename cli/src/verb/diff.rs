@@ -11,7 +11,7 @@ use crate::terminal;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Two tests that ran, side by side: what was set otherwise, their figures, how far apart their motions are
+/// Compare two recorded tests: different settings, figures, how far apart their motions are
 #[derive(clap::Args, Debug)]
 pub struct Diff {
     /// The first test: the folder of `run --out`, its record.h5, or the file of `run --archive`

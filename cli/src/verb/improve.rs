@@ -12,7 +12,7 @@ use diagnosis::{Diagnosis, Model};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Run a test, diagnose its record, settle by designed tests what that leaves open, and run the test again with what was
+/// Run a test, diagnose its record, play designed tests for what stays open, and run the test again with what was
 /// found
 #[derive(clap::Args, Debug)]
 pub struct Improve {

@@ -6,12 +6,12 @@ use crate::keys;
 use crate::terminal::table;
 use comfy_table::CellAlignment;
 
-/// Every key of a test file: unit, default, what is accepted, meaning
+/// List every key of a test file: unit, default, what is accepted, meaning
 #[derive(clap::Args, Debug)]
 pub struct Keys {
-    /// Only keys whose path or meaning has this in it, e.g. `delay` or `plant.actuator`
+    /// Only keys whose path or meaning contains this, e.g. `delay` or `plant.actuator`
     filter: Option<String>,
-    /// As a page of documents
+    /// Print a page in Markdown
     #[arg(long, conflicts_with_all = ["schema", "json"])]
     markdown: bool,
     /// As a JSON Schema, with which editors check a test file as it is written

@@ -38,10 +38,10 @@ pub struct MotionArguments {
     /// Interval of a ground motion that has one acceleration a line, s
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     dt: Option<f64>,
-    /// AccelerationUnit of such a ground motion
+    /// Unit of the accelerations in such a file
     #[arg(long, value_name = "UNIT")]
     unit: Option<AccelerationUnit>,
-    /// Counts for one of that unit, of a ground motion in MiniSEED as a recorder writes it; the station's metadata have it
+    /// Counts of the recorder per one of that unit, for a ground motion in MiniSEED; the station's metadata say it
     #[arg(long, value_name = "COUNTS", allow_negative_numbers = true)]
     sensitivity: Option<f64>,
 }

@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The same test on many rigs that are not quite the declared one
+/// Run the same test on many rigs drawn around the declared one
 #[derive(clap::Args, Debug)]
 pub struct MonteCarlo {
     #[command(flatten)]

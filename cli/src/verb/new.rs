@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Write a commented test file: asks for the structure and the rig, or copies an example
 #[derive(clap::Args, Debug)]
 pub struct New {
-    /// The file to write; one that is there is not overwritten
+    /// The file to write; an existing file is not overwritten
     #[arg(default_value = "test.toml")]
     file: PathBuf,
     /// Begin with this example instead of asking

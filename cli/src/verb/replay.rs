@@ -11,7 +11,7 @@ use crate::trace::Trace;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Work an archived test out again and compare the bits
+/// Recompute an archived test and compare it bit by bit
 #[derive(clap::Args, Debug)]
 pub struct Replay {
     /// The archive: the record.h5 of `run --out`, or the file of `run --archive`

@@ -27,7 +27,7 @@ pub struct RigArguments {
     /// the first time, some minutes
     #[arg(long)]
     emulated: bool,
-    /// Ask nobody between the approach and the start of a test on a board
+    /// Do not ask for confirmation between the approach and the start of a test on a board
     #[arg(long, requires = "port")]
     yes: bool,
 }

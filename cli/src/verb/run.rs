@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// One closed-loop test
+/// Run one closed-loop test
 #[derive(clap::Args, Debug)]
 pub struct Run {
     #[command(flatten)]

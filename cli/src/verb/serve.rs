@@ -18,7 +18,7 @@ use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The rig as an element of a finite-element model: OpenSees' genericClient
+/// Serve the rig as an element of a finite-element model: OpenSees' genericClient
 #[derive(clap::Args, Debug)]
 pub struct Serve {
     /// The test file; its table [serve] says how the rig moves
@@ -32,11 +32,10 @@ pub struct Serve {
     /// Seed of everything random in the simulated rig
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Serve one client, then end: with exit status 1 if it did not come to its end
+    /// Serve one client, then end; exit status 1 if its test did not come to its end
     #[arg(long)]
     once: bool,
-    /// Write report.html, record.csv and summary.json there; of the second client on in folders of their own, DIR-2 and so
-    /// on
+    /// Write report.html, record.csv and summary.json there; later clients get folders of their own, DIR-2 and so on
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// One JSON object a client on standard output, a line each, and nothing else

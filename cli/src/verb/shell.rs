@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::files::plain;
 use std::io::Write;
 
-/// What a shell completes after `outerloop`
+/// Print what a shell completes after `outerloop`
 #[derive(clap::Args, Debug)]
 pub struct Completions {
     /// bash, zsh, fish, powershell or elvish

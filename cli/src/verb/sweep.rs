@@ -14,7 +14,7 @@ use outerloop_core::Method;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// The same test over the values of one key, and fragility curves
+/// Run the same test over the values of one key; fragility curves
 #[derive(clap::Args, Debug)]
 pub struct Sweep {
     #[command(flatten)]

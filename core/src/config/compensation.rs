@@ -28,8 +28,9 @@ pub struct Compensation {
     pub gamma: f64,
     /// Integration steps over which energies and increments are formed; 5 to 20 ms where there is noise.
     pub window_steps: u16,
-    /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list. What adds damping measures
-    /// the energy and needs it for its clamp alone: half of it or any more will do. Predictors begin with it.
+    /// The actuator's delay, ms of laboratory time, of several actuators one for all or a list. Methods that add
+    /// damping measure the energy error and use the delay for their clamp only: half of the true delay or more will
+    /// do. Predictors start from it.
     pub delay_ms: ActuatorTimes,
     /// C_cor is kept below this many times K tau.
     pub clamp: f64,
@@ -48,8 +49,8 @@ pub struct Compensation {
     pub inverse: Option<[f64; 3]>,
     /// Share of the tracking error that `feedforward-feedback` sends back.
     pub feedback: f64,
-    /// By how many control steps the target is led, whatever the predictor: against a delay of the force's way back
-    /// that is known, where the numerical part is not core's own.
+    /// Control steps by which the target is advanced before any predictor. For a numerical part that is not core's own
+    /// and gets the force with a known delay.
     pub lead_steps: f64,
     /// How adaptive predictors learn.
     pub adaptation: Adaptation,

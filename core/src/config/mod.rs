@@ -186,12 +186,12 @@ impl Default for Estimation {
     }
 }
 
-/// Interlocks. A limit left out is off; what remains on always is the check for finite numbers.
+/// Interlocks. A limit left out is off; only the check for finite numbers is always on.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 pub struct Limits {
-    /// Largest command, m; the measured displacement, without what is known to be wrong with it, may be 3 % larger.
+    /// Largest command, m. The measured displacement, corrected for known errors of its sensor, may be 3 % larger.
     pub displacement_m: Option<f64>,
     /// Largest change of the command in one control step, m.
     pub increment_m: Option<f64>,

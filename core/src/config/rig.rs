@@ -112,7 +112,7 @@ impl RigConfig {
         )
     }
 
-    /// True if the actuator is elsewhere than its command.
+    /// True if a command has to be corrected for the actuator's gain or offset.
     pub(crate) fn moves_commands(&self) -> bool {
         !(self.command_gain.is_empty() && self.command_offset_m.is_empty())
     }
@@ -127,8 +127,8 @@ impl RigConfig {
         })
     }
 
-    /// The constants of the step; `None` where the samples are what they say. The displacement has a noise of
-    /// `noise_m` rms.
+    /// The constants of the step; `None` where samples need no correction. The displacement has a noise of `noise_m`
+    /// rms.
     pub(crate) fn constants<const N: usize>(
         &self,
         rate_hz: f64,

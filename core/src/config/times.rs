@@ -9,13 +9,13 @@ use core::fmt;
 pub struct ActuatorTimes(PerActuator);
 
 impl ActuatorTimes {
-    /// One for each actuator. `None` of none, or of more than can be.
+    /// One for each actuator. `None` if the list is empty or too long.
     pub fn each(ms: &[f64]) -> Option<Self> {
         let list = PerActuator::from_slice(ms).ok()?;
         (!list.is_empty()).then_some(Self(list))
     }
 
-    /// That of an actuator, from 0, ms.
+    /// The time of an actuator, counted from 0, ms.
     pub fn at(&self, actuator: usize) -> f64 {
         let one = match *self.0 {
             [one] => Some(one),

@@ -12,9 +12,9 @@ use super::pair::Pair;
 use super::plant::{MAX_PARAMETERS, Plant, Spreads};
 use crate::refusal::Refusal;
 
-/// So many times the sensor's noise counts as noise.
+/// Factor on the sensor's noise in the estimate, because what the model neglects acts like noise, too.
 const CAUTION: f32 = 3.0;
-/// No logarithm of a parameter moves farther from its declared value.
+/// The farthest that the logarithm of a parameter may move from its declared value.
 const FARTHEST: f32 = 0.3;
 
 /// Settings of the estimator.
@@ -22,7 +22,8 @@ const FARTHEST: f32 = 0.3;
 pub struct EstimatorSettings {
     /// The plant as declared.
     pub plant: Plant,
-    /// What of it may be off, and by how much; none: the plant is taken as declared.
+    /// Parameters that are estimated, each with its relative standard deviation; empty: the plant is taken as
+    /// declared.
     pub spreads: Spreads,
     /// Noise of the strokes' readings, m rms. Not below a thousandth of the largest stroke: what is linearised here is then
     /// larger than the noise, and the parameters go astray.

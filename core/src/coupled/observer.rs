@@ -44,7 +44,7 @@ struct ModeConstants {
     gain: [f32; 2],
 }
 
-/// ObserverConstants of an observer.
+/// Constants of an observer, worked out once.
 #[derive(Clone, Debug)]
 pub struct ObserverConstants {
     modes: [ModeConstants; MAX_MODES],

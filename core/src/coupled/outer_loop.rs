@@ -93,8 +93,8 @@ pub struct CoupledLoop<const N: usize> {
     motion: Pair,
     sent_m: Pair,
     standing: Option<Pair>,
-    /// Share of the ground's acceleration that the observers get: beside a running test nothing shakes, and a jump of it
-    /// would be a jerk.
+    /// Share of the ground's acceleration that the observers get. It is 0 outside a running test and changes
+    /// gradually, because a jump of it would jerk the actuators.
     shaken: f32,
     tick: u32,
     step: u32,
@@ -344,7 +344,7 @@ impl<const N: usize> CoupledLoop<N> {
         })
     }
 
-    /// What stands against sending the commands, in both systems of coordinates.
+    /// The first interlock that forbids sending the commands, checked in both systems of coordinates.
     #[allow(clippy::too_many_arguments)] // Two systems of coordinates, each with a before and an after.
     fn interlock(
         &self,

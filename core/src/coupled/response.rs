@@ -1,4 +1,4 @@
-//! The modes of a structure, as the observers of a target want them.
+//! The modes of a structure, in the form that the observers of a target need.
 
 use super::observer::{MAX_MODES, ObserverSettings, VibrationMode};
 use crate::matrix;

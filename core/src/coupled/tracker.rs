@@ -30,12 +30,12 @@ pub struct TrackerSettings {
     pub interface_limit: Pair,
 }
 
-/// TrackerConstants worked out once.
+/// Constants of a tracker, worked out once.
 #[derive(Clone, Debug)]
 pub struct TrackerConstants {
     settings: TrackerSettings,
     observers: [ObserverConstants; 2],
-    /// Share of a reading's news that goes into the estimate in a sample.
+    /// Share of the difference between reading and model that is corrected in a sample.
     follow: f32,
 }
 
@@ -148,7 +148,7 @@ impl Tracker {
         }
     }
 
-    /// The actuators were sent this and not what [`Tracker::command`] wanted.
+    /// Records what was really sent, where that is not what [`Tracker::command`] gave.
     pub(super) fn was_sent(&mut self, command_m: Pair) {
         self.sent_m = command_m;
     }
@@ -158,7 +158,8 @@ impl Tracker {
         self.estimator.plant()
     }
 
-    /// What the readings say, which comes before the target in a sample: where the actuators are.
+    /// Takes in the measured strokes, before the target of the same sample. Returns the estimated strokes and the
+    /// position of the interface.
     pub fn observe(&mut self, measured_m: &Pair) -> (Pair, Pair) {
         let k = &self.constants;
         let modelled_m = self

@@ -1,4 +1,4 @@
-//! The actuator as the filter believes it to be: transport delay, then a second-order lag.
+//! The filter's model of the actuator: transport delay, then a second-order lag.
 
 /// The lag in discrete time, exact for a command that is held over the step: `x' = F x + g u`, the velocity in metres
 /// per step.

@@ -51,7 +51,8 @@ pub struct Estimate<const N: usize> {
     /// Mean squared innovation relative to what the filter expects, displacement and force; 1 is a model that fits,
     /// 0 where there is no filter.
     pub innovation: [f32; 2],
-    /// The innovation is not that of a model that fits: this has 1, and twice that over a second of samples is no chance.
+    /// True if the innovation shows that the model does not fit. A model that fits has a mean of 1; twice that over a
+    /// second of samples is no accident.
     pub doubt: bool,
 }
 

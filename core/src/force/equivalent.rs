@@ -1,4 +1,4 @@
-//! A force correction as the damping that it amounts to, for the paper's plot and the watch for locked structures.
+//! A force correction as the damping that it amounts to, for the paper's plot and the check for locked structures.
 
 use super::interface::Correction;
 use crate::context::Context;
@@ -31,7 +31,7 @@ impl Constants {
     }
 }
 
-/// `F_cor dt / du`, held where du says nothing.
+/// `F_cor dt / du`; the last value is held where du is too small to divide by.
 #[derive(Clone, Debug)]
 pub(crate) struct EquivalentDamping<const N: usize> {
     peak_m: [f32; N],

@@ -43,7 +43,7 @@ pub(crate) struct LawInput<'a, const N: usize> {
     pub predictor_velocity_dt_m: [f32; N],
 }
 
-/// With what the equation of motion is solved.
+/// What the law gives to the equation of motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LawOutput<const N: usize> {
     /// Restoring force, N.
@@ -68,7 +68,7 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
     /// The constants for a test.
     fn design(context: &Context<'_, N>) -> Self::Constants;
 
-    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
+    /// The law as its mean over a cycle of motion, with `physical` storeys in the laboratory.
     fn linear(c: &Compensation, physical: usize) -> LinearForce;
 
     /// At rest at zero.

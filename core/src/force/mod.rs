@@ -89,7 +89,7 @@ macro_rules! laws {
 for_each_method!(laws);
 
 impl Force {
-    /// What it comes to over a cycle, with `physical` storeys in the laboratory.
+    /// The law as its mean over a cycle of motion, with `physical` storeys in the laboratory.
     pub fn linear(self, c: &Compensation, physical: usize) -> LinearForce {
         Law::<1>::linear(self, c, physical)
     }

@@ -101,7 +101,7 @@ impl<const N: usize> OuterLoop<N> {
         }
     }
 
-    /// Nothing stands against sending `next_m`.
+    /// True if no interlock forbids sending `next_m`.
     #[inline]
     pub(super) fn may_send(
         &self,
@@ -135,7 +135,7 @@ impl<const N: usize> OuterLoop<N> {
         self.sent_m
     }
 
-    /// Something stands against sending the command: latches the fault, or sends it where there is nothing to trip.
+    /// An interlock forbids the command: latches the fault, or sends the command in a mode that cannot trip.
     #[cold]
     #[inline(never)]
     pub(super) fn trip_or_send(
@@ -147,7 +147,7 @@ impl<const N: usize> OuterLoop<N> {
     ) -> [f32; N] {
         let checked = self.checked(sample, displacement_m, &send_m, stale_steps);
         let found = first_fault(&self.design.limits, &checked);
-        // What the board reports comes first, but for a NaN.
+        // A fault that the board reports comes first; only a NaN comes before it.
         let finding = match sample.fault {
             None => found,
             Some(fault) => {

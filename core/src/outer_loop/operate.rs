@@ -48,7 +48,7 @@ impl<const N: usize> OuterLoop<N> {
                 self.history.clear();
             }
             Mode::Running | Mode::Returning | Mode::Tripped => {}
-            // These are not come to by an event.
+            // No event leads to these modes.
             Mode::Armed | Mode::Resuming | Mode::Commissioning => {}
         }
         self.mode = next;

@@ -1,8 +1,9 @@
 //! Targets from a numerical part outside, for example a finite-element program.
 //!
-//! The integration is somebody else's; everything else is as in a test of one's own: energy errors, compensation,
-//! interlocks, signal generation. A target is answered with a force ([`OuterLoop::answer_n`]); the sum of the specimen's
-//! force and that of the added damping, so that the compensation acts in an integration that knows nothing of it.
+//! Another program integrates; everything else is as in a test that core integrates: energy errors, compensation,
+//! interlocks, signal generation. A target is answered with a force ([`OuterLoop::answer_n`]); the sum of the
+//! specimen's force and that of the added damping, so that the compensation acts in an integration that knows nothing
+//! of it.
 
 use super::{OuterLoop, Pace};
 use crate::energy::Observation;
@@ -15,7 +16,7 @@ impl<const N: usize> OuterLoop<N> {
         self.next_target_m = None;
     }
 
-    /// The next target from outside, m. A target that has not been gone to yet is replaced.
+    /// The next target from outside, m. It replaces a target towards which the motion has not begun.
     pub fn set_next_target(&mut self, target_m: [f32; N]) {
         self.next_target_m = Some(target_m);
     }

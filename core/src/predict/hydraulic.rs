@@ -46,8 +46,8 @@ pub(crate) struct Constants {
     pub per_numerator: f32,
     /// The standard deviations times that.
     pub spread_per_numerator: [f32; P],
-    /// Variance that an error of the model's output counts as, m^2: that of three times the noise. With its own the
-    /// estimate believes what the model leaves out.
+    /// Variance that an error of the model's output counts as, m^2: that of three times the noise. With the noise
+    /// alone the estimate would follow what the model leaves out.
     pub variance_m2: f32,
 }
 

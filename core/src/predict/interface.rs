@@ -7,7 +7,7 @@ use crate::linear::{Linear, Setting};
 use crate::refusal::Refusal;
 use crate::structure::actuated;
 
-/// What has come of the last command of an axis.
+/// What the last command of an axis has led to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LastCommand {
     /// Target that was in force, u_c, m.
@@ -74,7 +74,7 @@ pub(crate) trait Predict<const N: usize>: Sized {
     /// It learns while a test runs.
     const LEARNS: bool = false;
 
-    /// It looks at where axes without an actuator go, too.
+    /// True if it also uses the motion of axes without an actuator.
     const SEES_ALL: bool = false;
 
     /// Checks the parameters of the predictor.

@@ -97,7 +97,7 @@ macro_rules! predictors {
                 }
             }
 
-            /// True if it looks at where axes without an actuator go, too.
+            /// True if it also uses the motion of axes without an actuator.
             pub fn sees_all(&self) -> bool {
                 match self {
                     Self::None => false,

@@ -1,4 +1,4 @@
-//! Faults and their numbers. A number is for ever: it is in records, in flash and in people's notes.
+//! Faults and their numbers. A number never changes its meaning: it is in records, in flash and in people's notes.
 
 /// Why a test tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -49,7 +49,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A fault that is a fact and has no value.
+    /// A fault without a value and a limit.
     pub const fn fact(fault: Fault) -> Self {
         Self {
             fault,
@@ -67,7 +67,7 @@ pub struct Checked<'a, const N: usize> {
     pub next_m: &'a [f32; N],
     /// The command in force, m.
     pub sent_m: &'a [f32; N],
-    /// Displacement that the command in force is for, m.
+    /// True displacement that the command in force asks for, m.
     pub aimed_m: &'a [f32; N],
     /// Measured displacement, m, without what is known to be wrong with it.
     pub displacement_m: &'a [f32; N],

@@ -1,4 +1,4 @@
-//! Who decides whether the command may move: states, interlocks, faults and the last steps before one.
+//! Decides whether the command may move: modes, interlocks, faults and the last steps before a fault.
 
 mod fault;
 mod history;

@@ -6,7 +6,7 @@ macro_rules! modes {
     ($($(#[$doc:meta])* $Mode:ident = $code:literal, $name:literal;)*) => {
         /// What the loop is doing: all of it, and nothing beside it decides where the command goes.
         ///
-        /// The numbers are in records, in flash and in people's notes: they are for ever.
+        /// The numbers are in records, in flash and in people's notes: they never change.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]

@@ -7,7 +7,7 @@ mod shared;
 
 use crate::failure::Failure;
 
-/// A benchmark of the field
+/// Run a benchmark problem of the field
 #[derive(clap::Args, Debug)]
 pub struct Benchmark {
     #[command(subcommand)]

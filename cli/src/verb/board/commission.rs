@@ -18,7 +18,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Moves an actuator by a signal and records it; of a board with several each in its turn, while the others stand
+/// Move an actuator by a signal and record it; with several actuators one after the other, while the others stand
 #[derive(Args, Debug)]
 pub(super) struct Commission {
     /// The test file, whose limits are in force
