@@ -101,7 +101,7 @@ impl Calibration {
         }
     }
 
-    /// What a board reads by that nobody has calibrated: +-50 mm and +-10 kN. It cannot be armed with it.
+    /// The calibration of a board that nobody has calibrated: +-50 mm and +-10 kN. It cannot be armed with it.
     pub const fn placeholder(codes: &CodeRange) -> Self {
         Self::over(0.05, 1e4, codes)
     }

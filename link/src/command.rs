@@ -21,7 +21,7 @@ pub const CHUNK: usize = 128;
 pub enum Command {
     /// Who are you: [`Reply::Identity`](crate::Reply::Identity).
     Identify,
-    /// How are you: [`Reply::Status`](crate::Reply::Status). The PC asks a few times a second; that is also how the board
+    /// Requests [`Reply::Status`](crate::Reply::Status). The PC asks a few times a second; that is also how the board
     /// knows that the PC is there.
     Status,
     /// Exchange the whole test, while idle.
@@ -64,8 +64,8 @@ pub enum Command {
     /// Where the next test's targets come from, while idle: from the PC, one by one, or from the loop's own integration.
     /// A new test integrates by itself.
     Pace(Option<Pace>),
-    /// The next target from the PC, m, of each of the board's actuators: where they are to go. One that has not been gone to
-    /// yet is replaced.
+    /// The next target from the PC, m, of each of the board's actuators: where they are to go. It replaces targets
+    /// towards which the motion has not begun.
     Target(Vec<f32, MAX_ACTUATORS>),
 }
 

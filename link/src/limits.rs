@@ -1,8 +1,8 @@
 //! The limits without which no test is armed on a board, and what they may be at most.
 //!
-//! A limit that lies beyond what the converters show is none: the range would end first. So each has to lie inside the
-//! calibrated range, some codes from its ends ([`CodeRange::sensor_spare`]). The PC asks the same question before it sends
-//! a test, with the figures of [`CalibratedRange`] in its sentence.
+//! A limit beyond the range of the converters would never act. So each has to lie inside the calibrated range, some
+//! codes from its ends ([`CodeRange::sensor_spare`]). The PC asks the same question before it sends a test, with the
+//! figures of [`CalibratedRange`] in its sentence.
 
 use crate::channel::{Calibration, CodeRange};
 use outerloop_core::{Config, Refusal};

@@ -6,7 +6,7 @@ use crate::reply::NumberedReply;
 use heapless::Vec;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// What can be the body of a frame of its kind.
+/// The body of a frame of its kind.
 pub trait Message: Serialize + DeserializeOwned {
     /// The kind of its frames.
     const KIND: FrameKind;

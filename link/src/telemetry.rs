@@ -47,7 +47,7 @@ pub const fn frame_bytes(actuators: usize, inputs: usize) -> usize {
     wire_bytes(HEAD + STEPS * step_bytes(actuators, inputs))
 }
 
-/// What a board records beside displacement and force, in every control step. No part of the test hangs on it.
+/// What a board records beside displacement and force, in every control step. The test does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Input {
     /// An actuator's command where it leaves the board, by codes of the command: distinguishes a dead output converter from a dead

@@ -54,7 +54,7 @@ impl Period {
         pac::TIM2.arr().write_value(ticks - 1);
     }
 
-    /// So many microseconds of the period are over, and more.
+    /// True if at least so many microseconds of the period have passed.
     #[inline]
     pub fn has_passed(&self, us: u32) -> bool {
         pac::TIM2.cnt().read() > us * TICKS_PER_US
