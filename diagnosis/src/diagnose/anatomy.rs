@@ -25,7 +25,25 @@ fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
     let still: Vec<f64> = still.iter().map(|x| x - mean).collect();
     let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
     found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
+    found.iter_mut().for_each(|l| l.at_rest = true);
     Some((rms(&[still]), found))
+}
+
+/// What a model leaves of what was measured.
+fn rest_of(measured: &[f64], model: &[f64]) -> Vec<f64> {
+    measured.iter().zip(model).map(|(y, m)| y - m).collect()
+}
+
+/// Each line with its frequency and its amplitude, in words.
+fn in_words(found: &[Line], unit: &str) -> Vec<String> {
+    let words = |l: &Line| {
+        let amplitude = four(std::f64::consts::SQRT_2 * l.rms);
+        format!(
+            "{:.3} Hz with an amplitude of {amplitude} {unit}",
+            l.frequency_hz
+        )
+    };
+    found.iter().map(words).collect()
 }
 
 /// Which share of the squares lines hold.
@@ -148,12 +166,7 @@ impl ChannelDiagnosis<'_> {
             return;
         }
         let t = &answer.traces;
-        let rest: Vec<f64> = t
-            .measured
-            .iter()
-            .zip(&t.after)
-            .map(|(y, m)| y - m)
-            .collect();
+        let rest = rest_of(&t.measured, &t.after);
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };
@@ -164,19 +177,7 @@ impl ChannelDiagnosis<'_> {
         if held(&found, still) < LINES || held(&found, rms(&[rest])) < MATTERS {
             return;
         }
-        found.iter_mut().for_each(|l| l.at_rest = true);
-        let all: Vec<String> = found
-            .iter()
-            .map(|l| {
-                let amplitude = std::f64::consts::SQRT_2 * l.rms;
-                format!(
-                    "{:.2} Hz with an amplitude of {} {}",
-                    l.frequency_hz,
-                    four(amplitude),
-                    answer.unit
-                )
-            })
-            .collect();
+        let all = in_words(&found, &answer.unit);
         answer.notes.push(format!(
             "A disturbance of {} stands in the rest, too: the motion does not bring it about, and no element of a model of the motion \
              will take it. Look for a pump, a valve that hunts, a dither, another machine.",
@@ -208,12 +209,7 @@ impl ChannelDiagnosis<'_> {
             return;
         }
         let t = &answer.traces;
-        let rest: Vec<f64> = t
-            .measured
-            .iter()
-            .zip(&t.before)
-            .map(|(y, m)| y - m)
-            .collect();
+        let rest = rest_of(&t.measured, &t.before);
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };
@@ -230,16 +226,8 @@ impl ChannelDiagnosis<'_> {
             }
             answer.noise_floor_rms *= (1.0 - share).max(0.0).sqrt();
             found = at_rest;
-            found.iter_mut().for_each(|l| l.at_rest = true);
         }
-        let all: Vec<String> = found
-            .iter()
-            .map(|l| {
-                let amplitude = std::f64::consts::SQRT_2 * l.rms;
-                let amplitude = format!("{} {}", four(amplitude), answer.unit);
-                format!("{:.3} Hz with an amplitude of {amplitude}", l.frequency_hz)
-            })
-            .collect();
+        let all = in_words(&found, &answer.unit);
         answer.verdict = Verdict::Unknown;
         answer.notes = vec![format!(
             "What is left ({whole:.4} {} rms) is mostly lines that the motion does not have: {}. That is no noise, but a \
