@@ -196,7 +196,6 @@ pub fn covers(effects: &[FoundEffect]) -> Vec<String> {
 
 /// Sentences on what a joint search came to.
 pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
-    let outcome = Some(&found.outcome);
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let mut notes = Vec::new();
@@ -214,14 +213,14 @@ pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
              {after:.4} {unit} rms."
         )),
     }
-    notes.extend(damping(answer, outcome));
+    notes.extend(damping(answer, &found.outcome));
     notes.extend(shared_stiffness(answer));
-    match outcome {
-        Some(Outcome::Named(explained, true)) if explained.damping.is_empty() => notes.push(
+    match &found.outcome {
+        Outcome::Named(explained, true) if explained.damping.is_empty() => notes.push(
             "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
                 .into(),
         ),
-        Some(Outcome::Set(..)) if answer.verdict == Verdict::Ambiguous => {
+        Outcome::Set(..) if answer.verdict == Verdict::Ambiguous => {
             notes.push(
                 "Each member of the set fits these data nearly as well in the place of the first; the model has the first."
                     .into(),
@@ -281,8 +280,8 @@ fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
 }
 
 /// Of more damping than declared beside a name: that the two figures are one, or what else it may be.
-fn damping(answer: &ChannelAnswer, outcome: Option<&Outcome>) -> Option<String> {
-    let Some(Outcome::Named(explained, _)) = outcome else {
+fn damping(answer: &ChannelAnswer, outcome: &Outcome) -> Option<String> {
+    let Outcome::Named(explained, _) = outcome else {
         return None;
     };
     let refitted = answer.refitted.iter().find(|r| r.name == DAMPING)?;
