@@ -72,6 +72,17 @@ fn of_one_kind(effect: &FoundEffect, half_mm: f64) -> Option<Effect> {
     .map(|_| Effect::BilinearHysteresis)
 }
 
+/// Of some names those that an answer does not give itself, each once.
+fn others(given: &[FoundEffect], all: impl Iterator<Item = Effect>) -> Vec<Effect> {
+    let mut others = Vec::new();
+    for name in all {
+        if !others.contains(&name) && given.iter().all(|e| e.name != name) {
+            others.push(name);
+        }
+    }
+    others
+}
+
 impl ChannelDiagnosis<'_> {
     /// Errors on training and held-out data, the held-out problem and its residuals.
     pub(super) fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
@@ -143,19 +154,16 @@ impl ChannelDiagnosis<'_> {
         if found && !e.vetoed && !worse && possible {
             answer.verdict = Verdict::Effect;
             answer.error_after = after;
-            answer.alternatives.clone_from(&e.alternatives);
             let half_mm = half_range(&e.after.problem);
             let theta = e.after.problem.theta;
             let specimen = self.base.channel == Channel::Specimen;
             let kin = effects.iter().filter(|_| specimen);
             let kin = kin.filter_map(|e| of_one_kind(e, half_mm));
-            let kin: Vec<Effect> = kin.filter(|n| !e.alternatives.contains(n)).collect();
-            answer.alternatives.extend(kin);
             let wants = effects
                 .iter()
                 .filter_map(|e| self.at_its_end(e.name, &theta));
-            let wants: Vec<Effect> = wants.filter(|n| !answer.alternatives.contains(n)).collect();
-            answer.alternatives.extend(wants);
+            let all = e.alternatives.iter().copied().chain(kin).chain(wants);
+            answer.alternatives = others(&effects, all);
             answer.effects = effects;
             if !answer.alternatives.is_empty() {
                 answer.verdict = Verdict::Ambiguous;
@@ -315,5 +323,27 @@ impl ChannelDiagnosis<'_> {
             before: model(&before[0]),
             after: model(&after[0]),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_stands_once_and_never_beside_itself() {
+        use Effect::{BilinearHysteresis, CoulombFriction, DelayError, ViscousDamping};
+        let given = |name: Effect| FoundEffect {
+            name,
+            family: name.entry().family,
+            q: None,
+            certificate: None,
+            parameters: Vec::new(),
+        };
+        // Friction and hysteresis that yield where either may are kin to each other.
+        let both = [CoulombFriction, BilinearHysteresis].map(given);
+        let all = [ViscousDamping, BilinearHysteresis, CoulombFriction];
+        let all = all.into_iter().chain([DelayError, ViscousDamping]);
+        assert_eq!(others(&both, all), [ViscousDamping, DelayError]);
     }
 }
