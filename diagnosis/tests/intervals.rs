@@ -2,17 +2,18 @@
 #![allow(missing_docs)]
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
-use diagnosis::{Declared, FoundEffect, Model, Recording, SpecimenModel, diagnose};
+mod spring;
+
+use diagnosis::{FoundEffect, Recording, diagnose};
 use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use spring::{DAMPING_N_S_PER_MM, STIFFNESS_N_PER_MM, declared, in_two};
 use std::f64::consts::TAU;
 
 const H: f64 = 4e-3;
 const SECONDS: f64 = 40.0;
-const STIFFNESS_N_PER_MM: f64 = 1000.0;
-const DAMPING_N_S_PER_MM: f64 = 0.5;
 /// Motion and force between two samples of the record.
 const FINE: usize = 8;
 
@@ -151,31 +152,7 @@ fn recorded(force: Force, noise: [f64; 2], seed: u64) -> [Recording; 2] {
         })
         .collect();
     let x: Vec<f64> = at.map(|i| x[i] + noise[0] * unit()).collect();
-    let split = 3 * x.len() / 5;
-    let part = |from: usize, end: usize| Recording {
-        time_s: (from..end).map(|i| i as f64 * H).collect(),
-        displacement_mm: Some(x[from..end].to_vec()),
-        force_n: Some(f[from..end].to_vec()),
-        ..Recording::default()
-    };
-    let train = part(0, split);
-    let mut test = part(split, x.len());
-    test.before = Some(Box::new(train.clone()));
-    [train, test]
-}
-
-fn declared() -> Model {
-    let declared = |value, tolerance| Some(Declared { value, tolerance });
-    Model {
-        specimen: Some(SpecimenModel {
-            stiffness_n_per_mm: declared(STIFFNESS_N_PER_MM, 20.0),
-            damping_n_s_per_mm: declared(DAMPING_N_S_PER_MM, 0.2),
-            mass_kg: declared(0.0, 0.5),
-            offset_n: declared(0.0, 20.0),
-            ..SpecimenModel::default()
-        }),
-        ..Model::default()
-    }
+    in_two(&x, &f, H)
 }
 
 #[test]

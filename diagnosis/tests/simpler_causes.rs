@@ -1,16 +1,17 @@
 //! Textbook causes that a more flexible name fits as well: it is not given alone.
 #![allow(missing_docs)]
 
-use diagnosis::{ChannelAnswer, Declared, Model, Recording, SpecimenModel, Verdict, diagnose};
+mod spring;
+
+use diagnosis::{ChannelAnswer, Recording, Verdict, diagnose};
 use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use spring::{DAMPING_N_S_PER_MM, STIFFNESS_N_PER_MM, declared, in_two};
 use std::f64::consts::TAU;
 
 const H: f64 = 2e-3;
-const STIFFNESS_N_PER_MM: f64 = 1000.0;
-const DAMPING_N_S_PER_MM: f64 = 0.5;
 
 /// Twelve sines of up to 3 Hz under an envelope of time over length.
 fn shaken(seconds: f64, envelope: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -53,32 +54,7 @@ fn recorded(x: &[f64], more_n: &[f64]) -> [Recording; 2] {
         })
         .collect();
     let read: Vec<f64> = x.iter().map(|x| x + noise(0.01)).collect();
-    let split = 3 * x.len() / 5;
-    let part = |name: &str, from: usize, end: usize| Recording {
-        name: name.into(),
-        time_s: (from..end).map(|i| i as f64 * H).collect(),
-        displacement_mm: Some(read[from..end].to_vec()),
-        force_n: Some(force[from..end].to_vec()),
-        ..Recording::default()
-    };
-    let train = part("train", 0, split);
-    let mut test = part("test", split, x.len());
-    test.before = Some(Box::new(train.clone()));
-    [train, test]
-}
-
-fn declared() -> Model {
-    let declared = |value, tolerance| Some(Declared { value, tolerance });
-    Model {
-        specimen: Some(SpecimenModel {
-            stiffness_n_per_mm: declared(STIFFNESS_N_PER_MM, 20.0),
-            damping_n_s_per_mm: declared(DAMPING_N_S_PER_MM, 0.2),
-            mass_kg: declared(0.0, 0.5),
-            offset_n: declared(0.0, 20.0),
-            ..SpecimenModel::default()
-        }),
-        ..Model::default()
-    }
+    in_two(&read, &force, H)
 }
 
 fn asked(x: &[f64], more_n: &[f64]) -> ChannelAnswer {

@@ -97,6 +97,17 @@ pub enum Kind {
     Time,
 }
 
+impl Law {
+    /// Whether it gives first and slides then, with the same force anywhere and at any time.
+    pub fn slides(self) -> bool {
+        use Law::{BoucWen, Bristles, Distributed, InSeries, Slider, Stribeck};
+        matches!(
+            self,
+            Slider | Bristles | Stribeck | BoucWen | Distributed | InSeries
+        )
+    }
+}
+
 impl Element {
     /// With a shape; what the law does not read is 0.
     pub fn new<const N: usize>(law: Law, given: [f64; N]) -> Self {
@@ -298,22 +309,13 @@ impl Element {
 
     /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
     pub fn may_slide(&self, sizes: &Sizes) -> bool {
-        let yields = matches!(
-            self.law,
-            Law::Slider
-                | Law::Bristles
-                | Law::Stribeck
-                | Law::BoucWen
-                | Law::Distributed
-                | Law::InSeries
-        );
         let give = self.yields_at() / sizes.x;
         let most = if self.is_bristles() {
             MAY_BE_BRISTLES
         } else {
             MAY_BE_FRICTION
         };
-        yields && give > FRICTION_YIELD && give < most
+        self.law.slides() && give > FRICTION_YIELD && give < most
     }
 
     /// Whether it is Dahl's friction by its equation, Bouc-Wen's with an exponent of 1 and the same rate out and back: a

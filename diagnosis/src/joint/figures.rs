@@ -119,12 +119,8 @@ fn friction(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
         }
         all.push(("stribeck_mm_per_s", "mm/s", e.shape[1]));
     }
-    let gives = |law| {
-        matches!(
-            law,
-            Law::Slider | Law::Bristles | Law::Stribeck | Law::InSeries | Law::Distributed
-        )
-    };
+    // The first shape of Bouc-Wen's law is the unit of its force.
+    let gives = |law: Law| law.slides() && law != Law::BoucWen;
     if let Some((e, _)) = part.iter().find(|(e, _)| gives(e.law)) {
         all.push((PRESLIDING, "mm", e.shape[0]));
     }

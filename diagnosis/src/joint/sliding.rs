@@ -4,7 +4,6 @@
 use super::blocks::{Blocks, Term};
 use super::covariance::{SANDWICH, Unknown, chosen, covariance, unknowns};
 use super::element::{Element, Law};
-
 use super::fit::Fit;
 use super::set::{DECLARED, Library, Set, column, declared_columns};
 use super::track::Track;
