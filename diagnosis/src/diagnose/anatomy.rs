@@ -105,8 +105,11 @@ impl ChannelDiagnosis<'_> {
             answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
             let of = |records: &[Recording], answers: &[Vec<f64>], rests: &[Vec<f64>]| {
                 let all = records.iter().zip(answers).zip(rests);
-                all.map(|((r, y), rest)| Moves::new(y, Vec::new(), rest.clone(), r.interval_s()))
-                    .collect::<Vec<_>>()
+                let moves = all.map(|((r, y), rest)| Moves {
+                    begin_s: r.time_s[r.time_s.len() - rest.len()],
+                    ..Moves::new(y, Vec::new(), rest.clone(), r.interval_s())
+                });
+                moves.collect::<Vec<_>>()
             };
             let (of_train, of_test) = (
                 of(self.train, &learned, train),

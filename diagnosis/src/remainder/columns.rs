@@ -9,6 +9,8 @@ use crate::signals::{derivative, lagged};
 pub struct Moves {
     /// Sampling interval, s.
     pub interval_s: f64,
+    /// Time of the first sample by the record's own stamps, s.
+    pub begin_s: f64,
     /// What goes into the channel, without its noise, mm.
     pub x: Vec<f64>,
     /// Its speed, mm/s.
@@ -31,6 +33,7 @@ impl Moves {
         };
         Self {
             interval_s,
+            begin_s: 0.0,
             v: derivative(&x, interval_s),
             x,
             other,
