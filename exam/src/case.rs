@@ -43,9 +43,7 @@ const SAMPLES: [usize; 2] = [22_000, 12_000];
 
 /// The case of a class and a seed; the same seed gives the same case.
 pub fn set(class: Class, seed: u64, options: &Options) -> Case {
-    // Every class has seeds of its own.
-    let stream = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56);
-    let mut dice = Dice::new(stream);
+    let mut dice = dice(class, seed);
     let questions = questions(class, seed, &mut dice);
     let mut tries = 0;
     loop {
@@ -56,6 +54,17 @@ pub fn set(class: Class, seed: u64, options: &Options) -> Case {
         }
         tries += 1;
     }
+}
+
+/// Names of what the case of a class and a seed hides of the effect list, without setting it.
+pub fn hides(class: Class, seed: u64) -> Vec<&'static str> {
+    let questions = questions(class, seed, &mut dice(class, seed));
+    questions.into_iter().map(Question::name).collect()
+}
+
+/// Every class has seeds of its own.
+fn dice(class: Class, seed: u64) -> Dice {
+    Dice::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ ((class as u64 + 1) << 56))
 }
 
 /// So many rigs are drawn before strengths below the usual ones are tried.

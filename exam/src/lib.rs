@@ -35,7 +35,7 @@ mod record;
 mod rig;
 mod size;
 
-pub use case::{Case, Paper, set};
+pub use case::{Case, Paper, hides, set};
 pub use class::{Class, Options};
 pub use declared::{Declared, DeclaredActuator, DeclaredSpecimen, Parameter};
 pub use effect::{Channel, Equations};

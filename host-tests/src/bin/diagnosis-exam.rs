@@ -1,7 +1,8 @@
 //! The exam of the diagnosis as one table.
 //!
 //! ```text
-//! cargo run --release -p host-tests --bin diagnosis-exam -- [--sealed | --seeds A..B] [--records N] [--quick] [--list] [--json FILE]
+//! cargo run --release -p host-tests --bin diagnosis-exam -- [--sealed | --seeds A..B] [--records N] [--class NAME] [--hides EFFECT] \
+//!     [--quick] [--list] [--json FILE]
 //! cargo run --release -p host-tests --bin diagnosis-exam -- --export DIR     # the questions as files, without key
 //! cargo run --release -p host-tests --bin diagnosis-exam -- --answers FILE   # grades somebody else's answers
 //! ```
@@ -36,6 +37,9 @@ struct Arguments {
     /// Only records of this class
     #[arg(long, value_parser = class)]
     class: Option<Class>,
+    /// Only records that hide this effect
+    #[arg(long, value_parser = effect)]
+    hides: Option<String>,
     /// Lists every record whose answer was not exact
     #[arg(long)]
     list: bool,
@@ -70,6 +74,12 @@ fn class(text: &str) -> Result<Class, String> {
         .ok_or_else(|| format!("`{text}` is no class; accepted are {known}"))
 }
 
+fn effect(text: &str) -> Result<String, String> {
+    let known = exam::effect::family(text).map(|_| text.to_owned());
+    known
+        .ok_or_else(|| format!("`{text}` is no effect of the exam; `outerloop effects` lists them"))
+}
+
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -96,6 +106,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     if let Some(class) = arguments.class {
         plan.items.retain(|i| i.class == class);
+    }
+    if let Some(name) = &arguments.hides {
+        let hidden = |i: &Item| exam::hides(i.class, i.seed).contains(&name.as_str());
+        plan.items.retain(hidden);
     }
     if let Some(folder) = &arguments.export {
         let written =
