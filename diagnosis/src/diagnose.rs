@@ -14,6 +14,7 @@ use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
 use crate::model::Model;
+use crate::noise::hum::without_hum;
 use crate::noise::{Noise, Source};
 use crate::problem::{Fitted, Problem};
 use crate::recording::{Recording, range};
@@ -348,6 +349,7 @@ impl ChannelDiagnosis<'_> {
             return 0.0;
         };
         let h = r.interval_s();
+        let x = &without_hum(x, r);
         let noise = match rest::spans(r).first() {
             Some(&(a, b)) => Noise::at_rest(&[x[a..b].to_vec()], h, 0.0).rms,
             None => 1e-3 * range(x),

@@ -2,11 +2,11 @@
 //! noise.
 
 mod above;
+pub mod hum;
 pub mod neighbours;
 
 use self::above::Above;
 use crate::linear::dot;
-use crate::recording::Recording;
 use crate::signals::{add_scaled, averaged};
 use crate::spectrum::line_hz;
 use nalgebra::{DMatrix, DVector};
@@ -187,7 +187,7 @@ fn scatter(stretches: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64)
 }
 
 /// Mean and slope taken off: what drifts at rest is no noise either.
-fn without_trend(x: &[f64]) -> Vec<f64> {
+pub fn without_trend(x: &[f64]) -> Vec<f64> {
     let n = x.len() as f64;
     let mean = x.iter().sum::<f64>() / n;
     let centre = 0.5 * (n - 1.0);
@@ -204,21 +204,8 @@ fn without_trend(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A displacement without the mains' line that it shows at rest: that is the sensor's, not the specimen's.
-pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
-    let h = recording.interval_s();
-    let at_rest = crate::rest::spans(recording);
-    let Some(&(first, end)) = at_rest.iter().max_by_key(|(a, b)| b - a) else {
-        return x.to_vec();
-    };
-    match line_hz(&without_trend(&x[first..end]), h, 44.0, 66.0) {
-        Some((_, prominence)) if prominence >= PROMINENT => without_lines(x.to_vec(), h),
-        _ => x.to_vec(),
-    }
-}
-
 /// Power over the median at which a line is one.
-const PROMINENT: f64 = 60.0;
+pub const PROMINENT: f64 = 60.0;
 
 /// Takes the mains' line and its third harmonic off, where there is one.
 fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
@@ -228,16 +215,7 @@ fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
     if prominence < PROMINENT {
         return x;
     }
-    // The bin is too coarse over a second or two: the best frequency near it.
-    let power = |hz: f64| {
-        let (c, s) = quadratures(&x, interval_s, hz);
-        c * c + s * s
-    };
-    let width = 1.0 / (x.len() as f64 * interval_s);
-    let best = (-20..=20)
-        .map(|i| hz + width * f64::from(i) / 20.0)
-        .max_by(|a, b| power(*a).total_cmp(&power(*b)))
-        .unwrap_or(hz);
+    let best = between_bins(&x, interval_s, hz);
     for harmonic in [best, 3.0 * best] {
         if harmonic * interval_s < 0.45 {
             let (c, s) = quadratures(&x, interval_s, harmonic);
@@ -248,6 +226,18 @@ fn without_lines(mut x: Vec<f64>, interval_s: f64) -> Vec<f64> {
         }
     }
     x
+}
+
+/// The frequency of a line, Hz, from that of its bin, which is too coarse over a second or two.
+pub fn between_bins(x: &[f64], interval_s: f64, bin_hz: f64) -> f64 {
+    let power = |hz: f64| {
+        let (c, s) = quadratures(x, interval_s, hz);
+        c * c + s * s
+    };
+    let width = 1.0 / (x.len() as f64 * interval_s);
+    let near = (-20..=20).map(|i| bin_hz + width * f64::from(i) / 20.0);
+    near.max_by(|a, b| power(*a).total_cmp(&power(*b)))
+        .unwrap_or(bin_hz)
 }
 
 fn quadratures(x: &[f64], interval_s: f64, hz: f64) -> (f64, f64) {

@@ -4,6 +4,7 @@ use crate::base::{Base, Free};
 use crate::library::candidate::Candidate;
 use crate::library::form;
 use crate::library::saved::fit_of;
+use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;
@@ -63,7 +64,7 @@ impl Problem {
                     displacement.clone(),
                 ),
                 Channel::Specimen => {
-                    let clean = crate::noise::without_hum(displacement, &whole);
+                    let clean = without_hum(displacement, &whole);
                     let motion = match motions.get(i).and_then(Option::as_ref) {
                         Some(x) => spectrum::Motion::of(&x[x.len() - whole.time_s.len()..], h),
                         None => spectrum::smooth(&clean, h, cutoff_hz),
