@@ -14,7 +14,7 @@ pub struct Goal {
     /// Unit of both: `%`, `points` of a per cent, `plants`, `s`.
     pub unit: &'static str,
     /// By how much the worst figure is beyond its limit, in that unit; 0 or less is reached. Infinite (null in JSON) where a
-    /// figure is NaN.
+    /// figure is NaN, or none was found.
     pub missed_by: f64,
     /// Why it is missed, where it is.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,13 +33,10 @@ impl Goal {
     ) -> Self {
         let (found, limit): (Vec<f64>, Vec<f64>) = found_and_limit.into_iter().unzip();
         let over = found.iter().zip(&limit).map(|(f, l)| f - l);
-        let missed_by = over.fold(f64::NEG_INFINITY, |most, over| {
-            if over.is_nan() {
-                f64::INFINITY
-            } else {
-                most.max(over)
-            }
-        });
+        let missed_by = over
+            .map(|over| if over.is_nan() { f64::INFINITY } else { over })
+            .max_by(f64::total_cmp)
+            .unwrap_or(f64::INFINITY);
         Self {
             asked: asked.into(),
             found,
@@ -121,6 +118,6 @@ mod tests {
             "J2: 0.40/0.75 points, asked for at most 0.50 points: missed by 0.25 points: it is so."
         );
         assert!(!Goal::new("J1", "%", [(f64::NAN, 1.0), (0.5, 1.0)]).reached());
-        assert!(!Goal::new("nothing was found", "%", []).missed_by.is_nan());
+        assert!(!Goal::new("nothing was found", "%", []).reached());
     }
 }

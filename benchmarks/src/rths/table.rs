@@ -48,7 +48,8 @@ pub fn yielding_summary(degrading: &[RthsRow], pinched: &[RthsRow]) -> Vec<Vec<S
     let figures: [fn(&RthsRow) -> f64; 3] = [
         |r| r.j2_true,
         |r| r.j4_true,
-        |r| r.energy_error.unwrap_or(f64::NAN),
+        // A row without it is not of a specimen that yields.
+        |r| r.energy_error.unwrap_or(f64::INFINITY),
     ];
     names(degrading)
         .into_iter()
@@ -100,7 +101,7 @@ pub const HEAD: [&str; 17] = [
 /// A number of at most five letters.
 pub fn number(x: f64) -> String {
     match x {
-        x if x >= 10.0 * LOST_PERCENT => "lost".into(),
+        x if x >= 10.0 * LOST_PERCENT || x.is_nan() => "lost".into(),
         x if x.abs() >= 100.0 => format!("{x:.0}"),
         x if x.abs() >= 10.0 => format!("{x:.1}"),
         x => format!("{x:.2}"),
