@@ -1,6 +1,7 @@
 //! The laboratory around the board. Its turn comes at every period of the sampling timer, and when a converter outside the
 //! chip has something to do.
 
+mod clock;
 mod faults;
 mod motion;
 mod pins;
@@ -16,6 +17,7 @@ use crate::registers::{
 };
 use crate::servo::Servo;
 use crate::wire::Wire;
+use clock::WallClock;
 use link::{Calibration, MAX_ACTUATORS};
 use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
 use plant::Rig;
@@ -47,6 +49,8 @@ pub struct Laboratory {
     drill_address: u64,
     /// The board's time waits for the PC.
     patient: bool,
+    /// It goes by the wall clock.
+    wall: Option<WallClock>,
     ends_at_ns: u64,
     log: Arc<Mutex<Log>>,
     sampling: Option<Sampling>,
@@ -88,6 +92,7 @@ impl Laboratory {
             gone_wrong: 0,
             drill_address,
             patient: true,
+            wall: None,
             ends_at_ns: u64::MAX,
             log: Arc::default(),
             sampling: None,
@@ -153,6 +158,12 @@ impl Laboratory {
     /// With a rig that sinks while nothing permits it to move, m/s, to six tenths of its stroke.
     pub fn sinking(mut self, m_per_s: f64) -> Self {
         self.sinks_m_per_s = m_per_s;
+        self
+    }
+
+    /// By the wall clock, as a board would, instead of as fast as it goes.
+    pub fn in_real_time(mut self, wanted: bool) -> Self {
+        self.wall = wanted.then(WallClock::new);
         self
     }
 
@@ -349,6 +360,9 @@ impl Driver<Nucleo> for Laboratory {
             Some(sampling) if stop.at.0 < sampling.next_ns => sampling.next_ns,
             Some(_) => {
                 self.keep_pace();
+                if let Some(wall) = &mut self.wall {
+                    wall.keep(stop.at.0);
+                }
                 self.go_wrong(session, stop, host);
                 self.sample(session, stop, host);
                 let period_ticks = self.registers.read(TIM2_ARR) + 1;

@@ -30,6 +30,9 @@ struct EmulatedRig {
     seed: u64,
     calibration: Calibration,
     image: Converters,
+    /// It goes by the wall clock.
+    #[serde(default)]
+    real_time: bool,
 }
 
 fn main() -> ExitCode {
@@ -54,7 +57,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     connect(&wire);
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
         .with_converters(room.image)
-        .wired(room.calibration);
+        .wired(room.calibration)
+        .in_real_time(room.real_time);
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())
         .map_err(|e| e.to_string())?
         .with_converters(room.image);

@@ -63,7 +63,8 @@ pub fn goals(rules: &Rules, rows: &[RthsRow]) -> Vec<Goal> {
 
 /// The controllers whose nominal figures were to be those of an independent port: adaptive model-based, with its variants.
 fn ported() -> impl Iterator<Item = &'static PortFigures> {
-    PORT.iter().filter(|port| port.controller.starts_with("amb"))
+    PORT.iter()
+        .filter(|port| port.controller.starts_with("amb"))
 }
 
 /// The record to beat and the figures to reach.

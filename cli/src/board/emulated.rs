@@ -77,6 +77,8 @@ pub struct EmulatedRig {
     pub calibration: Calibration,
     /// The image, and so the converters.
     pub image: Image,
+    /// It goes by the wall clock, as a board would, and not as fast as it can.
+    pub real_time: bool,
 }
 
 impl EmulatedRig {
@@ -98,6 +100,7 @@ impl EmulatedRig {
             seed,
             calibration: Calibration::placeholder(&image.codes()),
             image,
+            real_time: false,
         }
     }
 
@@ -118,6 +121,12 @@ impl EmulatedRig {
 }
 
 impl EmulatedRig {
+    /// By the wall clock.
+    pub fn in_real_time(mut self, wanted: bool) -> Self {
+        self.real_time = wanted;
+        self
+    }
+
     /// With sensors and an actuator over so many metres to either side.
     pub fn over(mut self, half_m: f32) -> Self {
         let codes = self.image.codes();

@@ -30,6 +30,9 @@ pub struct RigArguments {
     /// Do not ask for confirmation between the approach and the start of a test on a board
     #[arg(long, requires = "port")]
     yes: bool,
+    /// An emulated board goes by the wall clock.
+    #[arg(skip)]
+    real_time: bool,
 }
 
 /// An actuator that was moved alone.
@@ -83,6 +86,16 @@ impl RigArguments {
             emulated: port.is_none(),
             port,
             yes,
+            real_time: false,
+        }
+    }
+
+    /// The same where somebody watches: an emulated board goes no faster than a board would.
+    #[must_use]
+    pub fn watched(&self, somebody: bool) -> Self {
+        Self {
+            real_time: somebody,
+            ..self.clone()
         }
     }
 
@@ -110,7 +123,9 @@ impl RigArguments {
         }
         emulated::can_run(test)?;
         let limits = plan.without_board(&test.config.limits);
-        let laboratory = EmulatedRig::of(test, seed).sized_for(&limits, plan);
+        let laboratory = EmulatedRig::of(test, seed)
+            .sized_for(&limits, plan)
+            .in_real_time(self.real_time);
         let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
         let mut connection = Connection::new(port, Timeouts::EMULATED);
         calibrate(&mut connection, laboratory.calibration)?;

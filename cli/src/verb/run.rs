@@ -127,9 +127,14 @@ impl Run {
             let mut recorder = OrderRecorder::new(scope);
             let observer = (progress.observer(), (&mut recorder, &mut response));
             let seed = self.common.seed;
-            let run = self
-                .place
-                .run(&experiment, kind, &ideal, seed, keep, observer)?;
+            let run = self.place.watched(self.scope.is_wanted()).run(
+                &experiment,
+                kind,
+                &ideal,
+                seed,
+                keep,
+                observer,
+            )?;
             let orders = recorder.orders();
             if let Some(trace) = &run.trace {
                 self.write(
@@ -190,8 +195,12 @@ impl Run {
         let trajectory = Trajectory::Points(signal);
         let seed = self.common.seed;
         let played = terminal::while_waiting("playing the signal", || {
-            self.place
-                .play_trajectory(test, &trajectory, seed, &mut scope)
+            self.place.watched(self.scope.is_wanted()).play_trajectory(
+                test,
+                &trajectory,
+                seed,
+                &mut scope,
+            )
         })?;
         let played_signal = PlayedSignal {
             signal: path,

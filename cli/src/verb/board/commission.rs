@@ -124,7 +124,8 @@ impl Commission {
         output::look_ahead_of_file(Some(&self.out))?;
         let test = TestFile::load(&self.test, &[])?;
         let trajectory = self.trajectory()?;
-        let place = RigArguments::on_board(self.port.clone(), self.yes);
+        let place =
+            RigArguments::on_board(self.port.clone(), self.yes).watched(self.scope.is_wanted());
         let title = match &self.signal {
             Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
             shape => format!("{shape:?} under {}", self.test.display()),
