@@ -76,6 +76,8 @@ pub struct Laboratory {
     frozen: Shown,
     resets: usize,
     quiet_steps: u32,
+    /// Messages of the PC that have been counted.
+    heard: u64,
     step_began: u64,
     awaiting_command: bool,
 }
@@ -114,6 +116,7 @@ impl Laboratory {
             frozen: Shown::default(),
             resets: 0,
             quiet_steps: 0,
+            heard: 0,
             step_began: 0,
             awaiting_command: false,
         }
@@ -255,13 +258,16 @@ impl Laboratory {
 
     /// The board's time runs on only with the PC: a PC that is kept from running is no lost PC.
     fn keep_pace(&mut self) {
-        if self.wire.is_pending() {
+        // Not what stands on the line: the board may have taken it since the last period.
+        let sent = self.wire.sent();
+        if sent != self.heard {
+            self.heard = sent;
             self.quiet_steps = 0;
             return;
         }
         self.quiet_steps += 1;
         if self.patient && self.quiet_steps > PC_STEPS && !self.wire.is_cut() {
-            self.wire.wait_for_pc(PC_TIMEOUT);
+            self.wire.wait_for_pc(self.heard, PC_TIMEOUT);
             self.quiet_steps = 0;
         }
     }

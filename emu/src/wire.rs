@@ -12,6 +12,8 @@ use std::time::Duration;
 struct Bytes {
     to_board: VecDeque<u8>,
     from_board: VecDeque<u8>,
+    /// Messages of the PC so far, whether or not the board has them by now.
+    sent: u64,
     closed: bool,
     cut: bool,
 }
@@ -30,6 +32,7 @@ impl Wire {
         let mut line = self.bytes();
         if !line.cut {
             line.to_board.extend(bytes);
+            line.sent += 1;
         }
         self.0.1.notify_all();
     }
@@ -76,15 +79,15 @@ impl Wire {
         self.bytes().closed
     }
 
-    /// The PC has something on the line.
-    pub fn is_pending(&self) -> bool {
-        !self.bytes().to_board.is_empty()
+    /// What the PC has sent so far, messages.
+    pub fn sent(&self) -> u64 {
+        self.bytes().sent
     }
 
-    /// Stands still until the PC says something, at most for `timeout`.
-    pub fn wait_for_pc(&self, timeout: Duration) {
+    /// Stands still until the PC says something beyond the first `heard` messages, at most for `timeout`.
+    pub fn wait_for_pc(&self, heard: u64, timeout: Duration) {
         let line = self.bytes();
-        if line.to_board.is_empty() && !line.closed && !line.cut {
+        if line.sent == heard && !line.closed && !line.cut {
             drop(self.0.1.wait_timeout(line, timeout));
         }
     }
@@ -111,5 +114,24 @@ impl Peer for BoardEnd {
 
     fn transmit(&mut self, _: VirtualNanos) -> Option<u16> {
         self.0.bytes().to_board.pop_front().map(u16::from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[test]
+    fn a_message_that_the_board_has_taken_was_heard_all_the_same() {
+        let wire = Wire::default();
+        let heard = wire.sent();
+        wire.send(&[0]);
+        // The board takes it between two looks.
+        wire.bytes().to_board.clear();
+        let began = Instant::now();
+        wire.wait_for_pc(heard, Duration::from_secs(30));
+        assert!(began.elapsed() < Duration::from_secs(10));
+        assert_eq!(wire.sent(), heard + 1);
     }
 }
