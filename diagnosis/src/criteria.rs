@@ -1,4 +1,10 @@
-//! Every threshold of the joint search, each with its reason.
+//! Every threshold of a decision, each with its reason: here those of the joint search and those that stages share, in the
+//! folder those of one stage. What only sets a computation's effort or accuracy stands beside it.
+
+pub mod actuator;
+pub mod coordinates;
+pub mod records;
+pub mod single;
 
 /// Contiguous blocks of the training data; each is left out once. Fewer leave too little to learn from, more are shorter
 /// than what a rig remembers.

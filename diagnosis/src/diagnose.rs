@@ -9,6 +9,7 @@ mod obstacle;
 
 use crate::answer::*;
 use crate::base::Base;
+use crate::criteria::single::{IN_STEPS, KNOWN, WITHIN};
 use crate::criteria::{ACCOUNTS, BLOCKS, JOINT_LEAVES, LOUD_REST, NOISE, REACH, SAME_NAME_LEAVES};
 use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
@@ -109,13 +110,6 @@ pub fn diagnose(
         improved,
     })
 }
-
-/// Up to so many times the noise may be missing in an actuator that is known.
-const KNOWN: f64 = 0.3;
-/// Of the noise, what steps must make at least to be most of it.
-const IN_STEPS: f64 = 0.8;
-/// How far, in steps, a reading may be from the truth: half of one, if it is not quite even.
-const WITHIN: f64 = 0.7;
 
 /// The strongest line near the mains' frequency in what the declared model leaves, Hz.
 fn line_hz(settled: &Solution) -> Option<f64> {

@@ -1,6 +1,10 @@
 //! The search for what explains a residual.
 
 use crate::base::Base;
+use crate::criteria::single::{
+    ACCOUNTS, ALARMS, CERTAIN, EQUAL, EVIDENCE, EXPLAINS, INDIFFERENT, LEADING, LOOK_HZ, MATTERS,
+    PAIRED, READING, REMAINS, SECOND,
+};
 use crate::fit::{Frame, Solution, settle};
 use crate::library::candidate::Candidate;
 use crate::library::{KNEE, candidates};
@@ -11,30 +15,6 @@ use crate::signals::rms;
 use crate::{simpler, sliding};
 use plant::{Channel, Effect};
 use rayon::prelude::*;
-
-/// Smallest structured rms that matters, in noise rms.
-const MATTERS: f64 = 0.3;
-/// Smallest structured rms that alarms where nothing accounts for any of it.
-const ALARMS: f64 = 0.5;
-/// Smallest rms that an effect must explain, in noise rms.
-const EXPLAINS: f64 = 0.15;
-/// Least fall of the Bayesian information criterion.
-const EVIDENCE: f64 = 30.0;
-/// Within this much of it two explanations are equally good.
-const EQUAL: f64 = 10.0;
-/// The noise is known from a rest of a second or two, to some percent.
-const CERTAIN: f64 = 1.05;
-/// Explanations are equally good that differ by less than this share of what the better one leaves unexplained.
-const INDIFFERENT: f64 = 0.1;
-/// What leaves no more than this share of the structured rms accounts for it.
-const ACCOUNTS: f64 = 0.12;
-/// Share of what it explains that an effect computed from a reading may leave for the reading's noise: some
-/// thousandths of its rms, squared.
-const READING: f64 = 3e-5;
-/// Largest share of the structured rms that may remain.
-const REMAINS: f64 = 0.3;
-/// A second effect must explain this share of the original structured rms.
-const SECOND: f64 = 0.2;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -204,13 +184,6 @@ struct Search<'a> {
     /// So many samples are averaged for the first look.
     thin: usize,
 }
-
-/// Samples a second that a first look makes do with: a rig moves far below half of it.
-const LOOK_HZ: f64 = 250.0;
-/// How many leading candidates are fitted to the records as they are.
-const LEADING: usize = 4;
-/// The same beside another effect.
-const PAIRED: usize = 2;
 
 impl<'a> Search<'a> {
     fn new(problem: &Problem, base: &'a Base, noise: &'a Noise) -> Self {

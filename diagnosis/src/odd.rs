@@ -1,5 +1,6 @@
 //! What looks odd about records that can be judged all the same: units, a dead transducer, a copied column.
 
+use crate::criteria::records::{BACK, DEAD_S, FAR, FEWEST_OUTLIERS, FOLLOWS, LEAVES, MOVES, NEAR};
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
 
@@ -10,14 +11,6 @@ const UNITS: [(f64, &str); 4] = [
     (4.44822, "a pound-force has 4.448 N"),
     (1000.0, "a kN has 1000 N, a metre 1000 mm"),
 ];
-/// How near a ratio must be to such a factor, as a share of it: what a declared value may be off.
-const NEAR: f64 = 0.06;
-/// Channels that belong together follow each other at least so well.
-const FOLLOWS: f64 = 0.8;
-/// A channel is dead that stays the same to the bit for so long, s,
-const DEAD_S: f64 = 0.5;
-/// while its input moves by this share of its range.
-const MOVES: f64 = 0.3;
 
 /// Questions about the records, each a sentence.
 pub fn remarks(model: &Model, records: &[Recording]) -> Vec<String> {
@@ -70,15 +63,6 @@ fn unit(
     ))
 }
 
-/// A single sample leaves its neighbours by so many times what nine tenths of all samples leave theirs by,
-const LEAVES: f64 = 20.0;
-/// and by this share of the channel's range,
-const FAR: f64 = 0.02;
-/// while its neighbours differ from each other by at most this share of that.
-const BACK: f64 = 0.3;
-/// So many are no chance.
-const FEWEST: usize = 3;
-
 /// Single samples that jump away and back: a loose contact, a lost packet.
 fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
     let off = |i: usize| (x[i] - 0.5 * (x[i - 1] + x[i + 1])).abs();
@@ -92,7 +76,7 @@ fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
         off(*i) > least && before * after > 0.0 && (x[i + 1] - x[i - 1]).abs() < BACK * off(*i)
     };
     let found: Vec<usize> = (1..x.len() - 1).filter(alone).collect();
-    if found.len() < FEWEST {
+    if found.len() < FEWEST_OUTLIERS {
         return None;
     }
     let first = found[0];

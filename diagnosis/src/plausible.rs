@@ -1,16 +1,11 @@
 //! Whether records can be what their headers say, before anything is fitted.
 
+use crate::criteria::records::{FEWEST_IN_ALL, GOES_FAR, GOES_ON, HEAVY, OVER, SLIP, STOP, STOPS};
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
 use crate::refusal::Refusal;
 use crate::spectrum::motion_band_hz;
 use std::ops::Range;
-
-/// Factor beyond which a proportion is a slip of units.
-const SLIP: f64 = 250.0;
-
-/// The fewest samples of all training records, and of all test records, together.
-const FEWEST: usize = 200;
 
 /// Checks records against each other and against the model.
 ///
@@ -34,9 +29,9 @@ pub fn check(
     }
     for (what, set) in [("training", train), ("test", test)] {
         let samples: usize = set.iter().map(|r| r.time_s.len()).sum();
-        if samples < FEWEST {
+        if samples < FEWEST_IN_ALL {
             return Err(Refusal::new(format!(
-                "{}: {samples} samples of {what} data are too few: accepted are {FEWEST} and more",
+                "{}: {samples} samples of {what} data are too few: accepted are {FEWEST_IN_ALL} and more",
                 set[0].name
             )));
         }
@@ -214,9 +209,6 @@ fn lead_s(model: &Model, u: &[f64], x: &[f64], interval_s: f64) -> Option<f64> {
     (lead > 0 && clearly).then_some(lead as f64 * interval_s)
 }
 
-/// A record of an actuator is too slow where its delay and lag are over within this share of an interval.
-const OVER: f64 = 0.1;
-
 /// How long the declared delay and lag take with three tolerances, s, where that is over long before the next sample.
 fn slower_than_declared(model: &Model, interval_s: f64) -> Option<f64> {
     let a = model.actuator.as_ref()?;
@@ -224,15 +216,6 @@ fn slower_than_declared(model: &Model, interval_s: f64) -> Option<f64> {
     let longest_s: f64 = declared.map(|d| 1e-3 * (d.value + 3.0 * d.tolerance)).sum();
     (longest_s > 0.0 && longest_s < OVER * interval_s).then_some(longest_s)
 }
-
-/// Samples that stay at an end to the bit for so long are one stop there.
-const STOP: usize = 10;
-/// So many stops are a rail; a rest at one end is one.
-const STOPS: usize = 3;
-/// Of what the driving signal moves during a stop: the share by which it must go on and come back.
-const GOES_ON: f64 = 0.15;
-/// And of its whole range: less is its noise while everything holds.
-const GOES_FAR: f64 = 0.02;
 
 /// The longest of the stops of `x` where it stands at a rail again and again: at its largest or smallest value while what
 /// drives it goes on in the same direction and comes back. A part that has stopped because its drive has turned (a play, a
@@ -280,9 +263,6 @@ pub fn clipped(x: &[f64], drive: Option<&[f64]>) -> Option<Range<usize>> {
     let most = 2 * stops.iter().filter(|s| on(s)).count() >= stops.len();
     longest.filter(|_| most)
 }
-
-/// Share of the spring's force from which on a declared mass may turn the sign of the whole.
-const HEAVY: f64 = 0.3;
 
 /// Whether the declared mass moves so fast that its force, which is against the displacement, may rule.
 fn may_be_inertia(model: &crate::model::SpecimenModel, x: &[f64], interval_s: f64) -> bool {

@@ -1,6 +1,7 @@
 //! What the figures of a solution say themselves: that an effect is a simpler one, or that none is told.
 
 use crate::base::Base;
+use crate::criteria::single::{CLASS, FAR, PASS};
 use crate::fit::{Solution, settle};
 use crate::interval;
 use crate::library::candidates;
@@ -11,12 +12,6 @@ use plant::{Channel, Effect};
 
 /// Place of the damping among a specimen's declared parameters.
 const DAMPING: usize = 1;
-/// Of noise next to nothing lies so many times its rms away.
-const FAR: f64 = 5.0;
-/// Of a limit, what a transducer of class 0.5 may be off.
-const CLASS: f64 = 0.005;
-/// Readings beyond a limit, as a share of those that a model without it has there, that stand against it.
-const PASS: f64 = 0.01;
 
 /// Fitted again with other effects.
 fn again(s: &Solution, base: &Base, noise: &Noise, effects: &[Shaped]) -> Option<Solution> {

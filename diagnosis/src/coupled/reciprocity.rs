@@ -6,6 +6,7 @@
 use super::fit::Estimate;
 use super::record::Moved;
 use super::specimen::{CoupledSpecimen, MATRICES};
+use crate::criteria::coordinates::{SHARE, SURE};
 use crate::declared::Declared;
 use nalgebra::{DMatrix, DVector};
 
@@ -24,10 +25,6 @@ pub struct Tied {
     pub uneven: Vec<[Place; 2]>,
 }
 
-/// Two entries differ by more than so many standard deviations,
-const SURE: f64 = 4.0;
-/// and by more than this share of the largest term of the force.
-const SHARE: f64 = 0.05;
 /// Of a variance, what rounding may have left of it.
 const ROUNDING: f64 = 1e-9;
 

@@ -4,15 +4,9 @@
 //! without which it falls most is named, until nothing falls by much.
 
 use super::fit::Estimate;
+use crate::criteria::coordinates::{AS_WELL, NAMED, ROUNDING};
 use crate::declared::Declared;
 use nalgebra::{DMatrix, DVector};
-
-/// The distance must fall by so much for an entry to be named: four standard deviations.
-const NAMED: f64 = 16.0;
-/// Another entry that leaves so little more explains the record as well.
-const AS_WELL: f64 = 6.0;
-/// Rounding, as a share of an entry.
-const ROUNDING: f64 = 1e-6;
 
 /// What the entries came to.
 pub struct Chosen {

@@ -3,6 +3,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::base::Base;
+use crate::criteria::actuator::{ABOUT_THE_NOISE, ACCOUNTS, BY_CHANCE, LITTLE, TO_THE_NOISE};
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
 use crate::drivetrain::{self, Data, Fit, Outcome};
 use crate::model::Model;
@@ -11,16 +12,6 @@ use crate::signals::rms;
 use crate::{advice, interval, joint};
 use plant::Effect;
 
-/// Up to so much of a noise that a rest has told, beside it, nothing is missing.
-const TO_THE_NOISE: f64 = 0.5;
-/// The same for a noise that is read off the motion itself.
-const ABOUT_THE_NOISE: f64 = 1.3;
-/// What explains less than this share of the squares is [`WORTH_A_NAME`] of the error at most.
-const LITTLE: f64 = 1.0 - (1.0 - WORTH_A_NAME) * (1.0 - WORTH_A_NAME);
-/// What leaves no more than this share of the held-out error accounts for the record.
-const ACCOUNTS: f64 = 0.3;
-/// A noise may be so many times what is reached by chance.
-const BY_CHANCE: f64 = 1.1;
 /// Half a two-sided 90 % interval of the normal distribution.
 const NINETY: f64 = 1.645;
 

@@ -15,18 +15,12 @@ pub use fit::{Data, Fit};
 pub use verdict::Outcome;
 
 use crate::base::Base;
+use crate::criteria::actuator::{A_CYCLE, MOST_SETTLING, SEARCHED, TOO_MANY};
 use crate::recording::Recording;
 use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
 use search::Search;
 use way::Run;
-
-/// Samples that a search makes do with.
-const SEARCHED: usize = 4000;
-/// Samples a cycle of the band's end that averaging leaves, and that it leaves where there would be too many.
-const A_CYCLE: [f64; 2] = [20.0, 12.0];
-/// More samples than these are too many.
-const TOO_MANY: usize = 8000;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -81,9 +75,6 @@ pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<D
     let runs: Option<Vec<Run>> = records.iter().map(|r| run(r, every, settling_s)).collect();
     Some(Data::new(runs?, interval_s * every as f64, base))
 }
-
-/// No more of a record than this share only settles the model.
-const MOST_SETTLING: f64 = 0.05;
 
 fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
     let h = record.interval_s();

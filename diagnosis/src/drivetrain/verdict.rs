@@ -3,12 +3,10 @@
 use super::fit::{DECLARED, Fit, Model};
 use super::search::{Scored, Search};
 use crate::answer::Certificate;
+use crate::criteria::actuator::RIVALS;
 use crate::criteria::{ALMOST_ALL, CERTAIN, LARGEST_SET, LEAST_PROBABLE, WEIGHT};
 use plant::{Channel, Effect};
 use rayon::prelude::*;
-
-/// Rivals of a name that are fitted.
-const RIVALS: usize = 4;
 
 /// A name with its certificate.
 #[derive(Clone, Copy, Debug, PartialEq)]
