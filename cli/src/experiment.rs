@@ -323,7 +323,8 @@ impl Experiment {
         0.5 / (self.test.config.structure.mass_kg[0] * TAU * lowest_hz.unwrap_or(f64::NAN))
     }
 
-    /// Natural frequencies of the structure as it is declared, Hz, from the lowest; none of a structure that is refused.
+    /// Natural frequencies of the structure as it is declared, Hz, from the lowest; empty for a structure that is
+    /// refused.
     pub fn natural_frequencies_hz(&self) -> Vec<f64> {
         fn all<const N: usize>(config: &Config) -> Result<Vec<f64>, Failure> {
             let s = &config.structure;

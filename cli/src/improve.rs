@@ -208,7 +208,7 @@ impl Improvement {
         tests * experiment.control_steps()
     }
 
-    /// What the rig has and nobody declares, where it is a simulated one.
+    /// What a simulated rig has and nobody declares.
     pub fn undeclared(&self) -> String {
         or_nothing(&undeclared(&self.experiment))
     }

@@ -38,7 +38,7 @@ enum Verb {
     Man(verb::shell::ManPage),
 }
 
-/// The command line, or what is to be said instead: the help, or what is wrong with it.
+/// The parsed command line, or the text to print instead: the help or an error.
 fn arguments() -> Result<Arguments, clap::Error> {
     let mut command = Arguments::command();
     let verbs: Vec<String> = command

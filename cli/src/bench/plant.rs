@@ -16,9 +16,9 @@ pub const GAIN_STEPS: usize = 100;
 /// What breaks in a rig while a test runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakage {
-    /// Displacement per command goes to so many times what it was, over `GAIN_STEPS` control steps.
+    /// Displacement per command changes by this factor, over `GAIN_STEPS` control steps.
     ActuatorGain(f64),
-    /// The force is so many times what it was, as of another specimen.
+    /// The force changes by this factor, as if the specimen were another one.
     Stiffness(f64),
     /// The displacement reads what it last read, and its noise.
     DeadDisplacement,

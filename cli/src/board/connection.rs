@@ -159,7 +159,7 @@ impl<P: Port> Connection<P> {
         Ok(first.into_iter().chain(self.steps.drain(..)).collect())
     }
 
-    /// Throws away the telemetry that has come.
+    /// Discards the telemetry received so far.
     pub fn forget_steps(&mut self) {
         self.steps.clear();
     }

@@ -11,7 +11,7 @@ use link::telemetry::StepReport;
 const ACCELERATION_S: f64 = 8e-3;
 /// A force of which the fit explains less than this share has not answered.
 const EXPLAINED: f64 = 0.8;
-/// An answer below this share of the declared stiffness is none: no specimen is connected.
+/// A stiffness below this share of the declared one means that no specimen is connected.
 const CONNECTED: f64 = 0.1;
 /// Steps that are looked back at when a sensor stood at its rail.
 const LATEST: usize = 4;
@@ -21,7 +21,7 @@ const LATEST: usize = 4;
 pub struct CrossReadings {
     moved: usize,
     rate_hz: f64,
-    /// Motion below this is none, m.
+    /// Motion below this counts as none, m.
     least_m: f64,
     command_m: Vec<f64>,
     /// Of each actuator, m and N.

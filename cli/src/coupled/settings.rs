@@ -114,7 +114,7 @@ impl CoupledLimits {
     }
 }
 
-/// That every list has a value for every coordinate.
+/// Checks that every list has a value for every coordinate.
 fn structure_shape(s: &CoupledStructure) -> Result<(), String> {
     let n = s.coordinates.len();
     if !(2..=8).contains(&n) {

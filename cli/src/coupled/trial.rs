@@ -43,7 +43,7 @@ pub struct Trial {
     pub wall_s: f64,
 }
 
-/// A target so many times beyond the largest ideal motion has run away.
+/// A target beyond this many times the largest ideal motion has run away.
 const RUNAWAY: f64 = 100.0;
 /// Idle steps before a test is armed: the loop finds out where the interface stands.
 const IDLE_STEPS: u32 = 256;

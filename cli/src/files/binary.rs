@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use hdf5_pure::{DType, File, Group};
 use matfile::{MatFile, NumericData};
 
-/// Beyond so many columns a matrix is a picture and no record.
+/// A matrix with more columns than this is a picture, not a record.
 const MOST_COLUMNS: usize = 64;
 
 /// True if `bytes` are of a file that [`parse`] reads.

@@ -2,7 +2,7 @@
 
 use super::table::NumberTable;
 
-/// Where nothing was recorded for so many usual intervals, it is said.
+/// A gap of more usual intervals than this is reported.
 const HOLE_INTERVALS: f64 = 20.0;
 
 /// Sentences about a table whose times are `time_s`. `has`: whether a quantity was found in it.

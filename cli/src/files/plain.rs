@@ -1,4 +1,4 @@
-//! What readers of files say, in words for who has never seen the code: a number, not `f64`.
+//! Error messages of the file readers in plain words: a number, not `f64`.
 
 use serde::de::DeserializeOwned;
 use toml::Value;

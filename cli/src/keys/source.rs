@@ -61,7 +61,7 @@ pub struct Field {
     pub meaning: String,
 }
 
-/// A structure: what it is, and its fields.
+/// A structure: its meaning and its fields.
 #[derive(Clone, Debug)]
 pub struct SourceStruct {
     /// Its documentation.

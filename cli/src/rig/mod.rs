@@ -22,7 +22,7 @@ use std::ops::{Index, IndexMut};
 pub struct QuantityRow {
     /// Its key in the simulated rig's table.
     name: &'static str,
-    /// What it is of an ideal rig: 1 of a gain, else 0.
+    /// Its value on an ideal rig: 1 for a gain, else 0.
     ideal: f64,
     /// The effect that is an error of it, and that effect's parameter.
     error: Option<(Channel, Effect, &'static str)>,

@@ -86,7 +86,7 @@ struct BoardRig<const N: usize> {
 struct Serving<const N: usize> {
     in_force: ConfiguredTest<'static, N>,
     identity: Identity,
-    /// Records that have come and that nobody has seen yet.
+    /// Records that were received and not handed on yet.
     come: VecDeque<Record<N>>,
     /// The board's button holds it, and the person has been asked.
     held: bool,

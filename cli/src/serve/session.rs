@@ -259,7 +259,7 @@ impl Session<'_> {
         (s.length_unit.metres(), s.force_unit.newtons())
     }
 
-    /// A trial in metres that may be gone to.
+    /// A trial displacement, m, to which the actuator may move.
     fn checked(&self, mut trial: TrialResponse) -> Result<TrialResponse, End> {
         let stroke_m = self.element.stroke_m;
         let time_s = trial.time_s;

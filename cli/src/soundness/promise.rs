@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Most sound tests that may be called doubtful, as a share.
 const MOST_DOUBTFUL: f64 = 0.05;
 
-/// What was asked of the verdicts: no test that runs away is called stable, and few that are sound are called otherwise.
+/// Required of the verdicts: no test that runs away is called stable, and few that are sound are called otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SurveyPromise {
     /// Tests that ran away.
@@ -76,7 +76,7 @@ impl SurveyPromise {
 /// Least share of broken tests that are to be stopped in time.
 const LEAST_STOPPED: f64 = 0.99;
 
-/// What was asked of the monitor: no sound test is stopped, and a broken one in time.
+/// Required of the monitor: no sound test is stopped, and a broken one in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct MonitorPromise {
     /// Sound tests that count.

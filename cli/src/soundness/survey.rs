@@ -100,7 +100,7 @@ impl UniformDraws {
     }
 }
 
-/// So many test files; each method has its turn.
+/// This many test files; the methods take turns.
 pub fn draw(rigs: usize, seed: u64) -> Vec<String> {
     let mut dice = UniformDraws::new(seed);
     let range = DrawRange {

@@ -313,7 +313,7 @@ impl Block for Loop<'_> {
     }
 }
 
-/// Force per displacement error that the compensation comes to.
+/// Force per displacement error that the compensation amounts to.
 ///
 /// On one axis `K`; on several, the diagonal damping takes out what every axis has in phase with its velocity, so that
 /// the energy of any motion is that of the whole matrix. The clamp leaves of each row what it allows in the first mode.

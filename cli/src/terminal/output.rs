@@ -16,7 +16,7 @@ static BROKEN: OnceLock<String> = OnceLock::new();
 /// Tables, sentences and progress are switched off.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on only what was asked for by name and what goes wrong is printed.
+/// From now on prints only what was asked for by name, and errors.
 pub fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }

@@ -1,4 +1,4 @@
-//! What every format comes to: points in m/s^2, and what is said of them.
+//! The result of every format: points in m/s^2, and notes on them.
 
 use super::fortran;
 use crate::failure::Failure;
