@@ -3,17 +3,22 @@
 
 use diagnosis::{ChannelAnswer, Verdict};
 use host_tests::outside::{Case, cases};
+use std::sync::LazyLock;
 
-fn specimens() -> Vec<(Case, ChannelAnswer)> {
-    let all = cases().unwrap_or_default().into_iter();
-    let specimens = all.filter(|c| c.channel == "specimen");
-    specimens
-        .map(|case| {
-            let answer = case.diagnose();
-            let (answer, _) = answer.unwrap_or_else(|why| panic!("{}: {why}", case.id));
-            (case, answer)
-        })
-        .collect()
+/// The specimens of the open records, each diagnosed once for all that ask.
+fn specimens() -> &'static [(Case, ChannelAnswer)] {
+    static ANSWERED: LazyLock<Vec<(Case, ChannelAnswer)>> = LazyLock::new(|| {
+        let all = cases().unwrap_or_default().into_iter();
+        let specimens = all.filter(|c| c.channel == "specimen");
+        specimens
+            .map(|case| {
+                let answer = case.diagnose();
+                let (answer, _) = answer.unwrap_or_else(|why| panic!("{}: {why}", case.id));
+                (case, answer)
+            })
+            .collect()
+    });
+    &ANSWERED
 }
 
 #[test]
@@ -26,7 +31,7 @@ fn specimens_are_answered_as_their_causes_say() {
         );
         // Right names or a set that holds one, none that is never right, an error near a textbook fit's.
         assert_eq!(
-            case.points(&a),
+            case.points(a),
             1.0,
             "{}: {:?} {named:?}",
             case.id,
@@ -47,7 +52,7 @@ fn specimens_are_answered_as_their_causes_say() {
 
 #[test]
 fn the_robot_axis_has_its_published_parameters() {
-    let Some((case, a)) = specimens().into_iter().find(|(c, _)| c.id == "emps") else {
+    let Some((case, a)) = specimens().iter().find(|(c, _)| c.id == "emps") else {
         return;
     };
     let refitted = |name: &str| a.refitted.iter().find(|r| r.name == name).map(|r| r.value);
