@@ -12,22 +12,24 @@ fn plan() -> Vec<Item> {
     Plan::quick(TUNING).at_most(4).items
 }
 
-/// The key of a record of the plan, which is set once for all that ask.
-fn key(item: &Item) -> &'static Key {
+/// The keys of the plan, which are set once for all tests.
+fn keys() -> &'static [(Item, Key)] {
     static KEYS: LazyLock<Vec<(Item, Key)>> = LazyLock::new(|| {
         let with_key = |item: Item| (item, set(item.class, item.seed, &item.options()).key);
         plan().into_par_iter().map(with_key).collect()
     });
-    let found = KEYS.iter().find(|(of, _)| of == item);
-    &found.expect("a record of the plan").1
+    &KEYS
 }
 
 /// Answers made from the key by `verdict`, one channel at a time.
 fn answers(verdict: impl Fn(&Item, &exam::ChannelKey) -> ChannelAnswer + Sync) -> Vec<Option<f64>> {
+    let keys = keys();
     let all = sit(
         &plan(),
         |item, _| {
-            let channels = key(item).channels.iter().map(|k| ChannelAnswer {
+            let key = keys.iter().find(|(of, _)| of == item);
+            let (_, key) = key.expect("a record of the plan");
+            let channels = key.channels.iter().map(|k| ChannelAnswer {
                 channel: k.channel.name().into(),
                 ..verdict(item, k)
             });
