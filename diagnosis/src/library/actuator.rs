@@ -195,9 +195,9 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::AsymmetricActuator,
         shapes: |s| vec![Shape::new(0.03 * s.interval_s, 40.0 * s.interval_s, 10)],
-        columns: |s, p, _| {
+        columns: |s, p, k| {
             let gain = s.x.iter().map(|x| 0.5 * x.abs()).collect();
-            let lag = op::retract_lag(&s.x, p[0], s.interval_s);
+            let lag = op::retract_lag(&s.x, p[0], k.interval_s, s.interval_s);
             vec![gain, lag.iter().zip(&s.x).map(|(f, x)| f - x).collect()]
         },
         // The lag of the way back acts once: its size is its shape.

@@ -105,9 +105,12 @@ pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A first-order lag that acts only on the way down.
-pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
-    let share = 1.0 - (-interval_s / lag_s).exp();
+/// A first-order lag that acts only on the way down. Samples of `step_s` that are means of a record's, `interval_s` apart,
+/// come as late as the record's own do: the first look at a record sees the lag that is in it.
+pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64, step_s: f64) -> Vec<f64> {
+    // By how much the record's samples are late on a ramp.
+    let late_s = interval_s / (interval_s / lag_s).exp_m1();
+    let share = step_s / (step_s + late_s);
     let mut at = x[0];
     x.iter()
         .map(|&x| {
@@ -115,4 +118,29 @@ pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64) -> Vec<f64> {
             at
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signals::{add_scaled, averaged, rms};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_lag_of_the_way_back_is_the_same_in_means_of_samples() {
+        let (h, every) = (1e-3, 4);
+        let x: Vec<f64> = (0..8000)
+            .map(|i| 10.0 * (TAU * 2.0 * f64::from(i) * h).sin())
+            .collect();
+        let lost = |x: &[f64], step_s: f64| {
+            let mut lag = retract_lag(x, 4e-3, h, step_s);
+            add_scaled(&mut lag, x, -1.0);
+            lag
+        };
+        let whole = averaged(&lost(&x, h), every);
+        let mut thin = lost(&averaged(&x, every), every as f64 * h);
+        add_scaled(&mut thin, &whole, -1.0);
+        let off = rms(&[thin]) / rms(&[whole]);
+        assert!(off < 0.03, "{off}");
+    }
 }
