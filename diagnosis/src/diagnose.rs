@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod channel;
+mod curve;
 mod driven;
 mod found;
 mod joined;
@@ -77,6 +78,7 @@ pub fn diagnose(
         };
         let (mut answer, found) = channel.judge(&mut improved);
         driven::not_above(&mut answer, f64::INFINITY);
+        channel.bends_alike(&mut answer);
         channel.hear_lines(&mut answer);
         channel.hear_disturbances(&mut answer);
         channel.ask_for_other_inputs(&mut answer);

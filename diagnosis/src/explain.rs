@@ -164,6 +164,18 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     Some(out)
 }
 
+/// An effect alone at its best.
+pub fn best_alone(
+    effect: Candidate,
+    problem: &Problem,
+    base: &Base,
+    noise: &Noise,
+) -> Option<Solution> {
+    let settled = settle(problem, base, noise, &[])?;
+    let search = Search::new(problem, base, noise);
+    search.best_with(&[], &[effect], &settled).pop()
+}
+
 /// Cost and what the unknowns cost.
 fn score(s: &Solution, ln_n: f64) -> f64 {
     s.cost + s.unknowns as f64 * ln_n

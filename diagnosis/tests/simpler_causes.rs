@@ -143,3 +143,22 @@ fn damage_that_a_model_has_is_there_in_smaller_cycles_after_the_largest() {
     // By another cut-off of the motion's noise; without what was lost before it would be hundreds of newtons.
     assert!(kept < 1.5 * found, "{kept} N where {found} N were found");
 }
+
+/// What a spring loses behind a gap of a width whose corners are round.
+fn rounded_gap(x: &[f64], width_mm: f64) -> Vec<f64> {
+    let (half, round) = (0.5 * width_mm, 0.12 * width_mm);
+    let beyond = |x: f64| round * (x / round).exp().ln_1p();
+    let felt = |x: f64| beyond(x - half) - beyond(-x - half);
+    x.iter()
+        .map(|x| STIFFNESS_N_PER_MM * (felt(*x) - x))
+        .collect()
+}
+
+#[test]
+fn a_gap_with_round_corners_is_not_said_to_be_a_spring_that_stiffens() {
+    let x = shaken(20.0, |u| 0.3 * between_rests(u, 0.05));
+    let a = asked(&x, &rounded_gap(&x, 0.6));
+    let names = a.effects.iter().map(|e| e.name);
+    let all: Vec<Effect> = names.chain(a.alternatives.iter().copied()).collect();
+    assert!(all.contains(&Effect::DeadBand), "{}", said(&a));
+}

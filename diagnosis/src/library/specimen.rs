@@ -79,6 +79,46 @@ pub const KNEE: Candidate = Candidate {
     ..BASIS
 };
 
+/// Least sharpness of a limit with a rounded corner: at half of it such a channel is still within a transducer's class of 0.5 %.
+const SHARP: f64 = 5.0;
+
+/// A force that ends at a limit with a rounded corner: the rival of a spring that gives way.
+pub const ROUNDED_LIMIT: Candidate = Candidate {
+    effect: Effect::Saturation,
+    shapes: |s| {
+        vec![
+            Shape::new(0.3 * s.base, 1.5 * s.base, 14),
+            Shape::new(SHARP, 8.0 * SHARP, 4),
+        ]
+    },
+    columns: |s, p, _| {
+        let ends = |f: &f64| f / (1.0 + (f / p[0]).abs().powf(p[1])).powf(1.0 / p[1]);
+        vec![s.base.iter().map(|f| ends(f) - f).collect()]
+    },
+    bounds: once,
+    parameters: |_, p, _| vec![("limit_n", "N", p[0])],
+    ..BASIS
+};
+
+/// Widest round of a gap's corners, over the gap: a sixth of the spring is felt in the middle of such a gap, and what is felt more
+/// is a spring that stiffens.
+const ROUND: f64 = 0.2;
+
+/// A gap with rounded corners: the rival of a spring that stiffens.
+pub const ROUNDED_GAP: Candidate = Candidate {
+    effect: Effect::DeadBand,
+    shapes: |s| [width(s), vec![Shape::new(0.1 * ROUND, ROUND, 4)]].concat(),
+    columns: |s, p, k| {
+        let (half, round) = (0.5 * p[0], p[0] * p[1]);
+        let beyond = |x: f64| round * (x.max(0.0) + (-x.abs()).exp().ln_1p());
+        let felt = |x: &f64| beyond((x - half) / round) - beyond((-x - half) / round);
+        instead(&s.x, s.x.iter().map(felt), k.stiffness)
+    },
+    bounds: once,
+    parameters: |_, p, _| vec![("width_mm", "mm", p[0])],
+    ..BASIS
+};
+
 pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::ChannelSkew,
