@@ -1,8 +1,9 @@
 //! A glance at the exam of the diagnosis: a few records of each class, graded as all of them are. The whole table is
 //! printed by `diagnosis-exam`; what is asked here is what no change may lose.
 
-use exam::Class;
-use host_tests::exam::plan::TUNING;
+use exam::effect::LIST;
+use exam::{Channel, Class};
+use host_tests::exam::plan::{Item, TUNING};
 use host_tests::exam::sit::sit;
 use host_tests::exam::tally::{Tally, estimates, median, said};
 use host_tests::exam::{Mark, Plan, examinee};
@@ -58,4 +59,29 @@ fn the_diagnosis_passes_a_glance_at_its_exam() {
         changed > 60 && worse == 0,
         "{worse} of {changed} made worse"
     );
+}
+
+/// One curve by two names: a gap or a limit whose corners are round, and a spring that stiffens or softens.
+#[test]
+fn a_gap_and_a_limit_with_round_corners_are_no_springs_of_another_kind() {
+    let one = |seed| Item {
+        class: Class::Unseen,
+        seed,
+        detection: None,
+    };
+    // Effects take turns, in the order of the list.
+    let of = |hidden: &str| {
+        let own = |(name, _, channel): &(&str, &str, Channel)| {
+            *name == hidden && *channel == Channel::Specimen
+        };
+        let first = LIST.iter().position(own).unwrap();
+        (first..160).step_by(LIST.len())
+    };
+    let seeds = of("dead_band").chain(of("saturation"));
+    let items: Vec<Item> = seeds.map(|seed| one(seed as u64)).collect();
+    let all = sit(&items, |_, paper| examinee::diagnosis(paper), |_| ()).unwrap();
+    assert_eq!(all.len(), 8);
+    for s in &all {
+        assert!(s.grade.mark.is_right(), "{}: {}", s.item.seed, said(s));
+    }
 }
