@@ -16,7 +16,7 @@ use std::path::Path;
 /// Steps after which the rig is on its way and the person looks for a moment at which it moves, and how fast it has to, m a
 /// step.
 const AFTER: usize = 6000;
-const MOVING_M: f32 = 20e-6;
+const MOVING_M: f32 = 40e-6;
 
 /// Presses stop once, in full motion.
 #[derive(Default)]
