@@ -4,10 +4,10 @@
 //! ideal; a hold takes laboratory time and no model time. Where the integration steps differ, the second test is
 //! interpolated between its own.
 
-use crate::files::archive::ArchivedTest;
-use crate::files::channels;
-use crate::numbers::{length, percent, si};
-use crate::trace::Trace;
+use crate::archive::ArchivedTest;
+use experiment::files::channels;
+use experiment::numbers::{length, percent, si};
+use experiment::trace::Trace;
 use outerloop_core::flag;
 use serde::Serialize;
 use serde_json::Value;

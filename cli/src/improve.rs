@@ -1,17 +1,17 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
-use crate::board::Played;
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::measured::in_mm_of;
-use crate::files::signal::SignalPoints;
-use crate::files::test::TestFile;
-use crate::judged::JudgedRun;
-use crate::rig::{declared, improvement};
-use crate::summary;
 use crate::terminal::progress::Progress;
-use crate::trace::{Response, TestObserver};
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, RigLimits, Verdict};
+use experiment::Experiment;
+use experiment::bench::Played;
+use experiment::failure::Failure;
+use experiment::files::measured::in_mm_of;
+use experiment::files::signal::SignalPoints;
+use experiment::files::test::TestFile;
+use experiment::judged::JudgedRun;
+use experiment::rig::{declared, improvement};
+use experiment::summary;
+use experiment::trace::{Response, TestObserver};
 use outerloop_core::config::Filter;
 use outerloop_core::{Config, Method};
 use plant::Channel;

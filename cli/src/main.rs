@@ -1,7 +1,7 @@
 //! `outerloop`: runs and judges fast pseudodynamic tests.
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use outerloop_cli::failure::{EXIT_STATUSES, Failure};
+use experiment::failure::{EXIT_STATUSES, Failure};
 use outerloop_cli::{terminal, verb};
 use std::process::ExitCode;
 
@@ -88,7 +88,7 @@ fn main() -> ExitCode {
                 Ok(()) => ExitCode::from(said.exit_code() as u8),
                 Err(e) => ended(Err(Failure::input(format!(
                     "standard output cannot be written: {}",
-                    outerloop_cli::files::plain::reason(&e)
+                    experiment::files::plain::reason(&e)
                 )))),
             };
         }

@@ -1,6 +1,6 @@
 //! What the operator asked of a running test and at which control step, so that a replay asks for the same.
 
-use crate::trace::TestObserver;
+use experiment::trace::TestObserver;
 use outerloop_core::{Event, Record};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,5 @@
 //! What the declared physical part of the multi-axial problem is, what the loop's own record says of it, and what it costs.
 
-use crate::failure::Failure;
-use crate::files::{coupled, model};
 use benchmarks::marths::PERIOD_S;
 use benchmarks::marths::bench::{GroundRecord, Problem};
 use benchmarks::marths::contestants::Contestant;
@@ -9,6 +7,8 @@ use benchmarks::marths::declared::{self, COORDINATES, Floor};
 use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::structure::{MatrixKind, PhysicalMatrices};
 use diagnosis::{CoupledDiagnosis, CoupledRecord, CoupledSpecimen, Declared, Model};
+use experiment::failure::Failure;
+use experiment::files::{coupled, model};
 use std::path::Path;
 
 /// What the loop's record of a ground motion says of the declared part.

@@ -5,10 +5,10 @@
 mod example;
 
 use outerloop_cli::board::emulated::can_run;
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::{Summary, TestVerdict};
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::{Summary, TestVerdict};
 use std::path::Path;
 
 fn file(name: &str) -> TestFile {

@@ -6,15 +6,15 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
     BoardBench, Connection, Operator, Played, Timeouts, Trajectory, calibrate,
 };
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::failure::Failure;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::signal::SignalPoints;
-use outerloop_cli::files::test::TestFile;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::near_fault::near_fault;
+use experiment::files::signal::SignalPoints;
+use experiment::files::test::TestFile;
 use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
-use outerloop_cli::judged::JudgedRun;
+use experiment::judged::JudgedRun;
 use outerloop_cli::terminal::Progress;
-use outerloop_cli::trace::{Response, TestObserver};
+use experiment::trace::{Response, TestObserver};
 use outerloop_core::Method;
 use std::cell::RefCell;
 use std::path::Path;

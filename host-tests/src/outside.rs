@@ -1,8 +1,8 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
 use diagnosis::{ChannelAnswer, Verdict};
-use outerloop_cli::files::measured::{FilePart, RecordFiles};
-use outerloop_cli::files::model;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::model;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

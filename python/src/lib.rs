@@ -5,17 +5,17 @@
 
 use diagnosis::Recording;
 use numpy::{PyArray1, PyReadonlyArray1};
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::failure::Failure;
-use outerloop_cli::files::any_table;
-use outerloop_cli::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use outerloop_cli::files::measured::{self, FilePart, RecordFiles};
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::recording;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::files::{channels, model};
-use outerloop_cli::judged::JudgedRun;
-use outerloop_cli::trace::Trace;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::any_table;
+use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
+use experiment::files::measured::{self, FilePart, RecordFiles};
+use experiment::files::near_fault::near_fault;
+use experiment::files::recording;
+use experiment::files::test::TestFile;
+use experiment::files::{channels, model};
+use experiment::judged::JudgedRun;
+use experiment::trace::Trace;
 use outerloop_cli::verb;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! The image and the emulator, built where they are not there yet.
 
 use super::image::Image;
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 

@@ -2,13 +2,13 @@
 //! out again on the PC. A test on a ground motion goes by it, and a rig that serves a model outside.
 
 use super::connection::Connection;
-use super::further_inputs::FurtherInputs;
 use super::mirror::Mirror;
 use super::operator::{Operator, stop_is_asked};
 use super::orders::{clear, done, event, status};
 use super::port::Port;
-use crate::bench::interface::OnBoard;
-use crate::failure::Failure;
+use experiment::bench::FurtherInputs;
+use experiment::bench::interface::OnBoard;
+use experiment::failure::Failure;
 use link::Command;
 use link::MAX_ACTUATORS;
 use link::reply::Identity;

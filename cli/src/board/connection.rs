@@ -1,7 +1,7 @@
 //! Commands and their answers, and the telemetry between them.
 
 use super::port::Port;
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use link::continuity::{Continuity, Ticks};
 use link::frame::{Decoder, DecoderCounts, FrameKind};
 use link::message::Message;

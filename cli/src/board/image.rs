@@ -1,6 +1,6 @@
 //! The images that can be flashed onto the NUCLEO-F429ZI, by what this program has to know of them before one runs.
 
-use crate::files::test::TestFile;
+use experiment::files::test::TestFile;
 use link::CodeRange;
 use serde::{Deserialize, Serialize};
 

@@ -12,10 +12,10 @@
 //! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
 
 use super::trajectory::Trajectory;
-use crate::experiment::Experiment;
-use crate::files::test::TestFile;
-use crate::rig;
-use crate::trace::Response;
+use experiment::Experiment;
+use experiment::files::test::TestFile;
+use experiment::rig;
+use experiment::trace::Response;
 use link::limits::CalibratedRange;
 use outerloop_core::config::Limits;
 

@@ -7,11 +7,9 @@
 //!  setup        a board before a test: idle, calibrated, with limits that can act
 //!  configured_test a test in force: events, targets, every step, the end
 //!  bench        a whole test: configure, load, arm, start, receive
-//!  further_inputs what a board records beside displacement and force
 //!  image        the images that can be flashed
 //!  cross_readings  what every actuator reads while one is moved: stiffness, and exchanged wires
 //!  trajectory   what moves the actuator without a test: a formula or points
-//!  played       what that left behind
 //!  limits       those that a board asks for, worked out from the planned test
 //!  operator     the person at the bench: go, go on, stop
 //!  orders       what a person asks of a board, and how a refusal is said
@@ -25,13 +23,11 @@ mod configured_test;
 mod connection;
 mod cross_readings;
 pub mod emulated;
-pub(crate) mod further_inputs;
 mod image;
 pub mod limits;
 mod mirror;
 pub mod operator;
 mod orders;
-pub(crate) mod played;
 mod port;
 mod setup;
 mod trajectory;
@@ -42,13 +38,11 @@ pub use bench::BoardBench;
 pub use commission::commission;
 pub use configured_test::ConfiguredTest;
 pub use connection::{BoardConnection, Connection, Timeouts};
-pub use further_inputs::FurtherInputs;
 pub use image::Image;
 pub use mirror::{Mirror, MirrorCounts};
 pub use operator::Operator;
 pub(crate) use orders::done;
 pub use orders::{calibrate, calibrate_one, clear, identify, save, status, zero};
-pub use played::Played;
 pub use port::{Port, Serial};
 pub(crate) use setup::ready;
 pub use trajectory::Trajectory;

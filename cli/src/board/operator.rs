@@ -1,6 +1,6 @@
 //! The person at the bench: says go before anything moves on its own, goes on after a hold, and stops by Ctrl-C.
 
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use std::io::{BufRead, IsTerminal};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};

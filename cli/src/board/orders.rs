@@ -3,7 +3,7 @@
 use super::connection::Connection;
 use super::port::Port;
 
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use link::command::Channel;
 use link::reply::{Identity, Obstacle, Reply};
 use link::{Calibration, Command, Status};

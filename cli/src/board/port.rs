@@ -1,6 +1,6 @@
 //! Bytes to and from a board.
 
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use std::io;
 use std::time::Duration;
 

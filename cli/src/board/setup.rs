@@ -6,7 +6,7 @@ use super::limits::{self, PlannedMotion};
 use super::orders::{clear, identify, status};
 use super::port::Port;
 use super::wording::describe_words;
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use link::limits::CalibratedRange;
 use link::reply::Identity;
 use outerloop_core::{Config, Mode};

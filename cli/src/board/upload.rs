@@ -3,7 +3,7 @@
 use super::connection::Connection;
 use super::orders::done;
 use super::port::Port;
-use crate::failure::Failure;
+use experiment::failure::Failure;
 use link::Command;
 use link::command::CHUNK;
 use link::frame::checksum;

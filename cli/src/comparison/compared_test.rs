@@ -1,7 +1,7 @@
 //! One test of a comparison.
 
 use super::condition::Family;
-use crate::summary::Summary;
+use experiment::summary::Summary;
 use serde::Serialize;
 
 /// One test of the bench.
@@ -22,7 +22,7 @@ impl ComparedTest {
     /// eps_rms; 1, an error as large as the motion, where the test tripped or ran away.
     pub fn error(&self) -> f64 {
         match self.summary.verdict {
-            crate::summary::TestVerdict::Completed if self.summary.eps_rms < 1.0 => {
+            experiment::summary::TestVerdict::Completed if self.summary.eps_rms < 1.0 => {
                 self.summary.eps_rms
             }
             _ => 1.0,

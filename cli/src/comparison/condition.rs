@@ -1,6 +1,6 @@
 //! The rigs of the bench.
 
-use crate::experiment::Experiment;
+use experiment::Experiment;
 use outerloop_core::Config;
 use plant::RigSpec;
 use plant::actuator::{ActuatorKind, ActuatorSpec, DelayJump};

@@ -4,11 +4,11 @@ pub mod compared_test;
 pub mod condition;
 pub mod standing;
 
-use crate::experiment::Experiment;
-use crate::failure::Failure;
 use crate::terminal::{Progress, interrupt};
 use compared_test::ComparedTest;
 use condition::Condition;
+use experiment::Experiment;
+use experiment::failure::Failure;
 use outerloop_core::{Method, Prediction};
 use rayon::prelude::*;
 

@@ -11,10 +11,10 @@ mod source;
 pub use key::{Group, Key};
 pub use render::{markdown, schema};
 
-use crate::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable};
-use crate::files::test::Excitation;
-use crate::files::units;
-use crate::serve::settings::Settings;
+use experiment::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable};
+use experiment::files::serve::Settings;
+use experiment::files::test::Excitation;
+use experiment::files::units;
 use outerloop_core::Config;
 use plant::RigSpec;
 use serde_json::{Value, json};

@@ -1,8 +1,8 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
 use super::source::ValueKind;
-use crate::coupled::load;
-use crate::files::test::TestFile;
+use experiment::coupled::load;
+use experiment::files::test::TestFile;
 use std::path::Path;
 
 /// A test file that is accepted.

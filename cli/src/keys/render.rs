@@ -2,7 +2,7 @@
 
 use super::key::{Group, Key};
 use super::source::ValueKind;
-use crate::files::units;
+use experiment::files::units;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 

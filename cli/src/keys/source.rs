@@ -17,10 +17,10 @@ const SOURCES: [&str; 16] = [
     include_str!("../../../plant/src/coupled/coupler.rs"),
     include_str!("../../../plant/src/coupled/rig.rs"),
     include_str!("../../../plant/src/coupled/specimen.rs"),
-    include_str!("../coupled/table.rs"),
+    include_str!("../../../experiment/src/coupled/table.rs"),
     include_str!("../../../diagnosis/src/model.rs"),
-    include_str!("../files/test.rs"),
-    include_str!("../serve/settings.rs"),
+    include_str!("../../../experiment/src/files/test.rs"),
+    include_str!("../../../experiment/src/files/serve.rs"),
 ];
 
 /// What a key holds.

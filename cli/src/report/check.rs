@@ -4,12 +4,12 @@ use super::figures::{Figures, figure};
 use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG};
 use super::rths::table;
-use crate::failure::Failure;
-use crate::numbers::{length, percent, percent_or_lost, three};
-use crate::soundness::{Judgement, SoundnessVerdict};
-use crate::stability::Stability;
-use crate::stability::limits::StabilityLimit;
-use crate::stability::linear_verdict::LinearVerdict;
+use experiment::failure::Failure;
+use experiment::numbers::{length, percent, percent_or_lost, three};
+use experiment::soundness::{Judgement, SoundnessVerdict};
+use experiment::stability::Stability;
+use experiment::stability::limits::StabilityLimit;
+use experiment::stability::linear_verdict::LinearVerdict;
 use std::fmt::Write as _;
 
 /// A check as the report shows it.

@@ -8,9 +8,9 @@ use super::rths::table;
 use crate::comparison::compared_test::ComparedTest;
 use crate::comparison::condition::{ACTUATORS, Family};
 use crate::comparison::standing::{self, Standing};
-use crate::failure::Failure;
-use crate::summary::Summary;
 use crate::terminal::{percent, standings_head, standings_row};
+use experiment::failure::Failure;
+use experiment::summary::Summary;
 use std::fmt::Write as _;
 
 /// What the plots show; more curves would hide each other.

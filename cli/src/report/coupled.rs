@@ -4,9 +4,9 @@ use super::figures;
 use super::page::{Drawn, cannot, escape, page};
 use super::plot::{Curve, IDEAL, TESTED, WIDE, WRONG, history, plot};
 use super::rths::table;
-use crate::failure::Failure;
 use crate::terminal::coupled::{ERROR_HEAD, WRONG_HEAD, error_row, headline, wrong_rows};
 use diagnosis::{CoordinateAnswer, CoupledDiagnosis};
+use experiment::failure::Failure;
 use std::fmt::Write as _;
 
 /// The report.

@@ -7,18 +7,18 @@ use super::plot::{
     history, path, plot,
 };
 use super::rths::table;
-use crate::coupled::experiment::CoupledExperiment;
-use crate::coupled::planned::CoupledCheck;
-use crate::coupled::summary::CoupledSummary;
-use crate::coupled::trace::CoupledTrace;
-use crate::coupled::trial::Ideal;
-use crate::failure::Failure;
-use crate::numbers::{joule, length, percent, three};
-use crate::soundness::SoundnessVerdict;
-use crate::summary::{TestVerdict, Validity};
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
+use experiment::coupled::experiment::CoupledExperiment;
+use experiment::coupled::planned::CoupledCheck;
+use experiment::coupled::summary::CoupledSummary;
+use experiment::coupled::trace::CoupledTrace;
+use experiment::coupled::trial::Ideal;
+use experiment::failure::Failure;
+use experiment::numbers::{joule, length, percent, three};
+use experiment::soundness::SoundnessVerdict;
+use experiment::summary::{TestVerdict, Validity};
 use std::fmt::Write as _;
 use std::ops::Range;
 

@@ -4,10 +4,10 @@ use super::figures::figure;
 use super::page::{Drawn, cannot, escape, page};
 use super::plot::{self, Curve, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path};
 use super::rths::table;
+use crate::archive::ArchivedTest;
 use crate::difference::{ComparedMotion, Difference, plain_text};
-use crate::failure::Failure;
-use crate::files::archive::ArchivedTest;
-use crate::numbers::{si, three};
+use experiment::failure::Failure;
+use experiment::numbers::{si, three};
 
 /// The report of the tests `pair`, which the files `names` hold.
 ///

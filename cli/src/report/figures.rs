@@ -5,8 +5,8 @@ use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path,
 };
-use crate::summary::{TestVerdict, Validity};
-use crate::trace::FloorTrace;
+use experiment::summary::{TestVerdict, Validity};
+use experiment::trace::FloorTrace;
 use outerloop_core::{Method, config::Filter, flag};
 use std::ops::Range;
 

@@ -6,7 +6,6 @@ use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
 use super::rths::{goal_boxes, goal_table, table};
-use crate::failure::Failure;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
 use benchmarks::goal::Goal;
@@ -17,6 +16,7 @@ use benchmarks::marths::rig::Parameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use benchmarks::marths::trial::Trace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
+use experiment::failure::Failure;
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.

@@ -29,12 +29,12 @@ pub use rths::of_rths;
 pub use served::{SessionSection, of_served};
 pub use sweep::of_sweep;
 
-use crate::failure::Failure;
 use crate::improve::Improvement;
-use crate::judged::JudgedRun;
-use crate::numbers::length;
-use crate::summary::Summary;
 use crate::terminal::{joule, percent};
+use experiment::failure::Failure;
+use experiment::judged::JudgedRun;
+use experiment::numbers::length;
+use experiment::summary::Summary;
 use figures::Figures;
 use page::{Drawn, cannot, escape, page, table, test_file, tile};
 use std::fmt::Write as _;

@@ -4,11 +4,11 @@ use super::figures::{Figures, figure};
 use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
 use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
-use crate::failure::Failure;
-use crate::numbers::{percent, percent_or_lost, three};
-use crate::stability::perturbed::Spread;
-use crate::stability::rig::Variation;
-use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
+use experiment::failure::Failure;
+use experiment::numbers::{percent, percent_or_lost, three};
+use experiment::stability::perturbed::Spread;
+use experiment::stability::rig::Variation;
+use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
 
 /// The tests as the report shows them.
 #[derive(Clone, Copy, Debug)]

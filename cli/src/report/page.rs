@@ -1,11 +1,11 @@
 //! The page of every report, and the pieces that several have.
 
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::numbers::{joule, length, percent};
 use crate::provenance::Provenance;
-use crate::summary::{Summary, TestVerdict};
-use crate::trace::{Response, Trace};
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::numbers::{joule, length, percent};
+use experiment::summary::{Summary, TestVerdict};
+use experiment::trace::{Response, Trace};
 use std::error::Error;
 use std::fmt::Write as _;
 

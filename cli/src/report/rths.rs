@@ -5,7 +5,6 @@ use super::page::{Drawn, cannot, escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
-use crate::failure::Failure;
 use benchmarks::goal::{GOAL_HEAD, Goal};
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
@@ -16,6 +15,7 @@ use benchmarks::rths::table::{
 use benchmarks::rths::trial::{Ground, Trace};
 use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow};
+use experiment::failure::Failure;
 use std::fmt::Write as _;
 
 /// The published controller, for the pictures.

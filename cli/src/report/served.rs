@@ -5,12 +5,12 @@ use super::page::{Drawn, cannot, escape, page};
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path,
 };
-use crate::failure::Failure;
-use crate::files::test::TestFile;
-use crate::numbers::{length, si};
 use crate::serve::{SessionSummary, SessionVerdict};
 use crate::terminal::{joule, percent};
-use crate::trace::{FloorTrace, Trace};
+use experiment::failure::Failure;
+use experiment::files::test::TestFile;
+use experiment::numbers::{length, si};
+use experiment::trace::{FloorTrace, Trace};
 use outerloop_core::Pace;
 
 /// A session as the report shows it.

@@ -4,11 +4,11 @@ use super::figures::figure;
 use super::page::{Drawn, cannot, escape, page, test_file};
 use super::plot::{self, Colour, Curve, FIFTH, FOURTH, GROUND, TALL, TESTED, THIRD, WRONG};
 use super::rths::table;
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::numbers::{length, percent, percent_or_lost};
-use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
 use crate::sweep::{self, Fragility, SweepResult};
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::numbers::{length, percent, percent_or_lost};
+use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
 
 /// Curves of compensations; more would hide each other.
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];

@@ -12,9 +12,9 @@
 mod decimate;
 mod server;
 
-use crate::failure::Failure;
-use crate::trace::TestObserver;
 use decimate::{Band, StepColumns};
+use experiment::failure::Failure;
+use experiment::trace::TestObserver;
 use outerloop_core::{Event, Mode, Record};
 use server::Shared;
 use std::net::SocketAddr;

@@ -1,8 +1,8 @@
 //! The page and its WebSocket: bound to one address, behind a random token, for pages of its own origin alone.
 
 use super::decimate::{Band, CHANNELS, PendingPoints, StepColumns};
-use crate::failure::Failure;
-use crate::files::plain;
+use experiment::failure::Failure;
+use experiment::files::plain;
 use outerloop_core::{Event, Mode};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};

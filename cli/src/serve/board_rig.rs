@@ -3,13 +3,13 @@
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
-use crate::bench::OnBoard;
 use crate::board::limits::PlannedMotion;
 use crate::board::operator::Operator;
 use crate::board::{BoardConnection, ConfiguredTest, Mirror, clear, done, ready, status};
-use crate::failure::Failure;
-use crate::files::test::{BoardWanted, TestFile};
 use crate::scope::Scope;
+use experiment::bench::OnBoard;
+use experiment::failure::Failure;
+use experiment::files::test::{BoardWanted, TestFile};
 use link::reply::Identity;
 use link::telemetry::StepReport;
 use link::{Calibration, Command, MAX_ACTUATORS};

@@ -1,7 +1,7 @@
 //! What a session leaves behind.
 
-use crate::bench::OnBoard;
-use crate::trace::TestObserver;
+use experiment::bench::OnBoard;
+use experiment::trace::TestObserver;
 use outerloop_core::{EnergyWords, Record, flag};
 use serde::Serialize;
 

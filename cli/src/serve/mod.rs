@@ -7,7 +7,6 @@
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`settings`] | the `[serve]` table of a test file |
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
 //! | `mover` | what a session requires of a rig |
@@ -22,7 +21,6 @@ mod ledger;
 mod mover;
 mod served_rig;
 mod session;
-pub mod settings;
 mod simulated;
 mod travel;
 pub mod wire;

@@ -1,9 +1,9 @@
 //! What a session requires of a rig, whatever it stands in.
 
 use super::ledger::Ledger;
-use crate::bench::OnBoard;
-use crate::failure::Failure;
-use crate::trace::Trace;
+use experiment::bench::OnBoard;
+use experiment::failure::Failure;
+use experiment::trace::Trace;
 use outerloop_core::Trip;
 
 /// What was measured at a target.

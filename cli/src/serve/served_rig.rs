@@ -1,8 +1,8 @@
 //! What a rig is to a session, control step by control step, whatever it stands in.
 
 use super::mover::{Stop, TargetMeasurement};
-use crate::bench::OnBoard;
-use crate::failure::Failure;
+use experiment::bench::OnBoard;
+use experiment::failure::Failure;
 use outerloop_core::{Event, Record};
 
 /// A control step that has been.

@@ -2,12 +2,12 @@
 
 use super::ledger::{Ledger, SessionSummary, SessionVerdict};
 use super::mover::{Mover, Stop, TargetMeasurement};
-use super::settings::Settings;
 use super::travel::shear_frame;
 use super::wire::{Action, ClientConnection, ClientGone, TrialResponse};
 use crate::board::operator::stop_is_asked;
-use crate::failure::Failure;
-use crate::files::test::TestFile;
+use experiment::failure::Failure;
+use experiment::files::serve::Settings;
+use experiment::files::test::TestFile;
 use outerloop_core::Pace;
 use std::fmt;
 use std::net::TcpStream;

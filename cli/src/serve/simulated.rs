@@ -3,10 +3,10 @@
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
-use crate::bench::with_floors;
-use crate::failure::Failure;
-use crate::files::test::TestFile;
 use crate::scope::Scope;
+use experiment::failure::Failure;
+use experiment::files::test::TestFile;
+use experiment::with_floors;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Sample};
 use std::time::{Duration, Instant};
 

@@ -3,13 +3,13 @@
 use super::ledger::Ledger;
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
-use super::settings::Settings;
-use crate::bench::OnBoard;
 use crate::board::operator::stop_is_asked;
-use crate::failure::Failure;
-use crate::files::test::TestFile;
 use crate::scope::Scope;
-use crate::trace::{TestObserver, Trace};
+use experiment::bench::OnBoard;
+use experiment::failure::Failure;
+use experiment::files::serve::Settings;
+use experiment::files::test::TestFile;
+use experiment::trace::{TestObserver, Trace};
 use outerloop_core::{Mode, Pace, flag};
 
 /// A rig on its way, and who looks on.

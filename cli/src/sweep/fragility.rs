@@ -4,7 +4,7 @@
 //! at each value exceed the limit (Baker, Earthquake Spectra 31, 2015, Eq 11).
 
 use super::swept_test::SweptTest;
-use crate::numbers::three;
+use experiment::numbers::three;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
 

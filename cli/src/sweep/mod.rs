@@ -7,9 +7,9 @@ pub mod swept_test;
 pub use fragility::Fragility;
 pub use range::Range;
 
-use crate::experiment::Experiment;
-use crate::failure::Failure;
 use crate::terminal::{Progress, interrupt};
+use experiment::Experiment;
+use experiment::failure::Failure;
 use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;

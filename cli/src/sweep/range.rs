@@ -1,6 +1,6 @@
 //! `PATH=VALUES` of a sweep.
 
-use crate::failure::Failure;
+use experiment::failure::Failure;
 
 /// A key and the values that it takes.
 #[derive(Clone, Debug, PartialEq)]

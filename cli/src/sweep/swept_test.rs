@@ -1,6 +1,6 @@
 //! One test of a sweep.
 
-use crate::summary::{Summary, TestVerdict};
+use experiment::summary::{Summary, TestVerdict};
 use serde::Serialize;
 
 /// One test of a sweep.

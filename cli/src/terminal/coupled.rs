@@ -1,9 +1,9 @@
 //! The diagnosis of a specimen of several coordinates on the terminal.
 
 use super::table;
-use crate::numbers::{percent, si, three};
 use comfy_table::CellAlignment;
 use diagnosis::{CoordinateAnswer, CoupledDiagnosis, CoupledVerdict};
+use experiment::numbers::{percent, si, three};
 use std::fmt::Write as _;
 
 /// Verdicts, wrong entries and errors.

@@ -1,8 +1,8 @@
 //! Tables of tests of two coupled actuators.
 
-use crate::coupled::planned::LimitUse;
-use crate::coupled::summary::{CoupledSummary, FoundNumber};
-use crate::numbers::{joule, length, percent, si, three};
+use experiment::coupled::planned::LimitUse;
+use experiment::coupled::summary::{CoupledSummary, FoundNumber};
+use experiment::numbers::{joule, length, percent, si, three};
 
 /// Head of [`summary_row`].
 pub const SUMMARY_HEAD: [&str; 9] = [

@@ -2,13 +2,13 @@
 
 use super::tables::{Table, table};
 use crate::improve::Improvement;
-use crate::numbers::percent;
 use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
     sureness, verdict,
 };
 use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis};
+use experiment::numbers::percent;
 use std::fmt::Write as _;
 
 /// Effects that are listed as tried.

@@ -12,8 +12,8 @@ pub mod progress;
 mod standings;
 mod tables;
 
-pub use crate::numbers::{joule, percent};
 pub use diagnosis::{diagnosis, improvements};
+pub use experiment::numbers::{joule, percent};
 pub use next::next;
 pub use progress::{Progress, Steps, while_waiting};
 pub use standings::{standings, standings_head, standings_row};

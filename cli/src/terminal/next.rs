@@ -1,10 +1,10 @@
 //! A designed test on the terminal.
 
 use super::tables::{Table, table};
-use crate::numbers::percent;
 use crate::wording::{self, digits, quantity};
 use comfy_table::CellAlignment;
 use diagnosis::{Form, Next, Outlook};
+use experiment::numbers::percent;
 use std::fmt::Write as _;
 
 /// Its limits, its phases, and what each possible cause predicts.

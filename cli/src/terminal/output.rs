@@ -3,8 +3,8 @@
 //! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
 //! [`finish`] returns it when the verb has finished.
 
-use crate::failure::Failure;
-use crate::files::plain;
+use experiment::failure::Failure;
+use experiment::files::plain;
 use std::fmt::Arguments;
 use std::io::{Write, stderr, stdout};
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 //! A picture on the terminal, in braille dots: what to look at over ssh.
 
-use crate::trace::Response;
 use comfy_table::Table;
+use experiment::trace::Response;
 use rgb::RGB8;
 use std::fmt::Write as _;
 use textplots::{
@@ -55,7 +55,7 @@ pub fn response(ideal: &Response, test: &Response, step_s: f64) -> String {
     let mut chart = Chart::new_with_y_range(dots as u32, 4 * ROWS, 0.0, seconds, -reach, reach);
     let with_unit = |unit: &'static str| -> LabelFormat {
         LabelFormat::Custom(Box::new(move |x| {
-            format!("{} {unit}", crate::numbers::three(f64::from(x)))
+            format!("{} {unit}", experiment::numbers::three(f64::from(x)))
         }))
     };
     let chart = chart

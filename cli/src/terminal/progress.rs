@@ -1,7 +1,7 @@
 //! What is shown while one waits.
 
 use super::output;
-use crate::trace::TestObserver;
+use experiment::trace::TestObserver;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use outerloop_core::Record;
 use std::sync::Mutex;

@@ -3,7 +3,7 @@
 use super::tables::{Table, table};
 use crate::comparison::condition::Family;
 use crate::comparison::standing::Standing;
-use crate::numbers::percent;
+use experiment::numbers::percent;
 
 /// Heads of the columns.
 pub fn standings_head() -> Vec<&'static str> {

@@ -1,11 +1,11 @@
 //! Tables on the terminal: as wide as it is, and never broken inside a word or a number.
 
-use crate::numbers::{joule, length, percent};
-use crate::summary::Summary;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, Row, TableComponent, Width,
 };
+use experiment::numbers::{joule, length, percent};
+use experiment::summary::Summary;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 

@@ -4,10 +4,10 @@ mod commission;
 
 use super::json;
 use crate::board::{self, Connection, Serial, Timeouts};
-use crate::failure::Failure;
 use crate::provenance::WithProvenance;
 use clap::{Args, Subcommand};
 use commission::Commission;
+use experiment::failure::Failure;
 use link::Calibration;
 use link::command::Channel;
 use std::path::{Path, PathBuf};

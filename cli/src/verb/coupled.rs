@@ -1,29 +1,29 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
 use super::{CommonArguments, json, look_at_report};
-use crate::coupled::experiment::CoupledExperiment;
-use crate::coupled::file::CoupledTest;
-use crate::coupled::load;
-use crate::coupled::planned::{self, CoupledCheck};
-use crate::coupled::summary::CoupledSummary;
-use crate::coupled::table::CoupledCompensation;
-use crate::coupled::trace::CoupledTrace;
-use crate::coupled::trial::{self, Ideal, Trial};
-use crate::failure::Failure;
-use crate::files::ground_motion::GroundMotionFile;
-use crate::files::near_fault::near_fault;
-use crate::files::output;
-use crate::numbers::{percent, si};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CoupledSection};
-use crate::soundness::SoundnessVerdict;
-use crate::stability::perturbed::Spread;
-use crate::summary::Validity;
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
 use crate::terminal::{self, Progress, plot, table};
-use crate::trace::Response;
+use experiment::coupled::experiment::CoupledExperiment;
+use experiment::coupled::file::CoupledTest;
+use experiment::coupled::load;
+use experiment::coupled::planned::{self, CoupledCheck};
+use experiment::coupled::summary::CoupledSummary;
+use experiment::coupled::table::CoupledCompensation;
+use experiment::coupled::trace::CoupledTrace;
+use experiment::coupled::trial::{self, Ideal, Trial};
+use experiment::failure::Failure;
+use experiment::files::ground_motion::GroundMotionFile;
+use experiment::files::near_fault::near_fault;
+use experiment::files::output;
+use experiment::numbers::{percent, si};
+use experiment::soundness::SoundnessVerdict;
+use experiment::stability::perturbed::Spread;
+use experiment::summary::Validity;
+use experiment::trace::Response;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -144,7 +144,7 @@ fn in_words(e: &CoupledExperiment, s: &CoupledSummary) -> String {
     let hz: Vec<String> = s
         .natural_frequencies_hz
         .iter()
-        .map(|hz| crate::numbers::three(*hz))
+        .map(|hz| experiment::numbers::three(*hz))
         .collect();
     format!(
         "{} of {}, on a structure of {} Hz that two coupled actuators move in x and in rotation (a simulated rig).",

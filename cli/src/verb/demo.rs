@@ -1,16 +1,16 @@
 //! `outerloop demo`: the whole story with no input.
 
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::near_fault::near_fault;
-use crate::files::output;
-use crate::files::test::TestFile;
 use crate::improve::Improvement;
 use crate::report::{self, TestSection};
-use crate::summary::Summary;
 use crate::terminal::{self, Progress};
 use crate::verb::rig_arguments::RigArguments;
 use crate::wording::headline;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::near_fault::near_fault;
+use experiment::files::output;
+use experiment::files::test::TestFile;
+use experiment::summary::Summary;
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
 

@@ -3,14 +3,15 @@
 mod coupled;
 
 use super::{json, look_at_report};
-use crate::failure::Failure;
-use crate::files::columns::Columns;
-use crate::files::measured::{FilePart, RecordFiles};
-use crate::files::{model, output, signal};
+use crate::designed_test;
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use diagnosis::{Diagnosis, ForceUnit, Next};
+use experiment::failure::Failure;
+use experiment::files::columns::Columns;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::{model, output};
 use plant::Channel;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -105,7 +106,7 @@ impl Diagnose {
                 let design = || diagnosis::next(&declared, &diagnosis, &train, &test);
                 let next = terminal::while_waiting("designing the next test", design);
                 let next = next.map_err(|e| Failure::input(format!("--next: {e}")))?;
-                signal::write(path, &next)?;
+                designed_test::write(path, &next)?;
                 Some(next)
             }
         };

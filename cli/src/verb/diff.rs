@@ -1,13 +1,14 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
 use super::{json, look_at_report};
+use crate::archive;
 use crate::difference::{self, Difference};
-use crate::failure::Failure;
-use crate::files::{archive, output};
-use crate::numbers::percent;
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
+use experiment::failure::Failure;
+use experiment::files::output;
+use experiment::numbers::percent;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -120,5 +121,5 @@ impl Diff {
 fn figure(value: &Value) -> String {
     value
         .as_f64()
-        .map_or_else(|| difference::plain_text(value), crate::numbers::three)
+        .map_or_else(|| difference::plain_text(value), experiment::numbers::three)
 }

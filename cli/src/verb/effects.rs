@@ -1,7 +1,7 @@
 //! `outerloop effects`: every effect by the name that files and answers use.
 
-use crate::failure::Failure;
 use crate::terminal::table;
+use experiment::failure::Failure;
 use plant::catalogue;
 use serde_json::json;
 

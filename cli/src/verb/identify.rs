@@ -1,17 +1,17 @@
 //! `outerloop identify`: gain, delay, lag and offset of the actuator from a record of its motion.
 
 use super::json;
-use crate::failure::Failure;
-use crate::files::columns::Columns;
-use crate::files::measured::{FilePart, RecordFiles};
-use crate::files::test::TestFile;
-use crate::files::{output, read};
-use crate::numbers::{percent, three};
 use crate::provenance::WithProvenance;
-use crate::rig::Quantity;
-use crate::rig::declared::configured_times;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
+use experiment::failure::Failure;
+use experiment::files::columns::Columns;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::test::TestFile;
+use experiment::files::{output, read};
+use experiment::numbers::{percent, three};
+use experiment::rig::Quantity;
+use experiment::rig::declared::configured_times;
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Table, value};
 

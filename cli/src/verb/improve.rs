@@ -2,13 +2,14 @@
 
 use super::rig_arguments::RigArguments;
 use super::{CommonArguments, json, look_at_report};
-use crate::failure::Failure;
-use crate::files::{model, output, record_csv, signal};
+use crate::designed_test;
 use crate::improve::{Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal::{self, Progress};
 use diagnosis::{Diagnosis, Model};
+use experiment::failure::Failure;
+use experiment::files::{model, output, record_csv};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -192,7 +193,10 @@ fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result
                 format!("{name}-designed-{number}.csv"),
                 d.played.text.clone(),
             ));
-            files.push((format!("{name}-next-{number}.csv"), signal::text(&d.next)));
+            files.push((
+                format!("{name}-next-{number}.csv"),
+                designed_test::text(&d.next),
+            ));
         }
     }
     let files: Vec<(&str, String)> = files.iter().map(|(n, t)| (n.as_str(), t.clone())).collect();

@@ -1,10 +1,10 @@
 //! `outerloop keys`: every key of a test file.
 
 use super::json;
-use crate::failure::Failure;
 use crate::keys;
 use crate::terminal::table;
 use comfy_table::CellAlignment;
+use experiment::failure::Failure;
 
 /// List every key of a test file: unit, default, what is accepted, meaning
 #[derive(clap::Args, Debug)]

@@ -22,12 +22,12 @@ pub mod serve;
 pub mod shell;
 pub mod sweep;
 
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
-use crate::files::near_fault::near_fault;
-use crate::files::test::TestFile;
 use crate::provenance::note_seed;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
 use outerloop_core::{Accepted, Method};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

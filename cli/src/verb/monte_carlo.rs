@@ -1,16 +1,16 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
 use super::{CommonArguments, json, look_at_report, method};
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::output;
-use crate::judged::JudgedRun;
 use crate::provenance::WithProvenance;
 use crate::report::{self, ManyTests, TestSection};
-use crate::stability::perturbed::Spread;
-use crate::summary::Summary;
 use crate::terminal::{Progress, percent, table};
-use crate::trace::Response;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::output;
+use experiment::judged::JudgedRun;
+use experiment::stability::perturbed::Spread;
+use experiment::summary::Summary;
+use experiment::trace::Response;
 use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,9 +1,9 @@
 //! `outerloop new`: a commented test file to begin with.
 
-use crate::failure::Failure;
-use crate::files::output;
-use crate::files::test::TestFile;
-use crate::numbers::three;
+use experiment::failure::Failure;
+use experiment::files::output;
+use experiment::files::test::TestFile;
+use experiment::numbers::three;
 use std::f64::consts::TAU;
 use std::io::{BufRead, stdin};
 use std::path::{Path, PathBuf};

@@ -1,13 +1,14 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use crate::failure::Failure;
-use crate::files::{archive, channels};
+use crate::archive;
 use crate::improve::TestSite;
 use crate::orders::OrderReplay;
 use crate::provenance::{self, WithProvenance};
 use crate::terminal::Progress;
-use crate::trace::Trace;
+use experiment::failure::Failure;
+use experiment::files::channels;
+use experiment::trace::Trace;
 use serde::Serialize;
 use std::path::PathBuf;
 

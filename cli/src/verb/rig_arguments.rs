@@ -1,19 +1,20 @@
 //! Where a test runs.
 
-use crate::bench;
 use crate::board::emulated::{self, Emulated, EmulatedRig};
 use crate::board::limits::PlannedMotion;
 use crate::board::{
-    BoardBench, BoardConnection, Connection, Operator, Played, Port, Serial, Timeouts, Trajectory,
+    BoardBench, BoardConnection, Connection, Operator, Port, Serial, Timeouts, Trajectory,
     calibrate, commission, identify,
 };
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::signal::SignalPoints;
-use crate::files::test::TestFile;
 use crate::improve::TestSite;
-use crate::judged::JudgedRun;
-use crate::trace::{Response, TestObserver};
+use experiment::Experiment;
+use experiment::bench;
+use experiment::bench::Played;
+use experiment::failure::Failure;
+use experiment::files::signal::SignalPoints;
+use experiment::files::test::TestFile;
+use experiment::judged::JudgedRun;
+use experiment::trace::{Response, TestObserver};
 use outerloop_core::Method;
 use serde::{Deserialize, Serialize};
 

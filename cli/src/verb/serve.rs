@@ -4,16 +4,16 @@ use super::json;
 use super::rig_arguments::{RigArguments, RigKind};
 use crate::board::limits::PlannedMotion;
 use crate::board::operator::{catch_ctrl_c, stop_is_asked};
-use crate::failure::Failure;
-use crate::files::test::TestFile;
-use crate::files::{output, plain, record_csv};
 use crate::provenance::WithProvenance;
 use crate::report::{self, SessionSection};
 use crate::scope::Scoped;
 use crate::serve::{
     DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board, simulated,
 };
-use crate::trace::Trace;
+use experiment::failure::Failure;
+use experiment::files::test::TestFile;
+use experiment::files::{output, plain, record_csv};
+use experiment::trace::Trace;
 use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! `outerloop completions` and `outerloop man`: what a shell and `man` know of the command line, made from it.
 
-use crate::failure::Failure;
-use crate::files::plain;
+use experiment::failure::Failure;
+use experiment::files::plain;
 use std::io::Write;
 
 /// Print what a shell completes after `outerloop`

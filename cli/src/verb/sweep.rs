@@ -1,15 +1,15 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
 use super::{CommonArguments, json, look_at_report, method};
-use crate::experiment::Experiment;
-use crate::failure::Failure;
-use crate::files::output;
-use crate::numbers::{length, percent_or_lost};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
 use crate::sweep::{self, Fragility, Range, SweepResult};
 use crate::terminal::table;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::output;
+use experiment::numbers::{length, percent_or_lost};
 use outerloop_core::Method;
 use std::fmt::Write as _;
 use std::path::PathBuf;

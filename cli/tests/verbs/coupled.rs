@@ -1,14 +1,14 @@
 //! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
 use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
+use experiment::coupled::experiment::CoupledExperiment;
+use experiment::coupled::load;
+use experiment::coupled::summary::CoupledSummary;
+use experiment::coupled::table::CoupledCompensation;
+use experiment::coupled::trace::CoupledTrace;
+use experiment::coupled::trial::{self, Ideal};
+use experiment::files::near_fault::near_fault;
+use experiment::summary::TestVerdict;
 use nalgebra::{SMatrix, SVector};
-use outerloop_cli::coupled::experiment::CoupledExperiment;
-use outerloop_cli::coupled::load;
-use outerloop_cli::coupled::summary::CoupledSummary;
-use outerloop_cli::coupled::table::CoupledCompensation;
-use outerloop_cli::coupled::trace::CoupledTrace;
-use outerloop_cli::coupled::trial::{self, Ideal};
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::summary::TestVerdict;
 use plant::linear::Linear;
 
 const EXAMPLE: &str = "examples/coupled-frame.toml";

@@ -3,9 +3,9 @@
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::judged::JudgedRun;
-use outerloop_cli::trace::{Response, Trace};
+use experiment::Experiment;
+use experiment::judged::JudgedRun;
+use experiment::trace::{Response, Trace};
 use std::path::Path;
 
 /// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.

@@ -5,11 +5,11 @@ use emu::LoggedEvent;
 use link::Calibration;
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator};
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::TestVerdict;
-use outerloop_cli::trace::TestObserver;
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::TestVerdict;
+use experiment::trace::TestObserver;
 use outerloop_core::{Event, Mode, Record};
 use std::path::Path;
 

@@ -3,11 +3,11 @@
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::TestVerdict;
-use outerloop_cli::trace::Trace;
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::TestVerdict;
+use experiment::trace::Trace;
 use std::path::Path;
 
 /// Table 1 over +-250 mm.

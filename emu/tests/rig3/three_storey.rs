@@ -3,11 +3,11 @@
 use crate::example;
 use outerloop_cli::board::Image;
 use outerloop_cli::board::emulated::can_run;
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::summary::TestVerdict;
-use outerloop_cli::trace::Trace;
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::TestVerdict;
+use experiment::trace::Trace;
 use std::path::Path;
 
 #[test]

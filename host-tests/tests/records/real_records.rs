@@ -3,8 +3,8 @@
 #![cfg(not(debug_assertions))] // Minutes without optimisation.
 
 use diagnosis::{ChannelAnswer, Diagnosis, Model, Recording, Verdict};
-use outerloop_cli::files::measured::{FilePart, RecordFiles};
-use outerloop_cli::files::model;
+use experiment::files::measured::{FilePart, RecordFiles};
+use experiment::files::model;
 use plant::Effect;
 use std::path::{Path, PathBuf};
 

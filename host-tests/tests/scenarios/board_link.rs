@@ -1,19 +1,19 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::near_fault::near_fault;
+use experiment::files::recording::SiRecording;
+use experiment::files::signal::SignalPoints as PointsOfSignal;
+use experiment::files::test::TestFile;
+use experiment::judged::JudgedRun;
+use experiment::summary::TestVerdict;
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
     self, BoardBench, Connection, Operator, Played, Port, Timeouts, Trajectory,
 };
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::failure::Failure;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::recording::SiRecording;
-use outerloop_cli::files::signal::SignalPoints as PointsOfSignal;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::judged::JudgedRun;
-use outerloop_cli::summary::TestVerdict;
 use plant::Rig;
 use std::io;
 use std::path::Path;
@@ -70,7 +70,7 @@ fn run_by(
         method,
         &ideal,
         true,
-        None::<outerloop_cli::trace::Trace>,
+        None::<experiment::trace::Trace>,
     )
 }
 
@@ -97,13 +97,7 @@ fn a_test_on_a_board_is_worked_out_again_with_the_same_bits_and_ends_as_on_the_p
     let ideal = experiment.ideal().unwrap();
     let method = t.config.compensation.kind;
     let on_plant = experiment
-        .run(
-            method,
-            &ideal,
-            1,
-            false,
-            None::<outerloop_cli::trace::Trace>,
-        )
+        .run(method, &ideal, 1, false, None::<experiment::trace::Trace>)
         .unwrap();
     // 12 bits over 100 mm are 24 um, 0.12 % of the peak: no more than that may separate the two.
     let apart = (run.summary.eps_rms - on_plant.summary.eps_rms).abs();
@@ -267,7 +261,7 @@ fn a_tripped_board_is_refused_until_it_is_cleared() {
     let plan = PlannedMotion::of(&experiment, &ideal);
     let bench = BoardBench::new(connect(loopback(&t)), plan, Operator::not_asked());
     let method = t.config.compensation.kind;
-    let none = || None::<outerloop_cli::trace::Trace>;
+    let none = || None::<experiment::trace::Trace>;
     let first = experiment
         .run_on(&bench, method, &ideal, false, none())
         .unwrap();

@@ -1,5 +1,12 @@
 //! Three actuators on one board: station, service, link and the PC's side, on this machine.
 
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::judged::JudgedRun;
+use experiment::summary::TestVerdict;
+use experiment::trace::Trace;
 use firmware::sim::{CODES, Wire};
 use host_tests::loopback::Loopback;
 use link::Calibration;
@@ -9,14 +16,7 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
     self, BoardBench, BoardConnection, Connection, Operator, Played, Port, Timeouts, Trajectory,
 };
-use outerloop_cli::experiment::Experiment;
-use outerloop_cli::failure::Failure;
-use outerloop_cli::files::near_fault::near_fault;
-use outerloop_cli::files::test::TestFile;
-use outerloop_cli::judged::JudgedRun;
 use outerloop_cli::serve::serve_on_board;
-use outerloop_cli::summary::TestVerdict;
-use outerloop_cli::trace::Trace;
 use outerloop_core::{Fault, Mode};
 use plant::Rig;
 use std::path::Path;

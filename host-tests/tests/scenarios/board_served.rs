@@ -1,12 +1,12 @@
 //! A model outside whose element is a rig behind the firmware's own station: the PC's side, over frames of bytes.
 
+use experiment::files::test::TestFile;
+use experiment::trace::Trace;
 use host_tests::loopback::Loopback;
 use outerloop_cli::board::{self, BoardConnection, Connection, Operator, Port, Timeouts};
-use outerloop_cli::files::test::TestFile;
 use outerloop_cli::serve::{
     DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board,
 };
-use outerloop_cli::trace::Trace;
 use plant::Rig;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};

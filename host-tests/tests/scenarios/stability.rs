@@ -1,11 +1,11 @@
 //! What `outerloop check` says against what a test does: the eigenvalues of the loop against the growth of its response.
 
+use experiment::stability::closed_loop::Question;
+use experiment::stability::linear_verdict::{LinearVerdict, linear_verdict};
+use experiment::stability::predictor::Knowledge;
+use experiment::stability::rig::Variation;
+use experiment::stability::structure_matrices::StructureMatrices;
 use host_tests::{Scenario, Shaking, Trace};
-use outerloop_cli::stability::closed_loop::Question;
-use outerloop_cli::stability::linear_verdict::{LinearVerdict, linear_verdict};
-use outerloop_cli::stability::predictor::Knowledge;
-use outerloop_cli::stability::rig::Variation;
-use outerloop_cli::stability::structure_matrices::StructureMatrices;
 use outerloop_core::{
     Config, Method, Record,
     config::{ActuatorTimes, Adaptation, Filter},

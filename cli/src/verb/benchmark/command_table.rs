@@ -1,7 +1,7 @@
 //! Tables of targets with commands to be filled in: `--targets` writes one, `--follow` reads one back.
 
-use crate::failure::Failure;
-use crate::files::table::NumberTable;
+use experiment::failure::Failure;
+use experiment::files::table::NumberTable;
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -3,9 +3,6 @@
 mod by_table;
 
 use super::shared::{RECORDS, check_plants, print_goals, refused};
-use crate::failure::Failure;
-use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use crate::files::output;
 use crate::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, DeclaredPart};
@@ -18,6 +15,9 @@ use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
 use benchmarks::marths::goals::goals;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
+use experiment::failure::Failure;
+use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
+use experiment::files::output;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

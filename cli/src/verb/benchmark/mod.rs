@@ -5,7 +5,7 @@ mod marths;
 mod rths;
 mod shared;
 
-use crate::failure::Failure;
+use experiment::failure::Failure;
 
 /// Run a benchmark problem of the field
 #[derive(clap::Args, Debug)]

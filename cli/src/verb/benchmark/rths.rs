@@ -3,9 +3,6 @@
 mod by_table;
 
 use super::shared::{RECORDS, check_plants, data_folder, named, print_goals, refused};
-use crate::failure::Failure;
-use crate::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use crate::files::output;
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
 use crate::terminal::{Progress, table};
@@ -20,6 +17,9 @@ use benchmarks::rths::table::{
 use benchmarks::rths::verdict::{CAUTION, best, goals, whole_table};
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
+use experiment::failure::Failure;
+use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
+use experiment::files::output;
 use std::path::PathBuf;
 use std::time::Instant;
 

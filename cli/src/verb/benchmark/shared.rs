@@ -1,9 +1,9 @@
 //! What both benchmarks need.
 
-use crate::failure::Failure;
 use crate::terminal::{Table, table};
 use benchmarks::goal::{GOAL_HEAD, Goal};
 use comfy_table::{CellAlignment, TableComponent};
+use experiment::failure::Failure;
 use std::path::{Path, PathBuf};
 
 /// A benchmark that cannot be run.

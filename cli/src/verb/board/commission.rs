@@ -1,11 +1,6 @@
 //! `outerloop board commission`: one actuator after the other, each alone.
 
 use crate::board::Trajectory;
-use crate::failure::Failure;
-use crate::files::output;
-use crate::files::signal::SignalPoints;
-use crate::files::test::TestFile;
-use crate::rig::declared::configured_times;
 use crate::scope::Scoped;
 use crate::serve::shear_frame;
 use crate::terminal;
@@ -13,6 +8,11 @@ use crate::verb::rig_arguments::{MovedActuator, RigArguments};
 use crate::wording::digits;
 use clap::Args;
 use diagnosis::Identified;
+use experiment::failure::Failure;
+use experiment::files::output;
+use experiment::files::signal::SignalPoints;
+use experiment::files::test::TestFile;
+use experiment::rig::declared::configured_times;
 use link::command::SignalShape;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -1,13 +1,13 @@
 //! What the verdicts and the monitor are worth, over many drawn tests.
 
 use super::Check;
-use crate::failure::Failure;
 use crate::provenance::WithProvenance;
-use crate::soundness::monitor;
-use crate::soundness::promise::{MonitorPromise, SurveyPromise};
-use crate::soundness::survey::{self, SurveyCase};
 use crate::terminal::{Progress, table};
 use crate::verb::json;
+use experiment::failure::Failure;
+use experiment::soundness::monitor;
+use experiment::soundness::promise::{MonitorPromise, SurveyPromise};
+use experiment::soundness::survey::{self, SurveyCase};
 use serde::Serialize;
 
 /// What the monitor did, as JSON.

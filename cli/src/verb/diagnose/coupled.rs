@@ -1,14 +1,14 @@
 //! `outerloop diagnose` of a specimen of several coordinates.
 
 use super::{Diagnose, file_name, json};
-use crate::failure::Failure;
-use crate::files::measured::RecordFiles;
-use crate::files::{coupled, model, output};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use crate::verb::look_at_report;
 use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
+use experiment::failure::Failure;
+use experiment::files::measured::RecordFiles;
+use experiment::files::{coupled, model, output};
 
 impl Diagnose {
     /// Diagnoses the table `[coupled]` of a model.

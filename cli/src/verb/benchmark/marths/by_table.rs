@@ -3,8 +3,6 @@
 use super::super::command_table;
 use super::super::shared::refused;
 use super::Marths;
-use crate::failure::Failure;
-use crate::files::output;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
 use benchmarks::marths::RATE_HZ;
@@ -12,6 +10,8 @@ use benchmarks::marths::bench::GroundRecord;
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::follow;
 use benchmarks::marths::table::both;
+use experiment::failure::Failure;
+use experiment::files::output;
 use std::path::Path;
 
 /// The columns that are to be filled in.

@@ -3,14 +3,14 @@
 use super::super::command_table;
 use super::super::shared::refused;
 use super::Rths;
-use crate::failure::Failure;
-use crate::files::output;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::number;
 use benchmarks::rths::{GroundRecord, RATE_HZ, Rules, follow};
+use experiment::failure::Failure;
+use experiment::files::output;
 use std::path::Path;
 
 /// The column that is to be filled in.

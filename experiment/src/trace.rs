@@ -102,7 +102,7 @@ impl Response {
     }
 
     /// The same, with room for so many.
-    pub(crate) fn with_room(floors: usize, steps: usize) -> Self {
+    pub fn with_room(floors: usize, steps: usize) -> Self {
         Self {
             floors,
             command_m: Vec::with_capacity(floors * (steps + 1)),
@@ -110,7 +110,7 @@ impl Response {
     }
 
     /// The floors of the next integration step, m.
-    pub(crate) fn push(&mut self, command_m: &[f32]) {
+    pub fn push(&mut self, command_m: &[f32]) {
         self.command_m.extend_from_slice(command_m);
     }
 

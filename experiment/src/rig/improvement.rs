@@ -36,7 +36,7 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
 }
 
 /// The same without the timing, which a test file may state otherwise.
-pub(crate) fn correct(model: &Model, config: &mut Config) {
+pub fn correct(model: &Model, config: &mut Config) {
     let known = Departures::of_model(model, config.compensation.delay_ms.at(0));
     space(&known, config);
 }

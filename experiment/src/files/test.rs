@@ -3,8 +3,8 @@
 use super::plain::{self, typed};
 use super::{read, refused, units};
 use crate::failure::Failure;
+use crate::files::serve::Settings;
 use crate::rig::declared::{self, Expected};
-use crate::serve::settings::Settings;
 use diagnosis::Model;
 use outerloop_core::Config;
 use plant::RigSpec;
@@ -94,7 +94,11 @@ impl Default for Excitation {
 }
 
 impl Excitation {
-    pub(crate) fn check(&self) -> Result<(), String> {
+    /// That its values can be meant.
+    ///
+    /// # Errors
+    /// The first that cannot, by its key.
+    pub fn check(&self) -> Result<(), String> {
         let strong = |x: f64| x.is_finite() && x != 0.0 && x.abs() <= 1e3;
         if !strong(self.scale) {
             return Err(format!(
@@ -219,7 +223,7 @@ impl TestFile {
 ///
 /// # Errors
 /// A line that is no TOML; an override that cannot be set; what `build` refuses.
-pub(crate) fn parse<T>(
+pub fn parse<T>(
     text: &str,
     file: &str,
     overrides: &[String],
@@ -244,10 +248,11 @@ pub(crate) fn parse<T>(
     })
 }
 
-pub(crate) fn part<T: DeserializeOwned + Default>(
-    name: &str,
-    value: Option<Value>,
-) -> Result<T, String> {
+/// The table `name` of a test file; its defaults where it is left out.
+///
+/// # Errors
+/// A key or value that is refused.
+pub fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
     value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
 }
 

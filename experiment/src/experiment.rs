@@ -1,7 +1,7 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
 use crate::bench::ideal;
-use crate::bench::interface::{Bench, Ending, PreparedTest, with_floors};
+use crate::bench::interface::{Bench, Ending, PreparedTest};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::{Excitation, TestFile};
@@ -9,6 +9,7 @@ use crate::memory;
 use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
 use crate::trace::{Response, TestObserver};
+use crate::with_floors;
 use outerloop_core::{Config, Design, GroundMotion, Method, Structure, config::Filter};
 use plant::RigSpec;
 use std::f64::consts::TAU;

@@ -78,9 +78,7 @@ fn times_ms(model: &Model) -> Option<[f64; 2]> {
 }
 
 /// Where the loop is configured with the delay and the lag of an actuator, ms: table, key and value.
-pub(crate) fn configured_times(
-    [delay_ms, lag_ms]: [f64; 2],
-) -> [(&'static str, &'static str, f64); 3] {
+pub fn configured_times([delay_ms, lag_ms]: [f64; 2]) -> [(&'static str, &'static str, f64); 3] {
     let filter_lag_ms = lag_ms.max(improvement::LEAST_LAG_MS);
     [
         ("compensation", "delay_ms", delay_ms + lag_ms),
@@ -90,7 +88,7 @@ pub(crate) fn configured_times(
 }
 
 /// Fills in the delays of the compensation and of the filter, where the test file leaves them out.
-pub(crate) fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
+pub fn complete(table: &mut Table, declared: Option<&Model>, plant: &RigSpec) -> Expected {
     // True where the file had left it out.
     let mut fill = |part: &str, key: &str, ms: Value| {
         let part = table
@@ -150,7 +148,7 @@ fn truth(actuator: &ActuatorSpec) -> Option<Value> {
 ///
 /// # Errors
 /// The test file has a table `[rig]` as well; a model of several coordinates, or of a force without a unit.
-pub(crate) fn correct(model: &Model, config: &mut Config) -> Result<(), String> {
+pub fn correct(model: &Model, config: &mut Config) -> Result<(), String> {
     if config.rig != Default::default() {
         return Err(
             "rig is given beside declared: accepted is one of them, of which declared says what is wrong with the rig \

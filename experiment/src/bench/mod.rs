@@ -1,11 +1,14 @@
 //! Where a test runs. Whoever asks for a test does not know what stands behind the trait.
 
-pub(crate) mod ideal;
-pub(crate) mod interface;
+mod further_inputs;
+pub mod ideal;
+pub mod interface;
 mod plant;
 mod play;
+mod played;
 
-pub(crate) use self::interface::with_floors;
+pub use self::further_inputs::FurtherInputs;
 pub use self::interface::{Bench, Ending, OnBoard};
 pub use self::plant::{Breakage, PlantBench};
 pub use self::play::play;
+pub use self::played::Played;

@@ -135,7 +135,7 @@ const STOPPED: &str =
 
 /// The value of a fault against its limit.
 /// What tripped, beside its limit.
-pub(crate) fn against_limit(t: Trip) -> String {
+pub fn against_limit(t: Trip) -> String {
     let value = si(f64::from(t.value), t.fault.unit());
     // What core takes for a limit that was not declared: only a number that overflows is beyond it.
     if t.limit >= f32::MAX {

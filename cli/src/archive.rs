@@ -5,15 +5,15 @@
 //! precision as the controller has them; `units` names their units. `test_file`, `summary`, `provenance` and `repeat` are
 //! text; `ground_motion_m_per_s2` are the points that were laid under the test.
 
-use super::channels;
-use crate::experiment::{Experiment, Shaking};
-use crate::failure::Failure;
-use crate::files::test::TestFile;
 use crate::orders::OperatorOrder;
 use crate::provenance::{Provenance, hash};
-use crate::summary::Summary;
-use crate::trace::Trace;
 use crate::verb::rig_arguments::RigKind;
+use experiment::failure::Failure;
+use experiment::files::channels;
+use experiment::files::test::TestFile;
+use experiment::summary::Summary;
+use experiment::trace::Trace;
+use experiment::{Experiment, Shaking};
 use hdf5_pure::File;
 use hdf5_pure::mat::builder::MatBuilder;
 use hdf5_pure::mat::{MatError, Options};
@@ -216,7 +216,7 @@ pub struct ArchivedTest {
 pub fn load(path: &Path) -> Result<ArchivedTest, Failure> {
     let within = path.join("record.h5");
     let path = if path.is_dir() { &within } else { path };
-    let bytes = super::decode::bytes(path)?;
+    let bytes = experiment::files::decode::bytes(path)?;
     let file = path.display().to_string();
     if !hdf5_pure::is_hdf5_bytes(&bytes) {
         return Err(Failure::input(format!(

@@ -170,7 +170,7 @@ fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failu
 }
 
 /// True where a test ran away or was stopped when it did.
-pub(crate) fn ran_away(s: &Summary) -> bool {
+pub fn ran_away(s: &Summary) -> bool {
     match s.verdict {
         TestVerdict::Diverged => true,
         // A limit that stops a sound test is a matter of the limit.

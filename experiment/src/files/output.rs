@@ -1,5 +1,6 @@
 //! A folder of results that is there whole or not at all.
 
+use super::note;
 use super::plain;
 use crate::failure::Failure;
 use std::fs::{self, File};
@@ -102,10 +103,10 @@ fn write_into<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), 
     }
     if !replaced.is_empty() {
         let folder = folder.display();
-        eprintln!(
-            "outerloop: note: in {folder} were before, and are replaced: {}",
+        note(format_args!(
+            "in {folder} were before, and are replaced: {}",
             replaced.join(", ")
-        );
+        ));
     }
     Ok(())
 }

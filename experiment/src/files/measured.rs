@@ -101,7 +101,7 @@ impl RecordFiles {
         if !self.read.contains_key(&same) {
             let recording = SiRecording::load_with_any_time(path, &self.columns)?;
             for note in &recording.notes {
-                eprintln!("outerloop: note: {note}");
+                super::note(format_args!("{note}"));
             }
             self.read.insert(same.clone(), recording);
         }

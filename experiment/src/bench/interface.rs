@@ -1,6 +1,6 @@
 //! What a bench is given, what it does, and how it ends.
 
-use crate::board::further_inputs::FurtherInputs;
+use super::further_inputs::FurtherInputs;
 use crate::failure::Failure;
 use crate::trace::TestObserver;
 use link::status::Timing;
@@ -121,9 +121,10 @@ pub trait Bench {
 }
 
 /// Evaluates an expression with the constant `$n` equal to the number of floors, 1 to 8.
+#[macro_export]
 macro_rules! with_floors {
     ($floors:expr, $n:ident => $body:expr) => {
-        with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
+        $crate::with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
     };
     (@ $floors:expr, $n:ident, $body:expr, $($count:literal)*) => {
         match $floors {
@@ -137,4 +138,3 @@ macro_rules! with_floors {
         }
     };
 }
-pub(crate) use with_floors;

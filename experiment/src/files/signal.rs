@@ -2,10 +2,8 @@
 //! `time_s,command_mm`; any command of a recorded file does.
 
 use super::columns::Columns;
-use super::output;
 use super::recording::SiRecording;
 use crate::failure::Failure;
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// A command.
@@ -123,27 +121,6 @@ impl SignalPoints {
             })
             .collect()
     }
-}
-
-/// Writes a designed test.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write(path: &Path, next: &diagnosis::Next) -> Result<(), Failure> {
-    output::write(path, text(next))
-}
-
-/// A designed test as a file.
-pub fn text(next: &diagnosis::Next) -> String {
-    let mut text = format!(
-        "# {}\n# {}\ntime_s,command_mm\n",
-        crate::wording::plan::summary(next),
-        crate::wording::plan::limits(next)
-    );
-    for (t, x) in next.time_s().iter().zip(&next.command_mm) {
-        let _ = writeln!(text, "{t:.6},{x:.6}");
-    }
-    text
 }
 
 #[cfg(test)]
