@@ -1,7 +1,7 @@
 //! What the operator asked of a running test and at which control step, so that a replay asks for the same.
 
-use experiment::trace::TestObserver;
-use outerloop_core::{Event, Record};
+use experiment::trace::{AnyRecord, TestObserver};
+use outerloop_core::Event;
 use serde::{Deserialize, Serialize};
 
 /// An order of the operator.
@@ -38,11 +38,11 @@ impl<W> OrderRecorder<W> {
 }
 
 impl<W: TestObserver> TestObserver for OrderRecorder<W> {
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         self.observer.on_step(record);
     }
 
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         self.observer.on_idle_step(record);
     }
 
@@ -75,7 +75,7 @@ impl<'a> OrderReplay<'a> {
 }
 
 impl TestObserver for OrderReplay<'_> {
-    fn on_step<const N: usize>(&mut self, _: &Record<N>) {}
+    fn on_step(&mut self, _: &AnyRecord<'_>) {}
 
     fn requested_event(&mut self) -> Option<Event> {
         self.control_step += 1;

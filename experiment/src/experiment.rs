@@ -1,6 +1,7 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
 use crate::bench::ideal;
+use crate::bench::interface::with_floors;
 use crate::bench::interface::{Bench, Ending, PreparedTest};
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
@@ -9,7 +10,6 @@ use crate::memory;
 use crate::numbers::{percent, si, three};
 use crate::stability::rig::Variation;
 use crate::trace::{Response, TestObserver};
-use crate::with_floors;
 use outerloop_core::{Config, Design, GroundMotion, Method, Structure, config::Filter};
 use plant::RigSpec;
 use std::f64::consts::TAU;
@@ -231,7 +231,7 @@ impl Experiment {
         &self,
         bench: &impl Bench,
         config: &Config,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
         let ground = self.ground(config)?;
         let steps = self.control_steps();

@@ -28,7 +28,19 @@ impl Experiment {
         ideal: &Response,
         seed: u64,
         keep: bool,
-        observer: impl TestObserver,
+        mut observer: impl TestObserver,
+    ) -> Result<JudgedRun, Failure> {
+        self.simulated(method, ideal, seed, keep, &mut observer)
+    }
+
+    /// As [`run`](Self::run), compiled here and once.
+    fn simulated(
+        &self,
+        method: Method,
+        ideal: &Response,
+        seed: u64,
+        keep: bool,
+        observer: &mut dyn TestObserver,
     ) -> Result<JudgedRun, Failure> {
         let bench = PlantBench {
             spec: &self.test.plant,

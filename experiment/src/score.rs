@@ -1,7 +1,7 @@
 //! Figures that are formed while a test runs, so that a test need not be kept to be judged.
 
-use crate::trace::{Response, TestObserver};
-use outerloop_core::{EnergyWords, Record, config::MAX_DOF, flag};
+use crate::trace::{AnyRecord, Response, TestObserver};
+use outerloop_core::{EnergyWords, config::MAX_DOF, flag};
 
 /// The part of a test, at its end, in which a large error counts as running away.
 const LATE_SHARE: f64 = 0.8;
@@ -87,7 +87,7 @@ impl<'a> Score<'a> {
 
 impl TestObserver for Score<'_> {
     #[inline]
-    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step(&mut self, r: &AnyRecord<'_>) {
         self.control_steps += 1;
         self.doubtful += usize::from(r.has(flag::MODEL_DOUBT));
         if !r.has(flag::SOLVED) {
@@ -97,7 +97,7 @@ impl TestObserver for Score<'_> {
         let Some(ideal) = self.ideal.at(step) else {
             return;
         };
-        for j in 0..N {
+        for j in 0..r.command_m.len() {
             let error = f64::from(r.command_m[j]) - f64::from(ideal[j]);
             self.square_m2[j] += error * error;
             let error = error.abs();
@@ -120,6 +120,7 @@ impl TestObserver for Score<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use outerloop_core::Record;
 
     fn record(step: u32, u: f32) -> Record<1> {
         let mut r = Record::<1>::EMPTY;
@@ -133,11 +134,11 @@ mod tests {
     fn eqs_17_and_18_by_hand() {
         let mut ideal = Response::new(1);
         for (i, u) in [0.0, 2.0, -4.0, 1.0, 0.0].into_iter().enumerate() {
-            ideal.on_step(&record(i as u32, u));
+            ideal.on_step(&(&record(i as u32, u)).into());
         }
         let mut score = Score::against(&ideal);
         for (i, u) in [0.0, 3.0, -4.0, 1.0, 2.0].into_iter().enumerate() {
-            score.on_step(&record(i as u32, u));
+            score.on_step(&(&record(i as u32, u)).into());
         }
         assert_eq!(score.eps_max(), [2.0 / 4.0]);
         assert_eq!(score.eps_rms(), [(5.0_f64 / 5.0).sqrt() / 4.0]);
@@ -145,15 +146,15 @@ mod tests {
         assert_eq!(score.mean_damping(), 4.0);
         assert_eq!(score.largest_damping, 40.0);
         assert!(!score.ran_away());
-        score.on_step(&record(4, -5.0));
+        score.on_step(&(&record(4, -5.0)).into());
         assert!(score.ran_away());
-        score.on_step(&record(5, 100.0));
+        score.on_step(&(&record(5, 100.0)).into());
         assert_eq!(score.compared, 6, "what the ideal has not is not compared");
 
         let mut score = Score::against(&ideal);
-        score.on_step(&record(1, 399.0));
+        score.on_step(&(&record(1, 399.0)).into());
         assert!(!score.ran_away());
-        score.on_step(&record(2, 401.0));
+        score.on_step(&(&record(2, 401.0)).into());
         assert!(
             score.ran_away(),
             "a hundred times the ideal peak at any time"

@@ -1,14 +1,90 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
-use outerloop_core::{Event, Record, flag};
+use outerloop_core::{EnergyWords, Event, Mode, Record, flag};
+
+/// The record of a loop of any size: whoever looks at it is compiled once, and the loop once for each size.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyRecord<'a> {
+    /// Control step since power-up.
+    pub tick: u32,
+    /// Integration steps solved since the start of the test.
+    pub step: u32,
+    /// As core's record has them.
+    pub flags: u32,
+    /// Ground acceleration, m/s^2.
+    pub ground_m_per_s2: f32,
+    /// u_c of every floor, m.
+    pub command_m: &'a [f32],
+    /// What was sent to the actuators for it, m.
+    pub sent_m: &'a [f32],
+    /// u_m as measured, m.
+    pub displacement_m: &'a [f32],
+    /// R_m as measured, N.
+    pub force_n: &'a [f32],
+    /// u_m as estimated, m.
+    pub estimated_displacement_m: &'a [f32],
+    /// R_m as estimated, N.
+    pub estimated_force_n: &'a [f32],
+    /// v, m/s of model time.
+    pub velocity_m_per_s: &'a [f32],
+    /// a, m/s^2 of model time.
+    pub acceleration_m_per_s2: &'a [f32],
+    /// C_cor, N s/m.
+    pub added_damping_n_s_per_m: &'a [f32],
+    /// G_v.
+    pub gain: &'a [f32],
+    /// Cumulative energy errors, J.
+    pub energy_sum: EnergyWords,
+    /// Work of the external load, J.
+    pub energy_input_j: f32,
+    /// Energy error relative to the energy in the test.
+    pub energy_ratio: f32,
+}
+
+impl AnyRecord<'_> {
+    /// True if a [`flag`] is set.
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
+    /// What the loop was doing.
+    pub fn mode(&self) -> Option<Mode> {
+        Mode::from_code(self.flags & 0xf)
+    }
+}
+
+impl<'a, const N: usize> From<&'a Record<N>> for AnyRecord<'a> {
+    #[inline]
+    fn from(r: &'a Record<N>) -> Self {
+        Self {
+            tick: r.tick,
+            step: r.step,
+            flags: r.flags,
+            ground_m_per_s2: r.ground_m_per_s2,
+            command_m: &r.command_m,
+            sent_m: &r.sent_m,
+            displacement_m: &r.displacement_m,
+            force_n: &r.force_n,
+            estimated_displacement_m: &r.estimated_displacement_m,
+            estimated_force_n: &r.estimated_force_n,
+            velocity_m_per_s: &r.velocity_m_per_s,
+            acceleration_m_per_s2: &r.acceleration_m_per_s2,
+            added_damping_n_s_per_m: &r.added_damping_n_s_per_m,
+            gain: &r.gain,
+            energy_sum: r.energy_sum,
+            energy_input_j: r.energy_input_j,
+            energy_ratio: r.energy_ratio,
+        }
+    }
+}
 
 /// Sees every record of a running test, from its first step to its last.
 pub trait TestObserver {
     /// One control step.
-    fn on_step<const N: usize>(&mut self, record: &Record<N>);
+    fn on_step(&mut self, record: &AnyRecord<'_>);
 
     /// A control step that is not part of the test: before its start, while it is held, after its end.
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         let _ = record;
     }
 
@@ -20,17 +96,17 @@ pub trait TestObserver {
 
 impl TestObserver for () {
     #[inline]
-    fn on_step<const N: usize>(&mut self, _: &Record<N>) {}
+    fn on_step(&mut self, _: &AnyRecord<'_>) {}
 }
 
-impl<W: TestObserver> TestObserver for &mut W {
+impl<W: TestObserver + ?Sized> TestObserver for &mut W {
     #[inline]
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         (**self).on_step(record);
     }
 
     #[inline]
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         (**self).on_idle_step(record);
     }
 
@@ -42,14 +118,14 @@ impl<W: TestObserver> TestObserver for &mut W {
 
 impl<W: TestObserver> TestObserver for Option<W> {
     #[inline]
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         if let Some(observer) = self {
             observer.on_step(record);
         }
     }
 
     #[inline]
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         if let Some(observer) = self {
             observer.on_idle_step(record);
         }
@@ -63,13 +139,13 @@ impl<W: TestObserver> TestObserver for Option<W> {
 
 impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
     #[inline]
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         self.0.on_step(record);
         self.1.on_step(record);
     }
 
     #[inline]
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         self.0.on_idle_step(record);
         self.1.on_idle_step(record);
     }
@@ -148,9 +224,9 @@ impl Response {
 
 impl TestObserver for Response {
     #[inline]
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         if record.has(flag::SOLVED) {
-            self.push(&record.command_m);
+            self.push(record.command_m);
         }
     }
 }
@@ -235,7 +311,7 @@ impl Trace {
 
 impl TestObserver for Trace {
     #[inline]
-    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step(&mut self, r: &AnyRecord<'_>) {
         self.tick.push(r.tick);
         self.step.push(r.step);
         self.flags.push(r.flags);
@@ -245,7 +321,7 @@ impl TestObserver for Trace {
         self.energy_modified_j.push(r.energy_sum.modified_j);
         self.energy_input_j.push(r.energy_input_j);
         self.energy_ratio.push(r.energy_ratio);
-        for (j, floor) in self.floors.iter_mut().enumerate().take(N) {
+        for (j, floor) in self.floors.iter_mut().enumerate() {
             floor.command_m.push(r.command_m[j]);
             floor.sent_m.push(r.sent_m[j]);
             floor.displacement_m.push(r.displacement_m[j]);

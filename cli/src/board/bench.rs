@@ -66,7 +66,7 @@ impl<P: Port> BoardBench<P> {
         &self,
         test: &TestFile,
         trajectory: &Trajectory,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
         let board = &mut *self.connection.borrow_mut();
         commission(board, test, (trajectory, 0), &self.operator, observer)
@@ -82,7 +82,7 @@ impl<P: Port> Bench for BoardBench<P> {
     fn run<const N: usize>(
         &self,
         assignment: &PreparedTest<'_, N>,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
         let points = points(assignment)?;
         let board = &mut *self.connection.borrow_mut();
@@ -148,7 +148,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
     fn run(
         mut self,
         steps: usize,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
         began: Instant,
     ) -> Result<Ending, Failure> {
         let mut done = 0;
@@ -168,10 +168,10 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 last_running = record.tick;
                 done = record.tick.wrapping_sub(*first) as usize + 1;
                 if done <= steps {
-                    observer.on_step(record);
+                    observer.on_step(&record.into());
                 }
             } else if let Some(record) = record {
-                observer.on_idle_step(&record);
+                observer.on_idle_step(&(&record).into());
             }
             (done, observer.requested_event())
         };

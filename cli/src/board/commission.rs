@@ -35,7 +35,7 @@ pub fn commission<P: Port>(
     test: &TestFile,
     (trajectory, actuator): (&Trajectory, usize),
     operator: &Operator,
-    observer: &mut impl TestObserver,
+    observer: &mut dyn TestObserver,
 ) -> Result<Played, Failure> {
     trajectory.check(&test.config)?;
     let storeys = test
@@ -149,7 +149,7 @@ impl SingleActuator {
     fn play<P: Port>(
         &mut self,
         board: &mut Connection<P>,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
         event(board, Event::Start)?;
         let mut stopped = false;
@@ -165,7 +165,7 @@ impl SingleActuator {
                 Err(lost) => break Some(lost.to_string()),
             };
             let record = self.record(tick, &step);
-            observer.on_step(&record);
+            observer.on_step(&(&record).into());
             if let Some(asked) = observer.requested_event() {
                 // Refused only by a board that has ended the signal by itself.
                 stopped |= event(board, asked).is_ok();

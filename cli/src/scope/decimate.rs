@@ -1,6 +1,7 @@
 //! From 2000 steps a second to as many points as a screen shows, without losing a peak.
 
-use outerloop_core::{Record, flag};
+use experiment::trace::AnyRecord;
+use outerloop_core::flag;
 use std::fmt::Write as _;
 
 /// Names and units of the curves, in the order in which they are sent.
@@ -30,7 +31,7 @@ pub struct Band(pub [f64; CHANNELS.len()]);
 
 impl Band {
     /// Of a record.
-    pub fn of<const N: usize>(r: &Record<N>) -> Self {
+    pub fn of(r: &AnyRecord<'_>) -> Self {
         let values = [
             r.command_m[0],
             r.sent_m[0],
@@ -66,7 +67,7 @@ pub struct StepColumns {
 
 impl StepColumns {
     /// Of a record.
-    pub fn of<const N: usize>(r: &Record<N>) -> Self {
+    pub fn of(r: &AnyRecord<'_>) -> Self {
         Self {
             tick: r.tick,
             step: r.step,

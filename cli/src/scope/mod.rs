@@ -14,8 +14,8 @@ mod server;
 
 use decimate::{Band, StepColumns};
 use experiment::failure::Failure;
-use experiment::trace::TestObserver;
-use outerloop_core::{Event, Mode, Record};
+use experiment::trace::{AnyRecord, TestObserver};
+use outerloop_core::{Event, Mode};
 use server::Shared;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ impl Scope {
         })
     }
 
-    fn show<const N: usize>(&mut self, record: &Record<N>) {
+    fn show(&mut self, record: &AnyRecord<'_>) {
         self.shared.take(
             record.mode().unwrap_or(Mode::Idle),
             &Band::of(record),
@@ -69,11 +69,11 @@ impl Scope {
 }
 
 impl TestObserver for Scope {
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         self.show(record);
     }
 
-    fn on_idle_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_idle_step(&mut self, record: &AnyRecord<'_>) {
         self.show(record);
     }
 

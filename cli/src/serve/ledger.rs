@@ -1,8 +1,8 @@
 //! What a session leaves behind.
 
 use experiment::bench::OnBoard;
-use experiment::trace::TestObserver;
-use outerloop_core::{EnergyWords, Record, flag};
+use experiment::trace::{AnyRecord, TestObserver};
+use outerloop_core::{EnergyWords, flag};
 use serde::Serialize;
 
 /// Figures that are formed while the rig moves.
@@ -43,7 +43,7 @@ impl Ledger {
 }
 
 impl TestObserver for Ledger {
-    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step(&mut self, r: &AnyRecord<'_>) {
         self.control_steps += 1;
         self.energy = r.energy_sum;
         self.energy_ratio = f64::from(r.energy_ratio);

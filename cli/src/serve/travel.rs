@@ -9,6 +9,7 @@ use experiment::bench::OnBoard;
 use experiment::failure::Failure;
 use experiment::files::serve::Settings;
 use experiment::files::test::TestFile;
+use experiment::trace::AnyRecord;
 use experiment::trace::{TestObserver, Trace};
 use outerloop_core::{Mode, Pace, flag};
 
@@ -57,7 +58,7 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
 
     /// Counts a step and shows it.
     fn observe_step(&mut self, seen: &ServedStep<N>) -> Result<(), Stop> {
-        let record = &seen.record;
+        let record = &AnyRecord::from(&seen.record);
         self.scope.on_idle_step(record);
         self.take_scope_request()?;
         if record.mode().is_some_and(Mode::integrates) {

@@ -1,9 +1,8 @@
 //! What is shown while one waits.
 
 use super::output;
-use experiment::trace::TestObserver;
+use experiment::trace::{AnyRecord, TestObserver};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use outerloop_core::Record;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -83,7 +82,7 @@ pub struct Steps<'a> {
 
 impl TestObserver for Steps<'_> {
     #[inline]
-    fn on_step<const N: usize>(&mut self, _: &Record<N>) {
+    fn on_step(&mut self, _: &AnyRecord<'_>) {
         self.untold += 1;
         if self.untold == STEPS_A_TELL {
             self.progress.add(self.untold);

@@ -144,7 +144,7 @@ impl RigArguments {
         trajectory: &Trajectory,
         wanted: Option<usize>,
         seed: u64,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
         mut keep: impl FnMut(MovedActuator) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         trajectory.check(&test.config)?;
@@ -189,7 +189,7 @@ impl RigArguments {
         test: &TestFile,
         trajectory: &Trajectory,
         seed: u64,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Played, Failure> {
         trajectory.check(&test.config)?;
         let plan = PlannedMotion::of_trajectory(test, trajectory, 0);

@@ -9,8 +9,8 @@ use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
-use experiment::trace::TestObserver;
-use outerloop_core::{Event, Mode, Record};
+use experiment::trace::{AnyRecord, TestObserver};
+use outerloop_core::{Event, Mode};
 use std::path::Path;
 
 /// Steps after which the rig is on its way and the person looks for a moment at which it moves, and how fast it has to, m a
@@ -29,7 +29,7 @@ struct Hand {
 }
 
 impl TestObserver for Hand {
-    fn on_step<const N: usize>(&mut self, record: &Record<N>) {
+    fn on_step(&mut self, record: &AnyRecord<'_>) {
         self.seen += 1;
         self.way_m = record.command_m[0] - self.command_m;
         self.command_m = record.command_m[0];

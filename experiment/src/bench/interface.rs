@@ -116,7 +116,7 @@ pub trait Bench {
     fn run<const N: usize>(
         &self,
         assignment: &PreparedTest<'_, N>,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure>;
 }
 
@@ -124,7 +124,7 @@ pub trait Bench {
 #[macro_export]
 macro_rules! with_floors {
     ($floors:expr, $n:ident => $body:expr) => {
-        $crate::with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
+        $crate::bench::with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
     };
     (@ $floors:expr, $n:ident, $body:expr, $($count:literal)*) => {
         match $floors {
@@ -138,3 +138,4 @@ macro_rules! with_floors {
         }
     };
 }
+pub use with_floors;

@@ -43,7 +43,7 @@ impl Bench for PlantBench<'_> {
     fn run<const N: usize>(
         &self,
         assignment: &PreparedTest<'_, N>,
-        observer: &mut impl TestObserver,
+        observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
         let config = assignment.config;
         let physical = config.physical_storeys().min(N);
@@ -91,7 +91,7 @@ impl Bench for PlantBench<'_> {
             command_m = step.command_m.map(f64::from);
             match before {
                 Mode::Running | Mode::Resuming => {
-                    observer.on_step(step.record);
+                    observer.on_step(&step.record.into());
                     done += 1;
                     let computed = &step.record.command_m;
                     if step.record.has(flag::SOLVED)
@@ -112,7 +112,7 @@ impl Bench for PlantBench<'_> {
                 | Mode::Commissioning
                 | Mode::Holding
                 | Mode::Finished
-                | Mode::Tripped => observer.on_idle_step(step.record),
+                | Mode::Tripped => observer.on_idle_step(&step.record.into()),
             }
             // What means nothing in this mode is refused, and nothing happens.
             if let Some(event) = observer.requested_event()

@@ -1,11 +1,11 @@
 //! A signal on the simulated rig, in this process: the loop of core follows goals instead of a structure.
 
+use super::interface::with_floors;
 use super::played::Played;
 use crate::failure::Failure;
 use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
 use crate::trace::TestObserver;
-use crate::with_floors;
 use ::plant::Rig;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};
 
@@ -21,7 +21,7 @@ pub fn play(
     limits: Limits,
     signal: &SignalPoints,
     seed: u64,
-    observer: &mut impl TestObserver,
+    observer: &mut dyn TestObserver,
 ) -> Result<Played, Failure> {
     let mut config = test.config.clone();
     config.limits = limits;
@@ -65,7 +65,7 @@ pub fn play(
             command_m = f64::from(step.command_m[0]);
             match outer.state() {
                 Mode::Commissioning => {
-                    observer.on_step(&record);
+                    observer.on_step(&(&record).into());
                     let (x, f) = (sample.displacement_m[0], sample.force_n[0]);
                     // What was in force while the sample was taken.
                     played.add(rate_hz, record.command_m[0], x, f);
@@ -80,7 +80,7 @@ pub fn play(
                 }
                 Mode::Idle => idle += 1,
                 Mode::Armed => drop(outer.handle(Event::Start)),
-                _ => observer.on_idle_step(&record),
+                _ => observer.on_idle_step(&(&record).into()),
             }
             if let Some(event) = observer.requested_event()
                 && outer.handle(event).is_ok()

@@ -4,8 +4,8 @@ use super::file::CoupledTest;
 use super::table::{
     CoupledCompensation, CoupledLimits, CoupledStructure, CoupledTable, SpreadTable,
 };
+use crate::bench::interface::with_floors;
 use crate::failure::Failure;
-use crate::with_floors;
 use outerloop_core::coupled::{
     Bounds, CoupledLoop, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
     TrackerSettings, observed,

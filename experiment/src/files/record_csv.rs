@@ -49,7 +49,7 @@ mod tests {
             r.force_n = [next(), next(), next()];
             r.gain = [next(), next(), next()];
             r.energy_sum.hsem_j = next();
-            trace.on_step(&r);
+            trace.on_step(&(&r).into());
         }
         let back = SiRecording::parse("record.csv", &to_csv(&trace)).unwrap();
         let same = |quantity: &str, axis: usize, values: &[f32]| {

@@ -22,9 +22,9 @@ use crate::failure::Failure;
 use crate::files::near_fault::near_fault;
 use crate::files::test::TestFile;
 use crate::score::Score;
-use crate::trace::{Response, TestObserver};
+use crate::trace::{AnyRecord, Response, TestObserver};
 use outerloop_core::config::Limits;
-use outerloop_core::{Force, Method, Prediction, Record, flag};
+use outerloop_core::{Force, Method, Prediction, flag};
 use plant::actuator::DelayJump;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -113,7 +113,7 @@ struct Gauge<'a> {
 }
 
 impl TestObserver for Gauge<'_> {
-    fn on_step<const N: usize>(&mut self, r: &Record<N>) {
+    fn on_step(&mut self, r: &AnyRecord<'_>) {
         let mut motion = 0.0_f64;
         let (mut command, mut tracking, mut reading) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (j, peak_m) in self.peaks_m.iter().enumerate() {

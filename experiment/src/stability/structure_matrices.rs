@@ -1,7 +1,7 @@
 //! The structure of a test in plain matrices.
 
+use crate::bench::with_floors;
 use crate::failure::Failure;
-use crate::with_floors;
 use nalgebra::{DMatrix, DVector};
 use outerloop_core::{Config, Structure};
 

@@ -1,6 +1,7 @@
 //! The PC's side of a board against the firmware's own station, over frames of bytes, with a rig behind 12 bits.
 
 use experiment::Experiment;
+use experiment::bench::Played;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::recording::SiRecording;
@@ -11,9 +12,7 @@ use experiment::summary::TestVerdict;
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{
-    self, BoardBench, Connection, Operator, Played, Port, Timeouts, Trajectory,
-};
+use outerloop_cli::board::{self, BoardBench, Connection, Operator, Port, Timeouts, Trajectory};
 use plant::Rig;
 use std::io;
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! Three actuators on one board: station, service, link and the PC's side, on this machine.
 
 use experiment::Experiment;
+use experiment::bench::Played;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
@@ -14,7 +15,7 @@ use link::channel::number_of;
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{
-    self, BoardBench, BoardConnection, Connection, Operator, Played, Port, Timeouts, Trajectory,
+    self, BoardBench, BoardConnection, Connection, Operator, Port, Timeouts, Trajectory,
 };
 use outerloop_cli::serve::serve_on_board;
 use outerloop_core::{Fault, Mode};
