@@ -72,7 +72,7 @@ fn knet_is_scaled_from_counts_behind_its_mean() {
     );
 }
 
-/// A file that pymseed has written: `cli/tests/miniseed/write.py`.
+/// A file that pymseed has written: `experiment/tests/miniseed/write.py`.
 fn miniseed(
     name: &str,
     unit: Option<AccelerationUnit>,
