@@ -22,7 +22,9 @@ use crate::problem::{Fitted, Problem};
 use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
 use crate::signals::{end_of, rms};
-use crate::{advice, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum};
+use crate::{
+    advice, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum, wear,
+};
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
 use serde::Serialize;
@@ -84,6 +86,7 @@ pub fn diagnose(
         channel.ask_for_other_inputs(&mut answer);
         let mut lacks = input::lacks(&channel.base, train);
         lacks.extend(input::damages(&answer, train));
+        lacks.extend(wear::lack(&answer, train));
         input::widen(&mut answer, &lacks);
         channels.push(answer);
         let known = found.map(|solution| Drive {
@@ -103,6 +106,7 @@ pub fn diagnose(
     remarks.dedup();
     for answer in &mut channels {
         answer.notes.extend(advice::covers(&answer.effects));
+        answer.notes.extend(wear::note(answer, train));
         answer.notes.extend(advice::another_zero(answer));
         answer.notes.extend(remarks.iter().cloned());
     }

@@ -233,7 +233,7 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
 }
 
 /// As much of a gain that changes with time goes along with the largest displacement so far where the two are one.
-const TOGETHER: f64 = 0.9;
+pub const TOGETHER: f64 = 0.9;
 
 /// What warms up with time and what is damaged by the largest displacement so far, where this grows as that does: a
 /// protocol of growing cycles, above all.
@@ -279,7 +279,7 @@ pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
 }
 
 /// The square of the correlation of two values, each moment with its weight.
-fn alike(moments: &[(f64, f64, f64)]) -> f64 {
+pub fn alike(moments: &[(f64, f64, f64)]) -> f64 {
     let sum =
         |of: &dyn Fn(f64, f64) -> f64| moments.iter().map(|(w, a, b)| w * of(*a, *b)).sum::<f64>();
     let whole = sum(&|_, _| 1.0).max(f64::MIN_POSITIVE);

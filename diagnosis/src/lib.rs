@@ -48,6 +48,8 @@ mod sliding;
 mod spectrum;
 mod stamps;
 mod stretch;
+mod travel;
+mod wear;
 
 pub use answer::{
     Certificate, ChannelAnswer, Correction, DependsOn, Errors, FoundEffect, FoundParameter, Line,

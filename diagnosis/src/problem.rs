@@ -9,6 +9,7 @@ use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;
 use crate::stretch::{Stretch, corners, settling};
+use crate::travel;
 use plant::Channel;
 use std::borrow::Cow;
 
@@ -91,6 +92,7 @@ impl Problem {
                     time_s: whole.time_s.clone(),
                     x,
                     largest_before_mm: r.largest_before_mm(),
+                    travel_before_mm: travel::before_mm(r, lead),
                     v,
                     a,
                     base: none(),
@@ -155,6 +157,7 @@ impl Problem {
                     time_s: thin(&s.time_s),
                     x: thin(&s.x),
                     largest_before_mm: s.largest_before_mm,
+                    travel_before_mm: s.travel_before_mm,
                     v: thin(&s.v),
                     a: thin(&s.a),
                     base: thin(&s.base),

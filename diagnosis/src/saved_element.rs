@@ -98,6 +98,7 @@ impl SavedElement {
             fine: 1,
             x: s.x.clone(),
             largest_before_mm: s.largest_before_mm,
+            travel_before_mm: s.travel_before_mm,
             v: s.v.clone(),
             a: Vec::new(),
             first: 0,

@@ -12,6 +12,8 @@ pub struct Signals {
     pub x: Vec<f64>,
     /// Largest displacement before, either way, mm.
     pub largest_before_mm: f64,
+    /// Way gone before, mm.
+    pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
     /// Acceleration, mm/s^2.

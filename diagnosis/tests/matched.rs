@@ -132,6 +132,11 @@ fn cases() -> Vec<(Channel, EffectSpec)> {
             Degradation,
             &[("reference_mm", 25.0), ("exponent", 0.7)],
         ),
+        case(
+            Specimen,
+            Degradation,
+            &[("travel_mm", 2000.0), ("lost_share", 0.3)],
+        ),
         case(Specimen, AsymmetricStiffness, &[("difference", 0.1)]),
         case(Specimen, InertiaForce, &[("mass_kg", 60.0)]),
         case(

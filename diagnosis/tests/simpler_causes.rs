@@ -144,6 +144,80 @@ fn damage_that_a_model_has_is_there_in_smaller_cycles_after_the_largest() {
     assert!(kept < 1.5 * found, "{kept} N where {found} N were found");
 }
 
+/// A spring that loses four tenths of its stiffness along the way, half of it within two metres.
+fn fatigue(x: &[f64]) -> Vec<f64> {
+    let (mut way, mut last) = (0.0, x[0]);
+    let lost = |x: &f64| {
+        way += (x - last).abs();
+        last = *x;
+        -0.4 * STIFFNESS_N_PER_MM * x * way / (way + 2000.0)
+    };
+    x.iter().map(lost).collect()
+}
+
+#[test]
+fn what_the_way_takes_from_a_spring_is_degradation_and_stays_lost() {
+    // Large cycles, a pause, small ones, large ones again: time and the largest displacement go otherwise than the way.
+    let still = 0.35..0.5;
+    let x = cycles(60.0, |u| match u {
+        u if still.contains(&u) => 0.0,
+        u if u < 0.2 || u > 0.7 => 20.0,
+        _ => 5.0,
+    });
+    let [train, test] = recorded(&x, &fatigue(&x)).map(|r| [r]);
+    let first = diagnose(&declared(), &train, &test, &[]).expect("an answer");
+    let found = &first.channels[0];
+    let names: Vec<Effect> = found.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, [Effect::Degradation], "{}", said(found));
+    assert_eq!(found.verdict, Verdict::Effect, "{}", said(found));
+    let travel = &found.effects[0].parameters[0];
+    assert_eq!(travel.name, "travel_mm");
+    assert!((travel.value / 2000.0 - 1.0).abs() < 0.3, "{travel:?}");
+    // Four tenths, of 2 m and of what the training data go.
+    let way: f64 = train[0]
+        .displacement_mm
+        .iter()
+        .flatten()
+        .zip(train[0].displacement_mm.iter().flatten().skip(20))
+        .step_by(20)
+        .map(|(a, b)| (b - a).abs())
+        .sum();
+    let percent = 40.0 / (2000.0 + way) * 1e3;
+    let told = found.notes.iter().find(|n| n.contains("% per metre"));
+    let figure = told.and_then(|n| {
+        n.split(", by ")
+            .nth(1)?
+            .split(' ')
+            .next()?
+            .parse::<f64>()
+            .ok()
+    });
+    let near = figure.is_some_and(|f| (f / percent - 1.0).abs() < 0.1);
+    assert!(near, "{percent} in {:?}", found.notes);
+    let again = diagnose(&first.improved, &train, &test, &[]).expect("an answer");
+    assert_eq!(
+        again.channels[0].verdict,
+        Verdict::None,
+        "{}",
+        said(&again.channels[0])
+    );
+}
+
+#[test]
+fn where_the_way_grows_as_time_does_a_tired_spring_may_be_a_gain_that_drifts() {
+    let x = shaken(40.0, |u| 0.5 * between_rests(u, 0.03));
+    let a = asked(&x, &fatigue(&x));
+    for name in [Effect::Degradation, Effect::TemperatureGain] {
+        assert!(is_held_possible(&a, name), "{}", said(&a));
+    }
+    assert_eq!(a.verdict, Verdict::Ambiguous, "{}", said(&a));
+    let told = a
+        .notes
+        .iter()
+        .any(|n| n.contains("Pauses, or cycles of another size"));
+    assert!(told, "{:?}", a.notes);
+}
+
 /// What a spring loses behind a gap of a width whose corners are round.
 fn rounded_gap(x: &[f64], width_mm: f64) -> Vec<f64> {
     let (half, round) = (0.5 * width_mm, 0.12 * width_mm);

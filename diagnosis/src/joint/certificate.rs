@@ -1,6 +1,7 @@
 //! What speaks for a name: rivals of every other family are given every chance in its place.
 
 use super::dashpot;
+use super::dictionary;
 use super::element::{Element, Kind, Law};
 use super::free::{self, Free};
 use super::polish::Polished;
@@ -84,6 +85,10 @@ pub struct Rival {
 pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) {
     let taken = taken(library, best);
     let set = dashpot::simplest(library, taken);
+    let tires = |e: &usize| library.elements[*e].law == Law::Fatigued;
+    if set.elements.iter().any(tires) {
+        library.add(&dictionary::warming(&library.sizes));
+    }
     let mut candidates: Vec<Candidate> = Vec::new();
     for group in groups(library, &set) {
         // What a dashpot beside elements takes is small against what they take: it is measured by what the set leaves.

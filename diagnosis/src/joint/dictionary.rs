@@ -69,6 +69,9 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
     for exponent in [0.15, 0.4, 0.8, 1.4, 2.5] {
         add(Law::Lessened, [exponent, 0.0, 0.0, 0.0]);
     }
+    for share in [0.2, 1.0] {
+        add(Law::Fatigued, [share * sizes.travel, 0.0, 0.0, 0.0]);
+    }
     for place in [-0.5, -0.25, 0.0, 0.25, 0.5] {
         add(Law::Away, [c + place * x, 0.0, 0.0, 0.0]);
         for side in [-1.0, 1.0] {
@@ -102,6 +105,14 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
     all
 }
 
+/// Springs that change while something warms up: rivals of what the way takes. In the search itself one would follow what the
+/// beginning of any record leaves.
+pub fn warming(sizes: &Sizes) -> Vec<Element> {
+    let shares = [0.07, 0.12, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0];
+    let all = shares.map(|s| Element::new(Law::Warming, [s * sizes.seconds]));
+    all.to_vec()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,6 +131,6 @@ mod tests {
         assert!((200..300).contains(&all.len()), "{}", all.len());
         let laws: std::collections::HashSet<String> =
             all.iter().map(|e| format!("{:?}", e.law)).collect();
-        assert_eq!(laws.len(), 21, "{laws:?}");
+        assert_eq!(laws.len(), 22, "{laws:?}");
     }
 }

@@ -36,6 +36,10 @@ pub enum Law {
     PowerOfPlace,
     /// What a spring has lost for good: `-|largest x so far|^p x` [exponent].
     Lessened,
+    /// What a spring loses along the way: `-way / (way + half) x` [half mm].
+    Fatigued,
+    /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s].
+    Warming,
     /// `|x - place|` [place mm].
     Away,
     /// `x^2`.
@@ -89,7 +93,7 @@ pub enum Kind {
     Memory,
     /// Lost motion.
     Play,
-    /// The largest displacement so far.
+    /// The largest displacement or the way so far.
     Damage,
     /// A linear filter.
     Linear,
@@ -145,6 +149,15 @@ impl Element {
                 };
                 x.iter().map(lost).collect()
             }
+            Law::Fatigued => {
+                let mut way = t.travel_before_mm;
+                let lost = |(x, v): (&f64, &f64)| {
+                    way += h * v.abs();
+                    -x * way.max(0.0) / (way.max(0.0) + p)
+                };
+                x.iter().zip(&t.v).map(lost).collect()
+            }
+            Law::Warming => times(settling(t, p), x, &|x| x),
             Law::Away => of_x(&|x| (x - p).abs()),
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
@@ -153,11 +166,7 @@ impl Element {
             Law::SliderAway => times(laws::slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
             Law::SliderAlong => times(laws::slider(x, p), x, &|x| (x - q) / sizes.x),
             Law::SizeOfSpeed => of_v(&f64::abs),
-            Law::Settling => {
-                let from = t.time_s[0] - h * t.first as f64;
-                let time = (0..x.len()).map(|i| from + h * i as f64);
-                time.map(|t| 1.0 - (-t.max(0.0) / p).exp()).collect()
-            }
+            Law::Settling => settling(t, p),
             Law::Worn => {
                 let mut way = 0.0;
                 let z = laws::slider(x, p).into_iter().zip(&t.v);
@@ -180,6 +189,7 @@ impl Element {
             fine: 1,
             x: places.to_vec(),
             largest_before_mm: 0.0,
+            travel_before_mm: 0.0,
             v: vec![0.0; places.len()],
             a: Vec::new(),
             first: 0,
@@ -197,6 +207,7 @@ impl Element {
             | Law::Square
             | Law::SizeOfSpeed
             | Law::Settling
+            | Law::Warming
             | Law::SliderAlong => Bound::FREE,
             // Softening beyond a gap is a spring that gives way.
             Law::Beyond => Bound::FREE,
@@ -228,14 +239,14 @@ impl Element {
             | Law::Worn
             | Law::Pinched => Kind::Memory,
             Law::Lost => Kind::Play,
-            Law::Lessened => Kind::Damage,
+            Law::Lessened | Law::Fatigued => Kind::Damage,
             // What hardly grows with speed is friction whose reversals are smooth.
             Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => Kind::Memory,
             Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => Kind::Memory,
             Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => Kind::Speed,
             Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => Kind::Place,
             Law::Relaxing => Kind::Linear,
-            Law::Settling => Kind::Time,
+            Law::Settling | Law::Warming => Kind::Time,
         }
     }
 
@@ -278,7 +289,8 @@ impl Element {
             Law::Beyond if q == 0.0 => Effect::Hardening,
             Law::Away | Law::Square | Law::Beyond => Effect::AsymmetricStiffness,
             Law::Lost => Effect::Backlash,
-            Law::Lessened => Effect::Degradation,
+            Law::Lessened | Law::Fatigued => Effect::Degradation,
+            Law::Warming => Effect::TemperatureGain,
             Law::Settling => Effect::Drift,
         }
     }
@@ -356,6 +368,7 @@ impl Element {
             | Law::Relaxing
             | Law::Lost
             | Law::Lessened
+            | Law::Fatigued
             | Law::Settling => &[(0, Log)],
             Law::Stribeck => &[(0, Log), (1, Log)],
             // Where it is written in its own rates, the give is the unit of its force.
@@ -366,7 +379,7 @@ impl Element {
             Law::SliderAway | Law::SliderAlong => &[(0, Log)],
             Law::Worn | Law::Pinched => &[(0, Log), (1, Log)],
             Law::Beyond if self.shape[1] == 0.0 => &[(0, Log)],
-            Law::Away | Law::Beyond => &[],
+            Law::Away | Law::Beyond | Law::Warming => &[],
             Law::Square | Law::SizeOfSpeed => &[],
         }
     }
@@ -402,7 +415,8 @@ impl Element {
             Law::Lessened => (0.1..=4.0).contains(&p),
             Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
             Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
-            Law::Settling => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,
+            Law::Settling | Law::Warming => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,
+            Law::Fatigued => p > 0.02 * sizes.travel && p < 20.0 * sizes.travel,
             Law::Worn => {
                 (1e-3 * x..=0.9 * x).contains(&p)
                     && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
@@ -413,6 +427,14 @@ impl Element {
             Law::Away | Law::Square | Law::SizeOfSpeed => true,
         }
     }
+}
+
+/// From 0 at the file's first moment towards 1.
+fn settling(t: &Track, time_constant_s: f64) -> Vec<f64> {
+    let from = t.time_s[0] - t.interval_s * t.first as f64;
+    let time = (0..t.x.len()).map(|i| from + t.interval_s * i as f64);
+    time.map(|t| 1.0 - (-t.max(0.0) / time_constant_s).exp())
+        .collect()
 }
 
 /// Half ranges over which the growth of a stiffening loop is judged.
@@ -443,5 +465,24 @@ mod tests {
         let force = lessened.over(&[1.0, 4.0, 2.0, -2.0, -8.0, 4.0], &sizes);
         // -x (largest / 4)^2.
         assert_eq!(force, [-0.0625, -4.0, -2.0, 2.0, 32.0, -16.0]);
+    }
+
+    #[test]
+    fn a_spring_tires_along_the_way_and_not_at_rest() {
+        let track = Track {
+            interval_s: 0.5,
+            fine: 1,
+            x: vec![0.0, 2.0, 2.0, 0.0, -2.0],
+            largest_before_mm: 0.0,
+            travel_before_mm: 3.0,
+            v: vec![0.0, 4.0, 0.0, -4.0, -4.0],
+            a: Vec::new(),
+            first: 0,
+            time_s: Vec::new(),
+            force: Vec::new(),
+        };
+        let force = Element::new(Law::Fatigued, [5.0]).force(&track, &Sizes::default());
+        // 3 mm before the record, then 5, 5, 7 and 9: half is lost after 5.
+        assert_eq!(force, [0.0, -1.0, -1.0, 0.0, 2.0 * 9.0 / 14.0]);
     }
 }

@@ -69,6 +69,14 @@ pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED
             ("reference_mm", "mm", fit.sizes.x),
             ("exponent", "", p),
         ],
+        Effect::Degradation if first.law == Law::Fatigued => vec![
+            ("travel_mm", "mm", p),
+            ("stiffness_lost_in_the_end_n_per_mm", "N/mm", strength),
+        ],
+        Effect::TemperatureGain => vec![
+            ("change", "", strength / stiffness),
+            ("time_constant_s", "s", p),
+        ],
         Effect::Degradation => vec![
             ("stiffness_lost_at_reference_n_per_mm", "N/mm", strength),
             ("reference_mm", "mm", fit.sizes.x),
@@ -88,6 +96,8 @@ const fn unit(law: Law) -> &'static str {
     match law {
         Law::PowerOfPlace
         | Law::Lessened
+        | Law::Fatigued
+        | Law::Warming
         | Law::Away
         | Law::Square
         | Law::Beyond

@@ -7,7 +7,7 @@
 //! nothing of a place where it has not been.
 
 use super::blocks::Blocks;
-use super::element::Kind;
+use super::element::{Kind, Law};
 use super::set::{DECLARED, Library, Set, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
@@ -69,9 +69,13 @@ pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: 
     let rest = dealt.columns(set, own);
     let here = dealt.left(&with, &[]);
     let times = |base: &[Vec<f64>], free: &[Vec<f64>]| (dealt.left(base, free) - here).exp();
+    let tires = own
+        .iter()
+        .any(|&e| library.elements[e].law == Law::Fatigued);
     let own_variable = match kind {
         Kind::Place => dealt.places(OWN_PLACES),
         Kind::Speed => dealt.speeds(SPEEDS),
+        Kind::Damage if tires => dealt.changing(&[|t| &t.x]),
         _ => Vec::new(),
     };
     if !own_variable.is_empty() {
@@ -93,15 +97,22 @@ pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: 
             free.doubt = (leaves < most).then_some(doubt).or(free.doubt);
         }
     };
-    let remembers = family == Family::Hysteresis || matches!(kind, Kind::Play | Kind::Linear);
+    let remembers =
+        tires || family == Family::Hysteresis || matches!(kind, Kind::Play | Kind::Linear);
     if remembers {
         chance(&dealt.states(), CERTAIN, Doubt::Forgets);
     }
     // What cycles that grow take from a spring for good is a change along the way as well: there the law must only not be beaten.
-    let most = if kind == Kind::Damage { 1.0 } else { CERTAIN };
-    chance(&dealt.changing(), most, Doubt::Changes);
+    // What the way itself takes is that change.
+    if !tires {
+        let most = if kind == Kind::Damage { 1.0 } else { CERTAIN };
+        chance(&dealt.changing(&[|t| &t.x, |t| &t.v]), most, Doubt::Changes);
+    }
     free
 }
+
+/// A signal of a track.
+type Signal = fn(&Track) -> &Vec<f64>;
 
 /// The data of a library in another order: the pieces that are left out together stand together.
 struct Dealt<'a> {
@@ -173,8 +184,8 @@ impl<'a> Dealt<'a> {
         all
     }
 
-    /// A spring and a damper that change along the way in any manner.
-    fn changing(&self) -> Vec<Vec<f64>> {
+    /// A spring, a damper or both that change along the way in any manner.
+    fn changing(&self, of: &[Signal]) -> Vec<Vec<f64>> {
         let stage = |t: &Track, i: usize| -> Vec<f64> {
             let mut way = 0.0;
             let ways: Vec<f64> =
@@ -190,12 +201,8 @@ impl<'a> Dealt<'a> {
         };
         let times = |a: Vec<f64>, b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect();
         (0..STAGES)
-            .flat_map(|i| {
-                [
-                    self.of(|t| times(stage(t, i), &t.x)),
-                    self.of(|t| times(stage(t, i), &t.v)),
-                ]
-            })
+            .flat_map(|i| of.iter().map(move |signal| (i, signal)))
+            .map(|(i, signal)| self.of(|t| times(stage(t, i), signal(t))))
             .collect()
     }
 
@@ -228,7 +235,7 @@ fn hat(u: f64, i: usize, n: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::element::{Element, Law};
+    use super::super::element::Element;
     use super::super::laws;
     use super::super::track::Source;
     use super::*;

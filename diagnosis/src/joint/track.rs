@@ -5,6 +5,7 @@ use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, range};
 use crate::signals::{Signals, averaged};
 use crate::spectrum::motion_band_hz;
+use crate::travel;
 
 /// So many times a span's own length is looked back at: what an element remembers from before, later motion has wiped
 /// out.
@@ -30,6 +31,8 @@ pub struct Track {
     pub x: Vec<f64>,
     /// Largest displacement before, either way, mm.
     pub largest_before_mm: f64,
+    /// Way gone before the first of `x`, mm; below 0 where that is behind the first sample that is known.
+    pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,
     /// Acceleration, mm/s^2.
@@ -96,6 +99,7 @@ impl<'a> Source<'a> {
             fine,
             x: motion.x,
             largest_before_mm: self.recording.largest_before_mm(),
+            travel_before_mm: travel::before_mm(self.recording, self.before),
             v: motion.v,
             a: motion.a,
             first: self.before * fine,
@@ -124,6 +128,7 @@ impl Track {
             fine,
             x: motion.x,
             largest_before_mm: s.largest_before_mm,
+            travel_before_mm: s.travel_before_mm,
             v: motion.v,
             a: motion.a,
             first: 0,
@@ -159,6 +164,8 @@ impl Track {
         else {
             return;
         };
+        let speeds = self.v[..best].iter().map(|v| v.abs());
+        self.travel_before_mm -= self.interval_s * speeds.sum::<f64>();
         for signal in [&mut self.x, &mut self.v, &mut self.a] {
             let prefix = signal[..best].to_vec();
             signal.splice(0..0, prefix);

@@ -24,6 +24,7 @@ pub fn candidates(channel: Channel) -> Vec<Candidate> {
 /// What an effect of a model is in the library: a candidate, or one of its forms where it has the form's parameters.
 pub fn form(channel: Channel, effect: &EffectSpec) -> Option<Candidate> {
     let form = saved::form_of(channel, effect).and_then(|i| actuator::FORMS.get(i).copied());
+    let form = form.or_else(|| saved::tires(effect).then_some(specimen::FATIGUE));
     let all = candidates(channel);
     form.or_else(|| all.into_iter().find(|c| c.effect == effect.name))
 }

@@ -20,6 +20,14 @@ pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
+/// The way gone by each sample, from a first one on.
+pub fn way(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
+    v.iter().scan(before, move |way, v| {
+        *way += interval_s * v.abs();
+        Some(*way)
+    })
+}
+
 /// Nothing within `width` in all around zero.
 pub fn dead_zone(x: &[f64], width: f64) -> impl Iterator<Item = f64> + '_ {
     let half = 0.5 * width;

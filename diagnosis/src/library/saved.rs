@@ -44,6 +44,11 @@ pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static s
     form_of(channel, effect).map_or(&[], |i| FORMS[i].1)
 }
 
+/// Whether `effect` is a spring that tires along the way.
+pub fn tires(effect: &EffectSpec) -> bool {
+    effect.name == Effect::Degradation && effect.parameter("travel_mm").is_some_and(|mm| mm > 0.0)
+}
+
 /// Amplitudes and shapes of `effect`, as `candidate` has them, for data of these sizes. The phase of a hum is of its own
 /// record; its sine begins with 0.
 pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f64>, Vec<f64>) {
@@ -115,6 +120,7 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
             let at_largest = (get("reference_mm") / k.x).powf(-exponent);
             (vec![at_largest], vec![exponent])
         }
+        Effect::Degradation if tires(effect) => (vec![get("lost_share")], vec![get("travel_mm")]),
         Effect::Softening | Effect::Degradation => {
             (once, vec![get("reference_mm"), get("exponent")])
         }

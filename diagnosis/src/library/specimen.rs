@@ -79,6 +79,29 @@ pub const KNEE: Candidate = Candidate {
     ..BASIS
 };
 
+/// What the way takes from a spring: the other form of `degradation`.
+pub const FATIGUE: Candidate = Candidate {
+    effect: Effect::Degradation,
+    shapes: |s| {
+        // Back and forth at a third of the top speed.
+        let way = 0.3 * s.v * s.seconds;
+        vec![Shape::new(0.02 * way, 20.0 * way, 9)]
+    },
+    columns: |s, p, k| {
+        let way = op::way(&s.v, s.interval_s, s.travel_before_mm);
+        // Of what the spring feels in the model, with the reading's noise, as a gain that changes with time has it.
+        let forces = s.reading.iter().zip(way);
+        vec![
+            forces
+                .map(|(x, w)| -k.stiffness * x * w / (w + p[0]))
+                .collect(),
+        ]
+    },
+    bounds: share,
+    parameters: |a, p, _| vec![("travel_mm", "mm", p[0]), ("lost_share", "", a[0])],
+    ..BASIS
+};
+
 /// Least sharpness of a limit with a rounded corner: at half of it such a channel is still within a transducer's class of 0.5 %.
 const SHARP: f64 = 5.0;
 
@@ -361,6 +384,7 @@ pub const CANDIDATES: &[Candidate] = &[
         parameters: |_, p, _| vec![("reference_mm", "mm", p[0]), ("exponent", "", p[1])],
         ..BASIS
     },
+    FATIGUE,
     Candidate {
         effect: Effect::AsymmetricStiffness,
         columns: |s, _, k| vec![s.x.iter().map(|x| 0.5 * k.stiffness * x.abs()).collect()],

@@ -385,7 +385,7 @@ impl Rig {
             Cause::FrictionAndDashpot => (&FRICTION_AND_DASHPOT, &[]),
             Cause::FadesWithPeak => (&["degradation"], &[]),
             // What is lost on the whole is a wrong stiffness; that is not all of it.
-            Cause::FadesWithTravel => (&["gain_error"], &[]),
+            Cause::FadesWithTravel => (&["degradation", "gain_error"], &[]),
             Cause::FrictionAndQuadratic => (
                 &["coulomb_friction", "stribeck_friction", "quadratic_damping"],
                 &["viscous_damping"],
@@ -445,6 +445,8 @@ impl Rig {
             steps: false,
             whole: if both {
                 FRICTION_AND_DASHPOT.to_vec()
+            } else if self.cause == Cause::FadesWithTravel {
+                vec!["degradation"]
             } else {
                 Vec::new()
             },
@@ -452,7 +454,7 @@ impl Rig {
             beside: own.1.to_vec(),
             nameless: matches!(
                 self.cause,
-                Cause::Cogging | Cause::SecondAxis | Cause::PumpLine | Cause::FadesWithTravel
+                Cause::Cogging | Cause::SecondAxis | Cause::PumpLine
             ),
             inseparable: alike,
         }

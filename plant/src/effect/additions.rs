@@ -8,7 +8,7 @@ use crate::delay_line::DelayLine;
 use crate::error::{Accept, RigError};
 use crate::lag::{FirstOrder, SecondOrder};
 use crate::sensor::Hum;
-use crate::specimen::added::{Added, Maxwell, Power};
+use crate::specimen::added::{Added, Fatigue, Maxwell, Power};
 use crate::specimen::bilinear::Bilinear;
 use crate::specimen::bouc_wen::BoucWen;
 use crate::stage::{Drift, Friction, Play, SlipGap, Stage, Stages, WarmUp};
@@ -205,6 +205,11 @@ impl Additions {
                 milli("relaxation_ms"),
                 step_s,
             ))),
+            Effect::Degradation if get("travel_mm") > 0.0 => {
+                let lost = get("lost_share") * stiffness;
+                let fatigue = Fatigue::new(lost, milli("travel_mm"));
+                self.forces.push(Added::Fatigue(fatigue));
+            }
             Effect::Hardening | Effect::Softening | Effect::Degradation => {
                 let power = Power {
                     stiffness_n_per_m: stiffness,

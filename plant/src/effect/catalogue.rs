@@ -192,10 +192,12 @@ catalogue! {
         exponent = 1.0: 0.2 => 10.0, "", "power of the drift; above 1 the force falls in the end";
     }
     Degradation "degradation" Stiffness [Specimen]
-        "the storey loses stiffness for good with the largest drift so far, as concrete that cracks or rubber that is \
-         stretched for the first time" {
-        reference_mm: TINY => 1e6, "mm", "largest drift at which the secant stiffness has halved";
+        "the storey loses stiffness for good, with the largest drift so far, as concrete that cracks or rubber that is \
+         stretched for the first time, or with the way that it has gone, as in fatigue" {
+        reference_mm = 0.0: 0.0 => 1e6, "mm", "largest drift at which the secant stiffness has halved; 0: drift takes none";
         exponent = 1.0: 0.1 => 10.0, "", "power of the largest drift; above 1 the force of a first loading falls in the end";
+        travel_mm = 0.0: 0.0 => 1e9, "mm", "way after which half is lost of what the way takes in the end; 0: it takes none";
+        lost_share = 1.0: 0.0 => 1.0, "", "share of the stiffness that the way takes in the end";
     }
     AsymmetricActuator "asymmetric_actuator" Asymmetry [Actuator]
         "a piston with unequal areas pushes and pulls differently" {

@@ -1,5 +1,6 @@
 //! The parameters of an effect as given, checked against the catalogue.
 
+use super::catalogue::Effect;
 use super::row::Channel;
 use super::spec::EffectSpec;
 use crate::error::RigError;
@@ -39,7 +40,27 @@ impl CheckedEffect {
                 }
             })
             .collect::<Result<_, _>>()?;
-        Ok(Self { channel, values })
+        let checked = Self { channel, values };
+        if spec.name == Effect::Degradation {
+            checked.one_of("reference_mm", "travel_mm", path)?;
+        }
+        Ok(checked)
+    }
+
+    /// Refuses an effect that has neither of two sizes, or both: it is one thing or the other.
+    fn one_of(&self, one: &str, other: &str, path: &str) -> Result<(), RigError> {
+        let given = [one, other].map(|name| self.get(name) > 0.0);
+        if given[0] != given[1] {
+            return Ok(());
+        }
+        let (and, found) = if given[0] {
+            let found = format!("{} and {}", self.get(one), self.get(other));
+            ("and", found)
+        } else {
+            ("or", "missing".to_owned())
+        };
+        let place = format!("{path}.{one} {and} {other} of {}", Effect::Degradation);
+        Err(RigError::new(place, found, "one of the two above 0"))
     }
 
     /// The channel that is asked for, or that a parameter belongs to, or the first.

@@ -22,6 +22,8 @@ pub(crate) enum Added {
     Softening(Power),
     /// `K x / (1 + (largest |x| so far / ref)^p) - K x`, and the largest so far, m.
     Degradation(Power, f64),
+    /// `-lost x w / (w + half)` where `w` is the way gone so far.
+    Fatigue(Fatigue),
     /// `d/2 K |x|`: stiffness `1 + d/2` one way, `1 - d/2` the other.
     Unequal(f64),
     /// Yielding in place of elasticity: a bilinear element less the linear one.
@@ -36,6 +38,31 @@ pub(crate) struct Power {
     pub(crate) stiffness_n_per_m: f64,
     pub(crate) reference_m: f64,
     pub(crate) exponent: f64,
+}
+
+/// A stiffness that is lost with the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fatigue {
+    lost_n_per_m: f64,
+    half_m: f64,
+    way_m: f64,
+}
+
+impl Fatigue {
+    /// Fresh. In the end `lost_n_per_m` is gone, half of it after a way of `half_m`.
+    pub(crate) fn new(lost_n_per_m: f64, half_m: f64) -> Self {
+        Self {
+            lost_n_per_m,
+            half_m,
+            way_m: 0.0,
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, x: f64, increment_m: f64) -> f64 {
+        self.way_m += increment_m.abs();
+        -self.lost_n_per_m * x * self.way_m / (self.way_m + self.half_m)
+    }
 }
 
 impl Power {
@@ -70,6 +97,7 @@ impl Added {
                 let (_, ratio) = power.at(*largest_m);
                 -power.stiffness_n_per_m * x * ratio / (1.0 + ratio)
             }
+            Self::Fatigue(fatigue) => fatigue.step(x, drift.increment_m()),
             Self::Unequal(half) => *half * x.abs(),
             Self::Bilinear(bilinear, stiffness) => bilinear.step(x) - *stiffness * x,
             Self::BoucWen(bouc_wen, stiffness) => bouc_wen.step(x) - *stiffness * x,
@@ -168,6 +196,18 @@ mod tests {
             let largest = if t <= 0.5 { x.abs() } else { 0.04 };
             let secant = 1e5 / (1.0 + (largest / 0.02_f64).sqrt());
             assert!((1e5 * x + f - secant * x).abs() < 1e-6, "{t} s");
+        }
+    }
+
+    #[test]
+    fn what_the_way_has_taken_stays_lost_and_a_rest_takes_nothing() {
+        let fatigue = Added::Fatigue(Fatigue::new(0.6e5, 0.05));
+        // 20 mm out within half a second, as long a rest, and back through zero to -20 mm.
+        let motion = |t: f64| 0.02 * ((2.0 * t).min(1.0) - (2.0 * t - 2.0).clamp(0.0, 2.0));
+        for (t, x, f) in forces(fatigue, motion, 2.0) {
+            let way = if t < 1.0 { x } else { 0.04 - x };
+            let lost = 0.6e5 * way / (way + 0.05);
+            assert!((f + lost * x).abs() < 1e-6, "{t} s");
         }
     }
 

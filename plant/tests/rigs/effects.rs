@@ -42,7 +42,9 @@ fn telling_spec(effect: Effect, channel: Channel) -> EffectSpec {
         .entry()
         .parameters
         .iter()
-        .filter(|p| p.default.is_none() && p.channel.is_none_or(|own| own == channel))
+        // Of two sizes of a degradation one has to be given.
+        .filter(|p| p.default.is_none() || p.name == "reference_mm")
+        .filter(|p| p.channel.is_none_or(|own| own == channel))
         .map(|p| {
             (
                 p.name,

@@ -136,6 +136,14 @@ fn a_value_out_of_range_is_refused_by_its_path() {
             "plant.effects[0].width_mm of backlash is missing, accepted is a number from 0.000001 to 1000 mm",
         ),
         (
+            "effects = [{ name = 'degradation' }]",
+            "plant.effects[0].reference_mm or travel_mm of degradation is missing, accepted is one of the two above 0",
+        ),
+        (
+            "effects = [{ name = 'degradation', reference_mm = 9, travel_mm = 900 }]",
+            "plant.effects[0].reference_mm and travel_mm of degradation is 9 and 900, accepted is one of the two above 0",
+        ),
+        (
             "effects = [{ name = 'offset', offset_n = 1, offset_mm = 1 }]",
             "plant.effects[0].offset_n of offset is 1, accepted is in the actuator channel offset_mm",
         ),

@@ -1,0 +1,108 @@
+//! Stiffness that is lost for good: by the largest displacement so far or by the way gone, and what cannot be told from it.
+
+use crate::advice::four;
+use crate::answer::{ChannelAnswer, FoundEffect};
+use crate::input::{Lack, TOGETHER, alike};
+use crate::recording::Recording;
+use crate::{rest, travel};
+use plant::{Channel, Effect};
+
+/// By so much of the whole way, at most, is a motion ahead of an even pace or behind it that has one: pauses and cycles of
+/// another size are what tells travel from time.
+const EVEN: f64 = 0.05;
+
+fn value(effect: &FoundEffect, name: &str) -> Option<f64> {
+    let own = |p: &&crate::answer::FoundParameter| p.name == name;
+    effect.parameters.iter().find(own).map(|p| p.value)
+}
+
+fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
+    let lost = |e: &&FoundEffect| e.name == Effect::Degradation;
+    answer.effects.iter().find(lost)
+}
+
+/// A gain that falls with time and a stiffness that falls with the way, where the way grows evenly with time.
+pub fn lack(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
+    let tires = |e: &FoundEffect| e.name == Effect::Degradation && value(e, "travel_mm").is_some();
+    let cools = |e: &FoundEffect| {
+        e.name == Effect::TemperatureGain && value(e, "change").is_some_and(|c| c < 0.0)
+    };
+    let asked = |e: &FoundEffect| tires(e) || cools(e);
+    let specimen = answer.channel == Channel::Specimen;
+    if !specimen || !answer.effects.iter().any(asked) {
+        return None;
+    }
+    let ahead = train.iter().map(ahead).collect::<Option<Vec<f64>>>()?;
+    let even = ahead.iter().all(|a| *a < EVEN);
+    even.then(|| Lack {
+        sentence: "The way gone grows evenly with time: a stiffness that is lost with travel cannot be told from a gain that \
+                   changes with time, whatever fits. Pauses, or cycles of another size, tell them apart."
+            .into(),
+        alike: vec![vec![Effect::Degradation, Effect::TemperatureGain]],
+    })
+}
+
+/// By what share of its way a motion is ahead of an even pace, or behind it, at most; rests before and after are no pauses.
+fn ahead(record: &Recording) -> Option<f64> {
+    let moving = rest::without(record);
+    let way = travel::gone(moving.displacement_mm.as_ref()?, moving.interval_s())?;
+    let n = way.len() as f64;
+    let whole = way.last()?.max(f64::MIN_POSITIVE);
+    let off = way.iter().enumerate();
+    Some(
+        off.map(|(i, w)| (w / whole - (i + 1) as f64 / n).abs())
+            .fold(0.0, f64::max),
+    )
+}
+
+/// Which of the two takes the stiffness, and how much of it.
+pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
+    let effect = damage(answer)?;
+    let way_mm: f64 = train
+        .iter()
+        .filter_map(|r| {
+            let way = travel::gone(r.displacement_mm.as_ref()?, r.interval_s())?;
+            way.last().copied()
+        })
+        .sum();
+    let named = |name: &str| answer.refitted.iter().find(|r| r.name == name);
+    let tires = value(effect, "travel_mm").map(|half_mm| {
+        let stiffness = named("stiffness_n_per_mm").map_or(f64::NAN, |r| r.value);
+        let share = value(effect, "lost_share").unwrap_or_else(|| {
+            value(effect, "stiffness_lost_in_the_end_n_per_mm").unwrap_or(f64::NAN) / stiffness
+        });
+        // The mean over the way of the records.
+        100.0 * share / (way_mm + half_mm) * 1e3
+    });
+    let both = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
+    let one = both.iter().all(|r| *r > TOGETHER);
+    let which = match (tires, one) {
+        (Some(percent), _) => format!(
+            "The stiffness falls with the way gone, by {} % per metre over the {} m of the training data",
+            four(percent),
+            four(1e-3 * way_mm)
+        ),
+        (None, _) => "The stiffness falls with the largest displacement so far".into(),
+    };
+    let other = match (tires, one) {
+        (_, true) => {
+            "; the largest displacement grows as the way does, so which of the two takes it is not told. Smaller cycles after \
+             the largest would"
+        }
+        (Some(_), false) => ", not with the largest displacement so far",
+        (None, false) => ", not with the way gone",
+    };
+    Some(format!("{which}{other}."))
+}
+
+/// How far the largest displacement so far goes along with the way gone, each moment with the weight of its force.
+fn together(record: &Recording) -> Option<f64> {
+    let x = record.displacement_mm.as_ref()?;
+    let way = travel::gone(x, record.interval_s())?;
+    let mut largest = record.largest_before_mm();
+    let moments = x.iter().zip(&way).map(|(x, w)| {
+        largest = largest.max(x.abs());
+        (x * x, largest, *w)
+    });
+    Some(alike(&moments.collect::<Vec<_>>()))
+}
