@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod channel;
+mod corners;
 mod curve;
 mod driven;
 mod found;
@@ -79,6 +80,7 @@ pub fn diagnose(
             drive: drive.take(),
         };
         let (mut answer, found) = channel.judge(&mut improved);
+        channel.forgive_corners(&mut answer);
         driven::not_above(&mut answer, f64::INFINITY);
         channel.bends_alike(&mut answer);
         channel.hear_lines(&mut answer);
