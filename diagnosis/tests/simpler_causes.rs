@@ -3,7 +3,7 @@
 
 mod spring;
 
-use diagnosis::{ChannelAnswer, Recording, Verdict, diagnose};
+use diagnosis::{ChannelAnswer, Declared, Recording, Verdict, diagnose};
 use plant::Effect;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -161,7 +161,7 @@ fn what_the_way_takes_from_a_spring_is_degradation_and_stays_lost() {
     let still = 0.35..0.5;
     let x = cycles(60.0, |u| match u {
         u if still.contains(&u) => 0.0,
-        u if u < 0.2 || u > 0.7 => 20.0,
+        u if !(0.2..=0.7).contains(&u) => 20.0,
         _ => 5.0,
     });
     let [train, test] = recorded(&x, &fatigue(&x)).map(|r| [r]);
@@ -216,6 +216,54 @@ fn where_the_way_grows_as_time_does_a_tired_spring_may_be_a_gain_that_drifts() {
         .iter()
         .any(|n| n.contains("Pauses, or cycles of another size"));
     assert!(told, "{:?}", a.notes);
+}
+
+/// Back and forth at one speed, 10 mm either way, by an actuator that rounds its corners within 8 ms.
+fn triangle(seconds: f64) -> Vec<f64> {
+    let mut at = 0.0;
+    let to = |i: usize| {
+        let phase = (0.35 * i as f64 * H + 0.25).fract();
+        at += H / 8e-3 * (10.0 * (1.0 - 4.0 * (phase - 0.5).abs()) - at);
+        at
+    };
+    (0..(seconds / H) as usize).map(to).collect()
+}
+
+#[test]
+fn what_a_mass_feels_at_corners_of_the_motion_is_no_unknown_and_friction_beside_it_is_not_lost() {
+    let x = triangle(40.0);
+    let mass_kg = 400.0;
+    let acceleration = |i: usize| {
+        let [a, b] = [i.saturating_sub(1), (i + 1).min(x.len() - 1)];
+        (x[a] + x[b] - 2.0 * x[i]) / (H * H)
+    };
+    let inertia: Vec<f64> = (0..x.len())
+        .map(|i| 1e-3 * mass_kg * acceleration(i))
+        .collect();
+    let mut model = declared();
+    model.specimen.as_mut().expect("a specimen").mass_kg = Some(Declared {
+        value: mass_kg,
+        tolerance: 20.0,
+    });
+    let asked = |more: &[f64]| {
+        let [train, test] = recorded(&x, more);
+        let found = diagnose(&model, &[train], &[test], &[]).expect("an answer");
+        found.channels.into_iter().next().expect("the specimen")
+    };
+    let clean = asked(&inertia);
+    assert_eq!(clean.verdict, Verdict::None, "{}", said(&clean));
+    let told = clean
+        .notes
+        .iter()
+        .any(|n| n.contains("corners of the motion"));
+    assert!(told, "{:?}", clean.notes);
+    let both: Vec<f64> = friction(&x, 300.0)
+        .iter()
+        .zip(&inertia)
+        .map(|(f, i)| f + i)
+        .collect();
+    let rubs = asked(&both);
+    assert_ne!(rubs.verdict, Verdict::None, "{}", said(&rubs));
 }
 
 /// What a spring loses behind a gap of a width whose corners are round.

@@ -135,12 +135,15 @@ impl ChannelDiagnosis<'_> {
         let noise = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / 0.6745;
         let width = (FELT / (hz * r.interval_s())) as usize;
         let mut judged = vec![true; felt.len()];
-        for i in (0..felt.len()).filter(|i| felt[*i] > BEYOND_NOISE * noise) {
+        // Nobody knows how the motion goes on beyond the ends of a record.
+        let last = felt.len() - 1;
+        for i in (0..=last).filter(|i| *i == 0 || *i == last || felt[*i] > BEYOND_NOISE * noise) {
             let end = (i + width + 1).min(felt.len());
             judged[i.saturating_sub(width)..end].fill(false);
         }
         let all = judged.len() as f64;
-        let at_corners = judged.iter().filter(|j| !**j).count() as f64 / all;
+        let ends = 2 * width + 2;
+        let at_corners = judged.iter().filter(|j| !**j).count().saturating_sub(ends) as f64 / all;
         if at_corners > MOST {
             return None;
         }
