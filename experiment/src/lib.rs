@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`files`] | what people write and read: tests, ground motions, recorded data |
 //! | [`Experiment`] | a test on a ground motion, and the ideal that it is compared with |
-//! | [`bench`] | where a test runs: one trait, whatever stands behind it |
+//! | [`mod@bench`] | where a test runs: one trait, whatever stands behind it |
 //! | [`trace`] and [`score`] | what a test leaves, and Eqs 17 and 18 while it runs |
 //! | [`summary`] | the figures and the verdict |
 //! | [`judged`] | a test that ran, with its figures |

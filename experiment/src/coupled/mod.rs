@@ -8,7 +8,7 @@
 //! | [`experiment`] | a test on a ground motion |
 //! | [`settings`] | the same as the settings of core's loop |
 //! | [`trial`] | the test on the simulated rig, and its ideal |
-//! | [`record`] | what it leaves: every quantity in both systems of coordinates |
+//! | [`trace`] | what it leaves: every quantity in both systems of coordinates |
 //! | [`summary`] | the figures and the verdict |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 
