@@ -4,11 +4,11 @@
 #[path = "common/example.rs"]
 mod example;
 
-use outerloop_cli::board::emulated::can_run;
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::{Summary, TestVerdict};
+use outerloop_cli::board::emulated::can_run;
 use std::path::Path;
 
 fn file(name: &str) -> TestFile {

@@ -1,20 +1,19 @@
 //! The loop closed on the flashed image: a test on a rig with something undeclared in it, the diagnosis of the board's
 //! telemetry, the improved configuration sent to the same board, the same test again.
 
-use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{
-    BoardBench, Connection, Operator, Played, Timeouts, Trajectory, calibrate,
-};
 use experiment::Experiment;
+use experiment::bench::Played;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
-use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
 use experiment::judged::JudgedRun;
-use outerloop_cli::terminal::Progress;
 use experiment::trace::{Response, TestObserver};
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, Trajectory, calibrate};
+use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
+use outerloop_cli::terminal::Progress;
 use outerloop_core::Method;
 use std::cell::RefCell;
 use std::path::Path;

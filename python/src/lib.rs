@@ -4,7 +4,6 @@
 //! as `Refused` with its sentence. Python's other threads run while a test does.
 
 use diagnosis::Recording;
-use numpy::{PyArray1, PyReadonlyArray1};
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::any_table;
@@ -16,6 +15,7 @@ use experiment::files::test::TestFile;
 use experiment::files::{channels, model};
 use experiment::judged::JudgedRun;
 use experiment::trace::Trace;
+use numpy::{PyArray1, PyReadonlyArray1};
 use outerloop_cli::verb;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,11 +1,11 @@
 //! The bench of a test as `outerloop run --emulated` sets it up.
 
-use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use experiment::Experiment;
 use experiment::judged::JudgedRun;
 use experiment::trace::{Response, Trace};
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use std::path::Path;
 
 /// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.

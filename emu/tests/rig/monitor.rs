@@ -3,15 +3,15 @@
 
 use crate::desk::{Bench, Desk};
 use emu::{InjectedFault, PlannedFault};
-use link::Calibration;
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Operator, calibrate};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::soundness::monitor::{DISPLACEMENT, ENERGY_TRIP, TOO_FAR, TRACKING};
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::Trace;
+use link::Calibration;
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Operator, calibrate};
 use std::path::Path;
 
 /// The built-in ground motion so many times as fast, its pulse after 5 s as it is, and seconds of it.

@@ -2,14 +2,14 @@
 
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, codes, fine};
 use emu::LoggedEvent;
-use link::Calibration;
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Operator};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use experiment::trace::{AnyRecord, TestObserver};
+use link::Calibration;
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Operator};
 use outerloop_core::{Event, Mode};
 use std::path::Path;
 

@@ -2,14 +2,14 @@
 
 use crate::desk::{Desk, PERIOD_NS, TABLE_1, fine, image};
 use emu::{Firmware, LoggedEvent};
-use outerloop_cli::board::Image;
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Operator};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
+use outerloop_cli::board::Image;
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Operator};
 use std::path::Path;
 
 #[test]

@@ -1,13 +1,13 @@
 //! What 16 bits are for: a test that uses a small part of a long stroke.
 
-use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
-use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
+use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
 use std::path::Path;
 
 /// Table 1 over +-250 mm.

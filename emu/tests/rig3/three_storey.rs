@@ -1,13 +1,13 @@
 //! `examples/three-storey.toml` on the flashed image, as `outerloop run --emulated` does it: its strong part, to the end.
 
 use crate::example;
-use outerloop_cli::board::Image;
-use outerloop_cli::board::emulated::can_run;
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
+use outerloop_cli::board::Image;
+use outerloop_cli::board::emulated::can_run;
 use std::path::Path;
 
 #[test]
