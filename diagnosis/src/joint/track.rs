@@ -2,7 +2,8 @@
 
 use super::band::Band;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
-use crate::recording::{Recording, range};
+use crate::recording::{Recording, begins_at_rest, range};
+use crate::rest;
 use crate::signals::{Signals, averaged};
 use crate::spectrum::motion_band_hz;
 use crate::travel;
@@ -106,7 +107,14 @@ impl<'a> Source<'a> {
             time_s: self.recording.time_s.clone(),
             force: self.force.to_vec(),
         };
-        track.put_before_itself();
+        // Noise has a speed, too: a rest is told by its samples, not by one of them.
+        let starts_at_rest = begins_at_rest(&track.x)
+            || rest::spans(self.recording)
+                .first()
+                .is_some_and(|r| r.0 == 0);
+        if !starts_at_rest {
+            track.put_before_itself();
+        }
         track
     }
 }
@@ -230,4 +238,41 @@ pub fn thinning(tracks: &[Track], cutoff_hz: f64) -> usize {
     let allowed = (rate_hz / (A_CYCLE * cutoff_hz)).floor().max(1.0) as usize;
     let wanted = n.div_ceil(SEARCHED);
     allowed.min(wanted).max(n.div_ceil(MOST_SEARCHED))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// 100 Hz: some seconds of rest, then a sine of 100 mm and 0.5 Hz, with a sensor's noise of up to 0.1 mm.
+    fn record(rest_s: f64) -> Recording {
+        let time_s: Vec<f64> = (0..4000).map(|i| 0.01 * f64::from(i)).collect();
+        let noise = |i: usize| 0.1 * (7.1 * (i * i % 997) as f64).sin();
+        let at =
+            |(i, t): (usize, &f64)| 100.0 * (TAU * 0.5 * (t - rest_s).max(0.0)).sin() + noise(i);
+        let x: Vec<f64> = time_s.iter().enumerate().map(at).collect();
+        Recording {
+            name: "a run".into(),
+            force_n: Some(x.clone()),
+            displacement_mm: Some(x),
+            time_s,
+            ..Recording::default()
+        }
+    }
+
+    fn run_up(record: &Recording) -> usize {
+        Source::new(record).unwrap().track(10.0).first
+    }
+
+    #[test]
+    fn a_run_that_begins_with_a_rest_has_nothing_before_it_whatever_the_noise_of_its_first_sample()
+    {
+        for tenths in 10..60 {
+            assert_eq!(run_up(&record(0.1 * f64::from(tenths))), 0, "{tenths}");
+        }
+        let mut in_motion = record(3.0).slice(450, 4000);
+        in_motion.before = None;
+        assert!(run_up(&in_motion) > 0);
+    }
 }
