@@ -27,8 +27,9 @@ pub fn search(library: &Library) -> Vec<Scored> {
         best(library, sets)
     };
     let mut all: Vec<Scored> = Vec::new();
+    // Settled apart: what wins by one parameter must not pay for all four of them before it is compared.
     for moved in [free, held] {
-        all.extend(grow(library, begin(moved)));
+        all.extend(restrict(library, grow(library, begin(moved))));
     }
     // Without any element: each choice of parameters.
     let bare = (0..1 << DECLARED).map(|bits: usize| Set {
