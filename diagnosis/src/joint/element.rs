@@ -227,7 +227,7 @@ impl Element {
     /// Its kind.
     pub fn kind(&self, sizes: &Sizes) -> Kind {
         match self.law {
-            Law::InSeries if self.relaxes() => Kind::Linear,
+            Law::InSeries if self.relaxes(sizes) => Kind::Linear,
             Law::Slider
             | Law::Bristles
             | Law::Stribeck
@@ -255,7 +255,7 @@ impl Element {
         let [p, q, ..] = self.shape;
         let give = p / sizes.x;
         match self.law {
-            Law::InSeries if self.relaxes() => Effect::MaxwellDamper,
+            Law::InSeries if self.relaxes(sizes) => Effect::MaxwellDamper,
             Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
             Law::Slider
             | Law::Bristles
@@ -300,9 +300,11 @@ impl Element {
         let near = match self.law {
             Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
             Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
-            Law::InSeries if self.relaxes() => self.shape[2] * NEARLY > RELAXES,
+            Law::InSeries if self.relaxes(sizes) => {
+                self.shape[2] * NEARLY > self.most_relaxing(sizes)
+            }
             Law::InSeries => {
-                return kind == Kind::Linear && self.shape[2] < NEARLY * RELAXES;
+                return kind == Kind::Linear && self.shape[2] < NEARLY * self.most_relaxing(sizes);
             }
             _ => false,
         };
@@ -314,7 +316,7 @@ impl Element {
     pub fn is_dashpot(&self, sizes: &Sizes) -> bool {
         match self.law {
             Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
-            Law::InSeries => self.relaxes() && self.shape[0] < MAY_BE_FRICTION * sizes.x,
+            Law::InSeries => self.relaxes(sizes) && self.shape[0] < MAY_BE_FRICTION * sizes.x,
             _ => self.name(sizes, 1.0) == Effect::ViscousDamping,
         }
     }
@@ -337,10 +339,19 @@ impl Element {
         self.law == Law::BoucWen && n < BRISTLES && unload > load / 3.0
     }
 
-    /// Whether what is in series with the spring is more a dashpot than friction: its force grows at least with the root of
-    /// the speed.
-    fn relaxes(&self) -> bool {
-        self.law == Law::InSeries && self.shape[2] < RELAXES
+    /// Whether what is in series with the spring is more a dashpot than friction.
+    fn relaxes(&self, sizes: &Sizes) -> bool {
+        self.law == Law::InSeries && self.shape[2] < self.most_relaxing(sizes)
+    }
+
+    /// The exponent from which on it is friction.
+    fn most_relaxing(&self, sizes: &Sizes) -> f64 {
+        let [contact, spring] = RELAXES;
+        if self.shape[0] < MAY_BE_FRICTION * sizes.x {
+            contact
+        } else {
+            spring
+        }
     }
 
     /// Where it yields, mm.
