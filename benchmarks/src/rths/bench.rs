@@ -106,6 +106,11 @@ impl Benchmark<'_> {
     /// # Errors
     /// What core refuses of a controller.
     pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<RthsRow>, Refused> {
+        self.rows_told(&tell)
+    }
+
+    /// As [`rows`](Self::rows), compiled here: what calls it may be built with less optimisation.
+    fn rows_told(&self, tell: &(dyn Fn(usize) + Sync)) -> Result<Vec<RthsRow>, Refused> {
         let samples = self
             .records
             .iter()
@@ -131,7 +136,7 @@ impl Benchmark<'_> {
             .collect();
         let found: Vec<Vec<Vec<TrialVerdict>>> = tasks
             .par_iter()
-            .map(|task| self.verdicts(task, &noise, &tell))
+            .map(|task| self.verdicts(task, &noise, tell))
             .collect::<Result<_, _>>()?;
         let about_mean = self.about_mean();
         let mut rows = Vec::new();
@@ -169,7 +174,7 @@ impl Benchmark<'_> {
         &self,
         task: &Task<'_>,
         noise: &[Noise],
-        tell: &(impl Fn(usize) + Sync),
+        tell: &(dyn Fn(usize) + Sync),
     ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         match 1 + self.plants - task.first {
             1 => self.batch::<1>(task, noise, tell),
@@ -183,7 +188,7 @@ impl Benchmark<'_> {
         &self,
         task: &Task<'_>,
         noise: &[Noise],
-        tell: &(impl Fn(usize) + Sync),
+        tell: &(dyn Fn(usize) + Sync),
     ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         let case = &CASES[task.place];
         let index: [usize; L] = std::array::from_fn(|l| task.first + l);
