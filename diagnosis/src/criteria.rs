@@ -5,6 +5,7 @@ pub mod actuator;
 pub mod coordinates;
 pub mod records;
 pub mod single;
+pub mod specimen;
 
 /// Contiguous blocks of the training data; each is left out once. Fewer leave too little to learn from, more are shorter
 /// than what a rig remembers.
@@ -52,7 +53,7 @@ pub const STRIBECK_YIELD: f64 = 0.06;
 pub const EXPONENTS: [f64; 2] = [0.25, 1.25];
 /// Exponent of friction in series with a spring below which it is a damper there: 1 is Maxwell's, its reciprocal is the
 /// damper's own. First where the spring may be the give of a sliding contact, whose force grows a little with speed, too;
-/// then where it gives way further: fluid dampers have exponents of 0.3 to 1 (Symans and Constantinou, 1998), steel one of 0.05.
+/// then where it gives way further: fluid dampers have exponents of 0.3 to 1 (Symans and Constantinou, 1998).
 pub const RELAXES: [f64; 2] = [2.0, 4.0];
 /// A force that saturates below this share of the top speed is friction.
 pub const FRICTION_SPEED: f64 = 0.08;

@@ -8,6 +8,7 @@ mod driven;
 mod found;
 mod joined;
 mod obstacle;
+mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
@@ -155,14 +156,6 @@ impl ChannelDiagnosis<'_> {
             refitted: Vec::new(),
             traces: Traces::default(),
         }
-    }
-
-    fn not_assessed(&self, why: impl Into<String>) -> ChannelAnswer {
-        let mut answer = self.blank(Verdict::NotAssessed);
-        (answer.error_before, answer.error_after) = (Errors::UNKNOWN, Errors::UNKNOWN);
-        (answer.noise_floor_rms, answer.improvement_ci90) = (f64::NAN, [f64::NAN; 2]);
-        answer.notes.push(why.into());
-        answer
     }
 
     /// The records as this channel sees them.
@@ -481,23 +474,5 @@ impl ChannelDiagnosis<'_> {
         let all: Vec<f64> = residuals.concat();
         let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
         (beyond as f64) < 0.01 * all.len() as f64
-    }
-
-    /// Errors without a verdict, where nothing tells the noise.
-    fn unjudged(&self, problem: &Problem, cutoff_hz: f64) -> ChannelAnswer {
-        let mut answer = self.not_assessed(
-            "the record is too short to tell its noise, so no residual can be called significant; record longer, with a \
-             second of rest",
-        );
-        let still = Noise::at_rest(
-            &[vec![1.0, -1.0, 1.0, -1.0]],
-            problem.scales.interval_s,
-            1.0,
-        );
-        if let Some(s) = settle(problem, &self.base, &still, &[]) {
-            answer.error_before = self.errors(&s, cutoff_hz).0;
-            answer.error_after = answer.error_before;
-        }
-        answer
     }
 }

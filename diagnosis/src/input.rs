@@ -3,6 +3,7 @@
 
 use crate::answer::{ChannelAnswer, Member, Verdict};
 use crate::base::Base;
+use crate::criteria::specimen::TOGETHER;
 use crate::criteria::{LARGEST_SET, ONE_FREQUENCY, ONE_SIDE, ONE_SPEED, ONE_WAY, SAME_SPEED, SLOW};
 use crate::joint::outcome::commonness;
 use crate::recording::{Recording, range};
@@ -231,9 +232,6 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
         ],
     })
 }
-
-/// As much of a gain that changes with time goes along with the largest displacement so far where the two are one.
-pub const TOGETHER: f64 = 0.9;
 
 /// What warms up with time and what is damaged by the largest displacement so far, where this grows as that does: a
 /// protocol of growing cycles, above all.

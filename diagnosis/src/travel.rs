@@ -1,5 +1,6 @@
 //! The way that a motion goes.
 
+use crate::library::operators::way;
 use crate::recording::Recording;
 use crate::spectrum::{motion_band_hz, smooth};
 
@@ -22,12 +23,7 @@ fn velocity(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
 
 /// Way gone by each sample, mm; `None` where nothing moves.
 pub fn gone(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
-    let mut way = 0.0;
-    let step = |v: &f64| {
-        way += interval_s * v.abs();
-        way
-    };
-    Some(velocity(x, interval_s)?.iter().map(step).collect())
+    Some(way(&velocity(x, interval_s)?, interval_s, 0.0).collect())
 }
 
 /// Way gone in what a file holds before a span, but for its `last` samples, mm: what fatigue remembers.

@@ -2,14 +2,11 @@
 
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, FoundEffect};
-use crate::input::{Lack, TOGETHER, alike};
+use crate::criteria::specimen::{EVEN, TOGETHER};
+use crate::input::{Lack, alike};
 use crate::recording::Recording;
 use crate::{rest, travel};
 use plant::{Channel, Effect};
-
-/// By so much of the whole way, at most, is a motion ahead of an even pace or behind it that has one: pauses and cycles of
-/// another size are what tells travel from time.
-const EVEN: f64 = 0.05;
 
 fn value(effect: &FoundEffect, name: &str) -> Option<f64> {
     let own = |p: &&crate::answer::FoundParameter| p.name == name;
@@ -65,26 +62,28 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
             way.last().copied()
         })
         .sum();
-    let named = |name: &str| answer.refitted.iter().find(|r| r.name == name);
-    let tires = value(effect, "travel_mm").map(|half_mm| {
-        let stiffness = named("stiffness_n_per_mm").map_or(f64::NAN, |r| r.value);
-        let share = value(effect, "lost_share").unwrap_or_else(|| {
-            value(effect, "stiffness_lost_in_the_end_n_per_mm").unwrap_or(f64::NAN) / stiffness
-        });
-        // The mean over the way of the records.
-        100.0 * share / (way_mm + half_mm) * 1e3
+    let known = answer
+        .refitted
+        .iter()
+        .find(|r| r.name == "stiffness_n_per_mm");
+    let half_mm = value(effect, "travel_mm");
+    let share = value(effect, "lost_share").or_else(|| {
+        let lost = value(effect, "stiffness_lost_in_the_end_n_per_mm")?;
+        known.filter(|k| k.value > 0.0).map(|k| lost / k.value)
     });
     let both = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
     let one = both.iter().all(|r| *r > TOGETHER);
-    let which = match (tires, one) {
-        (Some(percent), _) => format!(
+    let which = match (half_mm, share) {
+        // The mean over the way of the records.
+        (Some(half_mm), Some(share)) => format!(
             "The stiffness falls with the way gone, by {} % per metre over the {} m of the training data",
-            four(percent),
+            four(100.0 * share / (way_mm + half_mm) * 1e3),
             four(1e-3 * way_mm)
         ),
+        (Some(_), None) => "The stiffness falls with the way gone".into(),
         (None, _) => "The stiffness falls with the largest displacement so far".into(),
     };
-    let other = match (tires, one) {
+    let other = match (half_mm, one) {
         (_, true) => {
             "; the largest displacement grows as the way does, so which of the two takes it is not told. Smaller cycles after \
              the largest would"

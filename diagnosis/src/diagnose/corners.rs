@@ -3,6 +3,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Verdict};
+use crate::criteria::specimen::{CORNER, MOST_CORNERS};
 use crate::criteria::{BAND_ROOM, NOISE};
 use crate::joint;
 use crate::linear::{Normal, dot, solve};
@@ -17,12 +18,8 @@ use plant::Channel;
 const CUTOFFS: usize = 7;
 /// Half an octave of cut-offs each way: by what lies between one and twice it a corner is told from noise.
 const OCTAVE: usize = 2;
-/// A corner: the forces of damping and mass change by so many times what noise changes them by.
-const BEYOND_NOISE: f64 = 3.5;
 /// Periods of the cut-off to either side of a corner in which it is felt.
 const FELT: f64 = 0.75;
-/// More corners than this share of the motion are the motion itself.
-const MOST: f64 = 0.35;
 /// The largest share of the sampling rate for a cut-off whose double still has samples.
 const MOST_RATE: f64 = 0.24;
 
@@ -137,14 +134,14 @@ impl ChannelDiagnosis<'_> {
         let mut judged = vec![true; felt.len()];
         // Nobody knows how the motion goes on beyond the ends of a record.
         let last = felt.len() - 1;
-        for i in (0..=last).filter(|i| *i == 0 || *i == last || felt[*i] > BEYOND_NOISE * noise) {
+        for i in (0..=last).filter(|i| *i == 0 || *i == last || felt[*i] > CORNER * noise) {
             let end = (i + width + 1).min(felt.len());
             judged[i.saturating_sub(width)..end].fill(false);
         }
         let all = judged.len() as f64;
         let ends = 2 * width + 2;
         let at_corners = judged.iter().filter(|j| !**j).count().saturating_sub(ends) as f64 / all;
-        if at_corners > MOST {
+        if at_corners > MOST_CORNERS {
             return None;
         }
         let force = r.force_n.as_ref()?;

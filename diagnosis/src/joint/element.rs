@@ -6,6 +6,7 @@ use crate::criteria::{
     BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, NEARLY,
     RELAXES, STRIBECK_YIELD,
 };
+use crate::library::operators::way;
 use crate::linear::Bound;
 use plant::Effect;
 use serde::{Deserialize, Serialize};
@@ -150,12 +151,8 @@ impl Element {
                 x.iter().map(lost).collect()
             }
             Law::Fatigued => {
-                let mut way = t.travel_before_mm;
-                let lost = |(x, v): (&f64, &f64)| {
-                    way += h * v.abs();
-                    -x * way.max(0.0) / (way.max(0.0) + p)
-                };
-                x.iter().zip(&t.v).map(lost).collect()
+                let ways = way(&t.v, h, t.travel_before_mm).map(|w| w.max(0.0));
+                x.iter().zip(ways).map(|(x, w)| -x * w / (w + p)).collect()
             }
             Law::Warming => times(settling(t, p), x, &|x| x),
             Law::Away => of_x(&|x| (x - p).abs()),
@@ -168,13 +165,8 @@ impl Element {
             Law::SizeOfSpeed => of_v(&f64::abs),
             Law::Settling => settling(t, p),
             Law::Worn => {
-                let mut way = 0.0;
-                let z = laws::slider(x, p).into_iter().zip(&t.v);
-                z.map(|(z, v)| {
-                    way += h * v.abs();
-                    z * (-way / q).exp()
-                })
-                .collect()
+                let ways: Vec<f64> = way(&t.v, h, 0.0).collect();
+                times(laws::slider(x, p), &ways, &|w| (-w / q).exp())
             }
             Law::Pinched => times(laws::slider(x, p), x, &|x| {
                 1.0 - (-((x - r) / q).powi(2)).exp()

@@ -11,6 +11,7 @@ use super::element::{Kind, Law};
 use super::set::{DECLARED, Library, Set, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
+use crate::library::operators::way;
 use nalgebra::{DMatrix, DVector};
 use plant::Family;
 
@@ -187,15 +188,8 @@ impl<'a> Dealt<'a> {
     /// A spring, a damper or both that change along the way in any manner.
     fn changing(&self, of: &[Signal]) -> Vec<Vec<f64>> {
         let stage = |t: &Track, i: usize| -> Vec<f64> {
-            let mut way = 0.0;
-            let ways: Vec<f64> =
-                t.v.iter()
-                    .map(|v| {
-                        way += v.abs();
-                        way
-                    })
-                    .collect();
-            let (first, last) = (ways[t.first], way);
+            let ways: Vec<f64> = way(&t.v, t.interval_s, 0.0).collect();
+            let (first, last) = (ways[t.first], ways[ways.len() - 1]);
             let at = |w: &f64| 2.0 * (w - first) / (last - first).max(f64::MIN_POSITIVE) - 1.0;
             ways.iter().map(|w| hat(at(w), i, STAGES)).collect()
         };
