@@ -245,10 +245,10 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// 100 Hz: some seconds of rest, then a sine of 100 mm and 0.5 Hz, with a sensor's noise of up to 0.1 mm.
+    /// 100 Hz: some seconds of rest, then a sine of 100 mm and 0.5 Hz, with a sensor's noise of up to 0.5 mm.
     fn record(rest_s: f64) -> Recording {
         let time_s: Vec<f64> = (0..4000).map(|i| 0.01 * f64::from(i)).collect();
-        let noise = |i: usize| 0.1 * (7.1 * (i * i % 997) as f64).sin();
+        let noise = |i: usize| 0.5 * (7.1 * (i * i % 997) as f64).sin();
         let at =
             |(i, t): (usize, &f64)| 100.0 * (TAU * 0.5 * (t - rest_s).max(0.0)).sin() + noise(i);
         let x: Vec<f64> = time_s.iter().enumerate().map(at).collect();
