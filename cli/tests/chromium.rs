@@ -263,15 +263,19 @@ fn a_plot_of_a_report_is_saved_as_numbers_and_as_a_drawing() {
     let ran = command(&[&test[..], &["--out", out]].concat()).status();
     assert!(ran.unwrap().success());
     let (_browser, _profile, mut page) = open_in(chromium, &format!("file://{out}/report.html"));
-    page.wait("document.readyState === 'complete'");
-    // What would go to the disk is kept here.
-    page.value(
-        "window.saved = []; HTMLAnchorElement.prototype.click = () => {};
-         URL.createObjectURL = (blob) => { blob.text().then((text) => saved.push(text)); return 'blob:none' };
-         for (const b of [...document.querySelectorAll('.plot .save button')].slice(0, 2)) b.click()",
+    // A browser may show its empty first page for a moment, and that one is complete, too.
+    page.wait(
+        "location.protocol === 'file:' && document.readyState === 'complete'
+         && document.querySelectorAll('.plot .save button').length >= 2",
     );
-    page.wait("saved.length === 2");
-    let saved = page.value("saved");
+    // What would go to the disk is kept here, in the order of the buttons.
+    let saved = page.value(
+        "window.blobs = []; HTMLAnchorElement.prototype.click = () => {};
+         URL.createObjectURL = (blob) => { blobs.push(blob); return 'blob:none' };
+         for (const b of [...document.querySelectorAll('.plot .save button')].slice(0, 2)) b.click();
+         Promise.all(blobs.map((blob) => blob.text())).then((texts) => window.saved = texts)",
+    );
+    assert_eq!(saved.as_array().map(Vec::len), Some(2), "{saved}");
     let (csv, svg) = (saved[0].as_str().unwrap(), saved[1].as_str().unwrap());
     let mut lines = csv.lines();
     let head = "\"curve\",\"time of the model [s]\",\"displacement [mm]\"";
