@@ -20,6 +20,7 @@
 mod case;
 mod class;
 mod declared;
+pub mod devices;
 mod dice;
 pub mod effect;
 mod excitation;

@@ -1,14 +1,16 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--only WORD] [--list] [--evidence]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence]
 //! ```
 //!
+//! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
 mod sit;
 
-use exam::field::{Mark, causes, set_field};
+use exam::devices::{devices, set_device};
+use exam::field::{Field, Mark, causes, set_field};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sit::Sat;
@@ -16,6 +18,17 @@ use sit::Sat;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let list = arguments.iter().any(|a| a == "--list");
+    let in_laboratories = arguments.iter().any(|a| a == "--devices");
+    let set: fn(u64) -> Field = if in_laboratories {
+        set_device
+    } else {
+        set_field
+    };
+    let names: Vec<_> = if in_laboratories {
+        devices().collect()
+    } else {
+        causes().collect()
+    };
     let range = |a: &String| -> Option<Vec<u64>> {
         match a.split_once("..") {
             Some((from, to)) => Some((from.parse().ok()?..to.parse().ok()?).collect()),
@@ -30,13 +43,13 @@ fn main() {
     if let Some(word) = only.and_then(|at| arguments.get(at + 1)) {
         seeds = seeds
             .into_par_iter()
-            .filter(|seed| set_field(*seed).id.contains(word))
+            .filter(|seed| set(*seed).id.contains(word))
             .collect();
     }
     let bar = ProgressBar::new(seeds.len() as u64);
     let all: Vec<Sat> = seeds
         .into_par_iter()
-        .map(sit::sit)
+        .map(|seed| sit::answer(set(seed)))
         .inspect(|_| bar.inc(1))
         .inspect(|s| {
             if list && !matches!(s.mark, Mark::Right | Mark::Set) {
@@ -47,7 +60,7 @@ fn main() {
     if arguments.iter().any(|a| a == "--evidence") {
         evidence(&all);
     }
-    by_cause(&all);
+    by_cause(&names, &all);
     calibration(&all);
 }
 
@@ -71,7 +84,7 @@ fn show(s: &Sat) {
     }
 }
 
-fn by_cause(all: &[Sat]) {
+fn by_cause(names: &[&str], all: &[Sat]) {
     let heads = Mark::ALL.map(|m| format!("{m:?}").to_lowercase());
     println!("| cause | rigs | {} |", heads.join(" | "));
     println!("|---|---|{}", "---|".repeat(heads.len()));
@@ -84,10 +97,10 @@ fn by_cause(all: &[Sat]) {
         });
         println!("| {name} | {} | {} |", of.len(), cells.join(" | "));
     };
-    for cause in causes() {
+    for cause in names {
         row(
             cause,
-            &all.iter().filter(|s| s.cause == cause).collect::<Vec<_>>(),
+            &all.iter().filter(|s| s.cause == *cause).collect::<Vec<_>>(),
         );
     }
     row("**all**", &all.iter().collect::<Vec<_>>());

@@ -2,7 +2,7 @@
 
 use diagnosis::{ActuatorModel, Declared, Diagnosis, Model, Recording, SpecimenModel, Verdict};
 use exam::Parameter;
-use exam::field::{Believed, Field, Mark, Said, Span, set_field};
+use exam::field::{Believed, Field, Mark, Said, Span};
 
 /// A field record, answered and graded.
 pub struct Sat {
@@ -144,9 +144,8 @@ fn notes(found: &Diagnosis) -> Vec<String> {
         .collect()
 }
 
-/// Sets, answers and grades the record of a seed.
-pub fn sit(seed: u64) -> Sat {
-    let field = set_field(seed);
+/// Answers and grades a record.
+pub fn answer(field: Field) -> Sat {
     let [train, test] = recordings(&field);
     let samples = train.time_s.len();
     let found = diagnosis::diagnose(&model(&field.believed), &[train], &[test], &[]);
