@@ -15,3 +15,9 @@ pub const MOST_CORNERS: f64 = 0.35;
 pub const EVEN: f64 = 0.05;
 /// The square of the correlation from which on two causes of a loss grow as one.
 pub const TOGETHER: f64 = 0.9;
+
+// Springs.
+
+/// A motion that goes to the other side of zero by so much of half its range has been on both sides of it: below this a
+/// transducer's zero is as likely as the specimen's.
+pub const BOTH_SIDES: f64 = 0.25;

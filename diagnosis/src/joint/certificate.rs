@@ -186,10 +186,12 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
     groups
 }
 
-/// The name of several elements that depend on the place: together they are one spring, whose two sides may be alike.
+/// The name of several elements that depend on the place: together they are one spring, whose two sides may be alike. They
+/// are compared where the motion has been on both: an excursion to one side shows nothing of the other.
 fn spring(library: &Library, set: &Set, strengths: &[f64], own: &[usize]) -> Effect {
     let sizes = &library.sizes;
-    let places = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|u| sizes.middle + u * sizes.x);
+    let [centre, reach] = sizes.both_sides();
+    let places = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|u| centre + u * reach);
     let mut force = [0.0; 5];
     for (&e, strength) in set.elements.iter().zip(&strengths[DECLARED..]) {
         if own.contains(&e) {
@@ -495,4 +497,59 @@ pub fn only(library: &Library, set: &Set, elements: &[usize]) -> Set {
     let settled = restrict(library, vec![(kept.clone(), score)]);
     let same = |s: &&(Set, f64)| s.0.elements == kept.elements;
     settled.iter().find(same).map_or(kept, |s| s.0.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::track::Source;
+    use super::*;
+    use crate::base::Base;
+    use crate::model::{Model, SpecimenModel};
+    use crate::recording::Recording;
+
+    /// The name of two kinks in a spring, at -6 and 6 mm, of a specimen that has gone to `left_mm` once and to 28 mm.
+    fn kinks(left_mm: f64, strengths: [f64; 2]) -> Effect {
+        let at = |i: usize| {
+            let t = 0.01 * i as f64;
+            let pulse = |t0: f64| (-((t - t0) / 0.7).powi(2)).exp();
+            left_mm * pulse(3.0) + 28.0 * pulse(5.0) + 9.0 * (1.7 * t).sin()
+        };
+        let x: Vec<f64> = (0..3000).map(at).collect();
+        let places = [-6.0, 6.0];
+        let spring = |x: &f64| {
+            let kinks = places.iter().zip(strengths);
+            50.0 * x + kinks.map(|(p, s)| s * (x - p).abs()).sum::<f64>()
+        };
+        let record = Recording {
+            name: "a specimen".into(),
+            time_s: (0..x.len()).map(|i| 0.01 * i as f64).collect(),
+            force_n: Some(x.iter().map(spring).collect()),
+            displacement_mm: Some(x),
+            ..Recording::default()
+        };
+        let model = Model {
+            specimen: Some(SpecimenModel::default()),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
+        let tracks = [Source::new(&record).unwrap().track(10.0)];
+        let mut library = Library::new(&base, &tracks, 1).unwrap();
+        let first = library.add(&places.map(|p| Element::new(Law::Away, [p])));
+        let set = Set {
+            elements: vec![first, first + 1],
+            moved: [true; DECLARED],
+        };
+        let groups = groups(&library, &set);
+        let spring = groups.iter().find(|g| g.kind == Kind::Place);
+        spring.unwrap().name
+    }
+
+    #[test]
+    fn the_sides_of_a_spring_are_compared_where_the_motion_has_been_on_both() {
+        for left_mm in [-28.0, -63.0] {
+            assert_eq!(kinks(left_mm, [20.0, -20.0]), Effect::Softening);
+            assert_eq!(kinks(left_mm, [-20.0, 20.0]), Effect::Hardening);
+            assert_eq!(kinks(left_mm, [20.0, 0.5]), Effect::AsymmetricStiffness);
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! A span as its elements feel it: with what was before it.
 
 use super::band::Band;
+use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, begins_at_rest, range};
 use crate::rest;
@@ -227,6 +228,17 @@ impl Sizes {
             seconds: h * speeds.len() as f64,
             interval_s: h * fine,
             travel,
+        }
+    }
+
+    /// Centre and reach of what has been moved to on both sides, mm: about zero where the motion goes through it, else about
+    /// the middle of the range.
+    pub fn both_sides(&self) -> [f64; 2] {
+        let reach = self.x - self.middle.abs();
+        if reach > BOTH_SIDES * self.x {
+            [0.0, reach]
+        } else {
+            [self.middle, self.x]
         }
     }
 }
