@@ -155,45 +155,6 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     answer.effects.iter().filter_map(of).collect()
 }
 
-/// Exponents of speed that are in proportion for all that is meant by it.
-const PROPORTIONAL: std::ops::Range<f64> = 0.85..1.15;
-/// From this damping ratio on nothing overshoots by more than a sixth: nobody would call it ringing.
-const RINGS: f64 = 0.5;
-
-/// What a name covers beside what it says: a law of another power, an oil column that does not ring, a transducer that bends.
-pub fn covers(effects: &[FoundEffect]) -> Vec<String> {
-    let of = |e: &FoundEffect| {
-        let named = |name: &str| e.parameters.iter().find(|p| p.name == name);
-        match e.name {
-            Effect::ViscousDamping | Effect::CoulombFriction => {
-                let exponent = named("exponent")?.value;
-                (!PROPORTIONAL.contains(&exponent)).then(|| {
-                    format!(
-                        "The force of that {} grows with the power {exponent:.2} of the speed: the law of a fluid damper with \
-                         orifices, or of a seal.",
-                        e.name
-                    )
-                })
-            }
-            Effect::OilColumn => {
-                let ratio = named("damping_ratio")?.value;
-                (ratio > RINGS).then(|| {
-                    format!(
-                        "With a damping ratio of {ratio:.2} nothing rings: a valve or a controller of second order is as likely as \
-                         the oil."
-                    )
-                })
-            }
-            Effect::Softening | Effect::Hardening => Some(format!(
-                "A displacement transducer whose scale bends makes the same of a spring as {}: a second transducer would tell.",
-                e.name
-            )),
-            _ => None,
-        }
-    };
-    effects.iter().filter_map(of).collect()
-}
-
 /// Sentences on what a joint search came to.
 pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);

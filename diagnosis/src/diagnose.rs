@@ -25,7 +25,7 @@ use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
 use crate::signals::{end_of, rms};
 use crate::{
-    advice, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum, wear,
+    advice, covers, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum, wear,
 };
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
@@ -108,7 +108,7 @@ pub fn diagnose(
     remarks.sort();
     remarks.dedup();
     for answer in &mut channels {
-        answer.notes.extend(advice::covers(&answer.effects));
+        answer.notes.extend(covers::covers(&answer.effects));
         answer.notes.extend(wear::note(answer, train));
         answer.notes.extend(advice::another_zero(answer));
         answer.notes.extend(remarks.iter().cloned());

@@ -13,6 +13,7 @@ mod base;
 mod channel;
 mod coherence;
 mod coupled;
+mod covers;
 mod criteria;
 mod declared;
 mod diagnose;

@@ -30,6 +30,7 @@ mod set;
 mod sliding;
 pub(crate) mod track;
 
+pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 pub use fit::Fit;
 pub use free::Doubt;
 pub use known::without_known;
