@@ -79,6 +79,8 @@ pub struct Rival {
     pub times: f64,
     /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
     pub priced: f64,
+    /// Its model has a force that does not change along the way, as a name promises, and leaves little more than the best.
+    pub steady: bool,
 }
 
 /// The names of a polished set, each with its certificate, the strongest first.
@@ -264,11 +266,12 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
         let times = (fall - own).exp();
         let priced = times * (shapes(&set) - own_price).exp();
+        let steady = times < CERTAIN && !varies(library, &of_kind(library, &set, kind));
         match rivals.iter_mut().find(same) {
             Some(r) => {
                 r.times = r.times.min(times);
-                if priced < r.priced {
-                    (r.priced, r.name, r.set) = (priced, name, set);
+                if (steady && !r.steady) || (steady == r.steady && priced < r.priced) {
+                    (r.priced, r.name, r.set, r.steady) = (priced, name, set, steady);
                 }
             }
             None => rivals.push(Rival {
@@ -277,6 +280,7 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
                 kind,
                 times,
                 priced,
+                steady,
             }),
         }
     }
@@ -444,6 +448,12 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
     let along = |law| matches!(law, Law::SliderAway | Law::SliderAlong);
     let mut laws = elements.iter().map(|&e| library.elements[e].law);
     !elements.is_empty() && laws.all(along)
+}
+
+/// The elements of a kind in a set.
+fn of_kind(library: &Library, set: &Set, kind: Kind) -> Vec<usize> {
+    let own = |e: &usize| library.elements[*e].kind(&library.sizes) == kind;
+    set.elements.iter().copied().filter(own).collect()
 }
 
 /// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.

@@ -250,6 +250,7 @@ mod tests {
             kind,
             times,
             priced: times,
+            steady: true,
         }
     }
 
