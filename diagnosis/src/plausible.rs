@@ -1,6 +1,8 @@
 //! Whether records can be what their headers say, before anything is fitted.
 
-use crate::criteria::records::{FEWEST_IN_ALL, GOES_FAR, GOES_ON, HEAVY, OVER, SLIP, STOP, STOPS};
+use crate::criteria::records::{
+    FEWEST_IN_ALL, GIVES, GOES_FAR, GOES_ON, HEAVY, OVER, SLIP, STOP, STOPS,
+};
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
 use crate::refusal::Refusal;
@@ -165,7 +167,7 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
         {
             return Err(Refusal::new(format!(
                 "{}: force falls where displacement rises: accepted is a force with the sign of the displacement, as \
-                 the declared stiffness has it",
+                 the declared stiffness has it; turn the sign of one of the two columns round",
                 r.name
             )));
         }
@@ -177,7 +179,34 @@ fn proportions(model: &Model, r: &Recording) -> Result<(), Refusal> {
             return slip("force per displacement", ratio);
         }
     }
-    Ok(())
+    drives(model, r)
+}
+
+/// A declared damper whose force drives the motion in the place of resisting it.
+fn drives(model: &Model, r: &Recording) -> Result<(), Refusal> {
+    let (Some(s), Some(x), Some(f)) = (&model.specimen, &r.displacement_mm, &r.force_n) else {
+        return Ok(());
+    };
+    let resists = s.damping_n_s_per_mm.is_some_and(|c| c.value > 0.0);
+    if !resists || taken(x, f, r.interval_s()) > GIVES {
+        return Ok(());
+    }
+    Err(Refusal::new(format!(
+        "{}: force pushes the way that the displacement goes, so the specimen would give work: accepted is a force that \
+         resists the motion, as the declared damping does; turn the sign of one of the two columns round",
+        r.name
+    )))
+}
+
+/// The work that a force takes, over what the same force would take that always resisted.
+fn taken(x: &[f64], f: &[f64], interval_s: f64) -> f64 {
+    let mean = f.iter().sum::<f64>() / f.len() as f64;
+    // Steps of the motion, longer than its noise.
+    let step = motion_band_hz(x, interval_s).map_or(1.0, |hz| (0.05 / (hz * interval_s)).floor());
+    let step = (step as usize).clamp(1, x.len() / 4);
+    let work = |i: usize| (f[i + step / 2] - mean) * (x[i + step] - x[i]);
+    let all = || (0..x.len() - step).step_by(step).map(work);
+    all().sum::<f64>() / all().map(f64::abs).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// The largest correlation of `a` with `b` some samples later, and how many.
@@ -295,6 +324,47 @@ mod tests {
         };
         let waits: Vec<f64> = drive.iter().map(play).collect();
         assert!(clipped(&waits, None).is_some() && clipped(&waits, Some(&drive)).is_none());
+    }
+
+    #[test]
+    fn a_damper_resists_the_motion_and_a_mass_neither_takes_nor_gives() {
+        let h = 1e-3;
+        let t = |i: usize| h * i as f64;
+        let x: Vec<f64> = (0..8000)
+            .map(|i| 20.0 * (3.0 * t(i)).sin() + 0.01 * ((i * 7919) % 101) as f64 / 50.0)
+            .collect();
+        let force = |of: &dyn Fn(f64) -> f64| (0..8000).map(|i| of(t(i))).collect::<Vec<f64>>();
+        let damper = force(&|t| 30.0 * (3.0 * t).cos());
+        let turned: Vec<f64> = damper.iter().map(|f| -f).collect();
+        let mass = force(&|t| -50.0 * (3.0 * t).sin());
+        assert!(taken(&x, &damper, h) > 0.9, "{}", taken(&x, &damper, h));
+        assert!(taken(&x, &turned, h) < GIVES);
+        assert!(taken(&x, &mass, h).abs() < 0.1);
+        let declared = Some(crate::declared::Declared {
+            value: 0.5,
+            tolerance: 0.1,
+        });
+        let model = Model {
+            specimen: Some(crate::model::SpecimenModel {
+                damping_n_s_per_mm: declared,
+                ..crate::model::SpecimenModel::default()
+            }),
+            ..Model::default()
+        };
+        let record = |force: &[f64]| Recording {
+            time_s: (0..8000).map(t).collect(),
+            displacement_mm: Some(x.clone()),
+            force_n: Some(force.to_vec()),
+            ..Recording::default()
+        };
+        assert!(proportions(&model, &record(&damper)).is_ok());
+        let refused = proportions(&model, &record(&turned))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refused.contains("turn the sign of one of the two columns"),
+            "{refused}"
+        );
     }
 
     #[test]

@@ -4,6 +4,9 @@
 
 /// Factor beyond which a proportion is a slip of units.
 pub const SLIP: f64 = 250.0;
+/// A force whose work is less than this share of what it would take that always resisted drives the motion: a damper takes
+/// all, a spring and a mass take nothing; a spring that is read late by an eighth of a period gives 0.88 of it.
+pub const GIVES: f64 = -0.95;
 /// The fewest samples of all training records, and of all test records, together.
 pub const FEWEST_IN_ALL: usize = 200;
 /// A record of an actuator is too slow where its delay and lag are over within this share of an interval.
