@@ -105,9 +105,13 @@ impl ChannelDiagnosis<'_> {
             answer.next_error_ci90 = Some([low, high.hypot(self.may_stick(answer))]);
             let of = |records: &[Recording], answers: &[Vec<f64>], rests: &[Vec<f64>]| {
                 let all = records.iter().zip(answers).zip(rests);
-                let moves = all.map(|((r, y), rest)| Moves {
-                    begin_s: r.time_s[r.time_s.len() - rest.len()],
-                    ..Moves::new(y, Vec::new(), rest.clone(), r.interval_s())
+                let moves = all.filter_map(|((r, y), rest)| {
+                    let skipped = r.time_s.len() - rest.len();
+                    let input = self.input_of(r)?[skipped..].to_vec();
+                    Some(Moves {
+                        begin_s: r.time_s[skipped],
+                        ..Moves::new(y, input, rest.clone(), r.interval_s())
+                    })
                 });
                 moves.collect::<Vec<_>>()
             };

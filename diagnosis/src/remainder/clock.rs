@@ -2,7 +2,9 @@
 //! right.
 
 use super::columns::Moves;
+use crate::library::operators::friction;
 use crate::linear::{dot, gram};
+use crate::recording::range;
 use crate::signals::add_scaled;
 use nalgebra::DVector;
 
@@ -13,6 +15,10 @@ const TAKES: f64 = 0.3;
 const LEAVES: f64 = 0.5;
 /// The same on the training data: a clock runs there, too, where the channel's own lag is right in the middle.
 const LEAVES_OF_TRAINING: f64 = 0.7;
+/// The same of what friction leaves that changes with time: it has the sign of the speed, and four fifths of a clock's squares.
+const LEAVES_OF_FRICTION: f64 = 0.8;
+/// Gives of that friction, over half the range of the motion.
+const GIVES: [f64; 2] = [0.02, 0.1];
 
 /// A clock of the output that runs otherwise than that of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,14 +35,28 @@ pub struct Clock {
 type Since<'a> = &'a dyn Fn(&Moves) -> f64;
 
 /// The speed of a model's answer times the time, its speed and itself.
-fn columns(answer: &Moves, since: Since) -> [Vec<f64>; 3] {
+fn columns(answer: &Moves, since: Since) -> Vec<Vec<f64>> {
     let (h, begin) = (answer.interval_s, since(answer));
     let timed = answer.v.iter().enumerate();
-    [
+    vec![
         timed.map(|(i, v)| (begin + i as f64 * h) * v).collect(),
         answer.v.clone(),
         answer.x.clone(),
     ]
+}
+
+/// A force that slides and changes with time, as of a lead core that heats, and the answer.
+fn slides(m: &Moves, since: Since) -> Vec<Vec<f64>> {
+    let (h, begin) = (m.interval_s, since(m));
+    let half = 0.5 * range(&m.other);
+    let mut all = vec![m.v.clone(), m.x.clone()];
+    for give in GIVES {
+        let force = friction(&m.other, give * half);
+        let timed = force.iter().enumerate();
+        all.push(timed.map(|(i, f)| (begin + i as f64 * h) * f).collect());
+        all.push(force);
+    }
+    all
 }
 
 /// What the columns leave of the rests of the training and of the test records, as shares, and their weights.
@@ -46,13 +66,13 @@ struct Left {
     weights: Vec<f64>,
 }
 
-/// What columns from `from` on leave.
-fn left(from: usize, train: &[Moves], test: &[Moves], since: Since) -> Option<Left> {
-    let mut all: Vec<Vec<f64>> = vec![Vec::new(); 3 - from];
+/// What columns leave.
+fn left(of: &dyn Fn(&Moves) -> Vec<Vec<f64>>, train: &[Moves], test: &[Moves]) -> Option<Left> {
+    let mut all: Vec<Vec<f64>> = Vec::new();
     let mut rest = Vec::new();
     for m in train {
-        let own = columns(m, since);
-        let own = own.into_iter().skip(from);
+        let own = of(m);
+        all.resize(own.len(), Vec::new());
         all.iter_mut()
             .zip(own)
             .for_each(|(all, own)| all.extend(own));
@@ -65,7 +85,7 @@ fn left(from: usize, train: &[Moves], test: &[Moves], since: Since) -> Option<Le
         for m in records {
             let mut rest = m.rest.clone();
             before += dot(&rest, &rest);
-            for (column, w) in columns(m, since).iter().skip(from).zip(weights.iter()) {
+            for (column, w) in of(m).iter().zip(weights.iter()) {
                 add_scaled(&mut rest, column, -w);
             }
             after += dot(&rest, &rest);
@@ -79,7 +99,8 @@ fn left(from: usize, train: &[Moves], test: &[Moves], since: Since) -> Option<Le
     })
 }
 
-/// The clock that the rests show; `x` and `v` of each are those of the model's answer. `None` where they show none.
+/// The clock that the rests show; `x` and `v` of each are those of the model's answer, `other` is its input. `None` where they
+/// show none.
 pub fn clock(train: &[Moves], test: &[Moves]) -> Option<Clock> {
     let first = train.first()?.begin_s;
     // Spans of one run share their beginning; records of several runs may each have their own.
@@ -90,11 +111,18 @@ pub fn clock(train: &[Moves], test: &[Moves]) -> Option<Clock> {
 }
 
 fn seen(train: &[Moves], test: &[Moves], since: Since) -> Option<Clock> {
-    let with = left(0, train, test, since)?;
-    let without = left(1, train, test, since)?;
+    let with = left(&|m| columns(m, since), train, test)?;
+    let without = left(&|m| columns(m, since).split_off(1), train, test)?;
     let share = 1.0 - with.test;
     let less = with.test <= LEAVES * without.test;
     if share < TAKES || !less || with.train > LEAVES_OF_TRAINING * without.train {
+        return None;
+    }
+    let moves = train.iter().chain(test).all(|m| range(&m.other) > 0.0);
+    let friction = moves.then(|| left(&|m| slides(m, since), train, test));
+    if let Some(friction) = friction.flatten()
+        && with.test > LEAVES_OF_FRICTION * friction.test
+    {
         return None;
     }
     let late = -with.weights[0];
@@ -139,6 +167,33 @@ mod tests {
         assert_eq!(clock(&[late(0.3)], &[late(1.9)]), None);
         let cubic = |phase| record(phase, |_, now| 1e-3 * now.powi(3));
         assert_eq!(clock(&[cubic(0.3)], &[cubic(1.9)]), None);
+    }
+
+    #[test]
+    fn a_bearing_that_heats_is_no_clock() {
+        let h = 2e-3;
+        let x = |t: f64| 10.0 * (2.1 * t).sin();
+        let input: Vec<f64> = (0..15_000).map(|i| x(h * i as f64)).collect();
+        let answer: Vec<f64> = input.iter().map(|x| 100.0 * x).collect();
+        let slides = friction(&input, 0.5);
+        // Two spans of one run.
+        let spans = |rest: &dyn Fn(usize) -> f64| {
+            let span = |(from, end): (usize, usize)| {
+                let noise = |i: usize| ((i * 7919) % 1009) as f64 / 504.5 - 1.0;
+                let rest = (from..end).map(|i| rest(i) + noise(i)).collect();
+                let moves = Moves::new(&answer[from..end], input[from..end].to_vec(), rest, h);
+                Moves {
+                    begin_s: h * from as f64,
+                    ..moves
+                }
+            };
+            [(0, 9_000), (9_000, 15_000)].map(span)
+        };
+        let [train, test] = spans(&|i| -2.0 * h * (i as f64 - 4_500.0) * slides[i]);
+        assert_eq!(clock(&[train], &[test]), None);
+        let late = |i: usize| 3e-4 * h * (i as f64 - 4_500.0);
+        let [train, test] = spans(&|i| 100.0 * (x(h * i as f64 - late(i)) - input[i]));
+        assert!(clock(&[train], &[test]).is_some());
     }
 
     #[test]
