@@ -37,7 +37,7 @@ pub fn notes(
              hides.",
             noise.rms, structured[0]
         )),
-        Verdict::Effect | Verdict::Ambiguous if !answer.effects.is_empty() => {
+        Verdict::Effect | Verdict::Ambiguous | Verdict::Partial if !answer.effects.is_empty() => {
             let names: Vec<&str> = answer.effects.iter().map(|e| e.name.name()).collect();
             notes.push(format!(
                 "The {name} model lacks {}: beyond the noise it leaves {:.4} {unit} rms without and {:.4} {unit} with it.",
@@ -64,7 +64,7 @@ pub fn notes(
     {
         notes.push(experiment(first.name).to_owned());
     }
-    if let (Verdict::Effect | Verdict::Ambiguous, [low, _]) =
+    if let (Verdict::Effect | Verdict::Partial | Verdict::Ambiguous, [low, _]) =
         (answer.verdict, answer.improvement_ci90)
         && low <= 0.0
         && answer

@@ -264,7 +264,10 @@ impl ChannelDiagnosis<'_> {
         noise: &Noise,
         improved: &Model,
     ) -> Option<(ChannelAnswer, Model)> {
-        let named = matches!(single.verdict, Verdict::Effect | Verdict::Ambiguous);
+        let named = matches!(
+            single.verdict,
+            Verdict::Effect | Verdict::Partial | Verdict::Ambiguous
+        );
         let left = single.error_after.test_rms;
         if self.base.channel != Channel::Specimen || !named || left <= NOISE * noise.rms {
             return None;

@@ -284,3 +284,19 @@ fn a_gap_with_round_corners_is_not_said_to_be_a_spring_that_stiffens() {
     let all: Vec<Effect> = names.chain(a.alternatives.iter().copied()).collect();
     assert!(all.contains(&Effect::DeadBand), "{}", said(&a));
 }
+
+#[test]
+fn what_takes_most_and_leaves_several_times_the_noise_is_a_part() {
+    let x = shaken(30.0, |u| between_rests(u, 0.1));
+    // The force is read 20 ms late.
+    let late = |i: usize| STIFFNESS_N_PER_MM * (x[i.saturating_sub(10)] - x[i]);
+    let whole = asked(&x, &(0..x.len()).map(late).collect::<Vec<_>>());
+    assert_eq!(whole.verdict, Verdict::Effect, "{}", said(&whole));
+    // Beside it, five times the noise, 14 N, of what no name has.
+    let more: Vec<f64> = (0..x.len())
+        .map(|i| late(i) + 140.0 * (3.0 * x[i]).sin() * (0.1 * speed(&x, i)).cos())
+        .collect();
+    let part = asked(&x, &more);
+    assert_eq!(part.verdict, Verdict::Partial, "{}", said(&part));
+    assert_eq!(part.effects[0].name, Effect::ChannelSkew, "{}", said(&part));
+}

@@ -4,18 +4,19 @@ use super::channel::ChannelDiagnosis;
 use crate::answer::*;
 use crate::base::Free;
 use crate::criteria::{
-    FALSE_SINGLES, FRICTION_YIELD, LEAST_SURE, MAY_BE_FRICTION, REACH, STRIBECK_YIELD, TRANSDUCER,
+    BESIDE_NOISE, FALSE_SINGLES, FRICTION_YIELD, LEAST_SURE, MAY_BE_FRICTION, REACH,
+    STRIBECK_YIELD, TRANSDUCER,
 };
 use crate::explain::Explanation;
 use crate::fit::Solution;
 use crate::improved::improve;
 use crate::interval;
 use crate::model::Model;
-use crate::noise::Noise;
+use crate::noise::{Noise, Source};
 use crate::problem::Problem;
-use crate::recording::range;
+use crate::recording::{Recording, range};
 use crate::signals::rms;
-use crate::{advice, joint, lattice};
+use crate::{advice, joint, lattice, rest};
 use plant::{Channel, Effect, EffectSpec, Family};
 
 /// The held-out data as a problem, and what an answer leaves of them.
@@ -169,6 +170,12 @@ impl ChannelDiagnosis<'_> {
                 answer.verdict = Verdict::Ambiguous;
             } else {
                 vouch(&mut answer, e.structured[1] > noise.rms);
+                let left = held_after.as_ref().map(|(_, left)| self.while_moving(left));
+                // However much it took: several times a noise that a rest has told is something.
+                let told = noise.from == Source::Rest && specimen;
+                if told && left.is_some_and(|left| left > BESIDE_NOISE * noise.rms) {
+                    answer.verdict = Verdict::Partial;
+                }
             }
             improve(&self.base, &e.after, &answer.effects, improved);
         } else if (e.vetoed || found) && !self.within_a_transducer(&before) {
@@ -205,6 +212,16 @@ impl ChannelDiagnosis<'_> {
             }
         }
         answer
+    }
+
+    /// What is left of the held-out data while they move, rms: in a rest friction holds any force.
+    fn while_moving(&self, left: &[Vec<f64>]) -> f64 {
+        let moving = |(r, left): (&Recording, &Vec<f64>)| {
+            let skipped = r.time_s.len() - left.len();
+            let part = rest::moving(r);
+            left[part.start.saturating_sub(skipped)..part.end.saturating_sub(skipped)].to_vec()
+        };
+        rms(&self.test.iter().zip(left).map(moving).collect::<Vec<_>>())
     }
 
     /// The error of a declared parameter that makes the same of the motion as an effect and stands at the end of its
