@@ -297,7 +297,7 @@ fn rest(a: &ChannelAnswer) -> Drawn {
         };
         for s in &r.shares {
             html += &row(
-                depends_on(s.depends_on),
+                depends_on(s.depends_on, a.channel),
                 s.share,
                 &percent(s.odd),
                 &percent(s.even),

@@ -145,7 +145,7 @@ fn shares(a: &ChannelAnswer) -> Option<Table> {
     let part = |x: f64| if x > 0.0 { percent(x) } else { "-".into() };
     for s in &r.shares {
         t.add_row([
-            depends_on(s.depends_on).to_owned(),
+            depends_on(s.depends_on, a.channel).to_owned(),
             percent(s.share),
             part(s.odd),
             part(s.even),

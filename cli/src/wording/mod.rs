@@ -3,6 +3,7 @@
 pub mod plan;
 
 use diagnosis::{ChannelAnswer, DependsOn, FoundParameter, Verdict};
+use plant::Channel;
 
 /// The verdict in one sentence.
 pub fn headline(a: &ChannelAnswer) -> String {
@@ -121,13 +122,13 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
             "Next: keep the improved model (--save-model); what it leaves on the held-out data is no more than the noise.".into()
         }
         Verdict::Partial => {
-            "Next: keep the improved model (--save-model); for what remains, vary one thing at a time, one amplitude at \
-             several rates and one rate at several amplitudes."
+            "Next: keep the improved model (--save-model); let --next FILE design the test that tells most about what remains, \
+             or vary one thing at a time, one amplitude at several rates and one rate at several amplitudes."
                 .into()
         }
         Verdict::Unknown => {
-            "Next: vary one thing at a time, one amplitude at several rates and one rate at several amplitudes, with two \
-             seconds of rest before and after; the model stays as it was declared."
+            "Next: let --next FILE design the test that tells most, or vary one thing at a time, one amplitude at several rates \
+             and one rate at several amplitudes, with two seconds of rest before and after; the model stays as it was declared."
                 .into()
         }
     })
@@ -173,17 +174,23 @@ fn change(a: &ChannelAnswer) -> String {
     )
 }
 
-/// What a rest depends on, in words.
-pub const fn depends_on(d: DependsOn) -> &'static str {
-    match d {
-        DependsOn::Displacement => "the displacement",
-        DependsOn::Velocity => "the velocity",
-        DependsOn::DisplacementAndVelocity => "displacement and velocity together",
-        DependsOn::Memory => "the motion since the last reversal",
-        DependsOn::Frequency => "the frequency (a linear filter)",
-        DependsOn::Time => "the time",
-        DependsOn::Amplitude => "the amplitude",
-        DependsOn::OtherChannel => "the other channel",
+/// What the rest of a channel depends on, in words: place and speed are those of what goes into it.
+pub const fn depends_on(d: DependsOn, channel: Channel) -> &'static str {
+    match (d, channel) {
+        (DependsOn::Displacement, Channel::Actuator) => "the command",
+        (DependsOn::Displacement, Channel::Specimen) => "the displacement",
+        (DependsOn::Velocity, Channel::Actuator) => "the speed of the command",
+        (DependsOn::Velocity, Channel::Specimen) => "the velocity",
+        (DependsOn::DisplacementAndVelocity, Channel::Actuator) => "the command and its speed",
+        (DependsOn::DisplacementAndVelocity, Channel::Specimen) => {
+            "displacement and velocity together"
+        }
+        (DependsOn::Memory, _) => "the motion since the last reversal",
+        (DependsOn::Frequency, _) => "the frequency (a linear filter)",
+        (DependsOn::Time, _) => "the time",
+        (DependsOn::Amplitude, _) => "the amplitude",
+        (DependsOn::OtherChannel, Channel::Actuator) => "the force",
+        (DependsOn::OtherChannel, Channel::Specimen) => "the command",
     }
 }
 
@@ -222,7 +229,7 @@ pub fn rest(a: &ChannelAnswer) -> Option<String> {
     if let Some(s) = r.shares.first() {
         parts.push(format!(
             "{} {} {:.0} % of its squares on held-out data",
-            depends_on(s.depends_on),
+            depends_on(s.depends_on, a.channel),
             match s.depends_on {
                 DependsOn::DisplacementAndVelocity => "account for",
                 _ => "alone accounts for",
@@ -362,7 +369,24 @@ mod tests {
         // Neither a spring nor a damper: the force has the sign of what no effect of the list has.
         let odd = answer(|x, v| 8.0 * (3.0 * x).sin() * (0.7 * v).cos());
         assert_eq!(odd.verdict, Verdict::Unknown, "{odd:?}");
-        assert!(next(&odd).unwrap().contains("stays as it was declared"));
+        let said = next(&odd).unwrap();
+        assert!(said.contains("--next FILE") && said.contains("stays as it was declared"));
+    }
+
+    #[test]
+    fn what_a_rest_depends_on_is_called_by_its_name() {
+        assert_eq!(
+            depends_on(DependsOn::OtherChannel, Channel::Actuator),
+            "the force"
+        );
+        assert_eq!(
+            depends_on(DependsOn::Displacement, Channel::Actuator),
+            "the command"
+        );
+        assert_eq!(
+            depends_on(DependsOn::OtherChannel, Channel::Specimen),
+            "the command"
+        );
     }
 
     #[test]
