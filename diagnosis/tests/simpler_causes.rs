@@ -299,4 +299,10 @@ fn what_takes_most_and_leaves_several_times_the_noise_is_a_part() {
     let part = asked(&x, &more);
     assert_eq!(part.verdict, Verdict::Partial, "{}", said(&part));
     assert_eq!(part.effects[0].name, Effect::ChannelSkew, "{}", said(&part));
+    // Whoever prints an answer leaves its first note out: it says in figures what the verdict says.
+    assert!(
+        part.notes[0].starts_with("The specimen model lacks channel_skew"),
+        "{:?}",
+        part.notes
+    );
 }
