@@ -154,46 +154,64 @@ fn slack_in_a_linkage_is_a_play_or_friction_in_the_drive() {
     assert!(a.error_after.test_rms < 3.0 * a.noise_floor_rms);
 }
 
+/// Bristles (LuGre) of a give of 0.03 mm bend the oil by 0.4 mm; the position loop is around them, and a play behind it.
+fn sealed(seed: u64, play_mm: f64) -> Recording {
+    let u = command(seed, 10.0);
+    let (mut oil, mut x, mut bristle, mut time) = (0.0, 0.0, 0.0_f64, -5.0);
+    let dt = H / 10.0;
+    // The ram's own equations in place of the record's; its clock runs beside that of the record.
+    let mut r = record(seed, 10.0, |_| 0.0, |_| 0.0);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed + 100);
+    let (mut read, mut at) = (Vec::new(), 0.0_f64);
+    while read.len() < r.time_s.len() {
+        for _ in 0..10 {
+            time += dt;
+            oil += dt * (u(time - 0.006) - x) / 0.02;
+            // Bisection for the place where the bristles hold the spring of the oil.
+            let held = |at: f64| {
+                let way = (at - x) / 0.03;
+                (bristle + way) / (1.0 + way.abs())
+            };
+            let (mut low, mut high) = (x - 2.0, x + 2.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if middle + 0.4 * held(middle) < oil {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            bristle = held(low);
+            x = low;
+            at = at.clamp(x - 0.5 * play_mm, x + 0.5 * play_mm);
+        }
+        if time > 0.5 * dt {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            read.push(at + 5e-3 * noise);
+        }
+    }
+    r.displacement_mm = Some(read);
+    r
+}
+
+#[test]
+fn play_behind_a_loop_with_friction_in_it_is_named_beside_the_friction() {
+    let (a, _) = asked(|seed| sealed(seed, 0.3));
+    let mut names = named(&a);
+    names.sort();
+    assert_eq!(names, [Effect::CoulombFriction, Effect::Backlash], "{a:?}");
+    let value = |name| {
+        let effect = a.effects.iter().find(|e| e.name == name).unwrap();
+        effect.parameters[0].value
+    };
+    let (bend, play) = (value(Effect::CoulombFriction), value(Effect::Backlash));
+    assert!((bend / 0.4 - 1.0).abs() < 0.1, "{bend}");
+    assert!((play / 0.3 - 1.0).abs() < 0.1, "{play}");
+}
+
 #[test]
 fn seals_that_hold_the_piston_against_the_oil_are_friction() {
-    // Bristles (LuGre) of a give of 0.03 mm bend the oil by 0.4 mm; the position loop is around them.
-    let make = |seed: u64| {
-        let u = command(seed, 10.0);
-        let (mut oil, mut x, mut bristle, mut time) = (0.0, 0.0, 0.0_f64, -5.0);
-        let dt = H / 10.0;
-        // The ram's own equations in place of the record's; its clock runs beside that of the record.
-        let mut r = record(seed, 10.0, |_| 0.0, |_| 0.0);
-        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed + 100);
-        let mut read = Vec::new();
-        while read.len() < r.time_s.len() {
-            for _ in 0..10 {
-                time += dt;
-                oil += dt * (u(time - 0.006) - x) / 0.02;
-                // Bisection for the place where the bristles hold the spring of the oil.
-                let held = |at: f64| {
-                    let way = (at - x) / 0.03;
-                    (bristle + way) / (1.0 + way.abs())
-                };
-                let (mut low, mut high) = (x - 2.0, x + 2.0);
-                for _ in 0..50 {
-                    let middle = 0.5 * (low + high);
-                    if middle + 0.4 * held(middle) < oil {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
-                }
-                bristle = held(low);
-                x = low;
-            }
-            if time > 0.5 * dt {
-                let noise: f64 = StandardNormal.sample(&mut random);
-                read.push(x + 5e-3 * noise);
-            }
-        }
-        r.displacement_mm = Some(read);
-        r
-    };
+    let make = |seed| sealed(seed, 0.0);
     let (a, improved) = asked(make);
     assert!(
         matches!(a.verdict, Verdict::Effect | Verdict::Partial),

@@ -109,7 +109,9 @@ impl Kind {
             Self::Stops => 6,
             Self::Compliance => 7,
         };
-        group(self) == group(other)
+        // Play behind the drive and friction that bends the oil inside the loop stand beside each other.
+        let beside = |a, b| a == Self::Play && matches!(b, Self::Seal | Self::StickySeal);
+        group(self) == group(other) && !beside(self, other) && !beside(other, self)
     }
 
     /// Whether it adds a column with an amplitude of its own, else it acts inside the way.
