@@ -17,10 +17,12 @@
 //! # What is not as on the metal
 //! The emulator has no lines between timers and converters: the laboratory reads what the image has written into their
 //! registers, starts the conversions at the updates of the sampling timer, and hands commands over at TIM4's compare, only
-//! where the chip would. Every instruction takes the mean of what the chip takes ([`nucleo::INSTRUCTIONS_PER_SECOND`]): no
+//! where the chip would. Every instruction takes the mean of what the chip takes (`nucleo::INSTRUCTIONS_PER_SECOND`): no
 //! pipeline, no flash, no bus contention. Both conversions of a pair read the same voltage. What is programmed into the
 //! flash is dropped. Everything else is the emulator's model of the chip: clocks, timers, priorities, DMA, serial port,
 //! watchdog, resets.
+
+#![cfg(feature = "emulator")]
 
 pub mod chain;
 mod gaps;
