@@ -1,8 +1,9 @@
 //! The dearest step of a test with each method, for the cycle model.
 
-use super::bench::{drive, rig, solved};
+use super::bench::rig;
 use super::cycles::{Code, Course};
-use super::machine::{Clock, Machine, Test};
+use super::machine::Test;
+use super::traced::traced;
 use crate::{Scenario, Shaking, table1, whole_pipeline};
 use outerloop_core::{Config, Event, Fault, Method, Mode};
 use std::io::{Error, Result};
@@ -54,30 +55,12 @@ fn scenario<const N: usize>(method: Method) -> Scenario {
 pub fn dearest<const N: usize>(image: &Path, code: &Code, method: Method) -> Result<Course> {
     let scenario = scenario::<N>(method);
     let shaking = shaking();
-    let filter = code.filter();
-    let mut machine = Machine::<N>::start_filtered(image, Clock::Tracing, Some(&filter))?;
-    let trace = machine.trace().ok_or(Error::other("there is no trace"))?;
     let test = Test {
         config: &scenario.config,
         shaking: &shaking,
     };
-    let (courses, records) = std::thread::scope(|scope| {
-        let reader = scope.spawn(|| code.steps(trace));
-        machine.begin(&test)?;
-        let records = drive::<N>(PERIODS, &script, rig(&scenario, 1), |event, sample| {
-            let (answer, words) = machine.period(event, sample)?;
-            Ok((answer.command_m, words))
-        })?;
-        machine.end()?;
-        let courses = reader.join().map_err(|_| Error::other("the reader"))??;
-        Ok::<_, Error>((courses, records))
-    })?;
-    assert_eq!(courses.len(), records.len(), "a step each period");
-    let courses = courses.into_iter().zip(&records);
-    let courses: Vec<_> = courses.filter(|(_, words)| solved(words)).collect();
+    let courses = traced::<N>(image, code, &test, PERIODS, &script, rig(&scenario, 1))?;
     assert!(courses.len() > 60, "{method}: {} solved", courses.len());
-    let dearest = courses.into_iter().max_by_key(|(c, _)| c.cost.cycles);
-    dearest
-        .map(|(course, _)| course)
-        .ok_or(Error::other("no step"))
+    let dearest = courses.into_iter().max_by_key(|c| c.cost.cycles);
+    dearest.ok_or(Error::other("no step"))
 }

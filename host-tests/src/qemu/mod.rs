@@ -10,3 +10,4 @@ pub mod image;
 pub mod machine;
 pub mod profile;
 pub mod spent;
+pub mod traced;

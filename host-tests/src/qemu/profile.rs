@@ -3,9 +3,10 @@
 //! The step is inlined into one piece of code, so parts cannot be timed from outside. The emulator writes down each
 //! instruction that it runs, and the debug information tells from which function of core it was inlined.
 
+use super::cycles::Course;
 use addr2line::Loader;
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Error, Read, Result};
+use std::io::{Error, Result};
 use std::path::Path;
 
 /// The parts of a step, in their order.
@@ -23,63 +24,35 @@ pub const PARTS: [&str; 8] = [
 /// Instructions of one step, by part.
 pub type Counts = [u32; PARTS.len()];
 
-/// What an instruction belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
-    /// Inlined into the step: this part of it.
-    Step(usize),
-    /// A function of its own, of a known part or of none: libm, memory copies, 64-bit division.
-    Callee(Option<usize>),
-    /// The firmware around the step.
-    Around,
-    /// The exchange with the PC, which ends a control period.
-    Exchange,
-}
+/// What is around all other parts.
+const FRAME: usize = PARTS.len() - 1;
 
-/// Reads a trace to its end; one entry for each control period.
+/// The instructions of each step, by part.
 ///
 /// # Errors
-/// The trace or the image cannot be read.
-pub fn steps(trace: impl Read, image: &Path) -> Result<Vec<Counts>> {
+/// The image cannot be read.
+pub fn parts(image: &Path, steps: &[Course]) -> Result<Vec<Counts>> {
     let symbols = Loader::new(image).map_err(|e| Error::other(e.to_string()))?;
-    let mut places: HashMap<u64, Place> = HashMap::new();
-    let mut steps = Vec::new();
-    let mut counts = Counts::default();
-    let mut part: Option<usize> = None;
-    let mut line = String::new();
-    let mut trace = BufReader::with_capacity(1 << 20, trace);
-    loop {
-        line.clear();
-        if trace.read_line(&mut line)? == 0 {
-            return Ok(steps);
-        }
-        // Trace 0: 0x7f.. [cs/pc/flags/cflags] symbol
-        let Some(pc) = line.strip_prefix("Trace").and_then(|t| t.split('/').nth(1)) else {
-            continue;
-        };
-        let pc = u64::from_str_radix(pc, 16).map_err(Error::other)?;
-        let place = *places.entry(pc).or_insert_with(|| place(&symbols, pc));
-        part = match place {
-            Place::Step(part) => Some(part),
-            // Called from the step it belongs to it, called from elsewhere it does not.
-            Place::Callee(own) => part.map(|caller| own.unwrap_or(caller)),
-            Place::Around | Place::Exchange => None,
-        };
-        if let Some(part) = part {
+    let mut known: HashMap<u32, Option<usize>> = HashMap::new();
+    let counted = steps.iter().map(|step| {
+        let (mut counts, mut part) = (Counts::default(), FRAME);
+        for spent in &step.spent {
+            let own = known.entry(spent.at);
+            part = own
+                .or_insert_with(|| part_at(&symbols, spent.at))
+                .unwrap_or(part);
             counts[part] += 1;
         }
-        if place == Place::Exchange && counts != Counts::default() {
-            steps.push(std::mem::take(&mut counts));
-        }
-    }
+        counts
+    });
+    Ok(counted.collect())
 }
 
-fn place(symbols: &Loader, pc: u64) -> Place {
-    let Ok(mut frames) = symbols.find_frames(pc) else {
-        return Place::Callee(None);
-    };
+/// The part that the instruction at `at` belongs to, inlined or not. None for a function that is nobody's own and counts as
+/// its caller's: libm, memory copies, 64-bit division.
+fn part_at(symbols: &Loader, at: u32) -> Option<usize> {
     // From the innermost inlined function outwards.
-    let (mut part, mut in_step, mut around) = (None, false, None);
+    let mut frames = symbols.find_frames(u64::from(at)).ok()?;
     while let Ok(Some(frame)) = frames.next() {
         let file = frame.location.as_ref().and_then(|l| l.file).unwrap_or("");
         let function = frame.function.as_ref().and_then(|f| f.raw_name().ok());
@@ -88,27 +61,15 @@ fn place(symbols: &Loader, pc: u64) -> Place {
             .as_deref()
             .and_then(|n| n.split('<').next())
             .unwrap_or("");
-        if file.contains("firmware/src/") {
-            let exchange = file.ends_with("semihosting.rs");
-            around = around.or(Some(if exchange {
-                Place::Exchange
-            } else {
-                Place::Around
-            }));
-        }
         // Not Rust's own library, which is called core, too.
         if let Some((path, file)) = file.rsplit_once("core/src/")
             && !path.contains("library")
+            && let Some(part) = part_of(file, name)
         {
-            part = part.or_else(|| part_of(file, name));
-            in_step |= file == "outer_loop/step.rs" && name == "step";
+            return Some(part);
         }
     }
-    match (part, in_step, around) {
-        (Some(part), true, _) => Place::Step(part),
-        (_, _, Some(around)) => around,
-        _ => Place::Callee(part),
-    }
+    None
 }
 
 /// The part that a function of core belongs to; none for helpers and closures, which belong to their callers.

@@ -1,9 +1,11 @@
 //! What a step costs on a Cortex-M4F: instructions, state and stack.
 
-use host_tests::qemu::bench::{self, drive, emulated, rig, shaking, solved};
+use host_tests::qemu::bench::{self, emulated, rig, shaking};
+use host_tests::qemu::cycles::Code;
 use host_tests::qemu::image::image;
-use host_tests::qemu::machine::{Clock, Machine, Test};
+use host_tests::qemu::machine::{Clock, Test};
 use host_tests::qemu::profile::{self, Counts, PARTS};
+use host_tests::qemu::traced::traced;
 use host_tests::{Scenario, table1, whole_pipeline};
 use outerloop_core::Config;
 use outerloop_core::{Design, OuterLoop};
@@ -30,35 +32,14 @@ fn parts_of_one() -> Option<&'static [Counts]> {
 /// Instructions by part, of every control period in which an integration step was solved.
 fn parts<const N: usize>(scenario: &Scenario) -> Option<Vec<Counts>> {
     let image = image("qemu", "qemu")?;
-    let shaking = shaking(2.0);
-    let mut machine = Machine::<N>::start(&image, Clock::Tracing).unwrap();
-    let trace = machine.trace().unwrap();
-    let reader = std::thread::spawn(move || profile::steps(trace, &image).unwrap());
-    machine
-        .begin(&Test {
-            config: &scenario.config,
-            shaking: &shaking,
-        })
-        .unwrap();
-    let records = drive::<N>(2000, &bench::plain, rig(scenario, 1), |event, sample| {
-        let (answer, words) = machine.period(event, sample)?;
-        Ok((answer.command_m, words))
-    });
-    let records = records.unwrap();
-    machine.end().unwrap();
-    let counts = reader.join().unwrap();
-    assert_eq!(
-        counts.len(),
-        records.len(),
-        "an entry for each control period"
-    );
-    let steps = counts.into_iter().zip(records);
-    Some(
-        steps
-            .filter(|(_, words)| solved(words))
-            .map(|(counts, _)| counts)
-            .collect(),
-    )
+    let code = Code::new(&std::fs::read(&image).unwrap()).unwrap();
+    let test = Test {
+        config: &scenario.config,
+        shaking: &shaking(2.0),
+    };
+    let rig = rig(scenario, 1);
+    let steps = traced::<N>(&image, &code, &test, 2000, &bench::plain, rig).unwrap();
+    Some(profile::parts(&image, &steps).unwrap())
 }
 
 /// Worst and mean of what `of` takes from every step.
