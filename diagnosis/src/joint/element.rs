@@ -151,8 +151,8 @@ impl Element {
                 x.iter().map(lost).collect()
             }
             Law::Fatigued => {
-                let ways = way(&t.v, h, t.travel_before_mm).map(|w| w.max(0.0));
-                x.iter().zip(ways).map(|(x, w)| -x * w / (w + p)).collect()
+                let lost = x.iter().zip(ways(t)).map(|(x, w)| -x * w / (w + p));
+                lost.collect()
             }
             Law::Warming => times(settling(t, p), x, &|x| x),
             Law::Away => of_x(&|x| (x - p).abs()),
@@ -164,10 +164,7 @@ impl Element {
             Law::SliderAlong => times(laws::slider(x, p), x, &|x| (x - q) / sizes.x),
             Law::SizeOfSpeed => of_v(&f64::abs),
             Law::Settling => settling(t, p),
-            Law::Worn => {
-                let ways: Vec<f64> = way(&t.v, h, 0.0).collect();
-                times(laws::slider(x, p), &ways, &|w| (-w / q).exp())
-            }
+            Law::Worn => times(laws::slider(x, p), &ways(t), &|w| (-w / q).exp()),
             Law::Pinched => times(laws::slider(x, p), x, &|x| {
                 1.0 - (-((x - r) / q).powi(2)).exp()
             }),
@@ -432,6 +429,12 @@ impl Element {
     }
 }
 
+/// The way gone since the file's first sample, mm; what a span is put before itself with is no way.
+fn ways(t: &Track) -> Vec<f64> {
+    let ways = way(&t.v, t.interval_s, t.travel_before_mm);
+    ways.map(|w| w.max(0.0)).collect()
+}
+
 /// From 0 at the file's first moment towards 1.
 fn settling(t: &Track, time_constant_s: f64) -> Vec<f64> {
     let from = t.time_s[0] - t.interval_s * t.first as f64;
@@ -487,5 +490,27 @@ mod tests {
         let force = Element::new(Law::Fatigued, [5.0]).force(&track, &Sizes::default());
         // 3 mm before the record, then 5, 5, 7 and 9: half is lost after 5.
         assert_eq!(force, [0.0, -1.0, -1.0, 0.0, 2.0 * 9.0 / 14.0]);
+    }
+
+    #[test]
+    fn what_a_span_is_put_before_itself_with_wears_nothing_off() {
+        let track = |travel_before_mm| Track {
+            interval_s: 0.5,
+            fine: 1,
+            x: vec![0.0, 2.0, 4.0, 6.0],
+            largest_before_mm: 0.0,
+            travel_before_mm,
+            v: vec![0.0, 4.0, 4.0, 4.0],
+            a: Vec::new(),
+            first: 1,
+            time_s: Vec::new(),
+            force: Vec::new(),
+        };
+        let worn = Element::new(Law::Worn, [1.0, 10.0]);
+        let force = |before| worn.force(&track(before), &Sizes::default());
+        // The first 2 mm are a copy: nothing is worn off at the span's first sample.
+        assert_eq!(force(-2.0)[1..], [1.0, (-0.2_f64).exp(), (-0.4_f64).exp()]);
+        // A file that has gone 10 mm before: 1/e of it is left.
+        assert_eq!(force(8.0)[1], (-1.0_f64).exp());
     }
 }
