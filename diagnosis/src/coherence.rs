@@ -1,8 +1,7 @@
 //! How much of an output a linear model of any order can make of an input: the coherence of the two (Bendat and Piersol,
 //! Random Data, chapter 6).
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use fourier::Complex;
 use std::f64::consts::TAU;
 
 /// Hann windows that overlap by half.
@@ -18,7 +17,7 @@ pub fn linear_share(input: &[f64], output: &[f64]) -> Option<f64> {
         return None;
     }
     let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
-    let plan = FftPlanner::new().plan_fft_forward(length);
+    let plan = fourier::forward(length);
     let transform = |x: &[f64]| {
         let mean = x.iter().sum::<f64>() / length as f64;
         let windowed = |(i, x): (usize, &f64)| Complex::new((x - mean) * hann(i), 0.0);

@@ -1,8 +1,7 @@
 //! A measured displacement without its noise, with its derivatives: what forces depend on.
 
 use crate::signals::derivative;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use fourier::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// Displacement, velocity and acceleration, mm, mm/s, mm/s^2.
@@ -55,13 +54,12 @@ pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
     // A straight line from end to end is taken off, so that the period closes.
     let m = series.len();
     let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
-    let mut planner = FftPlanner::new();
     let mut spectrum: Vec<Complex<f64>> = series
         .iter()
         .enumerate()
         .map(|(i, s)| Complex::new(s - first - slope * i as f64, 0.0))
         .collect();
-    planner.plan_fft_forward(m).process(&mut spectrum);
+    fourier::forward(m).process(&mut spectrum);
     let part = |order: i32| -> Vec<f64> {
         let mut bins = spectrum.clone();
         for (k, bin) in bins.iter_mut().enumerate() {
@@ -74,7 +72,7 @@ pub fn smooth(x: &[f64], interval_s: f64, cutoff_hz: f64) -> Motion {
             let omega = Complex::new(0.0, TAU * hz);
             *bin *= low_pass(hz.abs() / cutoff_hz) * omega.powi(order) / m as f64;
         }
-        FftPlanner::new().plan_fft_inverse(m).process(&mut bins);
+        fourier::inverse(m).process(&mut bins);
         bins[pad..pad + n].iter().map(|c| c.re).collect()
     };
     let (mut x, mut v, a) = (part(0), part(1), part(2));
@@ -102,7 +100,7 @@ pub fn bandwidth_hz(x: &[f64], interval_s: f64, noise_rms: f64) -> f64 {
     let mut bins: Vec<Complex<f64>> = (0..n)
         .map(|i| Complex::new((x[i] - mean) * hann(i), 0.0))
         .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    fourier::forward(n).process(&mut bins);
     // Expected power of white noise in a bin, under the window's mean square of 3/8.
     let expected = noise_rms * noise_rms * n as f64 * 0.375;
     let power: Vec<f64> = bins[..n / 2].iter().map(Complex::norm_sqr).collect();
@@ -137,7 +135,7 @@ impl Density {
             return None;
         }
         let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
-        let plan = FftPlanner::new().plan_fft_forward(length);
+        let plan = fourier::forward(length);
         let mut power = vec![0.0; length / 2];
         let mut windows = 0.0;
         for start in (0..=x.len() - length).step_by(length / 2) {
@@ -174,7 +172,7 @@ pub fn periodogram(x: &[f64]) -> Vec<f64> {
         .enumerate()
         .map(|(i, x)| Complex::new((x - mean) * hann(i), 0.0))
         .collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    fourier::forward(n).process(&mut bins);
     bins[..n / 2].iter().map(Complex::norm_sqr).collect()
 }
 
@@ -222,7 +220,7 @@ pub fn line_hz(x: &[f64], interval_s: f64, from_hz: f64, to_hz: f64) -> Option<(
     }
     let mean = x.iter().sum::<f64>() / n as f64;
     let mut bins: Vec<Complex<f64>> = x.iter().map(|x| Complex::new(x - mean, 0.0)).collect();
-    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    fourier::forward(n).process(&mut bins);
     let power: Vec<f64> = bins[first..end].iter().map(Complex::norm_sqr).collect();
     let best = (0..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b]))?;
     let mut sorted = power.clone();

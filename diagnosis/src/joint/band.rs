@@ -3,8 +3,7 @@
 use super::curvature;
 use crate::criteria::BAND_POWER;
 use crate::spectrum::Motion;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use fourier::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// Above the cut-off the gain falls to 0 over this share of it, by half a cosine.
@@ -100,7 +99,7 @@ impl Band {
         let (first, slope) = (series[0], (series[m - 1] - series[0]) / (m - 1) as f64);
         let line = |(i, s): (usize, &f64)| Complex::new(s - first - slope * i as f64, 0.0);
         let mut bins: Vec<Complex<f64>> = series.iter().enumerate().map(line).collect();
-        FftPlanner::new().plan_fft_forward(m).process(&mut bins);
+        fourier::forward(m).process(&mut bins);
         Self {
             bins,
             pad,
@@ -148,7 +147,7 @@ impl Band {
             both[at] = x + Complex::new(0.0, 1.0) * v;
             third[at] = v * Complex::new(0.0, omega);
         }
-        let plan = FftPlanner::new().plan_fft_inverse(m * fine);
+        let plan = fourier::inverse(m * fine);
         plan.process(&mut both);
         plan.process(&mut third);
         let here = self.pad * fine..(self.pad + self.n - 1) * fine + 1;

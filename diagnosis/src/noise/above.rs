@@ -1,10 +1,9 @@
 //! Noise of a record without a rest: what lies above the band of the motion, continued below it.
 
 use crate::spectrum::{Density, motion_band_hz};
+use fourier::Complex;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
 /// From so many times the motion's band on, a record is noise.
@@ -83,7 +82,7 @@ impl Above {
             bins[k] = Complex::from_polar(size, phase);
             bins[m - k] = bins[k].conj();
         }
-        FftPlanner::new().plan_fft_inverse(m).process(&mut bins);
+        fourier::inverse(m).process(&mut bins);
         bins[..n].iter().map(|c| c.re).collect()
     }
 }
