@@ -187,7 +187,7 @@ fn what_a_small_earthquake_leaves_open_is_settled_by_a_test_designed_and_played_
         story.after.summary.eps_rms
     );
     assert_ne!(Improvement::named(&story.first), "lag_error");
-    assert_eq!(story.designed.len(), 1);
+    assert!(!story.designed.is_empty());
     assert_eq!(Improvement::named(&story.diagnosis), "lag_error");
     assert_eq!(story.outcome(), ImprovementOutcome::Better);
 }
