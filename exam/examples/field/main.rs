@@ -1,12 +1,14 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence | --noise]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
+//! `--noise` compares the noise that is stated of the records without a rest with the true one.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
+mod noise;
 mod sit;
 
 use exam::devices::{devices, set_device};
@@ -45,6 +47,10 @@ fn main() {
             .into_par_iter()
             .filter(|seed| set(*seed).id.contains(word))
             .collect();
+    }
+    if arguments.iter().any(|a| a == "--noise") {
+        noise::all(seeds, set, list);
+        return;
     }
     let bar = ProgressBar::new(seeds.len() as u64);
     let all: Vec<Sat> = seeds

@@ -55,7 +55,8 @@ impl Vouched {
     }
 }
 
-fn recordings(field: &Field) -> [Recording; 2] {
+/// What the examinee gets of the records.
+pub fn recordings(field: &Field) -> [Recording; 2] {
     let recording = |name: &str, r: &exam::Record, before: Option<Box<Recording>>| {
         let column = |c: &Vec<f64>| (!c.is_empty()).then(|| c.clone());
         Recording {
@@ -75,7 +76,8 @@ fn recordings(field: &Field) -> [Recording; 2] {
     [span("train", &field.train), span("test", &field.test)]
 }
 
-fn model(believed: &Believed) -> Model {
+/// What the examinee gets of the rig.
+pub fn model(believed: &Believed) -> Model {
     let known = |p: Parameter| Declared {
         value: p.value,
         tolerance: p.tolerance,

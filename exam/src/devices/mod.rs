@@ -9,7 +9,7 @@ mod motion;
 
 use crate::declared::Parameter;
 use crate::dice::Dice;
-use crate::field::{Believed, Field, Span, Truth};
+use crate::field::{Believed, Field, Span, Truth, rms_apart};
 use crate::fine::{FINE_HZ, peak};
 use crate::noise::convert;
 use crate::record::Record;
@@ -79,6 +79,8 @@ pub fn set_device(seed: u64) -> Field {
     let [k, c, m] = specimen
         .declared
         .map(|p| p.map(|[v, t]| Parameter::new(v, t)));
+    let every = (FINE_HZ / motion.rate_hz) as usize;
+    let exact: Vec<f64> = specimen.force_n.iter().step_by(every).copied().collect();
     let offset = Parameter::new(0.0, 0.005 * peak(&specimen.force_n));
     Field {
         id: format!(
@@ -90,6 +92,8 @@ pub fn set_device(seed: u64) -> Field {
             if twelve_bits { ", 12 bits" } else { "" }
         ),
         believed: Believed::Specimen([k, c, m, Some(offset)]),
+        noise_rms: rms_apart(&record.force_n[..cut], &exact),
+        rests: true,
         train: Span {
             record: record.samples(0..cut),
             before: None,

@@ -19,17 +19,20 @@ mod force;
 mod mark;
 mod motion;
 mod reading;
+mod stand;
 
 pub use mark::{Mark, Said, Truth};
 pub use motion::{Move, Span};
 
 use crate::declared::Parameter;
 use crate::dice::Dice;
+use crate::fine::rms;
 use crate::record::Record;
 use drive::Drive;
 use force::Cause;
-use motion::{Moved, Plan};
+use motion::Plan;
 use reading::Reading;
+use stand::{Machine, Stand};
 
 /// What the laboratory declares of the one channel that a field record has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +56,10 @@ pub struct Field {
     pub test: Span,
     /// What only the scorer gets.
     pub truth: Truth,
+    /// What noise and converter add to what is to be explained, in the record to learn from: rms, mm or N.
+    pub noise_rms: f64,
+    /// Whether a rest was recorded, in the span or before it.
+    pub rests: bool,
 }
 
 /// All causes, the specimen's first, by name.
@@ -96,14 +103,9 @@ fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
             Some(believed(0.0, 0.005 * reach, dice)),
         ])
     };
-    let mut scale = None;
-    let record = |x: &Moved, dice: &mut Dice| {
-        let force = rig.force(&x.x, dice);
-        let scale = *scale.get_or_insert_with(|| reading::scale(&x.x, &force));
-        reading.record(x, None, Some(&force), scale, dice)
-    };
     let truth = rig.truth(&plan);
-    field(seed, believed, (&plan, &reading, truth), record, dice)
+    let stand = Stand::new(Machine::Specimen(rig), reading);
+    field(seed, believed, &plan, (stand, truth), dice)
 }
 
 fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
@@ -116,31 +118,30 @@ fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
         believed(rig.declared_ms[1], 0.05 * rig.declared_ms[1], dice),
         believed(0.0, 0.002 * plan.amplitude_mm, dice),
     ]);
-    let mut scale = None;
-    let record = |u: &Moved, dice: &mut Dice| {
-        let x = rig.displacement(&u.x, dice);
-        let scale = *scale.get_or_insert_with(|| reading::scale(&x, &[]));
-        let moved = Moved { x, ..u.clone() };
-        reading.record(&moved, Some(&u.x), None, scale, dice)
-    };
     let truth = rig.truth(&plan);
-    field(seed, believed, (&plan, &reading, truth), record, dice)
+    let stand = Stand::new(Machine::Actuator(rig), reading);
+    field(seed, believed, &plan, (stand, truth), dice)
 }
 
 /// What was planned is recorded and cut.
 fn field(
     seed: u64,
     believed: Believed,
-    (plan, reading, truth): (&Plan, &Reading, Truth),
-    mut record: impl FnMut(&Moved, &mut Dice) -> Record,
+    plan: &Plan,
+    (mut stand, truth): (Stand, Truth),
     dice: &mut Dice,
 ) -> Field {
     let motions = plan.motions(dice);
-    let files: Vec<Record> = motions.iter().map(|m| record(m, dice)).collect();
+    let both = motions.iter().map(|m| stand.read(m, dice));
+    let (files, perfect): (Vec<Record>, Vec<Record>) = both.map(|[read, is]| (read, is)).unzip();
     let [train, test] = plan.spans(&files);
+    let [is, _] = plan.spans(&perfect);
+    let reading = stand.reading;
     Field {
         id: format!("{seed} {} {} {reading:?}", truth.cause, plan.name()),
         believed,
+        noise_rms: rms_apart(output(&train.record), output(&is.record)),
+        rests: plan.rests(),
         train,
         test,
         truth: Truth {
@@ -148,4 +149,18 @@ fn field(
             ..truth
         },
     }
+}
+
+/// What is to be explained.
+fn output(record: &Record) -> &[f64] {
+    if record.force_n.is_empty() {
+        &record.displacement_mm
+    } else {
+        &record.force_n
+    }
+}
+
+/// rms of the difference of two signals.
+pub(crate) fn rms_apart(a: &[f64], b: &[f64]) -> f64 {
+    rms(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }

@@ -144,6 +144,11 @@ impl Plan {
         format!("{short}{:?} {:?}", self.kind, self.spans)
     }
 
+    /// Whether it begins with a rest.
+    pub(super) const fn rests(&self) -> bool {
+        self.rest_s.is_some()
+    }
+
     /// Largest speed to be expected, mm/s.
     pub(super) fn speed(&self) -> f64 {
         let x = self.trajectory(self.seconds, &mut Dice::new(7));

@@ -21,6 +21,12 @@ pub(super) fn scale(x: &[f64], force: &[f64]) -> [f64; 2] {
 }
 
 impl Reading {
+    /// What is, to the last digit.
+    pub(super) const PERFECT: Self = Self {
+        noise: 0.0,
+        bits: 0,
+    };
+
     pub(super) fn draw(dice: &mut Dice) -> Self {
         Self {
             noise: dice.pick(&[0.0, 1e-4, 5e-4, 2e-3]),
