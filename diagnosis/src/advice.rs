@@ -183,7 +183,8 @@ pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
         ),
         Outcome::Set(..) if answer.verdict == Verdict::Ambiguous => {
             notes.push(
-                "Each member of the set fits these data nearly as well in the place of the first; the model has the first."
+                "These data do not tell which member of the set it is: in the place of the first each fits as well or nearly \
+                 so, or is the same force within what is known of either law. The model has the first."
                     .into(),
             );
             if let Some(first) = answer.effects.first() {
