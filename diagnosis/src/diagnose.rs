@@ -414,6 +414,16 @@ impl ChannelDiagnosis<'_> {
         Noise::without_rest(&moving, &inputs?, h, least)
     }
 
+    /// The output's own noise in what a model leaves of the training data, at quiet times and above `free_hz`, rms: the better
+    /// the model, the less else is in it.
+    fn own_noise(&self, left: &[Vec<f64>], free_hz: f64) -> Option<f64> {
+        let moves = self.train.iter().zip(left);
+        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
+        let inputs: Option<Vec<&[f64]>> = moves.collect();
+        let rms = noise::at_quiet_times(left, &inputs?, self.train[0].interval_s(), free_hz)?;
+        Some(rms.max(self.output_step() / 12.0_f64.sqrt()))
+    }
+
     /// Whether what was taken for a rest, since the input stands still there, is more than samples of the same motion differ
     /// by: a pause in which something else moves.
     fn is_louder_than_the_motion(&self, noise: &Noise, moving: &[Vec<f64>]) -> bool {

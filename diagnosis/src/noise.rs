@@ -4,10 +4,11 @@
 mod above;
 pub mod hum;
 pub mod neighbours;
+mod quiet;
 
 use self::above::Above;
 use crate::linear::dot;
-use crate::signals::{add_scaled, averaged};
+use crate::signals::{add_scaled, averaged, rms};
 use crate::spectrum::line_hz;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -108,16 +109,8 @@ impl Noise {
         interval_s: f64,
         least_rms: f64,
     ) -> Option<Self> {
-        let longest = (0..residuals.len()).max_by_key(|i| residuals[*i].len())?;
-        let above = Above::of(&residuals[longest], inputs[longest], interval_s)?;
-        let mut sample = above.sample(residuals[longest].len(), interval_s);
-        // The spectrum above a motion is that of its harmonics, too.
-        let most = neighbours::rms(&residuals[longest], inputs[longest], interval_s);
-        let seen = (dot(&sample, &sample) / sample.len() as f64).sqrt();
-        if let Some(most) = most.filter(|m| *m < seen) {
-            sample.iter_mut().for_each(|s| *s *= most / seen);
-        }
-        let from = if above.sure {
+        let (sample, sure) = above(residuals, inputs, interval_s, None)?;
+        let from = if sure {
             Source::AboveMotion
         } else {
             Source::Guess
@@ -165,6 +158,38 @@ impl Noise {
             add_scaled(&mut out[start..], before, -a * scale);
         }
     }
+}
+
+/// The rms of the noise in residuals as it is at quiet times, from above the band of the motion that went in and above
+/// `free_hz`; `None` where they are too short for a spectrum.
+pub fn at_quiet_times(
+    residuals: &[Vec<f64>],
+    inputs: &[&[f64]],
+    interval_s: f64,
+    free_hz: f64,
+) -> Option<f64> {
+    let (sample, _) = above(residuals, inputs, interval_s, Some(free_hz))?;
+    Some(rms(&[sample]))
+}
+
+/// A sample of noise as the longest residual has it above its motion, and whether it looks like noise alone.
+fn above(
+    residuals: &[Vec<f64>],
+    inputs: &[&[f64]],
+    interval_s: f64,
+    quiet_hz: Option<f64>,
+) -> Option<(Vec<f64>, bool)> {
+    let longest = (0..residuals.len()).max_by_key(|i| residuals[*i].len())?;
+    let (residual, input) = (&residuals[longest], inputs[longest]);
+    let above = Above::of(residual, input, interval_s, quiet_hz)?;
+    let mut sample = above.sample(residual.len(), interval_s);
+    // The spectrum above a motion is that of its harmonics, too.
+    let most = neighbours::rms(residual, input, interval_s);
+    let seen = rms(std::slice::from_ref(&sample));
+    if let Some(most) = most.filter(|m| *m < seen) {
+        sample.iter_mut().for_each(|s| *s *= most / seen);
+    }
+    Some((sample, above.sure))
 }
 
 /// Length of a block, s: longer than the noise remembers.

@@ -18,6 +18,8 @@ use plant::Effect;
 
 /// Up to so many times a noise that a rest has told, nothing beside it remains: half of it in squares more.
 const TO_THE_NOISE: f64 = 1.12;
+/// The low-pass of a displacement is nothing from so many times its cut-off on.
+const PASSES: f64 = 1.3;
 /// Where what is left is all that is known of the noise, and something is still missing.
 const NOISE_UNKNOWN: &str = "No rest tells the noise: the stated figure is what the model leaves, of which a part is no noise.";
 
@@ -92,10 +94,12 @@ impl ChannelDiagnosis<'_> {
         };
         let after = explained.and_then(|e| data.left(&e.fit));
         let lowest = after.as_ref().map_or(&before, |a| a).errors.test_rms;
-        // A floor above what is reached is none.
-        answer.noise_floor_rms = noise.map_or(0.0, |n| n.rms.min(lowest));
-        let fits_noise = before.errors.test_rms <= NOISE * answer.noise_floor_rms
-            || before.errors.test_nrmse < TRANSDUCER;
+        // A floor above what is reached is none. Verdicts go by the noise as the declared model feels it, with the derivatives
+        // of its displacement's.
+        let felt = noise.map_or(0.0, |n| n.rms.min(lowest));
+        answer.noise_floor_rms = felt;
+        let fits_noise =
+            before.errors.test_rms <= NOISE * felt || before.errors.test_nrmse < TRANSDUCER;
         match (&found.outcome, explained.zip(after.as_ref())) {
             (Outcome::Nothing, _) if noise.is_none() || fits_noise => {}
             (Outcome::Nothing, _) => answer.verdict = Verdict::Unknown,
@@ -137,10 +141,9 @@ impl ChannelDiagnosis<'_> {
                         // Where the noise is known, what is several times as large is something.
                         let told = noise.is_some_and(|n| n.from == Source::Rest);
                         let known = if told { BESIDE_NOISE } else { f64::INFINITY };
-                        let floor = answer.noise_floor_rms;
-                        let most = share.min(known * floor).max(NOISE * floor);
+                        let most = share.min(known * felt).max(NOISE * felt);
                         // Nothing remains beside a noise that a rest has told.
-                        let nothing = told && after.moving <= TO_THE_NOISE * floor;
+                        let nothing = told && after.moving <= TO_THE_NOISE * felt;
                         if nothing || !more && after.moving <= most {
                             Verdict::Effect
                         } else {
@@ -155,6 +158,13 @@ impl ChannelDiagnosis<'_> {
                 answer.nearest = Some(Nearest { name, explained });
             }
             _ => answer.verdict = Verdict::Unknown,
+        }
+        // Stated is the force's own, where the best model leaves least else; of `none` what is left is the noise.
+        if noise.is_some_and(|n| n.from != Source::Rest) && answer.verdict != Verdict::None {
+            let left = &after.as_ref().unwrap_or(&before).train;
+            let fit = explained.map_or(&found.declared, |e| &e.fit);
+            let own = self.own_noise(left, PASSES * fit.cutoff_hz);
+            answer.noise_floor_rms = own.map_or(felt, |own| own.min(felt));
         }
         answer.notes = advice::joined(&answer, &found);
         answer.notes.extend(advice::one_change(&answer, true));

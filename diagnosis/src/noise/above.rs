@@ -1,5 +1,6 @@
 //! Noise of a record without a rest: what lies above the band of the motion, continued below it.
 
+use super::quiet;
 use crate::spectrum::{Density, motion_band_hz};
 use fourier::Complex;
 use rand_core::{Rng, SeedableRng};
@@ -12,6 +13,10 @@ const ABOVE: f64 = 3.0;
 const BANDS: usize = 6;
 /// Medians that differ by more are not those of noise alone: harmonics of friction, or a filter before the converter.
 const DISAGREE: f64 = 8.0;
+/// A band is so many times as wide as the motion's, to be quiet between two reversals.
+const WIDE: f64 = 6.0;
+/// A band that is quieter than this share of its mean at times holds more than noise: either figure is known to a third.
+const ALIKE: f64 = 0.7;
 /// Least part of the spectrum that must lie above the motion; where it does not, its last part is guessed from.
 const ROOM: f64 = 0.2;
 /// Low-passed noise has more below the motion's band than can be seen above it: by so much on average, where the lowest
@@ -30,24 +35,41 @@ pub struct Above {
 }
 
 impl Above {
-    /// Of a `residual` in the channel's unit beside the motion that went in; `None` where the record is too short for a
-    /// spectrum.
-    pub fn of(residual: &[f64], input: &[f64], interval_s: f64) -> Option<Self> {
+    /// Of a `residual` in the channel's unit beside the motion that went in; with `quiet_hz` as it is at quiet times, and from
+    /// that frequency on. `None` where the record is too short for a spectrum.
+    pub fn of(
+        residual: &[f64],
+        input: &[f64],
+        interval_s: f64,
+        quiet_hz: Option<f64>,
+    ) -> Option<Self> {
+        let motion_hz = motion_band_hz(input, interval_s);
         let seen = Density::of(residual, interval_s)?;
-        let n = seen.power.len();
+        let (n, bin_hz) = (seen.power.len(), seen.bin_hz);
         // The last bins lie on the flank of the converter's own filter.
         let end = n - n / 20;
         let latest = end.checked_sub(((ROOM * n as f64) as usize).max(BANDS))?;
-        let first = motion_band_hz(input, interval_s).map_or(f64::INFINITY, |hz| ABOVE * hz);
-        let has_room = first / seen.bin_hz < latest as f64;
-        let from = ((first / seen.bin_hz).ceil().min(latest as f64) as usize).max(1);
-        let above = &seen.power[from..end];
-        let width = above.len() / BANDS;
-        let medians: Vec<f64> = above
+        let first = motion_hz.map_or(f64::INFINITY, |hz| {
+            (ABOVE * hz).max(quiet_hz.unwrap_or(0.0))
+        });
+        let has_room = first / bin_hz < latest as f64;
+        let from = ((first / bin_hz).ceil().min(latest as f64) as usize).max(1);
+        let width = (end - from) / BANDS;
+        let mut medians: Vec<f64> = seen.power[from..end]
             .chunks_exact(width)
             .take(BANDS)
             .map(|c| median(c) / MEDIAN)
             .collect();
+        if quiet_hz.is_some() {
+            let edge = |band: usize| (from + band * width) as f64 * bin_hz;
+            let edges: [f64; BANDS + 1] = std::array::from_fn(edge);
+            quieten(
+                &mut medians,
+                &edges,
+                residual,
+                (motion_hz.unwrap_or(0.0), interval_s),
+            );
+        }
         let (least, most) = medians
             .iter()
             .fold((f64::MAX, 0.0_f64), |(l, m), x| (l.min(*x), m.max(*x)));
@@ -62,7 +84,7 @@ impl Above {
         };
         Some(Self {
             density: (0..n)
-                .map(|bin| at(bin) * seen.bin_hz / (1.0 / (2.0 * interval_s) / n as f64))
+                .map(|bin| at(bin) * bin_hz / (1.0 / (2.0 * interval_s) / n as f64))
                 .collect(),
             sure: has_room && least > 0.0 && most < DISAGREE * least,
         })
@@ -84,6 +106,31 @@ impl Above {
         }
         fourier::inverse(m).process(&mut bins);
         bins[..n].iter().map(|c| c.re).collect()
+    }
+}
+
+/// Lowers the densities of bands to those at quiet times where these are clearly less.
+fn quieten(
+    densities: &mut [f64],
+    edges: &[f64],
+    residual: &[f64],
+    (motion_hz, interval_s): (f64, f64),
+) {
+    // As wide as it takes to be quiet between two reversals.
+    let wide = WIDE * motion_hz / (edges[1] - edges[0]);
+    let together = (wide.ceil().max(1.0) as usize).min(densities.len());
+    let crowded = wide > densities.len() as f64;
+    for (i, group) in densities.chunks_mut(together).enumerate() {
+        let first = i * together;
+        let (low, high) = (edges[first], edges[first + group.len()]);
+        let mut quiet = quiet::density(residual, interval_s, low, high).unwrap_or(f64::INFINITY);
+        if crowded {
+            quiet = quiet.min(quiet::of_differences(residual) * 2.0 * interval_s);
+        }
+        let mean = group.iter().sum::<f64>() / group.len() as f64;
+        if quiet < ALIKE * mean {
+            group.fill(quiet);
+        }
     }
 }
 
@@ -125,7 +172,7 @@ mod tests {
             }
             for noise in [flat, low] {
                 let (x, y) = record(&noise);
-                let found = Above::of(&y, &x, 1e-3).unwrap();
+                let found = Above::of(&y, &x, 1e-3, None).unwrap();
                 let ratio = rms(&[found.sample(7000, 1e-3)]) / rms(&[noise]);
                 assert!(found.sure && (1.0 / 1.3..1.3).contains(&ratio), "{ratio}");
             }
@@ -139,6 +186,6 @@ mod tests {
         for i in 1..y.len() {
             y[i] += 30.0 * (x[i] - x[i - 1]).signum();
         }
-        assert!(!Above::of(&y, &x, 1e-3).unwrap().sure);
+        assert!(!Above::of(&y, &x, 1e-3, None).unwrap().sure);
     }
 }

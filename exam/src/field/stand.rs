@@ -51,7 +51,6 @@ impl Stand {
 #[cfg(test)]
 mod tests {
     use super::super::set_field;
-    use super::*;
     use crate::fine::peak;
 
     #[test]
