@@ -1,14 +1,17 @@
 //! Rigs as others record them, and what the diagnosis says of them, by cause.
 //!
 //! ```text
-//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence | --noise]
+//! cargo run --release -p exam --example field -- [A..B | SEED]... [--devices] [--only WORD] [--list] [--evidence | --noise | --settle=N]
 //! ```
 //!
 //! `--devices` sets the specimens of earthquake laboratories instead: bearings, dampers, braces, walls.
 //! `--noise` compares the noise that is stated of the records without a rest with the true one.
+//! `--settle=100` plays what `--next` designs on the first hundred rigs whose first record is ambiguous, twice at most, and what the
+//! notes advise.
 //! `--only Cut` takes the rigs with that word in their description: a cause, a motion, how it was cut.
 
 mod noise;
+mod settle;
 mod sit;
 
 use exam::devices::{devices, set_device};
@@ -50,6 +53,13 @@ fn main() {
     }
     if arguments.iter().any(|a| a == "--noise") {
         noise::all(seeds, set, list);
+        return;
+    }
+    let wanted = arguments
+        .iter()
+        .find_map(|a| a.strip_prefix("--settle=")?.parse().ok());
+    if let Some(wanted) = wanted {
+        settle::all(seeds, wanted, list);
         return;
     }
     let bar = ProgressBar::new(seeds.len() as u64);

@@ -111,7 +111,8 @@ pub fn model(believed: &Believed) -> Model {
     }
 }
 
-fn said(found: &Diagnosis) -> Said {
+/// What was said of the channel.
+pub fn said(found: &Diagnosis) -> Said {
     let a = &found.channels[0];
     let verdict = match a.verdict {
         Verdict::None => "none",

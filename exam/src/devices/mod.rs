@@ -94,6 +94,7 @@ pub fn set_device(seed: u64) -> Field {
         believed: Believed::Specimen([k, c, m, Some(offset)]),
         noise_rms: rms_apart(&record.force_n[..cut], &exact),
         rests: true,
+        stand: None,
         train: Span {
             record: record.samples(0..cut),
             before: None,

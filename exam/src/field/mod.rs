@@ -12,7 +12,8 @@
 //!   Damage Mechanics, 1992, chapter 2;
 //! - contact: Hertz, J. reine angew. Math. 92, 1882, 156.
 //!
-//! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said of it.
+//! [`set_field`] makes one [`Field`] from a seed, [`Truth::mark`] grades what was said of it, [`Stand::play`] runs another
+//! test on its rig.
 
 mod drive;
 mod force;
@@ -23,6 +24,7 @@ mod stand;
 
 pub use mark::{Mark, Said, Truth};
 pub use motion::{Move, Span};
+pub use stand::{Limits, Stand};
 
 use crate::declared::Parameter;
 use crate::dice::Dice;
@@ -32,7 +34,7 @@ use drive::Drive;
 use force::Cause;
 use motion::Plan;
 use reading::Reading;
-use stand::{Machine, Stand};
+use stand::Machine;
 
 /// What the laboratory declares of the one channel that a field record has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +62,8 @@ pub struct Field {
     pub noise_rms: f64,
     /// Whether a rest was recorded, in the span or before it.
     pub rests: bool,
+    /// The rig, for another test; none of a device.
+    pub stand: Option<Stand>,
 }
 
 /// All causes, the specimen's first, by name.
@@ -104,7 +108,7 @@ fn specimen(seed: u64, cause: Cause, dice: &mut Dice) -> Field {
         ])
     };
     let truth = rig.truth(&plan);
-    let stand = Stand::new(Machine::Specimen(rig), reading);
+    let stand = Stand::new(Machine::Specimen(rig), reading, &plan);
     field(seed, believed, &plan, (stand, truth), dice)
 }
 
@@ -119,7 +123,7 @@ fn actuator(seed: u64, cause: Drive, dice: &mut Dice) -> Field {
         believed(0.0, 0.002 * plan.amplitude_mm, dice),
     ]);
     let truth = rig.truth(&plan);
-    let stand = Stand::new(Machine::Actuator(rig), reading);
+    let stand = Stand::new(Machine::Actuator(rig), reading, &plan);
     field(seed, believed, &plan, (stand, truth), dice)
 }
 
@@ -148,6 +152,7 @@ fn field(
             steps: reading.has_steps(),
             ..truth
         },
+        stand: Some(stand),
     }
 }
 

@@ -81,7 +81,7 @@ pub(super) struct Plan {
     pub(super) amplitude_mm: f64,
     /// Where its motion ends, Hz.
     pub(super) high_hz: f64,
-    rate_hz: f64,
+    pub(super) rate_hz: f64,
     /// Of each record, of the first of two.
     seconds: f64,
     /// The rest before it, s; `None`: it begins in mid-motion.
