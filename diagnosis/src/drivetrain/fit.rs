@@ -254,10 +254,7 @@ impl<'a> Data<'a> {
                         * p.shapes[i]
                             .abs()
                             .max(0.02 * (high - low).min(self.sizes.x_mm));
-                    bounds.push(Bound {
-                        low: (low - p.shapes[i]).max(-step),
-                        high: (high - p.shapes[i]).min(step),
-                    });
+                    bounds.push(step_within([low, high], p.shapes[i], step));
                 }
             }
             let matrix = gram(&slopes);
@@ -430,5 +427,35 @@ impl<'a> Data<'a> {
             .zip(values)
             .filter_map(|(s, free)| free.then_some(s))
             .collect()
+    }
+}
+
+/// How far a shape may go in one step towards its bounds or within them: a search begins beyond them where a record is slower
+/// than any that it knows.
+fn step_within(bounds: [f64; 2], shape: f64, most: f64) -> Bound {
+    let [low, high] = bounds.map(|edge| (edge - shape).clamp(-most, most));
+    Bound {
+        low: low.min(high),
+        high,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_goes_towards_its_bounds_by_no_more_than_a_step() {
+        let reach = |shape: f64, most: f64| {
+            let Bound { low, high } = step_within([0.1, 0.5], shape, most);
+            [low, high]
+        };
+        assert_eq!(reach(0.25, 1.0), [-0.15, 0.25]);
+        assert_eq!(reach(0.25, 0.125), [-0.125, 0.125]);
+        // From far beyond them it comes back step by step.
+        assert_eq!(reach(1.12, 0.25), [-0.25, -0.25]);
+        assert_eq!(reach(-1.0, 0.25), [0.25, 0.25]);
+        let inverted = step_within([0.5, 0.1], 0.3, 1.0);
+        assert!(inverted.low <= inverted.high);
     }
 }
