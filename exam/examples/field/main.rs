@@ -59,6 +59,10 @@ fn main() {
         .iter()
         .find_map(|a| a.strip_prefix("--settle=")?.parse().ok());
     if let Some(wanted) = wanted {
+        assert!(
+            !in_laboratories,
+            "--settle plays on field rigs only: leave out --devices"
+        );
         settle::all(seeds, wanted, list);
         return;
     }

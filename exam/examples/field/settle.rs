@@ -9,6 +9,8 @@ use std::f64::consts::TAU;
 
 /// Tests after the first record, at most.
 const TESTS: usize = 2;
+/// Rigs that are asked at once: as many on any machine, so that it prints the same.
+const TOGETHER: usize = 8;
 
 /// What became of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -223,7 +225,7 @@ pub fn all(seeds: Vec<u64>, wanted: usize, list: bool) {
     let mut rigs: Vec<Played> = Vec::new();
     let mut sat = 0;
     // In turn, so that no more than are wanted are played.
-    for some in seeds.chunks(4 * rayon::current_num_threads()) {
+    for some in seeds.chunks(TOGETHER) {
         if rigs.len() >= wanted {
             break;
         }
