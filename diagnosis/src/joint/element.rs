@@ -506,6 +506,7 @@ mod tests {
             time_s: Vec::new(),
             force: Vec::new(),
         };
+        assert_eq!(ways(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
         let worn = Element::new(Law::Worn, [1.0, 10.0]);
         let force = |before| worn.force(&track(before), &Sizes::default());
         // The first 2 mm are a copy: nothing is worn off at the span's first sample.
