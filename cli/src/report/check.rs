@@ -1,10 +1,9 @@
 //! The report of a check: the planned motion, and how far the test is from where it would run away.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
+use super::page::{self, TestSection, escape, page, test_file};
 use super::plot::{self, Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG};
 use super::rths::table;
-use experiment::failure::Failure;
 use experiment::numbers::{length, percent, percent_or_lost, three};
 use experiment::soundness::{Judgement, SoundnessVerdict};
 use experiment::stability::Stability;
@@ -26,21 +25,16 @@ pub struct CheckSection<'a> {
 }
 
 /// The report of a check.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_check(c: &CheckSection<'_>) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        Ok([
-            verdict(c.judgement),
-            tiles(c),
-            Figures::of(&c.planned).displacement()?,
-            how_near(c)?,
-            tables(c.answer),
-            test_file(c.planned.experiment),
-        ]
-        .concat())
-    };
+pub fn of_check(c: &CheckSection<'_>) -> String {
+    let body = [
+        soundness(c.judgement.verdict, &c.judgement.reason),
+        tiles(c),
+        Figures::of(&c.planned).displacement(),
+        how_near(c),
+        tables(c.answer),
+        test_file(&c.planned.experiment.test.text),
+    ]
+    .concat();
     let title = format!("May this test be run? {}", c.planned.summary.record);
     let lead = format!(
         "The planned motion on the simulated rig, with compensation <b>{}</b>, and the eigenvalues of the closed loop: {} \
@@ -49,19 +43,20 @@ pub fn of_check(c: &CheckSection<'_>) -> Result<String, Failure> {
         c.answer.states,
         three(c.answer.step_s * 1e3)
     );
-    Ok(page(&title, &lead, &body().map_err(cannot)?))
+    page(&title, &lead, &body)
 }
 
-fn verdict(j: &Judgement) -> String {
-    let class = match j.verdict {
+/// A verdict and why.
+pub(super) fn soundness(verdict: SoundnessVerdict, reason: &str) -> String {
+    let class = match verdict {
         SoundnessVerdict::Stable => "good",
         SoundnessVerdict::Doubtful => "fair",
         SoundnessVerdict::Unstable => "bad",
     };
     format!(
         "<p class=\"verdict {class}\"><b>{}</b>: {}.</p>",
-        j.verdict.name().to_uppercase(),
-        escape(&j.reason)
+        verdict.name().to_uppercase(),
+        escape(reason)
     )
 }
 
@@ -72,33 +67,31 @@ fn tiles(c: &CheckSection<'_>) -> String {
         || "; no limit was found".into(),
         |limit| format!("; unstable from {} ms on", three(limit)),
     );
+    let delay_meaning = format!("delay at the first natural frequency{limit}");
     let tiles = [
-        tile(
+        (
             percent_or_lost(j.expected_eps_rms),
             "expected rms error, of the largest ideal displacement (Eq 18)",
         ),
-        tile(
+        (
             percent_or_lost(j.expected_eps_rms_differing),
             "the same on a rig that differs by a standard deviation",
         ),
-        tile(
+        (
             length(c.planned.summary.peak_displacement_m),
             "largest displacement of the planned motion",
         ),
-        tile(
-            format!("{} ms", three(delay.present)),
-            &format!("delay at the first natural frequency{limit}"),
-        ),
-        tile(
+        (format!("{} ms", three(delay.present)), &delay_meaning),
+        (
             format!("{} of {}", a.perturbed.unstable, a.perturbed.spread.plants),
             "drawn rigs with an eigenvalue that grows",
         ),
     ];
-    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+    page::tiles(&tiles)
 }
 
 /// Growth over the delay and over the drawn rigs, with the notes on what eigenvalues cannot say.
-fn how_near(c: &CheckSection<'_>) -> Drawn {
+fn how_near(c: &CheckSection<'_>) -> String {
     let a = c.answer;
     let mut html = String::from("<h2>How near it is to running away</h2>");
     if !a.notes.is_empty() {
@@ -115,7 +108,7 @@ fn how_near(c: &CheckSection<'_>) -> Drawn {
         Some((here, "this test")),
         "The fastest growing motion of the linear loop over the delay at the first natural frequency, with the \
          compensation told nothing of it. Above the line the test runs away.",
-    )?;
+    );
     let p = &a.perturbed;
     let share = |i: usize| 100.0 * (i as f64 + 0.5) / p.growths_per_s.len() as f64;
     let rigs = p.growths_per_s.iter().enumerate();
@@ -132,8 +125,8 @@ fn how_near(c: &CheckSection<'_>) -> Drawn {
             percent(p.spread.stiffness),
             percent(p.spread.damping)
         ),
-    )?;
-    Ok(html)
+    );
+    html
 }
 
 fn growth(
@@ -141,7 +134,7 @@ fn growth(
     points: Vec<(f64, f64)>,
     here: Option<(f64, &'static str)>,
     caption: &str,
-) -> Drawn {
+) -> String {
     let ends = |pick: fn(&(f64, f64)) -> f64| {
         let values = points.iter().map(pick).filter(|v| v.is_finite());
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
@@ -159,8 +152,8 @@ fn growth(
     }
     curves.push(Curve::new(TESTED, points).named("fastest growing motion"));
     let shape = if here.is_some() { TALL } else { WIDE };
-    let svg = plot::plot(shape, x_label, "growth [1/s]", &curves)?;
-    Ok(figure(&svg, caption))
+    let svg = plot::plot(shape, x_label, "growth [1/s]", &curves);
+    figure(&svg, caption)
 }
 
 fn tables(a: &Stability) -> String {

@@ -1,7 +1,8 @@
 //! The pages of tests of two coupled actuators.
 
+use super::check::soundness;
 use super::figures::{figure, time_plot};
-use super::page::{Drawn, cannot, escape, page, rank, tile};
+use super::page::{self, escape, page, rank, test_file};
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, IDEAL, PlotShape, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path, plot,
@@ -15,9 +16,7 @@ use experiment::coupled::planned::CoupledCheck;
 use experiment::coupled::summary::CoupledSummary;
 use experiment::coupled::trace::CoupledTrace;
 use experiment::coupled::trial::Ideal;
-use experiment::failure::Failure;
 use experiment::numbers::{joule, length, percent, three};
-use experiment::soundness::SoundnessVerdict;
 use experiment::summary::{TestVerdict, Validity};
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -36,104 +35,78 @@ pub struct CoupledSection<'a> {
 }
 
 /// The page of one test.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_coupled_run(s: &CoupledSection<'_>) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let found = s.summary.found.iter().map(found_row);
-        let numbers = if s.summary.found.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "<h2>What the test found out about the actuators</h2>{}",
-                table(&FOUND_HEAD, found)
-            )
-        };
-        Ok([
-            verdict(s.summary),
-            tiles(s.summary),
-            motion(s)?,
-            actuators(s)?,
-            loops(s)?,
-            numbers,
-            test_file(s.experiment),
-        ]
-        .concat())
+pub fn of_coupled_run(s: &CoupledSection<'_>) -> String {
+    let found = s.summary.found.iter().map(found_row);
+    let numbers = if s.summary.found.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<h2>What the test found out about the actuators</h2>{}",
+            table(&FOUND_HEAD, found)
+        )
     };
+    let body = [
+        verdict(s.summary),
+        tiles(s.summary),
+        motion(s),
+        actuators(s),
+        loops(s),
+        numbers,
+        test_file(&s.experiment.test.text),
+    ]
+    .concat();
     let title = format!("Two coupled actuators under {}", s.summary.record);
-    Ok(page(&title, &lead(s), &body().map_err(cannot)?))
+    page(&title, &lead(s), &body)
 }
 
 /// The page of a comparison: the interface and what is left of it under each compensation, then a row each.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_coupled_compare(sections: &[CoupledSection<'_>]) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let mut html = String::new();
-        for group in sections.chunk_by(|a, b| a.summary.record == b.summary.record) {
-            let Some(first) = group.first() else { continue };
-            let _ = write!(html, "<h2>{}</h2>", escape(&first.summary.record));
-            html += &overlay(group)?;
-            let rows = group.iter().map(|s| summary_row(s.summary));
-            html += &table(&SUMMARY_HEAD, rows);
-        }
-        if let Some(first) = sections.first() {
-            html += &test_file(first.experiment);
-        }
-        Ok(html)
-    };
+pub fn of_coupled_compare(sections: &[CoupledSection<'_>]) -> String {
+    let mut html = String::new();
+    for group in sections.chunk_by(|a, b| a.summary.record == b.summary.record) {
+        let Some(first) = group.first() else { continue };
+        let _ = write!(html, "<h2>{}</h2>", escape(&first.summary.record));
+        html += &overlay(group);
+        let rows = group.iter().map(|s| summary_row(s.summary));
+        html += &table(&SUMMARY_HEAD, rows);
+    }
+    if let Some(first) = sections.first() {
+        html += &test_file(&first.experiment.test.text);
+    }
     let lead = sections
         .first()
         .map_or_else(String::new, |s| setting(s) + ".");
     let lead = format!("{lead} A simulated rig: a real one is less kind.");
     let title = "Two coupled actuators under several compensations";
-    Ok(page(title, &lead, &body().map_err(cannot)?))
+    page(title, &lead, &html)
 }
 
 /// The page of a check.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_coupled_check(c: &CoupledCheck, planned: &CoupledSection<'_>) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let class = match c.verdict {
-            SoundnessVerdict::Stable => "good",
-            SoundnessVerdict::Doubtful => "fair",
-            SoundnessVerdict::Unstable => "bad",
-        };
-        let says = format!(
-            "<p class=\"verdict {class}\"><b>{}</b>: {}.</p>",
-            c.verdict.name().to_uppercase(),
-            escape(c.reason.trim_end_matches('.'))
-        );
-        let tiles = [
-            tile(
-                percent(c.expected_eps_rms),
-                "expected rms error, worst coordinate (Eq 18)",
-            ),
-            tile(
-                percent(c.expected_eps_rms_differing),
-                "the same, worst of the rigs that differ",
-            ),
-            tile(
-                format!("{} of {}", c.lost, c.plants),
-                "rigs that differ on which the test is lost",
-            ),
-        ];
-        Ok([
-            says,
-            format!("<div class=\"tiles\">{}</div>", tiles.concat()),
-            "<h2>The limits, and what the planned motion takes of them</h2>".into(),
-            table(&LIMIT_HEAD, c.limits.iter().map(limit_row)),
-            motion(planned)?,
-            test_file(planned.experiment),
-        ]
-        .concat())
-    };
+pub fn of_coupled_check(c: &CoupledCheck, planned: &CoupledSection<'_>) -> String {
+    let tiles = [
+        (
+            percent(c.expected_eps_rms),
+            "expected rms error, worst coordinate (Eq 18)",
+        ),
+        (
+            percent(c.expected_eps_rms_differing),
+            "the same, worst of the rigs that differ",
+        ),
+        (
+            format!("{} of {}", c.lost, c.plants),
+            "rigs that differ on which the test is lost",
+        ),
+    ];
+    let body = [
+        soundness(c.verdict, c.reason.trim_end_matches('.')),
+        page::tiles(&tiles),
+        "<h2>The limits, and what the planned motion takes of them</h2>".into(),
+        table(&LIMIT_HEAD, c.limits.iter().map(limit_row)),
+        motion(planned),
+        test_file(&planned.experiment.test.text),
+    ]
+    .concat();
     let title = format!("May this test be run? {}", planned.summary.record);
-    Ok(page(&title, &lead(planned), &body().map_err(cannot)?))
+    page(&title, &lead(planned), &body)
 }
 
 fn lead(s: &CoupledSection<'_>) -> String {
@@ -168,26 +141,26 @@ fn verdict(s: &CoupledSummary) -> String {
 fn tiles(s: &CoupledSummary) -> String {
     let [first, second] = s.tracking_rms_by_actuator;
     let tiles = [
-        tile(
+        (
             percent(s.eps_rms),
             "rms error, of the largest ideal motion of the worst coordinate (Eq 18)",
         ),
-        tile(percent(s.eps_max), "largest error (Eq 17)"),
-        tile(length(s.peak_displacement_m), "largest displacement in x"),
-        tile(
+        (percent(s.eps_max), "largest error (Eq 17)"),
+        (length(s.peak_displacement_m), "largest displacement in x"),
+        (
             format!("{} mrad", three(1e3 * s.peak_rotation_rad)),
             "largest rotation",
         ),
-        tile(
+        (
             format!("{} / {}", percent(first), percent(second)),
             "true strokes less targets, rms of the targets', actuator 1 / 2",
         ),
-        tile(
+        (
             joule(s.energy_error_j),
             "energy error of the actuators (Eq 12); negative: put in",
         ),
     ];
-    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+    page::tiles(&tiles)
 }
 
 /// Half of the closer look, s.
@@ -235,7 +208,7 @@ fn shape(s: &CoupledSection<'_>, shape: PlotShape, j: usize) -> PlotShape {
 }
 
 /// Every coordinate over its ideal; of the interface a closer look and the error, too.
-fn motion(s: &CoupledSection<'_>) -> Drawn {
+fn motion(s: &CoupledSection<'_>) -> String {
     let mut html = String::from("<h2>Where the structure went</h2>");
     let whole = 0..s.record.len();
     for (j, name) in s.summary.coordinates.iter().enumerate() {
@@ -256,7 +229,7 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
             &label,
             &both(whole.clone()),
             &caption,
-        )?;
+        );
         if j < 2 {
             let caption = format!("{name}: three seconds around the largest displacement.");
             html += &time_plot(
@@ -264,7 +237,7 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
                 &label,
                 &both(strongest_part(s)),
                 &caption,
-            )?;
+            );
             let left = over(s, whole.clone(), |i| f64::from(target[i] - ideal[i]));
             let label = format!("error [{unit}]");
             let caption = format!("{name}: what is left, test less ideal.");
@@ -273,14 +246,14 @@ fn motion(s: &CoupledSection<'_>) -> Drawn {
                 &label,
                 &[Curve::new(WRONG, left)],
                 &caption,
-            )?;
+            );
         }
     }
-    Ok(html)
+    html
 }
 
 /// Each actuator around the largest displacement: where it is to be, what it was sent, where it was.
-fn actuators(s: &CoupledSection<'_>) -> Drawn {
+fn actuators(s: &CoupledSection<'_>) -> String {
     let mut html = String::from("<h2>What the actuators did</h2>");
     for i in 0..2 {
         let of = |x: &[f32]| over(s, strongest_part(s), |k| f64::from(x[k]));
@@ -295,13 +268,13 @@ fn actuators(s: &CoupledSection<'_>) -> Drawn {
             "Actuator {}: the command leads, so that the stroke is on its target. Three seconds around the largest displacement.",
             i + 1
         );
-        html += &time_plot(shape(s, WIDE, 0), "stroke [mm]", &curves, &caption)?;
+        html += &time_plot(shape(s, WIDE, 0), "stroke [mm]", &curves, &caption);
     }
-    Ok(html)
+    html
 }
 
 /// Force over displacement and moment over rotation, as measured.
-fn loops(s: &CoupledSection<'_>) -> Drawn {
+fn loops(s: &CoupledSection<'_>) -> String {
     let mut html = String::from("<h2>What the specimen answered</h2><div class=\"pair\">");
     for (i, (x, y, caption)) in [
         ("x [mm]", "force [kN]", "Force along x over x, as measured."),
@@ -318,21 +291,21 @@ fn loops(s: &CoupledSection<'_>) -> Drawn {
         let points = path(at.len(), |k| {
             (1e3 * f64::from(at[k]), 1e-3 * f64::from(force[k]))
         });
-        let svg = plot(HALF, x, y, &[Curve::new(TESTED, points)])?;
+        let svg = plot(HALF, x, y, &[Curve::new(TESTED, points)]);
         html += &figure(&svg, caption);
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 /// The curves of a comparison.
 const BESIDE: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 
 /// x and rotation of several tests of one ground motion around the largest displacement, the best first.
-fn overlay(group: &[CoupledSection<'_>]) -> Drawn {
+fn overlay(group: &[CoupledSection<'_>]) -> String {
     let mut ranked: Vec<&CoupledSection<'_>> = group.iter().collect();
     rank(&mut ranked, |s| (s.summary.verdict, s.summary.eps_rms));
     let Some(best) = ranked.first() else {
-        return Ok(String::new());
+        return String::new();
     };
     let mut html = format!(
         "<p class=\"verdict {}\"><b>{}</b> is nearest to ideal actuators: {}</p>",
@@ -365,14 +338,7 @@ fn overlay(group: &[CoupledSection<'_>]) -> Drawn {
         }
         let within = WIDE.within(SHOWN_BEYOND * 1e3 * best.ideal.peak(j));
         let caption = format!("{name}: three seconds around the largest displacement.");
-        html += &time_plot(within, &format!("{name} [{unit}]"), &curves, &caption)?;
+        html += &time_plot(within, &format!("{name} [{unit}]"), &curves, &caption);
     }
-    Ok(html)
-}
-
-fn test_file(e: &CoupledExperiment) -> String {
-    format!(
-        "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
-        escape(e.test.text.trim())
-    )
+    html
 }

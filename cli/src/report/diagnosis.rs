@@ -1,6 +1,6 @@
 //! A diagnosis as a part of the report: the verdict, what is left before and after, the loops, what was tried.
 
-use super::page::{Drawn, escape};
+use super::page::{each_tile, escape};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use crate::terminal::percent;
 use crate::wording::{
@@ -15,19 +15,13 @@ use std::fmt::Write as _;
 const LISTED: usize = 10;
 
 /// Everything about a channel.
-///
-/// # Errors
-/// The drawing library's.
-pub fn channel(a: &ChannelAnswer) -> Drawn {
-    Ok(heading(a) + &verdict(a) + &details(a)?)
+pub fn channel(a: &ChannelAnswer) -> String {
+    heading(a) + &verdict(a) + &details(a)
 }
 
 /// A channel whose verdict has been said.
-///
-/// # Errors
-/// The drawing library's.
-pub fn channel_details(a: &ChannelAnswer) -> Drawn {
-    Ok(heading(a) + &details(a)?)
+pub fn channel_details(a: &ChannelAnswer) -> String {
+    heading(a) + &details(a)
 }
 
 /// What to do next, as items of a list.
@@ -60,7 +54,7 @@ pub fn verdict(a: &ChannelAnswer) -> String {
 }
 
 /// Figures, sentences and pictures.
-fn details(a: &ChannelAnswer) -> Drawn {
+fn details(a: &ChannelAnswer) -> String {
     let mut html = String::new();
     if let Some(sentence) = crate::wording::sureness(a) {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
@@ -79,11 +73,11 @@ fn details(a: &ChannelAnswer) -> Drawn {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));
     }
     if !a.traces.time_s.is_empty() {
-        html += &residual(a)?;
-        html += &loops(a)?;
-        html += &rest(a)?;
+        html += &residual(a);
+        html += &loops(a);
+        html += &rest(a);
     }
-    Ok(html + &candidate_table(a))
+    html + &candidate_table(a)
 }
 
 fn found(a: &ChannelAnswer) -> String {
@@ -111,28 +105,22 @@ fn errors(a: &ChannelAnswer) -> String {
     if before.test_rms.is_nan() {
         return String::new();
     }
-    let tile = |value: String, meaning: &str| {
-        format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
-    };
-    let mut tiles = vec![tile(
+    let mut tiles = vec![(
         quantity(before.test_rms, &a.unit),
         "error of the declared model on held-out data, rms",
     )];
     if !a.effects.is_empty() {
-        tiles.push(tile(
-            quantity(after.test_rms, &a.unit),
-            "with what was found",
-        ));
+        tiles.push((quantity(after.test_rms, &a.unit), "with what was found"));
         let [low, high] = a.improvement_ci90.map(|x| quantity(x, &a.unit));
-        tiles.push(tile(
+        tiles.push((
             format!("{low} to {high}"),
             "is the fall on held-out data, 90 % interval",
         ));
     }
     if !a.noise_floor_rms.is_nan() {
-        tiles.push(tile(quantity(a.noise_floor_rms, &a.unit), "the noise"));
+        tiles.push((quantity(a.noise_floor_rms, &a.unit), "the noise"));
     }
-    tiles.push(tile(
+    tiles.push((
         format!(
             "{} / {}",
             percent(before.train_nrmse),
@@ -140,7 +128,7 @@ fn errors(a: &ChannelAnswer) -> String {
         ),
         "of what moves, on training data, before / after",
     ));
-    tiles.push(tile(
+    tiles.push((
         format!(
             "{} / {}",
             percent(before.test_nrmse),
@@ -148,11 +136,11 @@ fn errors(a: &ChannelAnswer) -> String {
         ),
         "of what moves, on held-out data, before / after",
     ));
-    format!("<div class=\"tiles broad\">{}</div>", tiles.concat())
+    format!("<div class=\"tiles broad\">{}</div>", each_tile(&tiles))
 }
 
 /// Measured less modelled over time, with the noise around it.
-fn residual(a: &ChannelAnswer) -> Drawn {
+fn residual(a: &ChannelAnswer) -> String {
     let t = &a.traces;
     let left = |model: &[f64]| history(t.time_s.len(), |i| (t.time_s[i], t.measured[i] - model[i]));
     let mut curves = vec![Curve::new(WRONG, left(&t.before)).named("declared model")];
@@ -170,13 +158,13 @@ fn residual(a: &ChannelAnswer) -> Drawn {
     };
     figure(
         "What is left",
-        plot(TALL, "time [s]", &label, &curves)?,
+        plot(TALL, "time [s]", &label, &curves),
         &format!("Measured less modelled, on the held-out data, {}.", span(t)),
     )
 }
 
 /// The loop of the channel, measured and modelled, without and with what was found.
-fn loops(a: &ChannelAnswer) -> Drawn {
+fn loops(a: &ChannelAnswer) -> String {
     let t = &a.traces;
     let (x_label, y_label, what) = match a.channel {
         Channel::Actuator => (
@@ -191,7 +179,7 @@ fn loops(a: &ChannelAnswer) -> Drawn {
         ),
     };
     let window = window(&t.input);
-    let picture = |model: &[f64], caption: &str| -> Drawn {
+    let picture = |model: &[f64], caption: &str| -> String {
         let points = |y: &[f64]| {
             path(window.len(), |i| {
                 let i = window.start + i;
@@ -208,10 +196,8 @@ fn loops(a: &ChannelAnswer) -> Drawn {
                 .named("measured"),
             Curve::new(TESTED, points(model)).named("model"),
         ];
-        let svg = plot(HALF, x_label, &y_label, &curves)?;
-        Ok(format!(
-            "<figure>{svg}<figcaption>{caption}</figcaption></figure>"
-        ))
+        let svg = plot(HALF, x_label, &y_label, &curves);
+        format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>")
     };
     let Traces { before, after, .. } = t;
     let from_to = format!(
@@ -223,11 +209,11 @@ fn loops(a: &ChannelAnswer) -> Drawn {
     html += &picture(
         before,
         &format!("The declared model, within three tolerances. {from_to}"),
-    )?;
+    );
     if !a.effects.is_empty() {
-        html += &picture(after, &format!("With what was found. {from_to}"))?;
+        html += &picture(after, &format!("With what was found. {from_to}"));
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 /// Turns of a motion that a picture of loops shows: more are a blot.
@@ -276,9 +262,9 @@ fn span(t: &Traces) -> String {
 }
 
 /// What is left against displacement and speed, and what it depends on.
-fn rest(a: &ChannelAnswer) -> Drawn {
+fn rest(a: &ChannelAnswer) -> String {
     let Some(r) = &a.remainder else {
-        return Ok(String::new());
+        return String::new();
     };
     let t = &a.traces;
     let mut html = format!(
@@ -332,11 +318,9 @@ fn rest(a: &ChannelAnswer) -> Drawn {
         Channel::Specimen => a.unit.clone(),
     };
     let label = format!("left [{unit}]");
-    let against = |of: &[f64], label_x: &str, caption: &str| -> Drawn {
-        let svg = plot(HALF, label_x, &label, &bands(of, &left))?;
-        Ok(format!(
-            "<figure>{svg}<figcaption>{caption}</figcaption></figure>"
-        ))
+    let against = |of: &[f64], label_x: &str, caption: &str| -> String {
+        let svg = plot(HALF, label_x, &label, &bands(of, &left));
+        format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>")
     };
     let input = match a.channel {
         Channel::Actuator => "command [mm]",
@@ -347,9 +331,9 @@ fn rest(a: &ChannelAnswer) -> Drawn {
         &t.input,
         input,
         "Its mean, and where 80 % of it lies, against the place.",
-    )?;
-    html += &against(&speed, "speed [mm/s]", "The same against the speed.")?;
-    Ok(html + "</div>")
+    );
+    html += &against(&speed, "speed [mm/s]", "The same against the speed.");
+    html + "</div>"
 }
 
 /// Bins over a range.
@@ -416,8 +400,6 @@ fn candidate_table(a: &ChannelAnswer) -> String {
     html + "</table></div>"
 }
 
-fn figure(title: &str, svg: String, caption: &str) -> Drawn {
-    Ok(format!(
-        "<h3>{title}</h3><figure>{svg}<figcaption>{caption}</figcaption></figure>"
-    ))
+fn figure(title: &str, svg: String, caption: &str) -> String {
+    format!("<h3>{title}</h3><figure>{svg}<figcaption>{caption}</figcaption></figure>")
 }

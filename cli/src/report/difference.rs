@@ -1,69 +1,53 @@
 //! The report of two tests side by side.
 
 use super::figures::figure;
-use super::page::{Drawn, cannot, escape, page};
+use super::page::{escape, page};
 use super::plot::{self, Curve, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path};
 use super::rths::table;
 use crate::archive::ArchivedTest;
 use crate::difference::{ComparedMotion, Difference, plain_text};
-use experiment::failure::Failure;
 use experiment::numbers::{si, three};
 
 /// The report of the tests `pair`, which the files `names` hold.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_difference(
-    d: &Difference,
-    pair: [&ArchivedTest; 2],
-    names: &[String; 2],
-) -> Result<String, Failure> {
+pub fn of_difference(d: &Difference, pair: [&ArchivedTest; 2], names: &[String; 2]) -> String {
     let motions = pair.map(ComparedMotion::of);
-    let body = || -> Drawn {
-        let floors = pair[0].repeat.config.degrees_of_freedom();
-        let mut html = format!("<p><b>{}</b></p>", escape(&d.sentence()));
-        for floor in 0..floors {
-            html += &displacement(&motions, floor, floors)?;
-        }
-        for floor in 0..pair[0].repeat.config.physical_storeys() {
-            html += &loops(&motions, floor)?;
-        }
-        html += &energy(&motions)?;
-        html += &settings(d);
-        html += "<h2>Figures</h2>";
-        html += &table(
-            &["figure", "first", "second"],
-            d.figures.iter().map(|f| {
-                let number =
-                    |v: &serde_json::Value| v.as_f64().map_or_else(|| plain_text(v), three);
-                vec![f.key.to_owned(), number(&f.first), number(&f.second)]
-            }),
-        );
-        html += "<h2>Channel by channel</h2>";
-        html += &table(
-            &[
-                "channel",
-                "peak of the first",
-                "rms apart",
-                "of the peak",
-                "most",
-                "at",
-            ],
-            d.channels.iter().map(|c| c.cells().to_vec()),
-        );
-        Ok(html)
-    };
+    let floors = pair[0].repeat.config.degrees_of_freedom();
+    let mut html = format!("<p><b>{}</b></p>", escape(&d.sentence()));
+    for floor in 0..floors {
+        html += &displacement(&motions, floor, floors);
+    }
+    for floor in 0..pair[0].repeat.config.physical_storeys() {
+        html += &loops(&motions, floor);
+    }
+    html += &energy(&motions);
+    html += &settings(d);
+    html += "<h2>Figures</h2>";
+    html += &table(
+        &["figure", "first", "second"],
+        d.figures.iter().map(|f| {
+            let number = |v: &serde_json::Value| v.as_f64().map_or_else(|| plain_text(v), three);
+            vec![f.key.to_owned(), number(&f.first), number(&f.second)]
+        }),
+    );
+    html += "<h2>Channel by channel</h2>";
+    html += &table(
+        &[
+            "channel",
+            "peak of the first",
+            "rms apart",
+            "of the peak",
+            "most",
+            "at",
+        ],
+        d.channels.iter().map(|c| c.cells().to_vec()),
+    );
     let lead = format!(
         "First: {}. Second: {}. Compared at the integration steps over {} of model time.",
         escape(&names[0]),
         escape(&names[1]),
         si(d.compared_s, "s")
     );
-    Ok(page(
-        "Two tests side by side",
-        &lead,
-        &body().map_err(cannot)?,
-    ))
+    page("Two tests side by side", &lead, &html)
 }
 
 /// The name of a channel of an axis, as `record.csv` has it.
@@ -95,14 +79,11 @@ fn overlaid(motions: &[ComparedMotion<'_>; 2], name: &str, factor: f64) -> [Curv
     ]
 }
 
-fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
-    Ok(figure(
-        &plot::plot(shape, "model time [s]", label, curves)?,
-        caption,
-    ))
+fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> String {
+    figure(&plot::plot(shape, "model time [s]", label, curves), caption)
 }
 
-fn displacement(motions: &[ComparedMotion<'_>; 2], floor: usize, floors: usize) -> Drawn {
+fn displacement(motions: &[ComparedMotion<'_>; 2], floor: usize, floors: usize) -> String {
     let name = named("target", floor, "m");
     let title = match floors {
         1 => "Displacement".to_owned(),
@@ -115,24 +96,24 @@ fn displacement(motions: &[ComparedMotion<'_>; 2], floor: usize, floors: usize) 
         .map_while(|t| Some((t, 1e3 * (second.at(b, t)? - first.at(a, t)?))))
         .collect();
     let apart = Curve::new(WRONG, history(common.len(), |i| common[i]));
-    Ok(format!(
+    format!(
         "<h2>{title}</h2>{}{}",
         in_time(
             TALL,
             "computed displacement [mm]",
             &overlaid(motions, &name, 1e3),
             "What the integration computed in both tests."
-        )?,
+        ),
         in_time(
             WIDE,
             "second less first [mm]",
             &[apart],
             "How far apart they are."
-        )?
-    ))
+        )
+    )
 }
 
-fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Drawn {
+fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> String {
     let curve = |k: usize, colour, name| {
         let motion: &ComparedMotion<'_> = &motions[k];
         let of = |quantity, suffix| motion.channel(&named(quantity, axis, suffix));
@@ -149,7 +130,7 @@ fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Drawn {
         "measured displacement [mm]",
         "measured force [kN]",
         &[curve(0, IDEAL, "first").thick(), curve(1, TESTED, "second")],
-    )?;
+    );
     let [first, second] = motions;
     let name = named("target", axis, "m");
     let (a, b) = (first.channel(&name), second.channel(&name));
@@ -162,27 +143,27 @@ fn loops(motions: &[ComparedMotion<'_>; 2], axis: usize) -> Drawn {
         "computed displacement of the first [mm]",
         "computed displacement of the second [mm]",
         &[Curve::new(TESTED, path(common.len(), |i| common[i]))],
-    )?;
-    Ok(format!(
+    );
+    format!(
         "<h2>Force against displacement, and second against first</h2><div class=\"pair\">{}{}</div>",
         figure(&svg, "As it was measured."),
         figure(
             &against,
             "A line of slope 1: the same motion. Another slope: another size. A loop: one comes later."
         )
-    ))
+    )
 }
 
-fn energy(motions: &[ComparedMotion<'_>; 2]) -> Drawn {
-    Ok(format!(
+fn energy(motions: &[ComparedMotion<'_>; 2]) -> String {
+    format!(
         "<h2>Energy error</h2>{}",
         in_time(
             WIDE,
             "energy error [J]",
             &overlaid(motions, "energy_error_j", 1.0),
             "What the actuator's error put in (negative) or took out, in all (Eq 12)."
-        )?
-    ))
+        )
+    )
 }
 
 fn settings(d: &Difference) -> String {

@@ -1,6 +1,6 @@
 //! The figures of a test, with what to see in them.
 
-use super::page::{Drawn, TestSection};
+use super::page::TestSection;
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path,
@@ -95,20 +95,20 @@ impl<'a> Figures<'a> {
     }
 
     /// What shook the structure (Fig 7).
-    pub fn ground_motion(&self) -> Drawn {
+    pub fn ground_motion(&self) -> String {
         let acc = &self.section.trace.ground_m_per_s2;
         let curve = Curve::new(GROUND, self.over(self.whole_test(), |i| f64::from(acc[i])));
-        Ok("<h2>Ground motion</h2>".to_owned()
+        "<h2>Ground motion</h2>".to_owned()
             + &time_plot(
                 WIDE,
                 "acceleration [m/s²]",
                 &[curve],
                 "As the integration saw it.",
-            )?)
+            )
     }
 
     /// The displacement against the ideal, floor by floor (Figs 8, 10, 15).
-    pub fn response(&self, caption: &str) -> Drawn {
+    pub fn response(&self, caption: &str) -> String {
         let mut html = String::new();
         for (j, floor) in self.floors() {
             html += &self.displacement_of(
@@ -117,22 +117,22 @@ impl<'a> Figures<'a> {
                 floor,
                 self.whole_test(),
                 &self.on_floor(j, caption),
-            )?;
+            );
         }
-        Ok(html)
+        html
     }
 
     /// The same with a closer look and the error.
-    pub fn displacement(&self) -> Drawn {
+    pub fn displacement(&self) -> String {
         let mut html = String::from("<h2>Displacement</h2>");
         for (j, floor) in self.floors() {
             if self.section.trace.floors.len() > 1 {
                 html += &format!("<h3>Floor {}</h3>", j + 1);
             }
             let caption = "The test, over the response with an ideal actuator.";
-            html += &self.displacement_of(TALL, j, floor, self.whole_test(), caption)?;
+            html += &self.displacement_of(TALL, j, floor, self.whole_test(), caption);
             let caption = "A closer look at the strongest part.";
-            html += &self.displacement_of(WIDE, j, floor, self.look.clone(), caption)?;
+            html += &self.displacement_of(WIDE, j, floor, self.look.clone(), caption);
             let ideal = self.section.ideal;
             let error = history(self.solved.len(), |k| {
                 let exact = ideal.at(k).map_or(f64::NAN, |u| f64::from(u[j]));
@@ -145,9 +145,9 @@ impl<'a> Figures<'a> {
                 "error [mm]",
                 &[curve],
                 "What is left: test less ideal.",
-            )?;
+            );
         }
-        Ok(html)
+        html
     }
 
     /// A shape whose vertical axis ends where a test that ran away has nothing more to show.
@@ -166,7 +166,7 @@ impl<'a> Figures<'a> {
         floor: &FloorTrace,
         range: Range<usize>,
         caption: &str,
-    ) -> Drawn {
+    ) -> String {
         let ideal = Curve::new(IDEAL, self.ideal(j, range.clone())).named("ideal actuator");
         let points = self.over(range, |i| f64::from(floor.command_m[i]) * 1e3);
         let test = Curve::new(self.colour, points).named("test");
@@ -187,7 +187,7 @@ impl<'a> Figures<'a> {
     }
 
     /// The strongest part of this test under several compensations, lowest floor.
-    pub fn overlay(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> Drawn {
+    pub fn overlay(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> String {
         let range = self.look.clone();
         let mut curves = vec![
             Curve::new(IDEAL, self.ideal(0, range.clone()))
@@ -218,7 +218,7 @@ impl<'a> Figures<'a> {
     }
 
     /// Force against displacement: as the integration perceives it and as the specimen does (Fig 2).
-    pub fn loops(&self) -> Drawn {
+    pub fn loops(&self) -> String {
         let filtered = self.section.experiment.test.config.estimation.kind != Filter::Off;
         let mut html = format!(
             "<h2>Force against displacement</h2><p>Left, what the integration believes: the {} force against its own \
@@ -234,32 +234,32 @@ impl<'a> Figures<'a> {
             } else {
                 (&floor.displacement_m, &floor.force_n)
             };
-            let picture = |colour, x: &[f32], label: &str, caption: &str| -> Drawn {
+            let picture = |colour, x: &[f32], label: &str, caption: &str| -> String {
                 let points = path(part.len(), |k| {
                     let i = part[k];
                     (f64::from(x[i]) * 1e3, f64::from(force[i]) * 1e-3)
                 });
-                let svg = plot::plot(HALF, label, "force [kN]", &[Curve::new(colour, points)])?;
-                Ok(figure(&svg, &self.on_floor(j, caption)))
+                let svg = plot::plot(HALF, label, "force [kN]", &[Curve::new(colour, points)]);
+                figure(&svg, &self.on_floor(j, caption))
             };
             html += &picture(
                 WRONG,
                 &floor.command_m,
                 "command [mm]",
                 "Perceived: force against command.",
-            )?;
+            );
             html += &picture(
                 TESTED,
                 displacement,
                 "displacement [mm]",
                 "Measured: force against displacement.",
-            )?;
+            );
         }
-        Ok(html + "</div>")
+        html + "</div>"
     }
 
     /// The three energy errors (Fig 9).
-    pub fn energy(&self) -> Drawn {
+    pub fn energy(&self) -> String {
         let trace = self.section.trace;
         let (exact, whole) = (&trace.energy_stiffness_j, self.whole_test());
         let sum = |colour, column: &[f32]| {
@@ -281,27 +281,27 @@ impl<'a> Figures<'a> {
             off(WRONG, hsem).named("HSEM less Eq 6"),
             off(TESTED, modified).named("modified less Eq 6"),
         ];
-        Ok("<h2>Energy error</h2>".to_owned()
+        "<h2>Energy error</h2>".to_owned()
             + &time_plot(
                 TALL,
                 "cumulative energy error [J]",
                 &sums,
                 "What the actuator's error has put into the structure (negative) or taken out since the start \
                  (Fig 9 of the paper). Eq 6 needs to know the stiffness, the other two do not.",
-            )?
+            )
             + &time_plot(
                 WIDE,
                 "difference [J]",
                 &differences,
                 "They agree so closely that only their differences can be told apart.",
-            )?)
+            )
     }
 
     /// The added damping (Fig 11) and the gain (Fig 16).
-    pub fn damping(&self) -> Drawn {
+    pub fn damping(&self) -> String {
         let method = self.section.summary.compensation;
         if method == Method::None.name() {
-            return Ok("<h2>Added damping</h2><p>None: this test is not compensated.</p>".into());
+            return "<h2>Added damping</h2><p>None: this test is not compensated.</p>".into();
         }
         let mut html = String::from("<h2>Added damping</h2>");
         let percent = 100.0 * self.section.experiment.per_critical();
@@ -319,7 +319,7 @@ impl<'a> Figures<'a> {
                     j,
                     "What the compensation adds, in per cent of the critical damping of the first mode (Fig 11).",
                 ),
-            )?;
+            );
             let curve = Curve::new(
                 TESTED,
                 self.over(self.look.clone(), |i| percent * f64::from(c[i])),
@@ -329,15 +329,15 @@ impl<'a> Figures<'a> {
                 "added damping [%]",
                 &[curve],
                 &self.on_floor(j, "The same over the strongest part."),
-            )?;
+            );
             if method == Method::Paper.name() {
-                html += &self.gain_of(j, floor)?;
+                html += &self.gain_of(j, floor);
             }
         }
-        Ok(html)
+        html
     }
 
-    fn gain_of(&self, j: usize, floor: &FloorTrace) -> Drawn {
+    fn gain_of(&self, j: usize, floor: &FloorTrace) -> String {
         let curve = Curve::new(
             THIRD,
             self.over(self.look.clone(), |i| f64::from(floor.gain[i])),
@@ -355,9 +355,9 @@ impl<'a> Figures<'a> {
     }
 
     /// Sensors and what the filter makes of them, where there is one.
-    pub fn estimate(&self) -> Drawn {
+    pub fn estimate(&self) -> String {
         if self.section.experiment.test.config.estimation.kind == Filter::Off {
-            return Ok(String::new());
+            return String::new();
         }
         let mut html = String::from("<h2>Sensors and estimate</h2>");
         for (j, floor) in self.floors().take(self.physical()) {
@@ -382,16 +382,21 @@ impl<'a> Figures<'a> {
                         curve("as estimated", TESTED, estimate),
                     ],
                     &self.on_floor(j, "What the sensors said and what the loop made of it."),
-                )?;
+                );
             }
         }
-        Ok(html)
+        html
     }
 }
 
-pub(super) fn time_plot(shape: PlotShape, y_label: &str, curves: &[Curve], caption: &str) -> Drawn {
-    let svg = plot::plot(shape, "time of the model [s]", y_label, curves)?;
-    Ok(figure(&svg, caption))
+pub(super) fn time_plot(
+    shape: PlotShape,
+    y_label: &str,
+    curves: &[Curve],
+    caption: &str,
+) -> String {
+    let svg = plot::plot(shape, "time of the model [s]", y_label, curves);
+    figure(&svg, caption)
 }
 
 pub(super) fn figure(svg: &str, caption: &str) -> String {

@@ -1,7 +1,7 @@
 //! The page of the multi-axial benchmark problem.
 
 use super::figures::{figure, time_plot};
-use super::page::{Drawn, cannot, escape, page};
+use super::page::{escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
@@ -25,7 +25,7 @@ pub type DeclaredPart<'a> = (&'a GroundRecord, PhysicalPartEstimate);
 /// The benchmark: for each ground motion who tracks best, a closer look and the table; then what J7 hides.
 ///
 /// # Errors
-/// The drawing library's; a structure that cannot be integrated.
+/// A structure that cannot be integrated.
 pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
@@ -105,13 +105,13 @@ fn close_up_section(
             .map_err(Failure::input)
     };
     let traces = [trace(Contestant::Rodeac)?, trace(Contestant::Coupled)?];
-    draw_close_up(record, &traces).map_err(cannot)
+    Ok(draw_close_up(record, &traces))
 }
 
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.5;
 
-fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> Drawn {
+fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> String {
     let reference = &record.reference().numerical;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
@@ -143,7 +143,7 @@ fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> Drawn
             &curves,
             "Three seconds around the largest displacement of the interface. What both are off by is the declared physical \
              part: see below.",
-        )?;
+        );
     }
     html += "<div class=\"pair\">";
     for (actuator, caption) in [
@@ -161,10 +161,10 @@ fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> Drawn
             Curve::new(WRONG, error(rodeac)).named("rodeac"),
             Curve::new(TESTED, error(coupled)).named("coupled"),
         ];
-        let svg = plot::plot(HALF, "time of the model [s]", "error [um]", &curves)?;
+        let svg = plot::plot(HALF, "time of the model [s]", "error [um]", &curves);
         html += &figure(&svg, caption);
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 fn declared_part(parts: &[DeclaredPart<'_>]) -> String {

@@ -31,12 +31,11 @@ pub use sweep::of_sweep;
 
 use crate::improve::Improvement;
 use crate::terminal::{joule, percent};
-use experiment::failure::Failure;
 use experiment::judged::JudgedRun;
 use experiment::numbers::length;
 use experiment::summary::Summary;
 use figures::Figures;
-use page::{Drawn, cannot, escape, page, table, test_file, tile};
+use page::{escape, page, table, test_file};
 use std::fmt::Write as _;
 
 /// What stands beside the report of a test.
@@ -45,142 +44,119 @@ const RECORDS: &str = "<h2>The record</h2><p>Every channel of every control step
                        <a href=\"summary.json\">summary.json</a>. They lie beside this page.</p>";
 
 /// The report of one test.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_run(s: &TestSection<'_>) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let f = Figures::of(s);
-        Ok([
-            verdict(s.summary),
-            tiles(s.summary),
-            f.displacement()?,
-            f.ground_motion()?,
-            f.loops()?,
-            f.energy()?,
-            f.damping()?,
-            f.estimate()?,
-            RECORDS.into(),
-            test_file(s.experiment),
-        ]
-        .concat())
-    };
+pub fn of_run(s: &TestSection<'_>) -> String {
+    let f = Figures::of(s);
+    let body = [
+        verdict(s.summary),
+        tiles(s.summary),
+        f.displacement(),
+        f.ground_motion(),
+        f.loops(),
+        f.energy(),
+        f.damping(),
+        f.estimate(),
+        RECORDS.into(),
+        test_file(&s.experiment.test.text),
+    ]
+    .concat();
     let title = format!("Pseudodynamic test under {}", s.summary.record);
-    Ok(page(&title, &lead(s), &body().map_err(cannot)?))
+    page(&title, &lead(s), &body)
 }
 
 /// The report of a demonstration: the same test without and with compensation, and a test on a rig that was not as
 /// declared.
-///
-/// # Errors
-/// The drawing library's.
 pub fn of_demo(
     none: &TestSection<'_>,
     paper: &TestSection<'_>,
     rows: &[Summary],
     undeclared: &Improvement,
-) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let (bare, cured) = (Figures::of(none), Figures::of(paper));
-        Ok([
-            verdict(paper.summary),
-            "<p>A computer integrates the equation of motion of a structure, an actuator pushes a specimen to each \
-             computed displacement, and the measured force goes back into the equation. The actuator is a few \
-             milliseconds late. That is enough to put more energy into the structure than its damping takes out.</p>"
-                .into(),
-            bare.ground_motion()?,
-            "<h2>Without compensation</h2>".into(),
-            verdict(none.summary),
-            bare.response("Grey is the structure as it would move, orange is what the uncompensated test made of it.")?,
-            bare.loops()?,
-            "<h2>With the variable damping of the paper</h2>".into(),
-            "<p>The energy that the actuator's error puts in is measured in every step, and a viscous damping of just \
-             that size takes it out again.</p>"
-                .into(),
-            tiles(paper.summary),
-            cured.displacement()?,
-            cured.loops()?,
-            cured.energy()?,
-            cured.damping()?,
-            "<h2>Every compensation in this test</h2>".into(),
-            table(rows),
-            improvement_section("When the rig has something in it that nobody declared", undeclared)?,
-            test_file(paper.experiment),
-        ]
-        .concat())
-    };
+) -> String {
+    let (bare, cured) = (Figures::of(none), Figures::of(paper));
+    let body = [
+        verdict(paper.summary),
+        "<p>A computer integrates the equation of motion of a structure, an actuator pushes a specimen to each \
+         computed displacement, and the measured force goes back into the equation. The actuator is a few \
+         milliseconds late. That is enough to put more energy into the structure than its damping takes out.</p>"
+            .into(),
+        bare.ground_motion(),
+        "<h2>Without compensation</h2>".into(),
+        verdict(none.summary),
+        bare.response("Grey is the structure as it would move, orange is what the uncompensated test made of it."),
+        bare.loops(),
+        "<h2>With the variable damping of the paper</h2>".into(),
+        "<p>The energy that the actuator's error puts in is measured in every step, and a viscous damping of just \
+         that size takes it out again.</p>"
+            .into(),
+        tiles(paper.summary),
+        cured.displacement(),
+        cured.loops(),
+        cured.energy(),
+        cured.damping(),
+        "<h2>Every compensation in this test</h2>".into(),
+        table(rows),
+        improvement_section("When the rig has something in it that nobody declared", undeclared),
+        test_file(&paper.experiment.test.text),
+    ]
+    .concat();
     let title = "A fast pseudodynamic test, and what an actuator's delay does to it";
-    Ok(page(title, &lead(paper), &body().map_err(cannot)?))
+    page(title, &lead(paper), &body)
 }
 
 /// The report of a diagnosis.
-///
-/// # Errors
-/// The drawing library's.
 pub fn of_diagnosis(
     title: &str,
     d: &::diagnosis::Diagnosis,
     next: Option<&::diagnosis::Next>,
     [declared, improved]: [&str; 2],
-) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let each = |of: fn(&::diagnosis::ChannelAnswer) -> String| -> String {
-            d.channels.iter().map(of).collect()
-        };
-        let steps = each(diagnosis::steps);
-        let mut html = each(diagnosis::verdict);
-        if !steps.is_empty() || next.is_some() {
-            let play = next.map_or_else(String::new, |n| {
-                format!(
-                    "<li><b>play the next test</b>: {} <a href=\"#next\">Its command and what each cause predicts</a></li>",
-                    escape(&crate::wording::plan::summary(n))
-                )
-            });
-            let _ = write!(html, "<h2>What to do next</h2><ul>{steps}{play}</ul>");
-        }
-        for channel in &d.channels {
-            html += &diagnosis::channel_details(channel)?;
-        }
-        if let Some(n) = next {
-            html += &next::section(n)?;
-        }
-        let _ = write!(
-            html,
-            "<h2>The models</h2><div class=\"pair\"><div><h3>As declared</h3><pre class=\"file\">{}</pre></div><div><h3>With what \
-             was found</h3><pre class=\"file\">{}</pre></div></div>",
-            escape(declared.trim()),
-            escape(improved.trim())
-        );
-        Ok(html)
+) -> String {
+    let each = |of: fn(&::diagnosis::ChannelAnswer) -> String| -> String {
+        d.channels.iter().map(of).collect()
     };
+    let steps = each(diagnosis::steps);
+    let mut html = each(diagnosis::verdict);
+    if !steps.is_empty() || next.is_some() {
+        let play = next.map_or_else(String::new, |n| {
+            format!(
+                "<li><b>play the next test</b>: {} <a href=\"#next\">Its command and what each cause predicts</a></li>",
+                escape(&crate::wording::plan::summary(n))
+            )
+        });
+        let _ = write!(html, "<h2>What to do next</h2><ul>{steps}{play}</ul>");
+    }
+    for channel in &d.channels {
+        html += &diagnosis::channel_details(channel);
+    }
+    if let Some(n) = next {
+        html += &next::section(n);
+    }
+    let _ = write!(
+        html,
+        "<h2>The models</h2><div class=\"pair\"><div><h3>As declared</h3><pre class=\"file\">{}</pre></div><div><h3>With what \
+         was found</h3><pre class=\"file\">{}</pre></div></div>",
+        escape(declared.trim()),
+        escape(improved.trim())
+    );
     let lead = "What was measured is compared with what the declared model says, its parameters refitted around what \
                 was declared; what is left beyond the noise is traced to an effect that the model lacks.";
-    Ok(page(title, lead, &body().map_err(cannot)?))
+    page(title, lead, &html)
 }
 
 /// The report of tests whose records were diagnosed, and of the tests after them.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_improvements(stories: &[(String, &Improvement)]) -> Result<String, Failure> {
-    let parts: Result<Vec<String>, _> = stories
+pub fn of_improvements(stories: &[(String, &Improvement)]) -> String {
+    let parts: Vec<String> = stories
         .iter()
         .map(|(name, s)| improvement_section(&format!("Test {}", escape(name)), s))
         .collect();
     let lead = "A test runs on a rig that has something in it that nobody declared. Its record is diagnosed, what was \
                 found goes into the next test, and that test is judged by the same ideal.";
-    Ok(page(
-        "From a record to a better test",
-        lead,
-        &parts.map_err(cannot)?.concat(),
-    ))
+    page("From a record to a better test", lead, &parts.concat())
 }
 
 /// A test, its diagnosis, and the test after it.
-fn improvement_section(title: &str, s: &Improvement) -> Drawn {
-    let section = |experiment, run: &'_ JudgedRun| -> Drawn {
+fn improvement_section(title: &str, s: &Improvement) -> String {
+    let section = |experiment, run: &'_ JudgedRun| -> String {
         let Some(trace) = &run.trace else {
-            return Ok(String::new());
+            return String::new();
         };
         let section = TestSection {
             experiment,
@@ -201,17 +177,17 @@ fn improvement_section(title: &str, s: &Improvement) -> Drawn {
         )),
     );
     html += "<h3>The test as it was declared</h3>";
-    html += &section(&s.experiment, &s.before)?;
+    html += &section(&s.experiment, &s.before);
     for c in s
         .diagnosis
         .channels
         .iter()
         .filter(|c| !c.effects.is_empty())
     {
-        html += &diagnosis::channel(c)?;
+        html += &diagnosis::channel(c);
     }
     for d in &s.designed {
-        html += &next::section(&d.next)?;
+        html += &next::section(&d.next);
         html += "<h3>What all records say together</h3>";
         for c in &d.diagnosis.channels {
             let _ = write!(html, "<p>{}</p>", escape(&crate::wording::headline(c)));
@@ -222,13 +198,13 @@ fn improvement_section(title: &str, s: &Improvement) -> Drawn {
         let _ = write!(html, "<li>{}</li>", escape(change));
     }
     html += "</ul><h3>The test with what was found</h3>";
-    html += &section(&s.improved, &s.after)?;
+    html += &section(&s.improved, &s.after);
     let _ = write!(
         html,
         "<p>The record of this test, diagnosed with the improved model: missing is {}.</p>",
         Improvement::named(&s.remains)
     );
-    Ok(html)
+    html
 }
 
 fn lead(s: &TestSection<'_>) -> String {
@@ -273,20 +249,20 @@ fn verdict(s: &Summary) -> String {
 
 fn tiles(s: &Summary) -> String {
     let tiles = [
-        tile(
+        (
             percent(s.eps_rms),
             "rms error, of the largest ideal displacement (Eq 18)",
         ),
-        tile(percent(s.eps_max), "largest error (Eq 17)"),
-        tile(length(s.peak_displacement_m), "largest displacement"),
-        tile(
+        (percent(s.eps_max), "largest error (Eq 17)"),
+        (length(s.peak_displacement_m), "largest displacement"),
+        (
             percent(s.mean_added_damping_ratio),
             "mean added damping, of critical",
         ),
-        tile(
+        (
             joule(s.energy_error_j),
             "energy error of the actuator (Eq 12); negative: put in",
         ),
     ];
-    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+    page::tiles(&tiles)
 }

@@ -1,10 +1,9 @@
 //! The report of one test on many rigs.
 
 use super::figures::{Figures, figure};
-use super::page::{Drawn, TestSection, cannot, escape, page, test_file, tile};
+use super::page::{self, TestSection, escape, page, test_file};
 use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
-use experiment::failure::Failure;
 use experiment::numbers::{percent, percent_or_lost, three};
 use experiment::stability::perturbed::Spread;
 use experiment::stability::rig::Variation;
@@ -40,25 +39,19 @@ impl ManyTests<'_> {
 }
 
 /// The report of many tests.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_monte_carlo(m: &ManyTests<'_>) -> Result<String, Failure> {
+pub fn of_monte_carlo(m: &ManyTests<'_>) -> String {
     let errors = m.errors();
-    let body = || -> Drawn {
-        Ok([
-            verdict(&errors),
-            tiles(&errors),
-            distribution(&errors)?,
-            over_the_rigs(m)?,
-            "<h2>The worst of them</h2>".into(),
-            worst_rig(m.worst_rig),
-            Figures::of(&m.worst)
-                .response("Over the response of the same rig with an ideal actuator.")?,
-            test_file(m.worst.experiment),
-        ]
-        .concat())
-    };
+    let body = [
+        verdict(&errors),
+        tiles(&errors),
+        distribution(&errors),
+        over_the_rigs(m),
+        "<h2>The worst of them</h2>".into(),
+        worst_rig(m.worst_rig),
+        Figures::of(&m.worst).response("Over the response of the same rig with an ideal actuator."),
+        test_file(&m.worst.experiment.test.text),
+    ]
+    .concat();
     let title = format!("One test on {} rigs", m.rigs.len());
     let lead = format!(
         "{}, compensation <b>{}</b>, on rigs that are not quite the declared one. Each is judged by the same integration \
@@ -66,7 +59,7 @@ pub fn of_monte_carlo(m: &ManyTests<'_>) -> Result<String, Failure> {
         escape(&m.worst.summary.record),
         m.worst.summary.compensation
     );
-    Ok(page(&title, &lead, &body().map_err(cannot)?))
+    page(&title, &lead, &body)
 }
 
 /// The error that a share of the tests does not exceed.
@@ -102,21 +95,21 @@ fn verdict(errors: &[f64]) -> String {
 
 fn tiles(errors: &[f64]) -> String {
     let tiles = [
-        tile(
+        (
             format!("{} of {}", completed(errors), errors.len()),
             "ran to their end",
         ),
-        tile(
+        (
             percent_or_lost(at(errors, 0.5)),
             "rms error (Eq 18) that half of them stay below",
         ),
-        tile(
+        (
             percent_or_lost(at(errors, 0.95)),
             "that 95 % of them stay below",
         ),
-        tile(percent_or_lost(at(errors, 1.0)), "the worst"),
+        (percent_or_lost(at(errors, 1.0)), "the worst"),
     ];
-    format!("<div class=\"tiles\">{}</div>", tiles.concat())
+    page::tiles(&tiles)
 }
 
 /// As the axis of per cent has it: a test that is lost counts as an error of 100 %.
@@ -124,7 +117,7 @@ fn on_axis(error: f64) -> f64 {
     error.clamp(LEAST, 1.0).log10()
 }
 
-fn distribution(errors: &[f64]) -> Drawn {
+fn distribution(errors: &[f64]) -> String {
     let share = |i: usize| 100.0 * (i as f64 + 0.5) / errors.len() as f64;
     let points = plot::history(errors.len(), |i| (share(i), on_axis(errors[i])));
     let svg = plot::plot(
@@ -132,21 +125,21 @@ fn distribution(errors: &[f64]) -> Drawn {
         "tests, the best first [%]",
         "eps_rms [%]",
         &[Curve::new(TESTED, points)],
-    )?;
-    Ok(format!(
+    );
+    format!(
         "<h2>The error</h2>{}",
         figure(
             &svg,
             "What share of the tests stays below which error. A test that tripped or ran away counts as 100 %."
         )
-    ))
+    )
 }
 
 /// One of the factors of a rig.
 type Factor = fn(&Variation) -> f64;
 
 /// The error over each of what was drawn.
-fn over_the_rigs(m: &ManyTests<'_>) -> Drawn {
+fn over_the_rigs(m: &ManyTests<'_>) -> String {
     let mut order: Vec<usize> = (0..m.rigs.len()).collect();
     order.sort_by(|a, b| {
         let error = |i: &usize| m.summaries[*i].error();
@@ -181,13 +174,13 @@ fn over_the_rigs(m: &ManyTests<'_>) -> Drawn {
             dots(WRONG, factor, true).named("tripped or ran away"),
         ];
         let label = format!("{name}, of the declared [1]");
-        let svg = plot::plot(HALF.of_percent(), &label, "eps_rms [%]", &curves)?;
+        let svg = plot::plot(HALF.of_percent(), &label, "eps_rms [%]", &curves);
         html += &figure(
             &svg,
             &format!("A dot a test; standard deviation {}.", percent(deviation)),
         );
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 fn worst_rig(v: &Variation) -> String {

@@ -1,6 +1,6 @@
 //! The next test as a part of the report: its command, and what each possible cause predicts.
 
-use super::page::{Drawn, escape};
+use super::page::escape;
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, TESTED, THIRD, WIDE, WRONG, history, path, plot,
 };
@@ -15,10 +15,7 @@ use std::fmt::Write as _;
 const COLOURS: [Colour; 5] = [TESTED, WRONG, THIRD, FOURTH, FIFTH];
 
 /// Everything about a designed test.
-///
-/// # Errors
-/// The drawing library's.
-pub fn section(n: &Next) -> Drawn {
+pub fn section(n: &Next) -> String {
     let time = n.time_s();
     let command = history(time.len(), |i| (time[i], n.command_mm[i]));
     let mut html = format!(
@@ -33,7 +30,7 @@ pub fn section(n: &Next) -> Drawn {
             "time [s]",
             "command [mm]",
             &[Curve::new(TESTED, command)]
-        )?
+        )
     );
     html += &phases(n);
     for o in &n.channels {
@@ -44,12 +41,12 @@ pub fn section(n: &Next) -> Drawn {
             escape(&plan::expectation(o))
         );
         if o.candidates.len() > 1 {
-            html += &predictions(o, n)?;
+            html += &predictions(o, n);
         } else if !o.parameters.is_empty() {
             html += &parameter_table(o);
         }
     }
-    Ok(html)
+    html
 }
 
 fn of(o: &Outlook) -> &'static str {
@@ -83,7 +80,7 @@ fn phases(n: &Next) -> String {
 }
 
 /// A table of the causes, their answers over time, and their loops.
-fn predictions(o: &Outlook, n: &Next) -> Drawn {
+fn predictions(o: &Outlook, n: &Next) -> String {
     let mut html = String::from(
         "<div class=\"scroll\"><table><tr><th>if it is</th><th>probability</th><th>peak</th><th>area of the loops</th>\
          <th>apart from the first, rms</th><th>stays apart by</th></tr>",
@@ -125,7 +122,7 @@ fn predictions(o: &Outlook, n: &Next) -> Drawn {
     let _ = write!(
         html,
         "<figure>{}<figcaption>What each predicts, less what {} predicts; what the model leaves today is {} rms.</figcaption></figure>",
-        plot(WIDE, "time [s]", &format!("apart [{unit}]"), &others)?,
+        plot(WIDE, "time [s]", &format!("apart [{unit}]"), &others),
         plan::name(&o.candidates[0]),
         quantity(o.left_rms, &o.unit)
     );
@@ -140,11 +137,11 @@ fn predictions(o: &Outlook, n: &Next) -> Drawn {
         let _ = write!(
             html,
             "<figure>{}<figcaption>If it is {}.</figcaption></figure>",
-            plot(HALF, "command [mm]", &label, &curve)?,
+            plot(HALF, "command [mm]", &label, &curve),
             plan::name(c)
         );
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 fn parameter_table(o: &Outlook) -> String {

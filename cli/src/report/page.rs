@@ -2,11 +2,9 @@
 
 use crate::provenance::Provenance;
 use experiment::Experiment;
-use experiment::failure::Failure;
 use experiment::numbers::{joule, length, percent};
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::{Response, Trace};
-use std::error::Error;
 use std::fmt::Write as _;
 
 /// A test as the report shows it.
@@ -22,12 +20,6 @@ pub struct TestSection<'a> {
     pub ideal: &'a Response,
 }
 
-pub(super) type Drawn = Result<String, Box<dyn Error>>;
-
-pub(super) fn cannot(e: Box<dyn Error>) -> Failure {
-    Failure::test(format!("the report cannot be drawn: {e}"))
-}
-
 /// The tests that completed first, then by their error.
 pub(super) fn rank<T>(tests: &mut [&T], of: impl Fn(&T) -> (TestVerdict, f64)) {
     let wrong = |test: &T| {
@@ -40,8 +32,17 @@ pub(super) fn rank<T>(tests: &mut [&T], of: impl Fn(&T) -> (TestVerdict, f64)) {
     });
 }
 
-pub(super) fn tile(value: String, meaning: &str) -> String {
-    format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
+/// Figures side by side, each with what it means.
+pub(super) fn tiles(all: &[(String, &str)]) -> String {
+    format!("<div class=\"tiles\">{}</div>", each_tile(all))
+}
+
+/// The same without the box around them.
+pub(super) fn each_tile(all: &[(String, &str)]) -> String {
+    let tile = |(value, meaning): &(String, &str)| {
+        format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
+    };
+    all.iter().map(tile).collect()
 }
 
 pub(super) fn table(rows: &[Summary]) -> String {
@@ -69,10 +70,11 @@ pub(super) fn table(rows: &[Summary]) -> String {
     html
 }
 
-pub(super) fn test_file(e: &Experiment) -> String {
+/// The test file, as it was used.
+pub(super) fn test_file(text: &str) -> String {
     format!(
         "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
-        escape(e.test.text.trim())
+        escape(text.trim())
     )
 }
 

@@ -5,7 +5,6 @@
 
 use super::page::escape;
 use super::scale::{self, PlotAxis};
-use std::error::Error;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -174,15 +173,7 @@ pub fn path(n: usize, point: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
 }
 
 /// One plot; the picture scales with the page.
-///
-/// # Errors
-/// None today: the type is that of everything that is drawn.
-pub fn plot(
-    shape: PlotShape,
-    x_label: &str,
-    y_label: &str,
-    curves: &[Curve],
-) -> Result<String, Box<dyn Error>> {
+pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) -> String {
     let finite: Vec<Curve> = curves.iter().map(finite).collect();
     let (width, height) = (f64::from(shape.width), f64::from(shape.height));
     // A dot on the frame would be cut in half.
@@ -256,7 +247,7 @@ pub fn plot(
         "</svg></svg><div class=\"foot\"><span class=\"save\"></span><span class=\"cursor\"></span><span class=\"unit\">{}</span></div></div>",
         escape(x_label)
     );
-    Ok(svg)
+    svg
 }
 
 fn finite(curve: &Curve) -> Curve {

@@ -1,7 +1,7 @@
 //! The page of the benchmark problem of real-time hybrid simulation.
 
 use super::figures::{figure, time_plot};
-use super::page::{Drawn, cannot, escape, page};
+use super::page::{escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
@@ -24,7 +24,7 @@ const BASELINE: &str = "pi-phase-lead";
 /// The benchmark: verdict, a closer look at case 4, a summary of each ground motion, all criteria.
 ///
 /// # Errors
-/// The drawing library's; a controller that core refuses.
+/// A controller that core refuses.
 pub fn of_rths(
     bench: &Benchmark<'_>,
     rows: &[RthsRow],
@@ -139,7 +139,13 @@ fn close_up_section(bench: &Benchmark<'_>, record: &GroundRecord) -> Result<Stri
     };
     let (baseline, ours) = (trace(BASELINE)?, trace(RIGHT_STRUCTURE)?);
     let ground = record.ground(place);
-    draw_close_up(&record.name, &CASES[place], ground, &baseline, &ours).map_err(cannot)
+    Ok(draw_close_up(
+        &record.name,
+        &CASES[place],
+        ground,
+        &baseline,
+        &ours,
+    ))
 }
 
 /// Half of the closer look, s.
@@ -151,7 +157,7 @@ fn draw_close_up(
     ground: Ground<'_>,
     baseline: &Trace,
     ours: &Trace,
-) -> Drawn {
+) -> String {
     let reference = ground.reference_m;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
@@ -177,7 +183,7 @@ fn draw_close_up(
         "floor 1 [mm]",
         &curves,
         "Two seconds around the largest displacement: the specimen as it was, without the sensor's noise.",
-    )?;
+    );
     html += "<div class=\"pair\">";
     for (trace, colour, caption) in [
         (
@@ -200,10 +206,10 @@ fn draw_close_up(
             Curve::new(GROUND, points(&trace.target_m)),
             Curve::new(colour, points(&trace.true_m)),
         ];
-        let svg = plot::plot(HALF, "target [mm]", "displacement [mm]", &curves)?;
+        let svg = plot::plot(HALF, "target [mm]", "displacement [mm]", &curves);
         html += &figure(&svg, caption);
     }
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
 /// Columns, and letters in a row, that fit into the width of the text.

@@ -1,13 +1,12 @@
 //! The report of a session: a rig as an element of a model outside.
 
 use super::figures::figure;
-use super::page::{Drawn, cannot, escape, page};
+use super::page::{self, escape, page, test_file};
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, TALL, TESTED, WIDE, WRONG, history, path,
 };
 use crate::serve::{SessionSummary, SessionVerdict};
 use crate::terminal::{joule, percent};
-use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use experiment::numbers::{length, si};
 use experiment::trace::{FloorTrace, Trace};
@@ -25,37 +24,23 @@ pub struct SessionSection<'a> {
 }
 
 /// The report of one session.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_served(s: &SessionSection<'_>) -> Result<String, Failure> {
-    let body = || -> Drawn {
-        let mut html = verdict(s.summary);
-        if !s.trace.is_empty() {
-            html += &tiles(s.summary);
-            for (j, floor) in s.trace.floors.iter().enumerate() {
-                html += &storey(s.trace, j, floor)?;
-            }
-            html += &energy(s.trace)?;
-            if s.test.serve.pace == Pace::Continuous {
-                html += &damping(s.trace)?;
-            }
+pub fn of_served(s: &SessionSection<'_>) -> String {
+    let mut html = verdict(s.summary);
+    if !s.trace.is_empty() {
+        html += &tiles(s.summary);
+        for (j, floor) in s.trace.floors.iter().enumerate() {
+            html += &storey(s.trace, j, floor);
         }
-        if let Some(board) = &s.summary.board {
-            html += &format!("<h2>The board</h2><p>{}</p>", escape(&board.sentence()));
+        html += &energy(s.trace);
+        if s.test.serve.pace == Pace::Continuous {
+            html += &damping(s.trace);
         }
-        html += &format!(
-            "<h2>The test file, as it was used</h2><pre class=\"file\">{}</pre>",
-            escape(s.test.text.trim())
-        );
-        Ok(html)
-    };
-    let body = body().map_err(cannot)?;
-    Ok(page(
-        "A rig as an element of a model outside",
-        &lead(s),
-        &body,
-    ))
+    }
+    if let Some(board) = &s.summary.board {
+        html += &format!("<h2>The board</h2><p>{}</p>", escape(&board.sentence()));
+    }
+    html += &test_file(&s.test.text);
+    page("A rig as an element of a model outside", &lead(s), &html)
 }
 
 fn lead(s: &SessionSection<'_>) -> String {
@@ -99,7 +84,7 @@ fn verdict(s: &SessionSummary) -> String {
 }
 
 fn tiles(s: &SessionSummary) -> String {
-    let tiles = [
+    let mut tiles = vec![
         (length(s.peak_displacement_m), "largest target"),
         (
             length(s.tracking_rms_m),
@@ -121,13 +106,8 @@ fn tiles(s: &SessionSummary) -> String {
             "for which the rig waited for a late model",
         )
     });
-    let tile = |(value, meaning): (String, &str)| {
-        format!("<div class=\"tile\"><b>{value}</b><span>{meaning}</span></div>")
-    };
-    format!(
-        "<div class=\"tiles\">{}</div>",
-        tiles.into_iter().chain(late).map(tile).collect::<String>()
-    )
+    tiles.extend(late);
+    page::tiles(&tiles)
 }
 
 /// A quantity over the laboratory's time.
@@ -136,12 +116,12 @@ fn curve_over_time(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> C
     Curve::new(colour, points)
 }
 
-fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> Drawn {
-    let svg = plot::plot(shape, "time in the laboratory [s]", label, curves)?;
-    Ok(figure(&svg, caption))
+fn in_time(shape: plot::PlotShape, label: &str, curves: &[Curve], caption: &str) -> String {
+    let svg = plot::plot(shape, "time in the laboratory [s]", label, curves);
+    figure(&svg, caption)
 }
 
-fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
+fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> String {
     let mm = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
     let mut html = match t.floors.len() {
         1 => "<h2>Displacement</h2>".to_owned(),
@@ -158,7 +138,7 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
         "displacement [mm]",
         &curves,
         "Where the model wanted the specimen, and where it was.",
-    )?;
+    );
     let apart = curve_over_time(t, WRONG, |i| {
         mm(&floor.displacement_m, i) - mm(&floor.command_m, i)
     });
@@ -167,7 +147,7 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
         "error [mm]",
         &[apart],
         "Measured less target at every control step, on the way, too: an actuator that is late is behind its target.",
-    )?;
+    );
     let points = path(t.len(), |i| {
         (
             mm(&floor.displacement_m, i),
@@ -179,16 +159,16 @@ fn storey(t: &Trace, j: usize, floor: &FloorTrace) -> Drawn {
         "displacement [mm]",
         "force [kN]",
         &[Curve::new(TESTED, points)],
-    )?;
+    );
     html += "<div class=\"pair\">";
     html += &figure(&svg, "What the specimen did: force against displacement.");
     let force = curve_over_time(t, GROUND, |i| f64::from(floor.force_n[i]) * 1e-3);
-    let svg = plot::plot(HALF, "time in the laboratory [s]", "force [kN]", &[force])?;
+    let svg = plot::plot(HALF, "time in the laboratory [s]", "force [kN]", &[force]);
     html += &figure(&svg, "Its force.");
-    Ok(html + "</div>")
+    html + "</div>"
 }
 
-fn energy(t: &Trace) -> Drawn {
+fn energy(t: &Trace) -> String {
     let sum = |colour, column: &[f32]| curve_over_time(t, colour, |i| f64::from(column[i]));
     let curves = [
         sum(IDEAL, &t.energy_stiffness_j)
@@ -197,28 +177,28 @@ fn energy(t: &Trace) -> Drawn {
         sum(WRONG, &t.energy_hsem_j).named("HSEM, Eqs 7 to 9"),
         sum(TESTED, &t.energy_modified_j).named("modified, Eqs 10 to 12"),
     ];
-    Ok("<h2>Energy error</h2>".to_owned()
+    "<h2>Energy error</h2>".to_owned()
         + &in_time(
             WIDE,
             "cumulative energy error [J]",
             &curves,
             "What the actuator's error has put into the structure (negative) or taken out since the start. Eq 6 takes the \
              declared stiffness: it holds while the specimen is elastic.",
-        )?)
+        )
 }
 
-fn damping(t: &Trace) -> Drawn {
+fn damping(t: &Trace) -> String {
     let Some(first) = t.floors.first() else {
-        return Ok(String::new());
+        return String::new();
     };
     let curve = curve_over_time(t, TESTED, |i| {
         f64::from(first.added_damping_n_s_per_m[i]) * 1e-3
     });
-    Ok("<h2>Added damping</h2>".to_owned()
+    "<h2>Added damping</h2>".to_owned()
         + &in_time(
             WIDE,
             "added damping [kN s/m]",
             &[curve],
             "What the compensation adds; its force is a part of the one that the model is answered with.",
-        )?)
+        )
 }

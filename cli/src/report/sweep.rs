@@ -1,12 +1,11 @@
 //! The report of a sweep: the error over the key, the fragility curves, every test.
 
 use super::figures::figure;
-use super::page::{Drawn, cannot, escape, page, test_file};
+use super::page::{escape, page, test_file};
 use super::plot::{self, Colour, Curve, FIFTH, FOURTH, GROUND, TALL, TESTED, THIRD, WRONG};
 use super::rths::table;
 use crate::sweep::{self, Fragility, SweepResult};
 use experiment::Experiment;
-use experiment::failure::Failure;
 use experiment::numbers::{length, percent, percent_or_lost};
 use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS};
 
@@ -18,31 +17,26 @@ const LEAST: f64 = 1e-6;
 const POINTS: usize = 200;
 
 /// The report of a sweep that began with the test `first`.
-///
-/// # Errors
-/// The drawing library's.
-pub fn of_sweep(s: &SweepResult<'_>, first: &Experiment) -> Result<String, Failure> {
+pub fn of_sweep(s: &SweepResult<'_>, first: &Experiment) -> String {
     let mut names: Vec<&'static str> = s.rows.iter().map(|r| r.summary.compensation).collect();
     names.sort_unstable();
     names.dedup();
-    let body = || -> Drawn {
-        Ok([
-            verdict(s, &names),
-            errors(s, &names)?,
-            fragility(s)?,
-            "<h2>Every test</h2>".into(),
-            rows(s),
-            test_file(first),
-        ]
-        .concat())
-    };
+    let body = [
+        verdict(s, &names),
+        errors(s, &names),
+        fragility(s),
+        "<h2>Every test</h2>".into(),
+        rows(s),
+        test_file(&first.test.text),
+    ]
+    .concat();
     let title = format!("One test over {}", s.path);
     let lead = format!(
         "{} tests: each value on each ground motion under each compensation, judged by the same integration with an ideal \
          actuator.",
         s.rows.len()
     );
-    Ok(page(&title, &lead, &body().map_err(cannot)?))
+    page(&title, &lead, &body)
 }
 
 fn values(s: &SweepResult<'_>) -> Vec<f64> {
@@ -75,7 +69,7 @@ fn verdict(s: &SweepResult<'_>, names: &[&'static str]) -> String {
     lines.collect()
 }
 
-fn errors(s: &SweepResult<'_>, names: &[&'static str]) -> Drawn {
+fn errors(s: &SweepResult<'_>, names: &[&'static str]) -> String {
     let values = values(s);
     let curve = |(name, colour): (&&'static str, Colour)| {
         let point = |v: &f64| {
@@ -85,23 +79,23 @@ fn errors(s: &SweepResult<'_>, names: &[&'static str]) -> Drawn {
         Curve::new(colour, values.iter().filter_map(point).collect()).named(name)
     };
     let curves: Vec<Curve> = names.iter().zip(COLOURS).map(curve).collect();
-    let svg = plot::plot(TALL.of_percent(), s.path, "eps_rms [%]", &curves)?;
-    Ok(format!(
+    let svg = plot::plot(TALL.of_percent(), s.path, "eps_rms [%]", &curves);
+    format!(
         "<h2>The error</h2>{}",
         figure(
             &svg,
             "The worst of the ground motions. A test that tripped or ran away counts as 100 %; an error below 0.0001 % is \
              drawn there."
         )
-    ))
+    )
 }
 
-fn fragility(s: &SweepResult<'_>) -> Drawn {
+fn fragility(s: &SweepResult<'_>) -> String {
     let Some(mm) = s.limit_mm else {
-        return Ok(String::new());
+        return String::new();
     };
     let (Some(low), Some(high)) = (values(s).first().copied(), values(s).last().copied()) else {
-        return Ok(String::new());
+        return String::new();
     };
     let mut curves = Vec::new();
     for (f, colour) in s.fragility.iter().zip([GROUND].into_iter().chain(COLOURS)) {
@@ -114,9 +108,9 @@ fn fragility(s: &SweepResult<'_>) -> Drawn {
             curves.push(Curve::new(colour, (0..POINTS).map(point).collect()).named(f.of));
         }
     }
-    let svg = plot::plot(TALL, s.path, "ground motions beyond the limit [%]", &curves)?;
+    let svg = plot::plot(TALL, s.path, "ground motions beyond the limit [%]", &curves);
     let line = |f: &Fragility| vec![f.of.to_owned(), escape(&f.in_words())];
-    Ok(format!(
+    format!(
         "<h2>Where a floor moves further than {}</h2>{}{}",
         length(1e-3 * mm),
         figure(
@@ -126,7 +120,7 @@ fn fragility(s: &SweepResult<'_>) -> Drawn {
              counts as beyond."
         ),
         table(&["of", "lognormal"], s.fragility.iter().map(line))
-    ))
+    )
 }
 
 fn rows(s: &SweepResult<'_>) -> String {

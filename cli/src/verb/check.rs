@@ -3,7 +3,7 @@
 mod surveys;
 
 use super::coupled::CoupledCheckRequest;
-use super::{MotionArguments, json, look_at_report, method};
+use super::{MotionArguments, hand_over, json, method};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CheckSection, TestSection};
 use crate::terminal::{Progress, table};
@@ -120,13 +120,7 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        let with_provenance = WithProvenance::of(&whole);
-        if let Some(folder) = &self.out {
-            write(folder, &experiment, &whole, json(&with_provenance)?)?;
-        }
-        if self.json {
-            answer!("{}", json(&with_provenance)?);
-        } else {
+        let tell = || {
             print(&answer);
             // Why a test is not stable is said once, at the end.
             let why = match judgement.verdict {
@@ -138,8 +132,13 @@ impl Check {
                 judgement.verdict.name().to_uppercase(),
                 expected(&judgement),
             );
-            look_at_report(self.out.as_deref());
-        }
+        };
+        hand_over(
+            (self.out.as_deref(), self.json),
+            ("check.json", &json(&WithProvenance::of(&whole))?),
+            || Ok(vec![("report.html", page(&experiment, &whole)?)]),
+            tell,
+        )?;
         let said = format!("{}: {}", path.display(), judgement.reason);
         match judgement.verdict {
             SoundnessVerdict::Stable => Ok(()),
@@ -232,18 +231,13 @@ fn expected(judgement: &Judgement) -> String {
     )
 }
 
-/// The report and the figures.
-fn write(
-    folder: &Path,
-    experiment: &Experiment,
-    whole: &Whole<'_>,
-    json_text: String,
-) -> Result<(), Failure> {
+/// The report.
+fn page(experiment: &Experiment, whole: &Whole<'_>) -> Result<String, Failure> {
     let ideal = experiment.ideal()?;
     let method = experiment.test.config.compensation.kind;
     let seed = whole.answer.perturbed.spread.seed;
     let run = experiment.run(method, &ideal, seed, true, ())?;
-    let page = report::of_check(&CheckSection {
+    Ok(report::of_check(&CheckSection {
         judgement: whole.judgement,
         answer: whole.answer,
         over_delay: &stability::limits::over_delay(&experiment.test, &whole.answer.limits)?,
@@ -256,8 +250,7 @@ fn write(
                 .ok_or_else(|| Failure::test("the planned motion kept no record"))?,
             ideal: &ideal,
         },
-    })?;
-    output::write_all(folder, &[("report.html", page), ("check.json", json_text)])
+    }))
 }
 
 /// All that is found out, as JSON.

@@ -1,6 +1,6 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{CommonArguments, json, look_at_report, method};
+use super::{CommonArguments, hand_over, json, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
 use crate::provenance::WithProvenance;
@@ -82,7 +82,7 @@ impl Compare {
         };
         let rows: Vec<Summary> = runs.iter().map(|(_, run)| run.summary.clone()).collect();
         let all = serde_json::json!({ "rows": rows });
-        if let Some(folder) = &self.out {
+        let page = || {
             let sections: Vec<TestSection<'_>> = runs
                 .iter()
                 .filter_map(|(e, run)| {
@@ -94,21 +94,17 @@ impl Compare {
                     })
                 })
                 .collect();
-            let with_provenance = WithProvenance::seeded(&all, self.common.seed);
-            output::write_all(
-                folder,
-                &[
-                    ("report.html", report::of_compare(&sections)?),
-                    ("compare.json", json(&with_provenance)?),
-                ],
-            )?;
-        }
-        if self.common.json {
-            answer!("{}", json(&WithProvenance::seeded(&all, self.common.seed))?);
-        } else {
-            println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND);
-            look_at_report(self.out.as_deref());
-        }
+            Ok(vec![("report.html", report::of_compare(&sections))])
+        };
+        hand_over(
+            (self.out.as_deref(), self.common.json),
+            (
+                "compare.json",
+                &json(&WithProvenance::seeded(&all, self.common.seed))?,
+            ),
+            page,
+            || println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND),
+        )?;
         require_all_ran(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.
         if rows.iter().all(|r| r.validity() == Validity::Bad) {
@@ -157,21 +153,15 @@ impl Compare {
         );
         let standings = standing::of(&rows);
         let all = serde_json::json!({ "rows": rows, "standings": standings });
-        let all = json(&WithProvenance::of(&all))?;
-        if let Some(folder) = &self.out {
-            let page = report::of_comparison(&rows, &lead)?;
-            output::write_all(
-                folder,
-                &[("report.html", page), ("bench.json", all.clone())],
-            )?;
-        }
-        if self.common.json {
-            println!("{all}");
-        } else {
-            println!("{lead} Geometric means of eps_rms, Eq 18.\n");
-            println!("{}", terminal::standings(&standings));
-            look_at_report(self.out.as_deref());
-        }
+        hand_over(
+            (self.out.as_deref(), self.common.json),
+            ("bench.json", &json(&WithProvenance::of(&all))?),
+            || Ok(vec![("report.html", report::of_comparison(&rows, &lead))]),
+            || {
+                println!("{lead} Geometric means of eps_rms, Eq 18.\n");
+                println!("{}", terminal::standings(&standings));
+            },
+        )?;
         require_all_ran(
             rows.len(),
             experiments.len() * conditions.len() * contestants.len(),

@@ -1,6 +1,6 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
-use super::{CommonArguments, json, look_at_report};
+use super::{CommonArguments, hand_over, json};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CoupledSection};
 use crate::terminal::coupled_test::{
@@ -18,7 +18,6 @@ use experiment::coupled::trial::{self, Ideal, Trial};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
 use experiment::files::near_fault::near_fault;
-use experiment::files::output;
 use experiment::numbers::{percent, si};
 use experiment::soundness::SoundnessVerdict;
 use experiment::stability::perturbed::Spread;
@@ -102,41 +101,40 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
         Ok::<_, Failure>((ideal, trial))
     })?;
     let summary = CoupledSummary::of(&experiment, kind, &ideal, &trial)?;
-    let with_provenance = WithProvenance::seeded(&summary, common.seed);
-    if let Some(folder) = asked.out {
+    let files = || {
         let page = report::of_coupled_run(&CoupledSection {
             experiment: &experiment,
             summary: &summary,
             record: &trial.record,
             ideal: &ideal,
-        })?;
-        output::write_all(
-            folder,
-            &[
-                ("report.html", page),
-                ("record.csv", trial.record.to_csv()),
-                ("summary.json", json(&with_provenance)?),
-            ],
-        )?;
-    }
-    if common.json {
-        answer!("{}", json(&with_provenance)?);
-        return summary.outcome();
-    }
-    println!("{}", in_words(&experiment, &summary));
-    print(std::slice::from_ref(&summary));
-    if !summary.found.is_empty() {
-        let mut found = table(&FOUND_HEAD);
-        found.add_rows(summary.found.iter().map(found_row));
-        println!("{found}\n");
-    }
-    if asked.plot || plot::columns().is_some() {
-        println!("{}\n", picture(&experiment, &ideal, &trial.record));
-    }
-    if summary.outcome().is_ok() {
-        println!("{}", summary.sentence());
-    }
-    look_at_report(asked.out);
+        });
+        Ok(vec![
+            ("report.html", page),
+            ("record.csv", trial.record.to_csv()),
+        ])
+    };
+    let print = || {
+        println!("{}", in_words(&experiment, &summary));
+        print(std::slice::from_ref(&summary));
+        if !summary.found.is_empty() {
+            let mut found = table(&FOUND_HEAD);
+            found.add_rows(summary.found.iter().map(found_row));
+            println!("{found}\n");
+        }
+        if asked.plot || plot::columns().is_some() {
+            println!("{}\n", picture(&experiment, &ideal, &trial.record));
+        }
+        if summary.outcome().is_ok() {
+            println!("{}", summary.sentence());
+        }
+    };
+    let text = json(&WithProvenance::seeded(&summary, common.seed))?;
+    hand_over(
+        (asked.out, common.json),
+        ("summary.json", &text),
+        files,
+        print,
+    )?;
     summary.outcome()
 }
 
@@ -221,8 +219,7 @@ pub(super) fn compare(
     drop(progress);
     let rows: Vec<CoupledSummary> = runs.iter().map(|(_, s, _)| s.clone()).collect();
     let all = serde_json::json!({ "rows": rows });
-    let with_provenance = WithProvenance::seeded(&all, common.seed);
-    if let Some(folder) = out {
+    let page = || {
         let sections: Vec<CoupledSection<'_>> = runs
             .iter()
             .map(|(e, summary, trial)| CoupledSection {
@@ -232,21 +229,12 @@ pub(super) fn compare(
                 ideal: &ideals[*e],
             })
             .collect();
-        let page = report::of_coupled_compare(&sections)?;
-        output::write_all(
-            folder,
-            &[
-                ("report.html", page),
-                ("compare.json", json(&with_provenance)?),
-            ],
-        )?;
-    }
-    if common.json {
-        answer!("{}", json(&with_provenance)?);
-    } else {
-        print(&rows);
-        look_at_report(out);
-    }
+        Ok(vec![("report.html", report::of_coupled_compare(&sections))])
+    };
+    let text = json(&WithProvenance::seeded(&all, common.seed))?;
+    hand_over((out, common.json), ("compare.json", &text), page, || {
+        print(&rows)
+    })?;
     if rows.iter().all(|r| r.validity() == Validity::Bad) {
         return Err(Failure::test(
             "no compensation gave the structure's response in this test",
@@ -282,29 +270,20 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
     };
-    let with_provenance = WithProvenance::seeded(&check, asked.spread.seed);
-    if let Some(folder) = asked.out {
+    let page = || {
         let section = CoupledSection {
             experiment: &experiment,
             summary: &check.planned,
             record: &trial.record,
             ideal: &ideal,
         };
-        let page = report::of_coupled_check(&check, &section)?;
-        output::write_all(
-            folder,
-            &[
-                ("report.html", page),
-                ("check.json", json(&with_provenance)?),
-            ],
-        )?;
-    }
-    if asked.json {
-        answer!("{}", json(&with_provenance)?);
-    } else {
+        let page = report::of_coupled_check(&check, &section);
+        Ok(vec![("report.html", page)])
+    };
+    let text = json(&WithProvenance::seeded(&check, asked.spread.seed))?;
+    hand_over((asked.out, asked.json), ("check.json", &text), page, || {
         print_check(&experiment, &check);
-        look_at_report(asked.out);
-    }
+    })?;
     let said = check.reason.clone();
     match check.verdict {
         SoundnessVerdict::Stable => Ok(()),

@@ -109,7 +109,7 @@ impl Demo {
             terminal::improvements(&[("undeclared".into(), &story)])
         );
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
-            let page = report::of_demo(&none, &paper, &rows, &story)?;
+            let page = report::of_demo(&none, &paper, &rows, &story);
             output::write_all(&self.out, &[("report.html", page)])?;
             println!("\nLook at {}", self.out.join("report.html").display());
         }

@@ -139,7 +139,7 @@ impl Diagnose {
                             &diagnosis,
                             next.as_ref(),
                             [&stated, &improved],
-                        )?,
+                        ),
                     ),
                     ("diagnosis.json", json(&with_provenance)?),
                     ("model.toml", improved),

@@ -1,13 +1,12 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
-use super::{json, look_at_report};
+use super::{hand_over, json};
 use crate::archive;
 use crate::difference::{self, Difference};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use experiment::failure::Failure;
-use experiment::files::output;
 use experiment::numbers::percent;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -62,22 +61,17 @@ impl Diff {
             )));
         }
         let json_text = json(&WithProvenance::of(&difference))?;
-        if let Some(folder) = &self.out {
+        let page = || {
             let names = [&self.first, &self.second].map(|p| p.display().to_string());
-            let page = report::of_difference(&difference, [&first, &second], &names)?;
-            output::write_all(
-                folder,
-                &[
-                    ("report.html", page),
-                    ("difference.json", json_text.clone()),
-                ],
-            )?;
-        }
-        if self.json {
-            answer!("{json_text}");
-        } else {
-            self.print(&difference);
-        }
+            let page = report::of_difference(&difference, [&first, &second], &names);
+            Ok(vec![("report.html", page)])
+        };
+        hand_over(
+            (self.out.as_deref(), self.json),
+            ("difference.json", &json_text),
+            page,
+            || print(&difference),
+        )?;
         let apart = difference.of_displacement();
         match (self.within, apart) {
             (Some(within), Some(share)) if share > within => Err(Failure::test(format!(
@@ -87,34 +81,33 @@ impl Diff {
             _ => Ok(()),
         }
     }
+}
 
-    fn print(&self, d: &Difference) {
-        if d.settings.is_empty() {
-            println!("The same test: no key of its configuration, rig or ground motion differs.\n");
-        } else {
-            let mut t = terminal::table(&["set otherwise", "first", "second"]);
-            for s in &d.settings {
-                t.add_row([
-                    s.key.clone(),
-                    difference::plain_text(&s.first),
-                    difference::plain_text(&s.second),
-                ]);
-            }
-            println!("{t}\n");
-        }
-        let mut t = terminal::table(&["figure", "first", "second"]);
-        for f in &d.figures {
-            t.add_row([f.key.to_owned(), figure(&f.first), figure(&f.second)]);
+fn print(d: &Difference) {
+    if d.settings.is_empty() {
+        println!("The same test: no key of its configuration, rig or ground motion differs.\n");
+    } else {
+        let mut t = terminal::table(&["set otherwise", "first", "second"]);
+        for s in &d.settings {
+            t.add_row([
+                s.key.clone(),
+                difference::plain_text(&s.first),
+                difference::plain_text(&s.second),
+            ]);
         }
         println!("{t}\n");
-        let mut t = terminal::table(&["channel", "peak", "rms apart", "of peak", "most", "at"]);
-        for c in d.channels.iter().filter(|c| c.is_motion()) {
-            t.add_row(c.cells());
-        }
-        println!("{t}");
-        println!("{}", d.sentence());
-        look_at_report(self.out.as_deref());
     }
+    let mut t = terminal::table(&["figure", "first", "second"]);
+    for f in &d.figures {
+        t.add_row([f.key.to_owned(), figure(&f.first), figure(&f.second)]);
+    }
+    println!("{t}\n");
+    let mut t = terminal::table(&["channel", "peak", "rms apart", "of peak", "most", "at"]);
+    for c in d.channels.iter().filter(|c| c.is_motion()) {
+        t.add_row(c.cells());
+    }
+    println!("{t}");
+    println!("{}", d.sentence());
 }
 
 /// A figure of a summary: a word, or a number with three digits.

@@ -177,7 +177,7 @@ fn row<'a>(name: &str, s: &'a Improvement) -> JsonRow<'a> {
 }
 
 fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result<(), Failure> {
-    let mut files = vec![("report.html".to_owned(), report::of_improvements(stories)?)];
+    let mut files = vec![("report.html".to_owned(), report::of_improvements(stories))];
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
         // A model with which the test became worse is not handed on.
@@ -199,6 +199,5 @@ fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result
             ));
         }
     }
-    let files: Vec<(&str, String)> = files.iter().map(|(n, t)| (n.as_str(), t.clone())).collect();
     output::write_all(folder, &files)
 }

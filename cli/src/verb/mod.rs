@@ -27,6 +27,7 @@ use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
 use experiment::files::near_fault::near_fault;
+use experiment::files::output;
 use experiment::files::test::TestFile;
 use outerloop_core::{Accepted, Method};
 use serde::Serialize;
@@ -128,6 +129,28 @@ fn look_at_report(folder: Option<&Path>) {
     if let Some(folder) = folder {
         println!("Look at {}", folder.join("report.html").display());
     }
+}
+
+/// Hands over what a verb found out: with `--out` its `files` and the JSON, `named` with its text, in a folder; then with
+/// `--json` that text alone, else what `print` says, and where the report is.
+fn hand_over(
+    (out, json): (Option<&Path>, bool),
+    named: (&'static str, &str),
+    files: impl FnOnce() -> Result<Vec<(&'static str, String)>, Failure>,
+    print: impl FnOnce(),
+) -> Result<(), Failure> {
+    if let Some(folder) = out {
+        let mut files = files()?;
+        files.push((named.0, named.1.to_owned()));
+        output::write_all(folder, &files)?;
+    }
+    if json {
+        answer!("{}", named.1);
+    } else {
+        print();
+        look_at_report(out);
+    }
+    Ok(())
 }
 
 /// The JSON of a result.

@@ -1,6 +1,6 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
-use super::{CommonArguments, json, look_at_report, method};
+use super::{CommonArguments, hand_over, json, method};
 use crate::provenance::WithProvenance;
 use crate::report::{self, ManyTests, TestSection};
 use crate::terminal::{Progress, percent, table};
@@ -15,7 +15,7 @@ use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Run the same test on many rigs drawn around the declared one
@@ -112,7 +112,7 @@ impl MonteCarlo {
         let wall_s = began.elapsed().as_secs_f64();
         drop(progress);
         let outcome = outcome(&summaries, wall_s);
-        if let Some(folder) = &self.out {
+        let files = || {
             // The worst once more, with every step kept.
             let worst = (0..rigs.len())
                 .max_by(|a, b| summaries[*a].error().total_cmp(&summaries[*b].error()))
@@ -127,19 +127,18 @@ impl MonteCarlo {
                 worst_rig: &rigs[worst],
                 worst: one.section()?,
             };
-            let json_text = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
-            write(folder, &many, json_text)?;
-        }
-        if self.common.json {
-            answer!(
-                "{}",
-                json(&WithProvenance::seeded(&outcome, self.common.seed))?
-            );
-        } else {
-            print(&outcome, kind.name());
-            look_at_report(self.out.as_deref());
-        }
-        Ok(())
+            Ok(vec![
+                ("report.html", report::of_monte_carlo(&many)),
+                ("tests.csv", csv(&many)),
+            ])
+        };
+        let text = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
+        hand_over(
+            (self.out.as_deref(), self.common.json),
+            ("monte-carlo.json", &text),
+            files,
+            || print(&outcome, kind.name()),
+        )
     }
 
     /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step is kept where no progress is json_text.
@@ -181,8 +180,8 @@ impl One {
     }
 }
 
-/// The report, each test in a line, and the figures.
-fn write(folder: &Path, many: &ManyTests<'_>, json_text: String) -> Result<(), Failure> {
+/// Each test in a line.
+fn csv(many: &ManyTests<'_>) -> String {
     let mut tests = String::from(
         "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
     );
@@ -198,14 +197,7 @@ fn write(folder: &Path, many: &ManyTests<'_>, json_text: String) -> Result<(), F
             s.eps_max
         );
     }
-    output::write_all(
-        folder,
-        &[
-            ("report.html", report::of_monte_carlo(many)?),
-            ("tests.csv", tests),
-            ("monte-carlo.json", json_text),
-        ],
-    )
+    tests
 }
 
 fn outcome(summaries: &[Summary], wall_s: f64) -> Outcome {

@@ -264,7 +264,7 @@ impl Run {
         };
         let summary = WithProvenance::seeded(ran.summary, ran.seed);
         let mut files = vec![
-            ("report.html", report::of_run(&section)?.into_bytes()),
+            ("report.html", report::of_run(&section).into_bytes()),
             ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
             ("record.h5", archived),
             ("summary.json", json(&summary)?.into_bytes()),

@@ -146,7 +146,7 @@ impl Serve {
                 test,
                 summary,
                 trace,
-            })?;
+            });
             output::write_all(
                 &PathBuf::from(folder),
                 &[

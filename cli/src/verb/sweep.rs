@@ -1,6 +1,6 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
-use super::{CommonArguments, json, look_at_report, method};
+use super::{CommonArguments, hand_over, json, method};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
@@ -64,21 +64,21 @@ impl Sweep {
             fragility: &curves,
         };
         let json_text = json(&WithProvenance::seeded(&swept, self.common.seed))?;
-        if let (Some(folder), Some((_, first))) = (&self.out, experiments.first()) {
-            let page = report::of_sweep(&swept, first)?;
-            let files = [
-                ("report.html", page),
-                ("sweep.csv", csv(&rows)),
-                ("sweep.json", json_text.clone()),
-            ];
-            output::write_all(folder, &files)?;
-        }
-        if self.common.json {
-            answer!("{json_text}");
-        } else {
-            print(&swept, &methods);
-            look_at_report(self.out.as_deref());
-        }
+        let files = || {
+            let page = experiments
+                .first()
+                .map(|(_, first)| ("report.html", report::of_sweep(&swept, first)));
+            Ok(page
+                .into_iter()
+                .chain([("sweep.csv", csv(&rows))])
+                .collect())
+        };
+        hand_over(
+            (self.out.as_deref(), self.common.json),
+            ("sweep.json", &json_text),
+            files,
+            || print(&swept, &methods),
+        )?;
         let asked = experiments.len() * methods.len();
         if rows.len() < asked {
             return Err(Failure::test(format!(

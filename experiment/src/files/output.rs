@@ -12,7 +12,10 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// A folder or file that cannot be written; what was there before is left as it was.
-pub fn write_all<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
+pub fn write_all<N: AsRef<str>, T: AsRef<[u8]>>(
+    folder: &Path,
+    files: &[(N, T)],
+) -> Result<(), Failure> {
     let new = !folder.exists();
     refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
@@ -70,10 +73,14 @@ fn refuse_no_folder(folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-fn write_into<T: AsRef<[u8]>>(folder: &Path, files: &[(&str, T)]) -> Result<(), Failure> {
+fn write_into<N: AsRef<str>, T: AsRef<[u8]>>(
+    folder: &Path,
+    files: &[(N, T)],
+) -> Result<(), Failure> {
     let mut ready: Vec<(tempfile::TempPath, PathBuf)> = Vec::new();
     let mut streams = Vec::new();
     for (name, text) in files {
+        let name = name.as_ref();
         let place = folder.join(name);
         match Place::of(&place).map_err(|e| cannot(&place, &e))? {
             Place::File(real) => {

@@ -155,10 +155,6 @@ impl Marths {
             for (record, found) in &parts {
                 files.push((format!("record-{}.csv", record.name), found.csv(&problem)));
             }
-            let files: Vec<(&str, String)> = files
-                .iter()
-                .map(|(name, text)| (name.as_str(), text.clone()))
-                .collect();
             output::write_all(folder, &files)?;
         }
         Ok(())

@@ -50,7 +50,7 @@ impl Diagnose {
                 file_name(&self.train[0].file),
                 file_name(&self.model)
             );
-            let page = report::of_coupled(&title, &d, [&text(declared)?, &improved])?;
+            let page = report::of_coupled(&title, &d, [&text(declared)?, &improved]);
             output::write_all(
                 folder,
                 &[
