@@ -188,64 +188,28 @@ fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
 
 /// The limits in force, a line each, with a mark at those that were worked out.
 pub fn describe(stated: &Limits, limits: &Limits) -> String {
-    let line = |name: &str, stated: bool, value: Option<f64>, per_unit: f64, unit: &str| {
-        let value = value? * per_unit;
-        let origin = if stated { "" } else { "  worked out" };
+    type Row = (&'static str, f64, &'static str, fn(&Limits) -> Option<f64>);
+    let rows: [Row; 7] = [
+        ("displacement_m", 1e3, "mm", |l| l.displacement_m),
+        ("velocity_m_per_s", 1e3, "mm/s", |l| l.velocity_m_per_s),
+        ("increment_m", 1e3, "mm", |l| l.increment_m),
+        ("force_n", 1e-3, "kN", |l| l.force_n),
+        ("tracking_m", 1e3, "mm", |l| l.tracking_m),
+        ("stale_steps", 1.0, "steps", |l| {
+            l.stale_steps.map(f64::from)
+        }),
+        ("frozen_m", 1e3, "mm", |l| l.frozen_m),
+    ];
+    let line = |(name, per_unit, unit, of): Row| {
+        let value = of(limits)? * per_unit;
+        let origin = if of(stated).is_some() {
+            ""
+        } else {
+            "  worked out"
+        };
         Some(format!("  {name:<17}{value:>10.4} {unit:<5}{origin}"))
     };
-    let steps = |n: Option<u16>| n.map(f64::from);
-    let lines = [
-        line(
-            "displacement_m",
-            stated.displacement_m.is_some(),
-            limits.displacement_m,
-            1e3,
-            "mm",
-        ),
-        line(
-            "velocity_m_per_s",
-            stated.velocity_m_per_s.is_some(),
-            limits.velocity_m_per_s,
-            1e3,
-            "mm/s",
-        ),
-        line(
-            "increment_m",
-            stated.increment_m.is_some(),
-            limits.increment_m,
-            1e3,
-            "mm",
-        ),
-        line(
-            "force_n",
-            stated.force_n.is_some(),
-            limits.force_n,
-            1e-3,
-            "kN",
-        ),
-        line(
-            "tracking_m",
-            stated.tracking_m.is_some(),
-            limits.tracking_m,
-            1e3,
-            "mm",
-        ),
-        line(
-            "stale_steps",
-            stated.stale_steps.is_some(),
-            steps(limits.stale_steps),
-            1.0,
-            "steps",
-        ),
-        line(
-            "frozen_m",
-            stated.frozen_m.is_some(),
-            limits.frozen_m,
-            1e3,
-            "mm",
-        ),
-    ];
-    let lines: Vec<String> = lines.into_iter().flatten().collect();
+    let lines: Vec<String> = rows.into_iter().filter_map(line).collect();
     lines.join("\n")
 }
 

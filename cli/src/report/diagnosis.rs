@@ -1,5 +1,6 @@
 //! A diagnosis as a part of the report: the verdict, what is left before and after, the loops, what was tried.
 
+use super::figures::figure as captioned;
 use super::page::{each_tile, escape};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use crate::terminal::percent;
@@ -197,7 +198,7 @@ fn loops(a: &ChannelAnswer) -> String {
             Curve::new(TESTED, points(model)).named("model"),
         ];
         let svg = plot(HALF, x_label, &y_label, &curves);
-        format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>")
+        captioned(&svg, caption)
     };
     let Traces { before, after, .. } = t;
     let from_to = format!(
@@ -320,7 +321,7 @@ fn rest(a: &ChannelAnswer) -> String {
     let label = format!("left [{unit}]");
     let against = |of: &[f64], label_x: &str, caption: &str| -> String {
         let svg = plot(HALF, label_x, &label, &bands(of, &left));
-        format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>")
+        captioned(&svg, caption)
     };
     let input = match a.channel {
         Channel::Actuator => "command [mm]",
@@ -401,5 +402,5 @@ fn candidate_table(a: &ChannelAnswer) -> String {
 }
 
 fn figure(title: &str, svg: String, caption: &str) -> String {
-    format!("<h3>{title}</h3><figure>{svg}<figcaption>{caption}</figcaption></figure>")
+    format!("<h3>{title}</h3>{}", captioned(&svg, caption))
 }

@@ -1,13 +1,17 @@
 //! The next test as a part of the report: its command, and what each possible cause predicts.
 
 use super::page::escape;
+
 use super::plot::{
     Colour, Curve, FIFTH, FOURTH, HALF, TESTED, THIRD, WIDE, WRONG, history, path, plot,
 };
-use crate::terminal::percent;
+use super::rths::table;
+use crate::terminal::next::{
+    NUMBER_HEAD, PHASE_HEAD, PREDICTION_HEAD, number_rows, phase_row, prediction_rows,
+};
 use crate::wording::plan;
-use crate::wording::{digits, quantity};
-use diagnosis::{Form, Next, Outlook};
+use crate::wording::quantity;
+use diagnosis::{Next, Outlook};
 use plant::Channel;
 use std::fmt::Write as _;
 
@@ -32,7 +36,7 @@ pub fn section(n: &Next) -> String {
             &[Curve::new(TESTED, command)]
         )
     );
-    html += &phases(n);
+    html += &table(&PHASE_HEAD, n.phases.iter().map(phase_row));
     for o in &n.channels {
         let _ = write!(
             html,
@@ -43,7 +47,9 @@ pub fn section(n: &Next) -> String {
         if o.candidates.len() > 1 {
             html += &predictions(o, n);
         } else if !o.parameters.is_empty() {
-            html += &parameter_table(o);
+            let rows = number_rows(o);
+            let signed = |row: Vec<String>| row.iter().map(|c| c.replace("+-", "±")).collect();
+            html += &table(&NUMBER_HEAD, rows.map(signed));
         }
     }
     html
@@ -56,51 +62,10 @@ fn of(o: &Outlook) -> &'static str {
     }
 }
 
-fn phases(n: &Next) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><tr><th>phase</th><th>amplitude</th><th>top speed</th><th>frequency</th><th>takes</th></tr>",
-    );
-    let or_none = |x: f64, unit: &str| match x {
-        0.0 => "-".to_owned(),
-        x => quantity(x, unit),
-    };
-    for p in &n.phases {
-        let to = if p.form == Form::Chirp { "to " } else { "" };
-        let _ = write!(
-            html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{to}{}</td><td>{}</td></tr>",
-            p.form.in_words(),
-            or_none(p.amplitude_mm, "mm"),
-            or_none(p.speed_mm_per_s, "mm/s"),
-            or_none(p.frequency_hz, "Hz"),
-            quantity(p.seconds, "s"),
-        );
-    }
-    html + "</table></div>"
-}
-
 /// A table of the causes, their answers over time, and their loops.
 fn predictions(o: &Outlook, n: &Next) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><tr><th>if it is</th><th>probability</th><th>peak</th><th>area of the loops</th>\
-         <th>apart from the first, rms</th><th>stays apart by</th></tr>",
-    );
-    for c in &o.candidates {
-        let _ = write!(
-            html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-            plan::name(c),
-            c.probability.map_or_else(|| "?".into(), percent),
-            quantity(c.peak, &o.unit),
-            quantity(c.loop_area, &plan::area_unit(o)),
-            quantity(c.apart_rms, &o.unit),
-            c.separation.map_or_else(
-                || "-".into(),
-                |s| format!("{} times what is left", digits(s))
-            ),
-        );
-    }
-    html += "</table></div><p>What stays apart is counted after every number of a wrong model has been moved as far as the \
+    let mut html = table(&PREDICTION_HEAD, prediction_rows(o));
+    html += "<p>What stays apart is counted after every number of a wrong model has been moved as far as the \
              records let it be moved.</p>";
     let time = n.time_s();
     let first = &o.candidates[0].answer;
@@ -142,21 +107,4 @@ fn predictions(o: &Outlook, n: &Next) -> String {
         );
     }
     html + "</div>"
-}
-
-fn parameter_table(o: &Outlook) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><tr><th>number</th><th>value</th><th>known to, 90 %</th><th>with the next test</th></tr>",
-    );
-    for p in &o.parameters {
-        let _ = write!(
-            html,
-            "<tr><td>{}</td><td>{}</td><td>&plusmn; {}</td><td>&plusmn; {}</td></tr>",
-            escape(&p.name),
-            digits(p.value),
-            digits(p.half_now),
-            digits(p.half_then)
-        );
-    }
-    html + "</table></div>"
 }

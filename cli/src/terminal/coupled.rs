@@ -1,7 +1,6 @@
 //! The diagnosis of a specimen of several coordinates on the terminal.
 
 use super::table;
-use comfy_table::CellAlignment;
 use diagnosis::{CoordinateAnswer, CoupledDiagnosis, CoupledVerdict};
 use experiment::numbers::{percent, si, three};
 use std::fmt::Write as _;
@@ -24,20 +23,13 @@ pub fn coupled(d: &CoupledDiagnosis) -> String {
             );
         }
     }
-    let mut wrong = table(&WRONG_HEAD);
-    for row in d.coordinates.iter().flat_map(wrong_rows) {
-        wrong.add_row(row);
-    }
-    for column in wrong.column_iter_mut().take(3) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
+    let mut wrong = table(&WRONG_HEAD).with_words(3);
+    wrong.add_rows(d.coordinates.iter().flat_map(wrong_rows));
     if d.coordinates.iter().any(|c| !c.wrong.is_empty()) {
         let _ = writeln!(text, "\n{wrong}");
     }
     let mut errors = table(&ERROR_HEAD);
-    for row in d.coordinates.iter().map(error_row) {
-        errors.add_row(row);
-    }
+    errors.add_rows(d.coordinates.iter().map(error_row));
     let _ = write!(
         text,
         "\n{errors}\nMotion and forces up to {:.0} Hz. Diagnosed in {:.2} s.",

@@ -6,7 +6,6 @@ use crate::wording::{
     corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
     sureness, verdict,
 };
-use comfy_table::CellAlignment;
 use diagnosis::{ChannelAnswer, Diagnosis};
 use experiment::numbers::percent;
 use std::fmt::Write as _;
@@ -66,10 +65,8 @@ pub fn improvements(stories: &[(String, &Improvement)]) -> Table {
         "without the effect",
         "the second test is",
         "then missing",
-    ]);
-    for column in t.column_iter_mut().take(3) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
+    ])
+    .with_words(3);
     for (name, s) in stories {
         t.add_row([
             name.clone(),
@@ -99,10 +96,8 @@ fn errors(channels: &[ChannelAnswer]) -> Table {
         "after",
         "noise rms",
         "fall of the rms, 90 %",
-    ]);
-    if let Some(column) = t.column_mut(1) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
+    ])
+    .with_words(2);
     for a in channels {
         let (before, after) = (&a.error_before, &a.error_after);
         let rms = |x: f64| quantity(x, &a.unit);
@@ -139,9 +134,6 @@ fn shares(a: &ChannelAnswer) -> Option<Table> {
     }
     let head = format!("rest of the {}: depends on", a.channel.name());
     let mut t = table(&[&head, "share of squares", "odd", "even"]);
-    if let Some(column) = t.column_mut(0) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
     let part = |x: f64| if x > 0.0 { percent(x) } else { "-".into() };
     for s in &r.shares {
         t.add_row([

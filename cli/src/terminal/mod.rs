@@ -5,7 +5,7 @@ pub mod coupled_test;
 mod diagnosis;
 pub mod interrupt;
 pub mod misspelt;
-mod next;
+pub mod next;
 pub mod output;
 pub mod plot;
 pub mod progress;

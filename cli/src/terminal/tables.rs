@@ -59,6 +59,14 @@ impl fmt::Display for Table {
 }
 
 impl Table {
+    /// The same with words in the first `columns`, to the left.
+    pub fn with_words(mut self, columns: usize) -> Self {
+        for column in self.0.column_iter_mut().take(columns) {
+            column.set_cell_alignment(CellAlignment::Left);
+        }
+        self
+    }
+
     fn rows(&self) -> impl Iterator<Item = &Row> {
         self.0.header().into_iter().chain(self.0.row_iter())
     }

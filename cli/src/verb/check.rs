@@ -10,8 +10,6 @@ use crate::terminal::{Progress, table};
 use experiment::Experiment;
 use experiment::coupled::load;
 use experiment::failure::Failure;
-use experiment::files::ground_motion::GroundMotionFile;
-use experiment::files::near_fault::near_fault;
 use experiment::files::output;
 use experiment::files::test::TestFile;
 use experiment::numbers::{percent, percent_or_lost};
@@ -98,7 +96,9 @@ impl Check {
         note_seed(self.seed);
         if let Some(test) = load::test(path, &self.overrides)? {
             let asked = CoupledCheckRequest {
-                shaking: self.shaking(test.excitation.record.as_deref())?,
+                shaking: self
+                    .motion
+                    .shaking(self.record.as_deref(), &test.excitation)?,
                 compensation: self.compensation.as_deref(),
                 spread,
                 out: self.out.as_deref(),
@@ -140,25 +140,15 @@ impl Check {
             tell,
         )?;
         let said = format!("{}: {}", path.display(), judgement.reason);
-        match judgement.verdict {
-            SoundnessVerdict::Stable => Ok(()),
-            SoundnessVerdict::Doubtful => Err(Failure::test(said)),
-            SoundnessVerdict::Unstable => Err(Failure::input(said)),
-        }
+        judgement.verdict.outcome(said)
     }
 
     /// The planned motion.
     fn experiment(&self, test: &TestFile) -> Result<Experiment, Failure> {
-        let shaking = self.shaking(test.excitation.record.as_deref())?;
+        let shaking = self
+            .motion
+            .shaking(self.record.as_deref(), &test.excitation)?;
         Experiment::new(test.clone(), &shaking, None)
-    }
-
-    /// The ground motion: the one named here, else the test's, else the built-in one.
-    fn shaking(&self, of_test: Option<&Path>) -> Result<GroundMotionFile, Failure> {
-        match self.record.as_deref().or(of_test) {
-            Some(path) => GroundMotionFile::load(path, self.motion.columns()),
-            None => Ok(near_fault()),
-        }
     }
 
     fn spread(&self) -> Result<Spread, Failure> {

@@ -1,6 +1,6 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{CommonArguments, hand_over, json, method};
+use super::{CommonArguments, each_record, hand_over, json, method};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
 use crate::provenance::WithProvenance;
@@ -117,13 +117,10 @@ impl Compare {
 
     /// The test on each ground motion.
     fn experiments(&self, test: &TestFile) -> Result<Vec<Experiment>, Failure> {
-        match &self.record[..] {
-            [] => Ok(vec![self.common.experiment(test, None)?]),
-            files => files
-                .iter()
-                .map(|f| self.common.experiment(test, Some(f)))
-                .collect(),
-        }
+        each_record(&self.record)
+            .into_iter()
+            .map(|file| self.common.experiment(test, file))
+            .collect()
     }
 
     /// Every contestant under every condition of the bench.

@@ -1,6 +1,6 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
-use super::{CommonArguments, hand_over, json};
+use super::{CommonArguments, each_record, hand_over, json};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CoupledSection};
 use crate::terminal::coupled_test::{
@@ -17,7 +17,6 @@ use experiment::coupled::trace::CoupledTrace;
 use experiment::coupled::trial::{self, Ideal, Trial};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
-use experiment::files::near_fault::near_fault;
 use experiment::numbers::{percent, si};
 use experiment::soundness::SoundnessVerdict;
 use experiment::stability::perturbed::Spread;
@@ -38,10 +37,7 @@ impl CommonArguments {
         test: &CoupledTest,
         named: Option<&Path>,
     ) -> Result<CoupledExperiment, Failure> {
-        let shaking = match named.or(test.excitation.record.as_deref()) {
-            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
-            None => near_fault(),
-        };
+        let shaking = self.motion.shaking(named, &test.excitation)?;
         load::experiment(test.clone(), &shaking, self.duration)
     }
 }
@@ -192,13 +188,10 @@ pub(super) fn compare(
         [] => CoupledCompensation::ALL.to_vec(),
         names => names.iter().map(|n| kind(n)).collect::<Result<_, _>>()?,
     };
-    let experiments = match records {
-        [] => vec![common.coupled_on(test, None)?],
-        files => files
-            .iter()
-            .map(|f| common.coupled_on(test, Some(f)))
-            .collect::<Result<_, _>>()?,
-    };
+    let experiments = each_record(records)
+        .into_iter()
+        .map(|file| common.coupled_on(test, file))
+        .collect::<Result<Vec<_>, _>>()?;
     let ideals = experiments
         .iter()
         .map(trial::ideal)
@@ -284,12 +277,7 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
     hand_over((asked.out, asked.json), ("check.json", &text), page, || {
         print_check(&experiment, &check);
     })?;
-    let said = check.reason.clone();
-    match check.verdict {
-        SoundnessVerdict::Stable => Ok(()),
-        SoundnessVerdict::Doubtful => Err(Failure::test(said)),
-        SoundnessVerdict::Unstable => Err(Failure::input(said)),
-    }
+    check.verdict.outcome(check.reason)
 }
 
 fn print_check(experiment: &CoupledExperiment, check: &CoupledCheck) {

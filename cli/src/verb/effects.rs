@@ -40,10 +40,7 @@ impl Effects {
             answer!("{}", json!(entries));
             return Ok(());
         }
-        let mut t = table(&["family", "effect", "channels", "parameters [unit]"]);
-        for column in t.column_iter_mut() {
-            column.set_cell_alignment(comfy_table::CellAlignment::Left);
-        }
+        let mut t = table(&["family", "effect", "channels", "parameters [unit]"]).with_words(4);
         let mut family = "";
         for e in catalogue() {
             let same = family == e.family.name();

@@ -3,7 +3,6 @@
 use super::json;
 use crate::keys;
 use crate::terminal::table;
-use comfy_table::CellAlignment;
 use experiment::failure::Failure;
 
 /// List every key of a test file: unit, default, what is accepted, meaning
@@ -52,10 +51,7 @@ impl Keys {
         } else {
             for group in &groups {
                 answer!("[{}]  {}", group.path, group.meaning);
-                let mut t = table(&["key", "unit", "default", "accepted", "meaning"]);
-                for column in t.column_iter_mut() {
-                    column.set_cell_alignment(CellAlignment::Left);
-                }
+                let mut t = table(&["key", "unit", "default", "accepted", "meaning"]).with_words(5);
                 for key in &group.keys {
                     let name = key.path.rsplit('.').next().unwrap_or(&key.path);
                     t.add_row([

@@ -28,7 +28,7 @@ use experiment::failure::Failure;
 use experiment::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
 use experiment::files::near_fault::near_fault;
 use experiment::files::output;
-use experiment::files::test::TestFile;
+use experiment::files::test::{Excitation, TestFile};
 use outerloop_core::{Accepted, Method};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -48,11 +48,20 @@ pub struct MotionArguments {
 }
 
 impl MotionArguments {
-    fn columns(&self) -> ColumnChoice {
-        ColumnChoice {
+    /// The ground motion: the one named here, else the test's, else the built-in one.
+    fn shaking(
+        &self,
+        named: Option<&Path>,
+        of_test: &Excitation,
+    ) -> Result<GroundMotionFile, Failure> {
+        let columns = ColumnChoice {
             interval_s: self.dt,
             unit: self.unit,
             sensitivity: self.sensitivity,
+        };
+        match named.or(of_test.record.as_deref()) {
+            Some(path) => GroundMotionFile::load(path, columns),
+            None => Ok(near_fault()),
         }
     }
 }
@@ -102,13 +111,18 @@ impl CommonArguments {
         std::iter::once(&self.test).chain(more).cloned().collect()
     }
 
-    /// The test on a ground motion: the one named here, else the test's, else the built-in one.
+    /// The test on a ground motion, see [`MotionArguments::shaking`].
     fn experiment(&self, test: &TestFile, named: Option<&Path>) -> Result<Experiment, Failure> {
-        let shaking = match named.or(test.excitation.record.as_deref()) {
-            Some(path) => GroundMotionFile::load(path, self.motion.columns())?,
-            None => near_fault(),
-        };
+        let shaking = self.motion.shaking(named, &test.excitation)?;
         Experiment::new(test.clone(), &shaking, self.duration)
+    }
+}
+
+/// Each of the ground motions that are named, or the test's own.
+fn each_record(named: &[PathBuf]) -> Vec<Option<&Path>> {
+    match named {
+        [] => vec![None],
+        files => files.iter().map(|f| Some(f.as_path())).collect(),
     }
 }
 

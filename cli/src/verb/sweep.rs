@@ -1,6 +1,6 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
-use super::{CommonArguments, hand_over, json, method};
+use super::{CommonArguments, each_record, hand_over, json, method};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
@@ -94,13 +94,8 @@ impl Sweep {
         let mut all = Vec::new();
         for value in &range.values {
             let test = self.common.load_with(&range.setting(*value))?;
-            match &self.record[..] {
-                [] => all.push((*value, self.common.experiment(&test, None)?)),
-                files => {
-                    for file in files {
-                        all.push((*value, self.common.experiment(&test, Some(file))?));
-                    }
-                }
+            for file in each_record(&self.record) {
+                all.push((*value, self.common.experiment(&test, file)?));
             }
         }
         Ok(all)

@@ -193,6 +193,9 @@ fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledR
     rig
 }
 
+/// What the first limits are of.
+const ACTUATOR: &str = "worse actuator";
+
 /// How much of each limit a trial took.
 fn limits(e: &CoupledExperiment, trial: &Trial) -> Vec<LimitUse> {
     let (r, l) = (&trial.record, &e.test.coupled.limits);
@@ -208,7 +211,26 @@ fn limits(e: &CoupledExperiment, trial: &Trial) -> Vec<LimitUse> {
             .fold(0.0, |m, (a, b)| f64::from((a - b).abs()).max(m))
     };
     let worse = |of: &dyn Fn(usize) -> f64| of(0).max(of(1));
-    let row = |name, of, unit, planned: f64, limit: f64| LimitUse {
+    // In the order of the limits; the last of them, of readings that stand still, is none of the motion.
+    let planned = [
+        (ACTUATOR, "m", worse(&|i| most(&r.command_m[i]))),
+        (ACTUATOR, "m/s", worse(&|i| fastest(&r.command_m[i]))),
+        (ACTUATOR, "N", worse(&|i| most(&r.actuator_n[i]))),
+        (
+            ACTUATOR,
+            "m",
+            worse(&|i| farthest(&r.stroke_m[i], &r.wanted_m[i])),
+        ),
+        ("x", "m", most(&r.target[0])),
+        ("x", "m/s", fastest(&r.target[0])),
+        ("x", "N", most(&r.force[0])),
+        ("x", "m", farthest(&r.estimated[0], &r.target[0])),
+        ("rotation", "rad", most(&r.target[1])),
+        ("rotation", "rad/s", fastest(&r.target[1])),
+        ("rotation", "N m", most(&r.force[1])),
+        ("rotation", "rad", farthest(&r.estimated[1], &r.target[1])),
+    ];
+    let row = |((name, limit), (of, unit, planned))| LimitUse {
         name,
         of,
         unit,
@@ -216,79 +238,5 @@ fn limits(e: &CoupledExperiment, trial: &Trial) -> Vec<LimitUse> {
         limit,
         share: planned / limit,
     };
-    let actuator = "worse actuator";
-    vec![
-        row(
-            "stroke_m",
-            actuator,
-            "m",
-            worse(&|i| most(&r.command_m[i])),
-            l.stroke_m,
-        ),
-        row(
-            "velocity_m_per_s",
-            actuator,
-            "m/s",
-            worse(&|i| fastest(&r.command_m[i])),
-            l.velocity_m_per_s,
-        ),
-        row(
-            "force_n",
-            actuator,
-            "N",
-            worse(&|i| most(&r.actuator_n[i])),
-            l.force_n,
-        ),
-        row(
-            "tracking_m",
-            actuator,
-            "m",
-            worse(&|i| farthest(&r.stroke_m[i], &r.wanted_m[i])),
-            l.tracking_m,
-        ),
-        row("x_m", "x", "m", most(&r.target[0]), l.x_m),
-        row(
-            "x_velocity_m_per_s",
-            "x",
-            "m/s",
-            fastest(&r.target[0]),
-            l.x_velocity_m_per_s,
-        ),
-        row("x_force_n", "x", "N", most(&r.force[0]), l.x_force_n),
-        row(
-            "x_tracking_m",
-            "x",
-            "m",
-            farthest(&r.estimated[0], &r.target[0]),
-            l.x_tracking_m,
-        ),
-        row(
-            "rotation_rad",
-            "rotation",
-            "rad",
-            most(&r.target[1]),
-            l.rotation_rad,
-        ),
-        row(
-            "rotation_velocity_rad_per_s",
-            "rotation",
-            "rad/s",
-            fastest(&r.target[1]),
-            l.rotation_velocity_rad_per_s,
-        ),
-        row(
-            "moment_n_m",
-            "rotation",
-            "N m",
-            most(&r.force[1]),
-            l.moment_n_m,
-        ),
-        row(
-            "rotation_tracking_rad",
-            "rotation",
-            "rad",
-            farthest(&r.estimated[1], &r.target[1]),
-            l.rotation_tracking_rad,
-        ),
-    ]
+    l.named().into_iter().zip(planned).map(row).collect()
 }

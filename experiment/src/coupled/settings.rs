@@ -92,7 +92,7 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
 
 impl CoupledLimits {
     /// Every limit that is a magnitude, by its key.
-    fn named(&self) -> [(&'static str, f64); 13] {
+    pub(super) fn named(&self) -> [(&'static str, f64); 13] {
         [
             ("stroke_m", self.stroke_m),
             ("velocity_m_per_s", self.velocity_m_per_s),

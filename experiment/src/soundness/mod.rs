@@ -58,6 +58,18 @@ impl SoundnessVerdict {
             Self::Unstable => "unstable",
         }
     }
+
+    /// What the exit status says of it, with `said`.
+    ///
+    /// # Errors
+    /// Every verdict but stable.
+    pub fn outcome(self, said: String) -> Result<(), Failure> {
+        match self {
+            Self::Stable => Ok(()),
+            Self::Doubtful => Err(Failure::test(said)),
+            Self::Unstable => Err(Failure::input(said)),
+        }
+    }
 }
 
 /// A verdict with what it stands on.

@@ -2,11 +2,11 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, print_goals, refused};
+use super::shared::{RECORDS, check_plants, data_folder, print_goals, refused, without_lines};
 use crate::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, DeclaredPart};
-use crate::terminal::{self, Progress, table};
+use crate::terminal::{self, Progress};
 use crate::verb::json;
 use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{self, GroundRecord, MarthsRow, Problem};
@@ -72,7 +72,7 @@ impl Marths {
                 .map(|n| Contestant::named(n).map_err(refused))
                 .collect::<Result<Vec<_>, _>>()?,
         };
-        let folder = super::shared::data_folder(self.data.as_deref());
+        let folder = data_folder(self.data.as_deref());
         let mut problem = load(&folder.join("marths"))?;
         if let Some(file) = &self.model {
             problem = problem.with(&physical_part::load(file)?);
@@ -215,7 +215,7 @@ fn print(rows: &[MarthsRow], goals: &[Goal]) {
     for (_, group) in by_record(rows) {
         println!("{}", floors(&group[0]));
         let cells = group.iter().map(cells);
-        println!("{}\n", super::shared::named(table(&HEAD), 0, cells));
+        println!("{}\n", without_lines(&HEAD, cells));
     }
     for (contestant, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == contestant.name()) {

@@ -2,10 +2,10 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, data_folder, named, print_goals, refused};
+use super::shared::{RECORDS, check_plants, data_folder, print_goals, refused, without_lines};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
-use crate::terminal::{Progress, table};
+use crate::terminal::Progress;
 use crate::verb::json;
 use benchmarks::goal::Goal;
 use benchmarks::rths::case::CASES;
@@ -224,14 +224,14 @@ fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], goals: &[Go
     for (name, group) in by_record(rows) {
         println!("{name}");
         let cells = summary(group).into_iter();
-        println!("{}\n", named(table(&summary_head(group)), 0, cells));
+        println!("{}\n", without_lines(&summary_head(group), cells));
     }
     if let [degrading, pinched] = yielding {
         println!("{YIELDING_LEGEND}.\n");
         for ((name, degrading), (_, pinched)) in by_record(degrading).zip(by_record(pinched)) {
             println!("{name}");
             let cells = yielding_summary(degrading, pinched).into_iter();
-            println!("{}\n", named(table(&YIELDING_HEAD), 0, cells));
+            println!("{}\n", without_lines(&YIELDING_HEAD, cells));
         }
     }
     println!("J1 to J9 of every case: --json, or --out DIR for a report.");

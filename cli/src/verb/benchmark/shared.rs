@@ -2,7 +2,7 @@
 
 use crate::terminal::{Table, table};
 use benchmarks::goal::{GOAL_HEAD, Goal};
-use comfy_table::{CellAlignment, TableComponent};
+use comfy_table::TableComponent;
 use experiment::failure::Failure;
 use std::path::{Path, PathBuf};
 
@@ -30,8 +30,9 @@ pub(super) fn data_folder(given: Option<&Path>) -> PathBuf {
     })
 }
 
-/// A table without lines between its rows, names in column `name`.
-pub(super) fn named(mut t: Table, name: usize, rows: impl Iterator<Item = Vec<String>>) -> Table {
+/// A table without lines between its rows.
+pub(super) fn without_lines(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Table {
+    let mut t = table(head);
     for lines in [
         TableComponent::HorizontalLines,
         TableComponent::MiddleIntersections,
@@ -41,9 +42,6 @@ pub(super) fn named(mut t: Table, name: usize, rows: impl Iterator<Item = Vec<St
         t.remove_style(lines);
     }
     t.add_rows(rows);
-    if let Some(column) = t.column_mut(name) {
-        column.set_cell_alignment(CellAlignment::Left);
-    }
     t
 }
 
@@ -54,7 +52,7 @@ pub(super) fn print_goals(goals: &[Goal]) {
     }
     println!(
         "{}\n",
-        named(table(&GOAL_HEAD), 0, goals.iter().map(Goal::cells))
+        without_lines(&GOAL_HEAD, goals.iter().map(Goal::cells))
     );
     for target in goals.iter().filter(|t| !t.reached()) {
         println!("Missed. {}\n", target.sentence());
