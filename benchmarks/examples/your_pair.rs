@@ -14,8 +14,8 @@ mod your_controller;
 
 use benchmarks::marths::RATE_HZ;
 use benchmarks::marths::bench::{self, MarthsRow, Problem};
-use benchmarks::marths::contestants::Contestant;
-use benchmarks::marths::controller::{Controller, Outside, TargetSample};
+use benchmarks::marths::contestants::PairContestant;
+use benchmarks::marths::controller::{OutsidePair, PairController, TargetSample};
 use benchmarks::marths::table::{HEAD, cells};
 use std::error::Error;
 use std::path::Path;
@@ -27,7 +27,7 @@ struct Ahead {
     last_m: [f64; 2],
 }
 
-impl Controller for Ahead {
+impl PairController for Ahead {
     fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         let command_m = [0, 1].map(|i| {
             let now_m = target.stroke_m[i];
@@ -39,7 +39,7 @@ impl Controller for Ahead {
 }
 
 /// Its entry.
-static ENTRY: Outside = Outside {
+static ENTRY: OutsidePair = OutsidePair {
     name: "ahead",
     make: || {
         Box::new(Ahead {
@@ -61,7 +61,7 @@ pub fn rows(folder: &Path, record: &str, plants: usize) -> Result<Vec<MarthsRow>
     let points: Vec<f64> = points.into_iter().map(f64::from).collect();
     let name = record.rsplit('/').next().unwrap_or(record);
     let record = problem.record(name, &points, interval_s)?;
-    let contestants = [Contestant::None, Contestant::Outside(&ENTRY)];
+    let contestants = [PairContestant::None, PairContestant::Outside(&ENTRY)];
     Ok(bench::rows(
         &problem,
         &[record],

@@ -1,8 +1,8 @@
 //! The multi-axial benchmark against the figures that an independent port of the problem gave.
 #![allow(missing_docs)]
 
-use benchmarks::marths::bench::{GroundRecord, MarthsRow, Problem, rows};
-use benchmarks::marths::contestants::Contestant;
+use benchmarks::marths::bench::{MarthsRecord, MarthsRow, Problem, rows};
+use benchmarks::marths::contestants::PairContestant;
 use std::path::{Path, PathBuf};
 
 fn data() -> Option<PathBuf> {
@@ -14,7 +14,7 @@ fn data() -> Option<PathBuf> {
     )
 }
 
-fn problem(folder: &Path) -> (Problem, GroundRecord) {
+fn problem(folder: &Path) -> (Problem, MarthsRecord) {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let problem = Problem::parse(
         &read("marths/K_matrix.csv"),
@@ -56,14 +56,14 @@ fn published_controllers_have_the_figures_that_others_found() {
         .unwrap()
         .remove(0)
     };
-    let none = of(Contestant::None);
+    let none = of(PairContestant::None);
     close("none J2", none.j.j2, [53.0, 33.0], 1.0);
     close("none J5", none.j.j5, [39.0, 13.0], 1.0);
     close("none J7", none.j.j7, [36.0, 11.0], 1.0);
-    let fir = of(Contestant::Fir);
+    let fir = of(PairContestant::Fir);
     close("fir J2", fir.j.j2, [32.0, 11.0], 1.0);
     close("fir J7", fir.j.j7, [20.0, 15.0], 1.0);
-    let rodeac = of(Contestant::Rodeac);
+    let rodeac = of(PairContestant::Rodeac);
     close("rodeac J2", rodeac.j.j2, [3.4, 1.8], 0.3);
     close("rodeac J2*", rodeac.j.j2_true, [2.0, 1.2], 0.3);
     close("rodeac J7", rodeac.j.j7, [9.6, 8.5], 0.3);
@@ -75,9 +75,9 @@ fn a_pair_of_coupled_actuators_is_tracked_on_drawn_plants() {
     let Some(folder) = data() else { return };
     let (problem, record) = problem(&folder);
     let contestants = [
-        Contestant::CoupledFixed,
-        Contestant::CoupledRaw,
-        Contestant::Coupled,
+        PairContestant::CoupledFixed,
+        PairContestant::CoupledRaw,
+        PairContestant::Coupled,
     ];
     let all = rows(
         &problem,

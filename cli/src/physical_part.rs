@@ -1,10 +1,10 @@
 //! What the declared physical part of the multi-axial problem is, what the loop's own record says of it, and what it costs.
 
 use benchmarks::marths::PERIOD_S;
-use benchmarks::marths::bench::{GroundRecord, Problem};
-use benchmarks::marths::contestants::Contestant;
+use benchmarks::marths::bench::{MarthsRecord, Problem};
+use benchmarks::marths::contestants::PairContestant;
 use benchmarks::marths::declared::{self, COORDINATES, Floor};
-use benchmarks::marths::rig::Parameters;
+use benchmarks::marths::rig::ActuatorParameters;
 use benchmarks::marths::structure::{MatrixKind, PhysicalMatrices};
 use diagnosis::{CoupledDiagnosis, CoupledRecord, CoupledSpecimen, Declared, Model};
 use experiment::failure::Failure;
@@ -95,9 +95,9 @@ impl PhysicalPartEstimate {
     ///
     /// # Errors
     /// A record that cannot be judged; a structure that cannot be integrated.
-    pub fn of(problem: &Problem, record: &GroundRecord, seed: u64) -> Result<Self, Failure> {
-        let nominal = Parameters::nominal();
-        let trace = problem.trial(Contestant::CoupledRaw, record, &nominal, seed);
+    pub fn of(problem: &Problem, record: &MarthsRecord, seed: u64) -> Result<Self, Failure> {
+        let nominal = ActuatorParameters::nominal();
+        let trace = problem.trial(PairContestant::CoupledRaw, record, &nominal, seed);
         let trace = trace.map_err(refused)?;
         if !trace.is_whole(&record.ground) {
             return Err(Failure::test(format!(

@@ -1,11 +1,11 @@
 //! Every controller under every record, on the nominal and on drawn plants.
 
-use super::contestants::{Calibration, Contestant};
+use super::contestants::{Calibration, PairContestant};
 use super::criteria::{Both, Criteria, deviation};
 use super::declared;
-use super::rig::{Parameters, noise_m};
-use super::structure::{Matrices, PhysicalMatrices, sampled};
-use super::trial::{self, Trace};
+use super::rig::{ActuatorParameters, noise_m};
+use super::structure::{FrameMatrices, PhysicalMatrices, sampled};
+use super::trial::{self, MarthsTrace};
 use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,9 +13,9 @@ use serde::Serialize;
 /// The problem, ready to run.
 pub struct Problem {
     /// The whole structure.
-    pub reference: Matrices,
+    pub reference: FrameMatrices,
     /// What is computed.
-    pub numerical: Matrices,
+    pub numerical: FrameMatrices,
     /// What is subtracted as physical.
     pub part: PhysicalMatrices,
     /// What contestants start from.
@@ -23,12 +23,12 @@ pub struct Problem {
 }
 
 /// A ground motion with the reference response.
-pub struct GroundRecord {
+pub struct MarthsRecord {
     /// Its name.
     pub name: String,
     /// Acceleration at the samples, scaled, m/s^2.
     pub ground: Vec<f64>,
-    reference: Trace,
+    reference: MarthsTrace,
     j2_true_floor: Both,
     j5_floor: Both,
     j7_floor: Both,
@@ -40,7 +40,7 @@ impl Problem {
     /// # Errors
     /// A file that is not the problem's.
     pub fn parse(stiffness: &str, mass: &str, start: &str) -> Result<Self, Refused> {
-        let reference = Matrices::parse(stiffness, mass)?;
+        let reference = FrameMatrices::parse(stiffness, mass)?;
         Ok(Self {
             calibration: Calibration::new(super::regression::parse(start)?, &reference)?,
             numerical: reference.less(&PhysicalMatrices::declared()),
@@ -49,7 +49,7 @@ impl Problem {
         })
     }
 
-    /// The same with another part subtracted as physical, but for [`Matrices::held_by`]. It is a deviation from the
+    /// The same with another part subtracted as physical, but for [`FrameMatrices::held_by`]. It is a deviation from the
     /// problem's rules.
     #[must_use]
     pub fn with(mut self, part: &PhysicalMatrices) -> Self {
@@ -68,13 +68,13 @@ impl Problem {
         name: &str,
         points_m_per_s2: &[f64],
         interval_s: f64,
-    ) -> Result<GroundRecord, Refused> {
+    ) -> Result<MarthsRecord, Refused> {
         let ground = sampled(points_m_per_s2, interval_s);
         let perfect = |noise| {
-            let (calibration, nominal) = (&self.calibration, Parameters::nominal());
+            let (calibration, nominal) = (&self.calibration, ActuatorParameters::nominal());
             let numerical = &self.numerical;
             trial::run(
-                Contestant::Perfect,
+                PairContestant::Perfect,
                 calibration,
                 numerical,
                 &nominal,
@@ -83,7 +83,8 @@ impl Problem {
             )
         };
         let (noisy, quiet) = (perfect(1.0)?, perfect(0.0)?);
-        let column = |t: &Trace, i: usize| t.target_m.iter().map(|x| x[i]).collect::<Vec<_>>();
+        let column =
+            |t: &MarthsTrace, i: usize| t.target_m.iter().map(|x| x[i]).collect::<Vec<_>>();
         let j2_true_floor = [0, 1].map(|i| deviation(&column(&noisy, i), &column(&quiet, i)));
         let column = |x: &[Both], i: usize| x.iter().map(|x| x[i]).collect::<Vec<_>>();
         let still: Vec<Both> = noisy
@@ -92,7 +93,7 @@ impl Problem {
             .map(|&s| trial::interface(s))
             .collect();
         let j5_floor = [0, 1].map(|i| deviation(&column(&noisy.interface, i), &column(&still, i)));
-        Ok(GroundRecord {
+        Ok(MarthsRecord {
             name: name.to_owned(),
             reference: trial::computed(&self.reference, &ground)?,
             j7_floor: declared::floor(&self.reference, &self.part, &ground)?,
@@ -108,11 +109,11 @@ impl Problem {
     /// A numerical part that cannot be integrated.
     pub fn trial(
         &self,
-        contestant: Contestant,
-        record: &GroundRecord,
-        plant: &Parameters,
+        contestant: PairContestant,
+        record: &MarthsRecord,
+        plant: &ActuatorParameters,
         draw: u64,
-    ) -> Result<Trace, Refused> {
+    ) -> Result<MarthsTrace, Refused> {
         trial::run(
             contestant,
             &self.calibration,
@@ -124,9 +125,9 @@ impl Problem {
     }
 }
 
-impl GroundRecord {
+impl MarthsRecord {
     /// The response of the reference structure.
-    pub fn reference(&self) -> &Trace {
+    pub fn reference(&self) -> &MarthsTrace {
         &self.reference
     }
 
@@ -198,20 +199,20 @@ pub struct Worst {
 /// A numerical part that cannot be integrated.
 pub fn rows(
     problem: &Problem,
-    records: &[GroundRecord],
-    contestants: &[Contestant],
+    records: &[MarthsRecord],
+    contestants: &[PairContestant],
     plants: usize,
     draw: u64,
     tell: impl Fn() + Sync,
 ) -> Result<Vec<MarthsRow>, Refused> {
-    let pairs: Vec<(&GroundRecord, Contestant)> = records
+    let pairs: Vec<(&MarthsRecord, PairContestant)> = records
         .iter()
         .flat_map(|r| contestants.iter().map(move |&c| (r, c)))
         .collect();
     pairs
         .par_iter()
         .map(|&(record, contestant)| {
-            let judge = |plant: &Parameters, draw: u64| {
+            let judge = |plant: &ActuatorParameters, draw: u64| {
                 let trace = problem.trial(contestant, record, plant, draw)?;
                 tell();
                 Ok::<_, Refused>(
@@ -220,16 +221,16 @@ pub fn rows(
                         .then(|| Criteria::of(&trace, &record.reference)),
                 )
             };
-            let j = judge(&Parameters::nominal(), draw)?.unwrap_or_else(lost);
+            let j = judge(&ActuatorParameters::nominal(), draw)?.unwrap_or_else(lost);
             // A perfect tracker has no plant.
-            let plants = if contestant == Contestant::Perfect {
+            let plants = if contestant == PairContestant::Perfect {
                 0
             } else {
                 plants
             };
             let drawn: Vec<Option<Criteria>> = (0..plants as u64)
                 .into_par_iter()
-                .map(|k| judge(&Parameters::drawn(k), draw + 1 + k))
+                .map(|k| judge(&ActuatorParameters::drawn(k), draw + 1 + k))
                 .collect::<Result<_, _>>()?;
             Ok(MarthsRow {
                 controller: contestant.name(),

@@ -1,9 +1,9 @@
 //! The contestants, by name.
 
-use super::controller::{Controller, Outside, TargetSample, Uncompensated};
+use super::controller::{OutsidePair, PairController, TargetSample, Uncompensated};
 use super::regression::{FourTaps, Start};
-use super::rig::{COUPLER, FRAME_RATIO, Parameters, noise_m};
-use super::structure::{Matrices, ROTATION, X};
+use super::rig::{ActuatorParameters, COUPLER, FRAME_RATIO, noise_m};
+use super::structure::{FrameMatrices, ROTATION, X};
 use super::{PERIOD_S, SIGN};
 use crate::Refused;
 use outerloop_core::coupled::{
@@ -13,7 +13,7 @@ use outerloop_core::coupled::{
 
 /// One of the contestants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contestant {
+pub enum PairContestant {
     /// The target itself is sent.
     None,
     /// Four taps as published, fixed.
@@ -29,41 +29,45 @@ pub enum Contestant {
     /// The same; the force comes from the estimated strokes.
     Coupled,
     /// One of another crate.
-    Outside(&'static Outside),
+    Outside(&'static OutsidePair),
 }
 
 /// The contestants of the command's table, their names and what they know, best known last.
-pub const ALL: [(Contestant, &str, &str); 7] = [
-    (Contestant::None, "none", "nothing"),
-    (Contestant::Fir, "fir", "a calibration on the nominal plant"),
+pub const ALL: [(PairContestant, &str, &str); 7] = [
+    (PairContestant::None, "none", "nothing"),
     (
-        Contestant::Rodeac,
+        PairContestant::Fir,
+        "fir",
+        "a calibration on the nominal plant",
+    ),
+    (
+        PairContestant::Rodeac,
         "rodeac",
         "a calibration on the nominal plant, to start from",
     ),
     (
-        Contestant::CoupledFixed,
+        PairContestant::CoupledFixed,
         "coupled-fixed",
         "the nominal plant, the structure's modes, the ground motion",
     ),
     (
-        Contestant::CoupledRaw,
+        PairContestant::CoupledRaw,
         "coupled-raw",
         "the plant's form, its nominal numbers and their spread; modes, ground motion",
     ),
     (
-        Contestant::Coupled,
+        PairContestant::Coupled,
         "coupled",
         "the same; force from estimated strokes",
     ),
     (
-        Contestant::Perfect,
+        PairContestant::Perfect,
         "perfect",
         "nothing, since it is no controller: its strokes are the last targets",
     ),
 ];
 
-impl Contestant {
+impl PairContestant {
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -111,7 +115,7 @@ impl Calibration {
     ///
     /// # Errors
     /// A tracker that core refuses.
-    pub fn new(start: [Start; 2], reference: &Matrices) -> Result<Self, Refused> {
+    pub fn new(start: [Start; 2], reference: &FrameMatrices) -> Result<Self, Refused> {
         let plant = nominal();
         let tracker = |spreads: Spreads| {
             TrackerConstants::new(&TrackerSettings {
@@ -138,7 +142,7 @@ impl Calibration {
     }
 
     /// A contestant at rest; none for the perfect one.
-    pub fn controller(&self, contestant: Contestant) -> Option<Box<dyn Controller + Send>> {
+    pub fn controller(&self, contestant: PairContestant) -> Option<Box<dyn PairController + Send>> {
         let coupled = |k: &TrackerConstants, estimated| {
             Box::new(CoreTracker {
                 tracker: Tracker::at_rest(k.clone()),
@@ -146,21 +150,21 @@ impl Calibration {
             })
         };
         Some(match contestant {
-            Contestant::None => Box::new(Uncompensated),
-            Contestant::Fir => Box::new(FourTaps::new(&self.start, false)),
-            Contestant::Rodeac => Box::new(FourTaps::new(&self.start, true)),
-            Contestant::CoupledFixed => coupled(&self.coupled[0], false),
-            Contestant::CoupledRaw => coupled(&self.coupled[1], false),
-            Contestant::Coupled => coupled(&self.coupled[1], true),
-            Contestant::Outside(outside) => (outside.make)(),
-            Contestant::Perfect => return None,
+            PairContestant::None => Box::new(Uncompensated),
+            PairContestant::Fir => Box::new(FourTaps::new(&self.start, false)),
+            PairContestant::Rodeac => Box::new(FourTaps::new(&self.start, true)),
+            PairContestant::CoupledFixed => coupled(&self.coupled[0], false),
+            PairContestant::CoupledRaw => coupled(&self.coupled[1], false),
+            PairContestant::Coupled => coupled(&self.coupled[1], true),
+            PairContestant::Outside(outside) => (outside.make)(),
+            PairContestant::Perfect => return None,
         })
     }
 }
 
 /// The nominal plant as core has it.
 fn nominal() -> Plant {
-    let p = Parameters::nominal();
+    let p = ActuatorParameters::nominal();
     let pair = |a: f64, b: f64| [a as f32, b as f32];
     Plant {
         gain: p.gain.map(|row| row.map(|k| k as f32)),
@@ -197,7 +201,7 @@ fn spreads() -> Spreads {
 }
 
 /// The modes of the reference as the interface shows them, in the rig's sign.
-fn target(reference: &Matrices, at: usize, coordinate: usize) -> ObserverSettings {
+fn target(reference: &FrameMatrices, at: usize, coordinate: usize) -> ObserverSettings {
     let sign = if coordinate == 1 { SIGN } else { 1.0 };
     let mut modes = reference.modes(at, MODES);
     for mode in &mut modes {
@@ -216,7 +220,7 @@ struct CoreTracker {
     estimated: bool,
 }
 
-impl Controller for CoreTracker {
+impl PairController for CoreTracker {
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
         let (stroke_m, _) = self.tracker.observe(&read_m.map(|x| x as f32));
         if self.estimated {

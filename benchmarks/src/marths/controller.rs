@@ -1,6 +1,6 @@
 //! What a contestant is, and how to add one.
 //!
-//! A controller of another crate is an [`Outside`] in a list of contestants: `benchmarks/examples/your_pair.rs` is one file
+//! A controller of another crate is an [`OutsidePair`] in a list of contestants: `benchmarks/examples/your_pair.rs` is one file
 //! that runs. To be in the command's table, it becomes one file here and one row in [`super::contestants::ALL`].
 
 /// What a controller gets to see of a sample beside the readings.
@@ -16,7 +16,7 @@ pub struct TargetSample {
 
 /// A tracking controller for both actuators. Every sample asks first [`observe`](Self::observe), then
 /// [`command`](Self::command).
-pub trait Controller {
+pub trait PairController {
     /// Takes the readings of the strokes, m, and says where the actuators are, m: the displacement that the controller's
     /// block estimates, which goes into the force and into J5 and J7. The default is the reading itself.
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
@@ -29,26 +29,26 @@ pub trait Controller {
 
 /// A controller of another crate.
 #[derive(Clone, Copy, Debug)]
-pub struct Outside {
+pub struct OutsidePair {
     /// Its name.
     pub name: &'static str,
     /// Makes one, at rest.
-    pub make: fn() -> Box<dyn Controller + Send>,
+    pub make: fn() -> Box<dyn PairController + Send>,
 }
 
-impl PartialEq for Outside {
+impl PartialEq for OutsidePair {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
 }
 
-impl Eq for Outside {}
+impl Eq for OutsidePair {}
 
 /// The target itself is sent.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uncompensated;
 
-impl Controller for Uncompensated {
+impl PairController for Uncompensated {
     fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         target.stroke_m
     }

@@ -1,7 +1,7 @@
 //! J1 to J9, each as a pair: actuator 1 and 2, or x and rotation.
 
 use super::RATE_HZ;
-use super::trial::Trace;
+use super::trial::MarthsTrace;
 use serde::Serialize;
 
 /// What the criteria mean, for those who read them.
@@ -57,7 +57,7 @@ pub struct Criteria {
 
 impl Criteria {
     /// Of a trial against the reference structure.
-    pub fn of(trace: &Trace, reference: &Trace) -> Self {
+    pub fn of(trace: &MarthsTrace, reference: &MarthsTrace) -> Self {
         let pair = |found: &[Both], exact: &[Both], by: fn(&[f64], &[f64]) -> f64| {
             [0, 1].map(|i| by(&column(found, i), &column(exact, i)))
         };

@@ -5,8 +5,8 @@
 
 use super::SIGN;
 use super::criteria::{Both, deviation};
-use super::structure::{Matrices, PhysicalMatrices};
-use super::trial::{Trace, computed, without_error};
+use super::structure::{FrameMatrices, PhysicalMatrices};
+use super::trial::{MarthsTrace, computed, without_error};
 use crate::Refused;
 use serde::Serialize;
 
@@ -25,13 +25,13 @@ pub struct Floor {
 /// # Errors
 /// A structure that cannot be integrated.
 pub fn floor(
-    reference: &Matrices,
+    reference: &FrameMatrices,
     part: &PhysicalMatrices,
     ground: &[f64],
 ) -> Result<Both, Refused> {
     let exact = computed(reference, ground)?;
     let tracked = without_error(&reference.less(part), ground)?;
-    let column = |t: &Trace, i: usize| t.numerical.iter().map(|p| p[i]).collect::<Vec<_>>();
+    let column = |t: &MarthsTrace, i: usize| t.numerical.iter().map(|p| p[i]).collect::<Vec<_>>();
     Ok([0, 1].map(|i| deviation(&column(&tracked, i), &column(&exact, i))))
 }
 
@@ -51,7 +51,7 @@ pub struct Coordinate {
 
 /// The record of a trial, in the order of [`COORDINATES`]. The free rotation is where the numerical part has it: nothing
 /// moves it in the laboratory, and no force comes from there.
-pub fn record(trace: &Trace) -> [Coordinate; 3] {
+pub fn record(trace: &MarthsTrace) -> [Coordinate; 3] {
     let column = |pairs: &[Both], i: usize, sign: f64| -> Vec<f64> {
         pairs.iter().map(|p| sign * p[i]).collect()
     };

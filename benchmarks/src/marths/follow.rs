@@ -4,14 +4,14 @@
 //! played to the nominal plant and judged by where the strokes come to lie. The loop is not closed: no force goes back into
 //! the structure, so J8, which is of the storeys above, has no figure.
 
-use super::bench::GroundRecord;
+use super::bench::MarthsRecord;
 use super::criteria::Criteria;
-use super::rig::{Channels, Parameters, at_rest};
-use super::trial::{Trace, interface};
+use super::rig::{ActuatorParameters, Channels, at_rest};
+use super::trial::{MarthsTrace, interface};
 use crate::Refused;
 
 /// The targets of actuator 1 and 2 under `record`, m, one a sample at 1024 Hz.
-pub fn targets_m(record: &GroundRecord) -> [Vec<f64>; 2] {
+pub fn targets_m(record: &MarthsRecord) -> [Vec<f64>; 2] {
     let strokes = &record.reference().target_m;
     [0, 1].map(|i| strokes.iter().map(|s| s[i]).collect())
 }
@@ -21,7 +21,7 @@ pub fn targets_m(record: &GroundRecord) -> [Vec<f64>; 2] {
 /// # Errors
 /// Another number of commands than samples.
 pub fn judge(
-    record: &GroundRecord,
+    record: &MarthsRecord,
     commands_m: [&[f64]; 2],
     seed: u64,
 ) -> Result<Criteria, Refused> {
@@ -34,11 +34,14 @@ pub fn judge(
             record.name
         )));
     }
-    let (mut rig, mut channels) = (at_rest(&Parameters::nominal()), Channels::new(seed, 1.0));
-    let mut trace = Trace {
+    let (mut rig, mut channels) = (
+        at_rest(&ActuatorParameters::nominal()),
+        Channels::new(seed, 1.0),
+    );
+    let mut trace = MarthsTrace {
         target_m: reference.target_m.clone(),
         numerical: reference.numerical.clone(),
-        ..Trace::default()
+        ..MarthsTrace::default()
     };
     for k in 0..samples {
         let stroke_m = rig.strokes_m();

@@ -1,7 +1,7 @@
 //! What was asked for on the multi-axial problem, and by how much it is missed.
 
 use super::bench::MarthsRow;
-use super::contestants::Contestant;
+use super::contestants::PairContestant;
 use super::criteria::Both;
 use super::declared::Floor;
 use crate::goal::Goal;
@@ -21,11 +21,11 @@ const FLOOR: f64 = 0.5;
 
 /// All that can be said of these rows; `parts`: record and J7's floors, as declared first, with all as found last.
 pub fn goals(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Goal> {
-    let of = |contestant: Contestant| {
+    let of = |contestant: PairContestant| {
         rows.iter()
             .filter(move |r| r.controller == contestant.name())
     };
-    let mut all: Vec<Goal> = of(Contestant::Rodeac)
+    let mut all: Vec<Goal> = of(PairContestant::Rodeac)
         .filter(|r| r.record == "ElCentro")
         .map(|r| {
             let asked = "rodeac, ElCentro, distance of J2 from the published 3.4 / 1.8 %";
@@ -36,7 +36,7 @@ pub fn goals(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Goal> {
             )
         })
         .collect();
-    for row in of(Contestant::Coupled).filter(|r| r.worst.perturbed > 0) {
+    for row in of(PairContestant::Coupled).filter(|r| r.worst.perturbed > 0) {
         all.extend([
             asked(row, "J2*", "%", row.worst.j2_true, J2_TRUE),
             asked(row, "J5 as the controller has it", "%", row.worst.j5, J5),
@@ -49,14 +49,14 @@ pub fn goals(rows: &[MarthsRow], parts: &[(&str, &[Floor])]) -> Vec<Goal> {
             ),
         ]);
     }
-    for row in of(Contestant::CoupledRaw).filter(|r| r.worst.perturbed > 0) {
+    for row in of(PairContestant::CoupledRaw).filter(|r| r.worst.perturbed > 0) {
         let above = [0, 1].map(|i| row.worst.j2_true[i] - row.j2_true_floor[i]);
         let what = "J2* above that of a perfect tracker";
         all.push(asked(row, what, "points", above, [ABOVE_FLOOR; 2]));
     }
     let drawn = || {
-        of(Contestant::Coupled)
-            .chain(of(Contestant::CoupledRaw))
+        of(PairContestant::Coupled)
+            .chain(of(PairContestant::CoupledRaw))
             .map(|r| r.worst)
     };
     let plants: usize = drawn().map(|w| w.perturbed).sum();

@@ -9,7 +9,7 @@
 //! others come out (J2 3.4 and 1.8 %); in metres the least squares hardly move from their start (J2 27 and 7 %).
 
 use super::RATE_HZ;
-use super::controller::{Controller, TargetSample};
+use super::controller::{PairController, TargetSample};
 use crate::Refused;
 use nalgebra::{Matrix4, Vector4};
 
@@ -156,7 +156,7 @@ impl FourTaps {
     }
 }
 
-impl Controller for FourTaps {
+impl PairController for FourTaps {
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
         for (axis, read) in self.axes.iter_mut().zip(read_m) {
             let smooth = axis.read.step(1e3 * read);

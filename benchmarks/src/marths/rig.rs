@@ -16,7 +16,7 @@ pub const COUPLER: Coupler = Coupler {
 
 /// Poles, zeros (rad/s) and gains of the plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
+pub struct ActuatorParameters {
     /// Poles of the first column.
     pub p: [f64; 2],
     /// Zeros of the first column.
@@ -34,7 +34,7 @@ pub struct Parameters {
 /// Damping ratio of the frame's poles at -50 +- 63j Hz.
 pub const FRAME_RATIO: f64 = 0.621_661;
 
-impl Parameters {
+impl ActuatorParameters {
     /// As published.
     pub fn nominal() -> Self {
         let (p, z) = ([2.65, 40.0], [120.0, 90.0]);
@@ -99,7 +99,7 @@ impl Parameters {
 }
 
 /// The plant at rest.
-pub fn at_rest(p: &Parameters) -> ActuatorPair {
+pub fn at_rest(p: &ActuatorParameters) -> ActuatorPair {
     ActuatorPair::new(&p.actuators(), PERIOD_S)
 }
 
@@ -161,7 +161,7 @@ mod tests {
 
     /// |H_ii| and delay in ms at `hz`, from the strokes themselves.
     fn response(i: usize, hz: f64) -> (f64, f64) {
-        let mut rig = at_rest(&Parameters::nominal());
+        let mut rig = at_rest(&ActuatorParameters::nominal());
         let w = TAU * hz * PERIOD_S;
         let (mut re, mut im) = (0.0, 0.0);
         let n = 8192;
@@ -196,7 +196,7 @@ mod tests {
                 assert!((found.1 - delay_ms).abs() < 1.0, "{hz} Hz {i}: {found:?}");
             }
         }
-        let gain = Parameters::nominal().gain;
+        let gain = ActuatorParameters::nominal().gain;
         assert!((gain[0][0] - 0.864).abs() < 1e-3 && (gain[1][1] - 0.926).abs() < 1e-3);
         assert!((0.13..0.14).contains(&gain[0][1]) && (0.13..0.1401).contains(&gain[1][0]));
     }

@@ -25,7 +25,7 @@ type Vector = SVector<f64, DOF>;
 
 /// Mass, damping and stiffness, SI.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Matrices {
+pub struct FrameMatrices {
     /// kg, kg m^2.
     pub mass: Whole,
     /// N s/m and so on.
@@ -62,7 +62,7 @@ fn rayleigh(ratio: f64, at_rad_per_s: [f64; 2]) -> [f64; 2] {
     [2.0 * ratio * a * b / (a + b), 2.0 * ratio / (a + b)]
 }
 
-impl Matrices {
+impl FrameMatrices {
     /// The reference, from the problem's two CSV tables of 29 by 29 numbers.
     ///
     /// # Errors
@@ -302,7 +302,7 @@ impl Newmark {
     ///
     /// # Errors
     /// A dynamic stiffness that cannot be inverted.
-    pub fn new(matrices: &Matrices) -> Result<Self, Refused> {
+    pub fn new(matrices: &FrameMatrices) -> Result<Self, Refused> {
         let dynamic = matrices.stiffness
             + matrices.mass * (4.0 / (PERIOD_S * PERIOD_S))
             + matrices.damping * (2.0 / PERIOD_S);
@@ -322,7 +322,7 @@ impl Newmark {
     }
 
     /// Shakes the mass of `matrices` in place of its own.
-    pub fn shake(&mut self, matrices: &Matrices) {
+    pub fn shake(&mut self, matrices: &FrameMatrices) {
         self.load = matrices.mass * shaken();
     }
 
@@ -382,10 +382,10 @@ mod tests {
 
     #[test]
     fn a_table_of_another_size_is_refused_by_its_line() {
-        let error = Matrices::parse("1,2\n", "").unwrap_err().to_string();
+        let error = FrameMatrices::parse("1,2\n", "").unwrap_err().to_string();
         assert!(error.contains("has 2 numbers in line 1"), "{error}");
         let row = vec!["x"; DOF].join(",");
-        let error = Matrices::parse(&row, "").unwrap_err().to_string();
+        let error = FrameMatrices::parse(&row, "").unwrap_err().to_string();
         assert!(error.contains("`x` in line 1"), "{error}");
     }
 }

@@ -5,17 +5,19 @@
 //! commands, and the command is held until the next sample. The plant answers no command in its own sample, so nothing
 //! has to be solved for.
 
-use super::contestants::{Calibration, Contestant};
+use super::contestants::{Calibration, PairContestant};
 use super::controller::TargetSample;
 use super::frame::{InterfaceFrame, Resistance};
-use super::rig::{COUPLER, Channels, Parameters, at_rest};
-use super::structure::{FREE_ROTATION, Matrices, Newmark, PhysicalMatrices, ROTATION, STOREYS, X};
+use super::rig::{ActuatorParameters, COUPLER, Channels, at_rest};
+use super::structure::{
+    FREE_ROTATION, FrameMatrices, Newmark, PhysicalMatrices, ROTATION, STOREYS, X,
+};
 use super::{RATE_HZ, SIGN};
 use crate::Refused;
 
 /// What a trial leaves, a value a sample. Rotations in the rig's sign.
 #[derive(Clone, Debug, Default)]
-pub struct Trace {
+pub struct MarthsTrace {
     /// Targets as strokes, m.
     pub target_m: Vec<[f64; 2]>,
     /// Strokes as they were read, m.
@@ -52,9 +54,9 @@ fn strokes_m([x, rotation]: [f64; 2]) -> [f64; 2] {
 ///
 /// # Errors
 /// A structure that cannot be integrated.
-pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
+pub fn computed(matrices: &FrameMatrices, ground: &[f64]) -> Result<MarthsTrace, Refused> {
     let mut newmark = Newmark::new(matrices)?;
-    let mut trace = Trace::default();
+    let mut trace = MarthsTrace::default();
     for &g in ground {
         newmark.step(g, [0.0; 2]);
         trace.record_target(&newmark);
@@ -66,11 +68,11 @@ pub fn computed(matrices: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
 ///
 /// # Errors
 /// A structure that cannot be integrated.
-pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refused> {
+pub fn without_error(numerical: &FrameMatrices, ground: &[f64]) -> Result<MarthsTrace, Refused> {
     let frame = PhysicalMatrices::of_two(&InterfaceFrame::published().in_structure());
     let mut newmark = Newmark::new(&numerical.plus(&frame))?;
     newmark.shake(numerical);
-    let mut trace = Trace::default();
+    let mut trace = MarthsTrace::default();
     for &g in ground {
         newmark.step(g, [0.0; 2]);
         trace.record_target(&newmark);
@@ -83,18 +85,18 @@ pub fn without_error(numerical: &Matrices, ground: &[f64]) -> Result<Trace, Refu
 /// # Errors
 /// A numerical part that cannot be integrated.
 pub fn run(
-    contestant: Contestant,
+    contestant: PairContestant,
     calibration: &Calibration,
-    numerical: &Matrices,
-    plant: &Parameters,
+    numerical: &FrameMatrices,
+    plant: &ActuatorParameters,
     ground: &[f64],
     (seed, noise): (u64, f64),
-) -> Result<Trace, Refused> {
+) -> Result<MarthsTrace, Refused> {
     let mut controller = calibration.controller(contestant);
     let mut newmark = Newmark::new(numerical)?;
     let mut resistance = Resistance::new(InterfaceFrame::published());
     let (mut rig, mut channels) = (at_rest(plant), Channels::new(seed, noise));
-    let mut trace = Trace::default();
+    let mut trace = MarthsTrace::default();
     let mut limited = 0;
     for &g in ground {
         let stroke_m = match &controller {
@@ -130,7 +132,7 @@ pub fn run(
 /// A target beyond it, m or rad, is a loop that ran away.
 const LOST: f64 = 1.0;
 
-impl Trace {
+impl MarthsTrace {
     /// Takes the state of the numerical part, and gives it as a target.
     fn record_target(&mut self, newmark: &Newmark) -> TargetSample {
         let interface = [newmark.at(X), SIGN * newmark.at(ROTATION)];

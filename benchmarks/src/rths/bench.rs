@@ -7,7 +7,7 @@ use super::criteria::{Judge, TrialVerdict, delay_ms};
 use super::parameters::Parameters;
 use super::record::GroundRecord;
 use super::rules::{Deviation, Rules};
-use super::trial::{Ground, Official, Trace, run};
+use super::trial::{Ground, Official, RthsTrace, run};
 use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -199,7 +199,7 @@ impl Benchmark<'_> {
         self.contestants
             .iter()
             .map(|contestant| {
-                let mut trace = (task.first == 0).then(Trace::default);
+                let mut trace = (task.first == 0).then(RthsTrace::default);
                 let judge =
                     self.trial(contestant, task, &plants, ground, &noise, trace.as_mut())?;
                 let mut verdicts: Vec<TrialVerdict> = (0..L)
@@ -221,7 +221,7 @@ impl Benchmark<'_> {
         plants: &[Parameters; L],
         ground: Ground<'_>,
         noise: &[&Noise; L],
-        trace: Option<&mut Trace>,
+        trace: Option<&mut RthsTrace>,
     ) -> Result<Judge<L>, Refused> {
         let case = &CASES[task.place];
         if self.rules.deviates(Deviation::CoreIntegrates)
@@ -242,9 +242,9 @@ impl Benchmark<'_> {
         contestant: &Contestant,
         record: &GroundRecord,
         place: usize,
-    ) -> Result<Trace, Refused> {
+    ) -> Result<RthsTrace, Refused> {
         let noise = Noise::new(self.seed << 32, record.samples());
-        let mut trace = Trace::default();
+        let mut trace = RthsTrace::default();
         let task = Task {
             record,
             place,

@@ -12,7 +12,7 @@ use super::criteria::{TrialVerdict, delay_ms};
 use super::parameters::{Parameters, Specimen};
 use super::record::GroundRecord;
 use super::rules::{Deviation, Rules};
-use super::trial::{Answers, Hybrid, Readings, Trace, run};
+use super::trial::{Answers, Hybrid, Readings, RthsTrace, run};
 use crate::Refused;
 
 /// The targets of the case at `place` of [`CASES`] under `record`, m, one a sample at 4096 Hz.
@@ -51,7 +51,7 @@ pub fn judge(
         sample: 0,
         force_n: [0.0],
     };
-    let mut trace = Trace::default();
+    let mut trace = RthsTrace::default();
     let noise = Noise::new(seed << 32, samples);
     let plant = [Parameters::NOMINAL];
     let verdict = run(&mut played, &plant, ground, &[&noise], Some(&mut trace));

@@ -133,7 +133,7 @@ pub struct Ground<'a> {
 
 /// Target, judged and true displacement of the first lane, m.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
+pub struct RthsTrace {
     /// Target of the specimen.
     pub target_m: Vec<f64>,
     /// Displacement as it was read.
@@ -148,7 +148,7 @@ pub fn run<const L: usize>(
     plants: &[Parameters; L],
     ground: Ground<'_>,
     noise: &[&Noise; L],
-    mut trace: Option<&mut Trace>,
+    mut trace: Option<&mut RthsTrace>,
 ) -> Judge<L> {
     let mut rig = TransferSystem::new(plants);
     let mut judge = Judge::default();

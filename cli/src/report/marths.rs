@@ -9,18 +9,18 @@ use super::rths::{goal_boxes, goal_table, table};
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
 use benchmarks::goal::Goal;
-use benchmarks::marths::bench::{GroundRecord, MarthsRow, Problem};
-use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::bench::{MarthsRecord, MarthsRow, Problem};
+use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
-use benchmarks::marths::rig::Parameters;
+use benchmarks::marths::rig::ActuatorParameters;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
-use benchmarks::marths::trial::Trace;
+use benchmarks::marths::trial::MarthsTrace;
 use benchmarks::marths::{GROUND_SCALE, RATE_HZ};
 use experiment::failure::Failure;
 use std::fmt::Write as _;
 
 /// What the loop's record of a ground motion says of the declared part.
-pub type DeclaredPart<'a> = (&'a GroundRecord, PhysicalPartEstimate);
+pub type DeclaredPart<'a> = (&'a MarthsRecord, PhysicalPartEstimate);
 
 /// The benchmark: for each ground motion who tracks best, a closer look and the table; then what J7 hides.
 ///
@@ -74,7 +74,7 @@ fn verdict(rows: &[MarthsRow]) -> String {
     };
     let controllers = rows
         .iter()
-        .filter(|r| r.controller != Contestant::Perfect.name());
+        .filter(|r| r.controller != PairContestant::Perfect.name());
     let nearest = controllers.min_by(|a, b| {
         let sum = |r: &MarthsRow| error(r).iter().sum::<f64>();
         sum(a).total_cmp(&sum(b))
@@ -96,22 +96,25 @@ fn verdict(rows: &[MarthsRow]) -> String {
 /// The published adaptive controller and core's on the nominal plant, around the largest displacement.
 fn close_up_section(
     problem: &Problem,
-    record: &GroundRecord,
+    record: &MarthsRecord,
     seed: u64,
 ) -> Result<String, Failure> {
     let trace = |contestant| {
         problem
-            .trial(contestant, record, &Parameters::nominal(), seed)
+            .trial(contestant, record, &ActuatorParameters::nominal(), seed)
             .map_err(Failure::input)
     };
-    let traces = [trace(Contestant::Rodeac)?, trace(Contestant::Coupled)?];
+    let traces = [
+        trace(PairContestant::Rodeac)?,
+        trace(PairContestant::Coupled)?,
+    ];
     Ok(draw_close_up(record, &traces))
 }
 
 /// Half of the closer look, s.
 const HALF_LOOK_S: f64 = 1.5;
 
-fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> String {
+fn draw_close_up(record: &MarthsRecord, [rodeac, coupled]: &[MarthsTrace; 2]) -> String {
     let reference = &record.reference().numerical;
     let peak = (0..reference.len())
         .max_by(|a, b| reference[*a][0].abs().total_cmp(&reference[*b][0].abs()))
@@ -153,7 +156,7 @@ fn draw_close_up(record: &GroundRecord, [rodeac, coupled]: &[Trace; 2]) -> Strin
     .into_iter()
     .enumerate()
     {
-        let error = |trace: &Trace| {
+        let error = |trace: &MarthsTrace| {
             over(&|i| 1e3 * (trace.stroke_m[i][actuator] - trace.target_m[i][actuator]))
         };
         let curves = [

@@ -12,7 +12,7 @@ use benchmarks::rths::table::{
     HEAD, SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, cells, floor_cells, summary,
     summary_head, yielding_summary,
 };
-use benchmarks::rths::trial::{Ground, Trace};
+use benchmarks::rths::trial::{Ground, RthsTrace};
 use benchmarks::rths::verdict::{CAUTION, RIGHT_STRUCTURE, best};
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RATE_HZ, RthsRow};
 use experiment::failure::Failure;
@@ -155,8 +155,8 @@ fn draw_close_up(
     name: &str,
     case: &Case,
     ground: Ground<'_>,
-    baseline: &Trace,
-    ours: &Trace,
+    baseline: &RthsTrace,
+    ours: &RthsTrace,
 ) -> String {
     let reference = ground.reference_m;
     let peak = (0..reference.len())

@@ -9,8 +9,8 @@ use crate::report::{self, DeclaredPart};
 use crate::terminal::{self, Progress};
 use crate::verb::json;
 use benchmarks::goal::Goal;
-use benchmarks::marths::bench::{self, GroundRecord, MarthsRow, Problem};
-use benchmarks::marths::contestants::{ALL, Contestant};
+use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
+use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
 use benchmarks::marths::goals::goals;
@@ -69,7 +69,7 @@ impl Marths {
             [] => ALL.iter().map(|c| c.0).collect(),
             names => names
                 .iter()
-                .map(|n| Contestant::named(n).map_err(refused))
+                .map(|n| PairContestant::named(n).map_err(refused))
                 .collect::<Result<Vec<_>, _>>()?,
         };
         let folder = data_folder(self.data.as_deref());
@@ -89,14 +89,14 @@ impl Marths {
                     .record(name, &points, motion.interval_s)
                     .map_err(refused)
             })
-            .collect::<Result<Vec<GroundRecord>, Failure>>()?;
+            .collect::<Result<Vec<MarthsRecord>, Failure>>()?;
         if self.targets.is_some() || self.follow.is_some() {
             return self.by_table(&records);
         }
         let rows = {
             let drawn = contestants
                 .iter()
-                .filter(|&&c| c != Contestant::Perfect)
+                .filter(|&&c| c != PairContestant::Perfect)
                 .count();
             let trials = records.len() * (contestants.len() + drawn * self.plants);
             let progress = Progress::over("trials", trials as u64);

@@ -6,7 +6,7 @@ use super::Marths;
 use crate::provenance::WithProvenance;
 use crate::verb::json;
 use benchmarks::marths::RATE_HZ;
-use benchmarks::marths::bench::GroundRecord;
+use benchmarks::marths::bench::MarthsRecord;
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::follow;
 use benchmarks::marths::table::both;
@@ -19,7 +19,7 @@ const COMMANDS: [&str; 2] = ["command_m", "command2_m"];
 
 impl Marths {
     /// `--targets` and `--follow`: one ground motion.
-    pub(super) fn by_table(&self, records: &[GroundRecord]) -> Result<(), Failure> {
+    pub(super) fn by_table(&self, records: &[MarthsRecord]) -> Result<(), Failure> {
         let [record] = records else {
             return Err(Failure::input(
                 "--targets and --follow: with them goes one ground motion, as in --records ElCentro",
@@ -47,7 +47,7 @@ impl Marths {
     fn judge(
         &self,
         (file, commands_m): (&Path, &[Vec<f64>]),
-        record: &GroundRecord,
+        record: &MarthsRecord,
     ) -> Result<(), Failure> {
         let [first, second] = commands_m else {
             return Err(Failure::input(
