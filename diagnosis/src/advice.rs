@@ -3,7 +3,7 @@
 use crate::answer::{ChannelAnswer, FoundEffect, Refitted, Verdict};
 use crate::base::Base;
 use crate::criteria::REACH;
-use crate::joint::{Doubt, Found, Outcome};
+use crate::joint::{Doubt, SpecimenOutcome, SpecimenResult};
 use crate::noise::Noise;
 use plant::{Channel, Effect, Family};
 
@@ -156,7 +156,7 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
 }
 
 /// Sentences on what a joint search came to.
-pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
+pub fn joined(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let mut notes = Vec::new();
@@ -177,11 +177,11 @@ pub fn joined(answer: &ChannelAnswer, found: &Found) -> Vec<String> {
     notes.extend(damping(answer, &found.outcome));
     notes.extend(shared_stiffness(answer));
     match &found.outcome {
-        Outcome::Named(explained, true) if explained.damping.is_empty() => notes.push(
+        SpecimenOutcome::Named(explained, true) if explained.damping.is_empty() => notes.push(
             "Something smaller beside it could not be told from its rivals: it has no name and is not in the model."
                 .into(),
         ),
-        Outcome::Set(..) if answer.verdict == Verdict::Ambiguous => {
+        SpecimenOutcome::Set(..) if answer.verdict == Verdict::Ambiguous => {
             notes.push(
                 "These data do not tell which member of the set it is: in the place of the first each fits as well or nearly \
                  so, or is the same force within what is known of either law. The model has the first."
@@ -242,8 +242,8 @@ fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
 }
 
 /// Of more damping than declared beside a name: that the two figures are one, or what else it may be.
-fn damping(answer: &ChannelAnswer, outcome: &Outcome) -> Option<String> {
-    let Outcome::Named(explained, _) = outcome else {
+fn damping(answer: &ChannelAnswer, outcome: &SpecimenOutcome) -> Option<String> {
+    let SpecimenOutcome::Named(explained, _) = outcome else {
         return None;
     };
     let refitted = answer.refitted.iter().find(|r| r.name == DAMPING)?;

@@ -12,7 +12,7 @@ const FORGOTTEN: f64 = 6.0;
 
 /// A declared parameter that the fit may move.
 #[derive(Clone, Copy, Debug)]
-pub struct Free {
+pub struct FreeParameter {
     /// Which of the channel's four.
     pub index: usize,
     /// One tolerance.
@@ -27,7 +27,7 @@ pub struct Base {
     /// Declared values; what is not declared is not there.
     pub values: [f64; 4],
     /// Those with a tolerance.
-    pub free: Vec<Free>,
+    pub free: Vec<FreeParameter>,
     /// Effects that the model already has.
     pub known: Vec<EffectSpec>,
     /// Elements beside the specimen that it already has.
@@ -50,7 +50,7 @@ impl Base {
             values: std::array::from_fn(|i| parameters[i].map_or(absent[i], |d| d.value)),
             free: (0..4)
                 .filter(|&i| tolerance(i) > 0.0)
-                .map(|index| Free {
+                .map(|index| FreeParameter {
                     index,
                     tolerance: tolerance(index),
                 })
@@ -92,7 +92,7 @@ impl Base {
 
     /// How far each free parameter may go from `theta`.
     pub fn bounds(&self, theta: &[f64; 4]) -> Vec<Bound> {
-        let bound = |f: &Free| {
+        let bound = |f: &FreeParameter| {
             let reach = REACH * f.tolerance;
             let own = self.channel.parameters()[f.index].least;
             let floor = match self.channel {

@@ -19,8 +19,8 @@ use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
 use crate::model::Model;
 use crate::noise::hum::without_hum;
-use crate::noise::{Noise, Source};
-use crate::problem::{Fitted, Problem};
+use crate::noise::{Noise, NoiseSource};
+use crate::problem::{FittedEffect, Problem};
 use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
 use crate::signals::{end_of, rms};
@@ -189,7 +189,7 @@ impl ChannelDiagnosis<'_> {
         let specimen = self.base.channel == Channel::Specimen;
         // Where nothing tells how near an effect is to the noise, rivals have to.
         // Repeats tell it, but a motion that repeats itself is poor: everything that it brings about repeats, too.
-        let told = |n: &Noise| n.from == Source::Rest;
+        let told = |n: &Noise| n.from == NoiseSource::Rest;
         if specimen
             && !noise.as_ref().is_some_and(told)
             && let Some(answer) = self.joined(noise.as_ref(), improved)
@@ -249,7 +249,7 @@ impl ChannelDiagnosis<'_> {
         *improved = with;
         let mut solution = explanation.after;
         // What disturbs the reading does not move the specimen.
-        let disturbs = |e: &Fitted| e.candidate.effect.entry().family == Family::Interference;
+        let disturbs = |e: &FittedEffect| e.candidate.effect.entry().family == Family::Interference;
         solution.effects.retain(|e| !disturbs(e));
         let known = !explanation.vetoed && explanation.structured[1] < KNOWN * noise.rms;
         (answer, known.then_some(solution))
@@ -403,7 +403,7 @@ impl ChannelDiagnosis<'_> {
             }
         }
         if !stretches.is_empty() {
-            return Some(Noise::at_rest(&stretches, h, least).told_by(Source::Repeats));
+            return Some(Noise::at_rest(&stretches, h, least).told_by(NoiseSource::Repeats));
         }
         // The displacement moves as a whole in both channels; a command may jitter far above it.
         let moves = self.train.iter().zip(&moving);

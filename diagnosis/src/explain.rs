@@ -10,7 +10,7 @@ use crate::library::candidate::Candidate;
 use crate::library::{KNEE, candidates};
 use crate::noise::Noise;
 use crate::polish::{Shaped, polish};
-use crate::problem::{Fitted, Problem};
+use crate::problem::{FittedEffect, Problem};
 use crate::signals::rms;
 use crate::{simpler, sliding};
 use plant::{Channel, Effect};
@@ -87,7 +87,7 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     if base.channel == Channel::Actuator && base.values[2] == 0.0 {
         library.retain(|c| c.effect != Effect::SecondLag);
     }
-    let search = Search::new(problem, base, noise);
+    let search = EffectSearch::new(problem, base, noise);
     let mut singles = search.best_with(&[], &library, &out.before);
     // What leaves more than was there before has fitted the noise's colour, not the record.
     let worst = left(&out.before);
@@ -172,7 +172,7 @@ pub fn best_alone(
     noise: &Noise,
 ) -> Option<Solution> {
     let settled = settle(problem, base, noise, &[])?;
-    let search = Search::new(problem, base, noise);
+    let search = EffectSearch::new(problem, base, noise);
     search.best_with(&[], &[effect], &settled).pop()
 }
 
@@ -189,7 +189,7 @@ fn shaped(s: &Solution) -> Vec<Shaped> {
 }
 
 /// What a search works with: the records as they are, and thinned for a first look at every candidate.
-struct Search<'a> {
+struct EffectSearch<'a> {
     base: &'a Base,
     noise: &'a Noise,
     thin_noise: Noise,
@@ -197,7 +197,7 @@ struct Search<'a> {
     thin: usize,
 }
 
-impl<'a> Search<'a> {
+impl<'a> EffectSearch<'a> {
     fn new(problem: &Problem, base: &'a Base, noise: &'a Noise) -> Self {
         let rate_hz = 1.0 / (problem.scales.interval_s * noise.every as f64);
         let times = (rate_hz / LOOK_HZ).round().max(1.0) as usize;
@@ -315,8 +315,8 @@ impl<'a> Search<'a> {
 /// The effect that one pair has in the place of one of another pair; `None` where they have none in common, and where the
 /// one contains the other.
 fn in_its_place(pair: &Solution, of: &Solution) -> Option<Effect> {
-    let has = |s: &Solution, e: &Fitted| {
-        let same = |f: &Fitted| f.candidate.effect == e.candidate.effect;
+    let has = |s: &Solution, e: &FittedEffect| {
+        let same = |f: &FittedEffect| f.candidate.effect == e.candidate.effect;
         s.effects.iter().any(same)
     };
     let mut new = pair.effects.iter().filter(|e| !has(of, e));
@@ -328,8 +328,8 @@ fn in_its_place(pair: &Solution, of: &Solution) -> Option<Effect> {
 
 /// Whether a pair has a special case in place of one effect of another pair.
 fn is_simpler(pair: &Solution, than: &Solution) -> bool {
-    let has = |s: &Solution, e: &Fitted| {
-        let same = |f: &Fitted| f.candidate.effect == e.candidate.effect;
+    let has = |s: &Solution, e: &FittedEffect| {
+        let same = |f: &FittedEffect| f.candidate.effect == e.candidate.effect;
         s.effects.iter().any(same)
     };
     let new = pair.effects.iter().find(|e| !has(than, e));

@@ -4,7 +4,7 @@ use crate::base::Base;
 use crate::library::candidate::{Candidate, Shape};
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
-use crate::problem::{Fitted, Problem};
+use crate::problem::{FittedEffect, Problem};
 use crate::signals::Signals;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
@@ -268,7 +268,7 @@ pub struct Solution {
     /// The problem at its parameters.
     pub problem: Problem,
     /// The effects.
-    pub effects: Vec<Fitted>,
+    pub effects: Vec<FittedEffect>,
     /// Sum of squares of the white residual and of what was known beforehand.
     pub cost: f64,
     /// Unknowns: amplitudes and shapes of the effects.
@@ -326,9 +326,9 @@ pub fn settle(
     }
     let found = last?;
     let mut amplitudes = found.values[base.free.len()..].iter();
-    let fitted: Vec<Fitted> = effects
+    let fitted: Vec<FittedEffect> = effects
         .iter()
-        .map(|(candidate, shapes)| Fitted {
+        .map(|(candidate, shapes)| FittedEffect {
             candidate: *candidate,
             shapes: shapes.clone(),
             amplitudes: amplitudes
@@ -339,7 +339,7 @@ pub fn settle(
         })
         .collect();
     // An amplitude that can be hardly other than 1 is not one that was chosen.
-    let chosen = |f: &Fitted| {
+    let chosen = |f: &FittedEffect| {
         let bounds = (f.candidate.bounds)(&problem.scales);
         bounds.iter().filter(|b| !b.is_once()).count()
     };

@@ -65,7 +65,7 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
     let measured = column(&recording.displacement_mm, "displacement")?;
     let interval_s = recording.interval_s();
     let settle = ((SETTLE_S / interval_s) as usize).min(measured.len() / 10);
-    let fit = Fit {
+    let fit = TransferFit {
         command: &command,
         measured: &measured,
         interval_s,
@@ -108,14 +108,14 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
     })
 }
 
-struct Fit<'a> {
+struct TransferFit<'a> {
     command: &'a [f64],
     measured: &'a [f64],
     interval_s: f64,
     settle: usize,
 }
 
-impl Fit<'_> {
+impl TransferFit<'_> {
     fn residual(&self, model: &Transfer) -> Vec<f64> {
         let answer = model.answer(self.command, self.interval_s);
         let both = self.measured.iter().zip(&answer).skip(self.settle);

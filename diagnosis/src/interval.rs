@@ -4,8 +4,8 @@ use crate::base::Base;
 use crate::fit::Solution;
 use crate::linear::dot;
 use crate::noise::Noise;
-use crate::problem::Fitted;
-use crate::sensitivity::{Jacobian, Unknown, unknowns};
+use crate::problem::FittedEffect;
+use crate::sensitivity::{EffectUnknown, Jacobian, unknowns};
 use nalgebra::{DMatrix, DVector};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -18,25 +18,25 @@ const BLOCK_S: f64 = 0.25;
 const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// A parameter of an effect: name, unit, value, 90 % interval.
-pub type Figure = (&'static str, &'static str, f64, [f64; 2]);
+pub type Estimate = (&'static str, &'static str, f64, [f64; 2]);
 
 /// The parameters of each effect of a solution.
-pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Figure>> {
+pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Estimate>> {
     let own = of_its_samples(solution, base, noise);
     let Some(whole) = &solution.whole else {
         return own;
     };
     let all = of_its_samples(whole, base, noise);
-    let which = |(own, all): (Figure, Figure)| if own.0 == "presliding_mm" { all } else { own };
+    let which = |(own, all): (Estimate, Estimate)| if own.0 == "presliding_mm" { all } else { own };
     let pairs = own.into_iter().zip(all);
     pairs
         .map(|(own, all)| own.into_iter().zip(all).map(which).collect())
         .collect()
 }
 
-fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Figure>> {
+fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Estimate>> {
     let scales = solution.problem.scales;
-    let values = |effects: &[Fitted], which: usize| {
+    let values = |effects: &[FittedEffect], which: usize| {
         let e = &effects[which];
         (e.candidate.parameters)(&e.amplitudes, &e.shapes, &scales)
     };
@@ -45,7 +45,7 @@ fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Fi
     (0..solution.effects.len())
         .map(|which| {
             let e = &solution.effects[which];
-            let unknowns: Vec<Unknown> = unknowns(which, e);
+            let unknowns: Vec<EffectUnknown> = unknowns(which, e);
             let central = values(&solution.effects, which);
             let mut gradient = DMatrix::zeros(central.len(), unknowns.len());
             for (j, unknown) in unknowns.iter().enumerate() {
@@ -70,7 +70,7 @@ pub fn around(
     values: Vec<(&'static str, &'static str, f64)>,
     gradient: &DMatrix<f64>,
     covariance: Option<&DMatrix<f64>>,
-) -> Vec<Figure> {
+) -> Vec<Estimate> {
     let spread = covariance.map(|c| gradient * c * gradient.transpose());
     let half = |i: usize| {
         spread

@@ -19,7 +19,7 @@ pub struct Noise {
     /// Its rms, in the channel's unit.
     pub rms: f64,
     /// What tells it.
-    pub from: Source,
+    pub from: NoiseSource,
     /// Number of blocks at rest, and the scatter of their mean squares over the mean square.
     blocks: (f64, f64),
     /// So many samples are averaged into one before anything is fitted: a rig moves far below half of that rate.
@@ -35,7 +35,7 @@ pub struct Noise {
 
 /// What tells the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum NoiseSource {
     /// A stretch in which nothing moves.
     Rest,
     /// The difference between one period of the motion and the next.
@@ -46,7 +46,7 @@ pub enum Source {
     Guess,
 }
 
-impl Source {
+impl NoiseSource {
     /// What is to be said of it.
     pub const fn note(self) -> Option<&'static str> {
         match self {
@@ -91,7 +91,7 @@ impl Noise {
         let (coefficients, innovation) = whitener(&clean, least / every as f64);
         Self {
             rms: variance.sqrt(),
-            from: Source::Rest,
+            from: NoiseSource::Rest,
             blocks,
             every,
             coefficients,
@@ -111,15 +111,15 @@ impl Noise {
     ) -> Option<Self> {
         let (sample, sure) = above(residuals, inputs, interval_s, None)?;
         let from = if sure {
-            Source::AboveMotion
+            NoiseSource::AboveMotion
         } else {
-            Source::Guess
+            NoiseSource::Guess
         };
         Some(Self::at_rest(&[sample], interval_s, least_rms).told_by(from))
     }
 
     /// The same noise, told by something else than a rest.
-    pub fn told_by(self, from: Source) -> Self {
+    pub fn told_by(self, from: NoiseSource) -> Self {
         Self { from, ..self }
     }
 

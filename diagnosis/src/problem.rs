@@ -1,6 +1,6 @@
 //! One channel of the rig: records in its terms, the declared parameters, and what the model answers.
 
-use crate::base::{Base, Free};
+use crate::base::{Base, FreeParameter};
 use crate::library::candidate::Candidate;
 use crate::library::form;
 use crate::library::saved::fit_of;
@@ -8,7 +8,7 @@ use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
 use crate::spectrum;
-use crate::stretch::{Stretch, corners, settling};
+use crate::stretch::{Segment, corners, settling};
 use crate::travel;
 use plant::Channel;
 use std::borrow::Cow;
@@ -17,7 +17,7 @@ use std::borrow::Cow;
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The records.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<Segment>,
     /// The parameters that `signals.base` was computed with.
     pub theta: [f64; 4],
     /// What shapes are measured by.
@@ -26,7 +26,7 @@ pub struct Problem {
 
 /// An effect as it was fitted.
 #[derive(Clone, Debug)]
-pub struct Fitted {
+pub struct FittedEffect {
     /// Which.
     pub candidate: Candidate,
     /// Its shape parameters.
@@ -86,7 +86,7 @@ impl Problem {
             };
             let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
             let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
-            stretches.push(Stretch {
+            stretches.push(Segment {
                 signals: Signals {
                     interval_s: h,
                     time_s: whole.time_s.clone(),
@@ -151,7 +151,7 @@ impl Problem {
             let mut corners: Vec<usize> = stretch.corners.iter().map(|i| i / n).collect();
             corners.dedup();
             corners.retain(|i| *i < target.len());
-            Stretch {
+            Segment {
                 signals: Signals {
                     interval_s: s.interval_s * n as f64,
                     time_s: thin(&s.time_s),
@@ -275,10 +275,10 @@ impl Problem {
     }
 
     /// How the answer changes with the free parameters: a column each, stretch by stretch.
-    pub fn base_columns(&self, base: &Base, stretch: &Stretch) -> Vec<Vec<f64>> {
+    pub fn base_columns(&self, base: &Base, stretch: &Segment) -> Vec<Vec<f64>> {
         let s = &stretch.signals;
         let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
-        let column = |f: &Free| match (base.channel, f.index) {
+        let column = |f: &FreeParameter| match (base.channel, f.index) {
             (_, 3) => vec![1.0; s.base.len()],
             (Channel::Specimen, 0) => s.reading.clone(),
             (Channel::Specimen, 1) => s.v.clone(),
@@ -299,7 +299,7 @@ impl Problem {
     /// What effects see behind the stages among them, which pass the base on changed.
     pub fn staged<'s>(
         &self,
-        stretch: &'s Stretch,
+        stretch: &'s Segment,
         effects: &[(Candidate, &[f64])],
         scales: &Scales,
     ) -> Cow<'s, Signals> {
@@ -338,7 +338,7 @@ impl Problem {
     pub fn staged_columns(
         &self,
         base: &Base,
-        stretch: &Stretch,
+        stretch: &Segment,
         effects: &[(Candidate, &[f64])],
     ) -> Vec<Vec<f64>> {
         let mut columns = self.base_columns(base, stretch);
@@ -371,7 +371,7 @@ impl Problem {
     }
 
     /// The answer with effects: the base behind their stages, and their columns.
-    pub fn answer(&self, stretch: &Stretch, effects: &[Fitted], scales: &Scales) -> Vec<f64> {
+    pub fn answer(&self, stretch: &Segment, effects: &[FittedEffect], scales: &Scales) -> Vec<f64> {
         let stages: Vec<(Candidate, &[f64])> = effects
             .iter()
             .map(|e| (e.candidate, e.shapes.as_slice()))
@@ -394,8 +394,8 @@ impl Problem {
     }
 
     /// Measured less modelled, stretch by stretch, from the first sample on that is looked at.
-    pub fn residuals(&self, effects: &[Fitted], scales: &Scales) -> Vec<Vec<f64>> {
-        let residual = |s: &Stretch| {
+    pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
+        let residual = |s: &Segment| {
             let y = self.answer(s, effects, scales);
             let pairs = s.seen(&s.target).iter().zip(s.seen(&y));
             pairs.map(|(t, y)| t - y).collect()
@@ -447,7 +447,7 @@ mod tests {
             .unwrap();
         // What the motion makes of a skew is taken off: what is left is what becomes of the noise.
         let left = |skew_s: f64| {
-            let skew = Fitted {
+            let skew = FittedEffect {
                 candidate,
                 shapes: vec![skew_s],
                 amplitudes: Vec::new(),

@@ -1,7 +1,7 @@
 //! An element in a model file.
 
 use crate::joint::element::{Element, Law};
-use crate::joint::track::{Sizes, Track};
+use crate::joint::track::{MotionScales, Track};
 use crate::refusal::Refusal;
 use crate::signals::Signals;
 use serde::{Deserialize, Serialize};
@@ -110,10 +110,10 @@ impl SavedElement {
 
     /// Its force over a track, N.
     pub fn along(&self, track: &Track) -> Vec<f64> {
-        let sizes = Sizes {
+        let sizes = MotionScales {
             x: self.reference_mm,
             v: self.reference_mm_per_s,
-            ..Sizes::default()
+            ..MotionScales::default()
         };
         let element = Element {
             law: self.law,

@@ -5,14 +5,14 @@ use crate::fit::{ONCE, Solution};
 use crate::library::candidate::Candidate;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
-use crate::problem::{Fitted, Problem};
+use crate::problem::{FittedEffect, Problem};
 use nalgebra::DVector;
 use plant::Channel;
 use std::borrow::Cow;
 
 /// An unknown of an effect.
 #[derive(Clone, Copy, Debug)]
-pub struct Unknown {
+pub struct EffectUnknown {
     /// Which of the solution's effects.
     pub effect: usize,
     /// An amplitude, else a shape.
@@ -21,9 +21,9 @@ pub struct Unknown {
     pub index: usize,
 }
 
-impl Unknown {
+impl EffectUnknown {
     /// The effects with this unknown moved a little, and by how much.
-    pub fn moved(&self, effects: &[Fitted]) -> (Vec<Fitted>, f64) {
+    pub fn moved(&self, effects: &[FittedEffect]) -> (Vec<FittedEffect>, f64) {
         let mut moved = effects.to_vec();
         let e = &mut moved[self.effect];
         let value = if self.amplitude {
@@ -38,9 +38,9 @@ impl Unknown {
 }
 
 /// Amplitudes, then shapes, of one effect.
-pub fn unknowns(effect: usize, e: &Fitted) -> Vec<Unknown> {
+pub fn unknowns(effect: usize, e: &FittedEffect) -> Vec<EffectUnknown> {
     let of = |amplitude: bool, n: usize| {
-        (0..n).map(move |index| Unknown {
+        (0..n).map(move |index| EffectUnknown {
             effect,
             amplitude,
             index,
@@ -151,7 +151,7 @@ fn priors(solution: &Solution, base: &Base) -> Vec<Prior> {
     priors
 }
 
-fn every(solution: &Solution) -> Vec<Unknown> {
+fn every(solution: &Solution) -> Vec<EffectUnknown> {
     let effects = solution.effects.iter().enumerate();
     effects.flat_map(|(i, e)| unknowns(i, e)).collect()
 }

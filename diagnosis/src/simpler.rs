@@ -7,7 +7,7 @@ use crate::interval;
 use crate::library::candidates;
 use crate::noise::Noise;
 use crate::polish::{Shaped, polish};
-use crate::problem::Fitted;
+use crate::problem::FittedEffect;
 use plant::{Channel, Effect};
 
 /// Place of the damping among a specimen's declared parameters.
@@ -19,7 +19,7 @@ fn again(s: &Solution, base: &Base, noise: &Noise, effects: &[Shaped]) -> Option
     Some(polish(settled, base, noise))
 }
 
-fn shaped(effects: &[Fitted]) -> Vec<Shaped> {
+fn shaped(effects: &[FittedEffect]) -> Vec<Shaped> {
     let own = effects.iter();
     own.map(|e| (e.candidate, e.shapes.clone())).collect()
 }
@@ -27,7 +27,7 @@ fn shaped(effects: &[Fitted]) -> Vec<Shaped> {
 /// Friction that falls with speed, where the interval of its level at rest over that in motion holds 1, is friction;
 /// `None` where there is no such thing.
 pub fn plain_friction(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
-    let falls = |e: &Fitted| e.candidate.effect == Effect::StribeckFriction;
+    let falls = |e: &FittedEffect| e.candidate.effect == Effect::StribeckFriction;
     let at = s.effects.iter().position(falls)?;
     let figures = interval::parameters(s, base, noise);
     let ratio = figures[at].iter().find(|f| f.0 == "rest_ratio")?;
@@ -44,13 +44,13 @@ pub fn plain_friction(s: &Solution, base: &Base, noise: &Noise) -> Option<Soluti
 /// Of several effects those whose strength these samples tell; `None` where they tell all, or none.
 pub fn told(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
     let figures = interval::parameters(s, base, noise);
-    let tells = |figures: &Vec<interval::Figure>| {
+    let tells = |figures: &Vec<interval::Estimate>| {
         let [low, high] = figures.first().map_or([1.0; 2], |f| f.3);
         low > 0.0 || high < 0.0
     };
     let pairs = s.effects.iter().zip(&figures);
     let stay = pairs.filter(|p| tells(p.1)).map(|p| p.0.clone());
-    let stay: Vec<Fitted> = stay.collect();
+    let stay: Vec<FittedEffect> = stay.collect();
     if stay.is_empty() || stay.len() == s.effects.len() {
         return None;
     }
@@ -60,7 +60,7 @@ pub fn told(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
 /// A force that is read late beside the damping as it was declared: on a specimen that is nearly a spring the two are one
 /// phase, and what was declared is known from elsewhere.
 pub fn late_beside_declared(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
-    let late = |e: &Fitted| e.candidate.effect == Effect::ChannelSkew;
+    let late = |e: &FittedEffect| e.candidate.effect == Effect::ChannelSkew;
     if base.channel != Channel::Specimen || !s.effects.iter().any(late) {
         return None;
     }
@@ -79,13 +79,13 @@ pub fn late_beside_declared(s: &Solution, base: &Base, noise: &Noise) -> Option<
 
 /// Whether readings lie beyond a limit of this solution, where nothing passes: it is none.
 pub fn is_passed(s: &Solution, noise: &Noise) -> bool {
-    let limits = |e: &&Fitted| e.candidate.effect == Effect::Saturation;
+    let limits = |e: &&FittedEffect| e.candidate.effect == Effect::Saturation;
     let Some(limit) = s.effects.iter().find(limits).map(|e| e.shapes[0]) else {
         return false;
     };
     let offset = s.problem.theta[3].abs();
     let beyond = limit + offset + (FAR * noise.rms).max(CLASS * limit);
-    let count = |of: &dyn Fn(&crate::stretch::Stretch) -> Vec<f64>, at: f64| {
+    let count = |of: &dyn Fn(&crate::stretch::Segment) -> Vec<f64>, at: f64| {
         let all = s.problem.stretches.iter().flat_map(of);
         all.filter(|y| y.abs() > at).count() as f64
     };

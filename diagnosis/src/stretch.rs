@@ -7,7 +7,7 @@ use plant::Channel;
 
 /// A record as a channel sees it.
 #[derive(Clone, Debug)]
-pub struct Stretch {
+pub struct Segment {
     /// What effects are computed from; `base` is that of the present parameters.
     pub signals: Signals,
     /// What was measured.
@@ -21,7 +21,7 @@ pub struct Stretch {
     pub from: usize,
 }
 
-impl Stretch {
+impl Segment {
     /// What is looked at of a signal.
     pub fn seen<'x>(&self, x: &'x [f64]) -> &'x [f64] {
         &x[self.from..]

@@ -5,9 +5,9 @@ use crate::answer::*;
 use crate::base::Base;
 use crate::criteria::actuator::{ABOUT_THE_NOISE, ACCOUNTS, BY_CHANCE, LITTLE, TO_THE_NOISE};
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
-use crate::drivetrain::{self, Data, Fit, Outcome};
+use crate::drivetrain::{self, ActuatorData, ActuatorFit, ActuatorOutcome};
 use crate::model::Model;
-use crate::noise::{Noise, Source};
+use crate::noise::{Noise, NoiseSource};
 use crate::signals::rms;
 use crate::{advice, interval, joint};
 use plant::Effect;
@@ -16,8 +16,8 @@ use plant::Effect;
 const NINETY: f64 = 1.645;
 
 /// Errors of a fit on the training data and on the held-out data.
-fn errors(fit: &Fit, train: &Data, test: &Data) -> (Errors, Vec<f64>) {
-    let nrmse = |residual: &Vec<f64>, data: &Data| {
+fn errors(fit: &ActuatorFit, train: &ActuatorData, test: &ActuatorData) -> (Errors, Vec<f64>) {
+    let nrmse = |residual: &Vec<f64>, data: &ActuatorData| {
         let n = data.target.len() as f64;
         let mean = data.target.iter().sum::<f64>() / n;
         let spread = data.target.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / n;
@@ -35,7 +35,7 @@ fn errors(fit: &Fit, train: &Data, test: &Data) -> (Errors, Vec<f64>) {
 impl ChannelDiagnosis<'_> {
     /// Whether an answer of the single effects stands: it leaves nothing but a noise that is known.
     pub(super) fn stands(&self, answer: &ChannelAnswer, noise: &Noise, structured: f64) -> bool {
-        noise.from == Source::Rest
+        noise.from == NoiseSource::Rest
             && matches!(
                 answer.verdict,
                 Verdict::None | Verdict::Effect | Verdict::Ambiguous
@@ -66,7 +66,7 @@ impl ChannelDiagnosis<'_> {
         answer.traces = self.drive_traces(&test, &held_before, &held_before);
         let mut kept = found.declared.clone();
         let is_noise =
-            noise.from != Source::Guess && reached < noise.rms.hypot(TO_THE_NOISE * noise.rms);
+            noise.from != NoiseSource::Guess && reached < noise.rms.hypot(TO_THE_NOISE * noise.rms);
         let within = reached <= ABOUT_THE_NOISE * noise.rms;
         let unknown = |answer: &mut ChannelAnswer, name, explained| {
             // What was found in averages of the samples is not in the samples, and these leave nothing but noise.
@@ -79,7 +79,7 @@ impl ChannelDiagnosis<'_> {
         let exact = before.test_nrmse < DISPLACEMENT_TRANSDUCER;
         match found.outcome {
             _ if exact => {}
-            Outcome::Nothing => {
+            ActuatorOutcome::Nothing => {
                 if !within {
                     let tried = answer.tried.first();
                     let nearest = tried.map(|t| (t.name, 1.0 - (t.rms_left / reached).powi(2)));
@@ -88,9 +88,11 @@ impl ChannelDiagnosis<'_> {
                 }
             }
             // The search sees averages of the samples, and what it found there need not be in them.
-            Outcome::Unknown { .. } if is_noise => {}
-            Outcome::Unknown { nearest, explained } => unknown(&mut answer, nearest, explained),
-            Outcome::Named { fit, names, more } => {
+            ActuatorOutcome::Unknown { .. } if is_noise => {}
+            ActuatorOutcome::Unknown { nearest, explained } => {
+                unknown(&mut answer, nearest, explained)
+            }
+            ActuatorOutcome::Named { fit, names, more } => {
                 let (after, held) = errors(&fit, &train, &test);
                 let gain = self.gain(&held_before, &held);
                 let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
@@ -100,8 +102,8 @@ impl ChannelDiagnosis<'_> {
                 } else {
                     let floor = (ACCOUNTS * before.test_rms).max(ABOUT_THE_NOISE * noise.rms);
                     let beside = TO_THE_NOISE * noise.rms;
-                    let nothing =
-                        noise.from == Source::Rest && after.test_rms <= noise.rms.hypot(beside);
+                    let nothing = noise.from == NoiseSource::Rest
+                        && after.test_rms <= noise.rms.hypot(beside);
                     answer.verdict = if nothing || after.test_rms <= floor && !more {
                         Verdict::Effect
                     } else {
@@ -122,7 +124,7 @@ impl ChannelDiagnosis<'_> {
                     );
                 }
             }
-            Outcome::Set { fit, members } => {
+            ActuatorOutcome::Set { fit, members } => {
                 let (after, held) = errors(&fit, &train, &test);
                 let gain = self.gain(&held_before, &held);
                 let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
@@ -171,9 +173,9 @@ impl ChannelDiagnosis<'_> {
     fn take(
         &self,
         answer: &mut ChannelAnswer,
-        train: &Data,
-        test: &Data,
-        fit: &Fit,
+        train: &ActuatorData,
+        test: &ActuatorData,
+        fit: &ActuatorFit,
         (after, held, gain): (Errors, Vec<f64>, [f64; 2]),
         improved: &mut Model,
     ) {
@@ -186,8 +188,8 @@ impl ChannelDiagnosis<'_> {
 
     fn drive_effect(
         &self,
-        data: &Data,
-        fit: &Fit,
+        data: &ActuatorData,
+        fit: &ActuatorFit,
         name: Effect,
         certificate: Option<Certificate>,
     ) -> FoundEffect {
@@ -212,7 +214,7 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// The first held-out record, measured and modelled.
-    fn drive_traces(&self, test: &Data, before: &[f64], after: &[f64]) -> Traces {
+    fn drive_traces(&self, test: &ActuatorData, before: &[f64], after: &[f64]) -> Traces {
         let run = &test.runs[0];
         let model = |residual: &[f64]| {
             run.target
@@ -247,7 +249,7 @@ pub(super) fn not_above(answer: &mut ChannelAnswer, trained: f64) {
     answer.noise_floor_rms = reached;
 }
 
-fn refitted(base: &Base, fit: &Fit) -> Vec<Refitted> {
+fn refitted(base: &Base, fit: &ActuatorFit) -> Vec<Refitted> {
     let [gain, delay_s, lag_s, offset] = fit.declared;
     advice::refitted(base, &[gain, 1e3 * delay_s, 1e3 * lag_s, offset])
 }

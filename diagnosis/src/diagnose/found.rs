@@ -2,7 +2,7 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::answer::*;
-use crate::base::Free;
+use crate::base::FreeParameter;
 use crate::criteria::{
     BESIDE_NOISE, FALSE_SINGLES, FRICTION_YIELD, LEAST_SURE, MAY_BE_FRICTION, REACH,
     STRIBECK_YIELD, TRANSDUCER,
@@ -12,7 +12,7 @@ use crate::fit::Solution;
 use crate::improved::improve;
 use crate::interval;
 use crate::model::Model;
-use crate::noise::{Noise, Source};
+use crate::noise::{Noise, NoiseSource};
 use crate::problem::Problem;
 use crate::recording::{Recording, range};
 use crate::signals::rms;
@@ -172,7 +172,7 @@ impl ChannelDiagnosis<'_> {
                 vouch(&mut answer, e.structured[1] > noise.rms);
                 let left = held_after.as_ref().map(|(_, left)| self.while_moving(left));
                 // However much it took: several times a noise that a rest has told is something.
-                let told = noise.from == Source::Rest && specimen;
+                let told = noise.from == NoiseSource::Rest && specimen;
                 if told && left.is_some_and(|left| left > BESIDE_NOISE * noise.rms) {
                     answer.verdict = Verdict::Partial;
                 }
@@ -238,8 +238,8 @@ impl ChannelDiagnosis<'_> {
         };
         alike.iter().copied().find(|rival| {
             let at = channel.parameter_of_error(*rival);
-            let own = |f: &&Free| Some(f.index) == at;
-            let end = |f: &Free| {
+            let own = |f: &&FreeParameter| Some(f.index) == at;
+            let end = |f: &FreeParameter| {
                 let off = theta[f.index] - self.base.values[f.index];
                 // A dashpot takes work; the displacement of one that is read early gives it.
                 let off = if *rival == Effect::ViscousDamping {

@@ -8,9 +8,9 @@ use crate::answer::{
 use crate::criteria::{
     ACCOUNTS, BESIDE_NOISE, LEAST_SURE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME,
 };
-use crate::joint::{self, Explained, Fit, Outcome};
+use crate::joint::{self, Explained, SpecimenFit, SpecimenOutcome};
 use crate::model::Model;
-use crate::noise::{Noise, Source};
+use crate::noise::{Noise, NoiseSource};
 use crate::recording::Recording;
 use crate::signals::rms;
 use crate::{advice, interval, rest};
@@ -24,7 +24,7 @@ const PASSES: f64 = 1.3;
 const NOISE_UNKNOWN: &str = "No rest tells the noise: the stated figure is what the model leaves, of which a part is no noise.";
 
 /// What a model leaves of training and held-out data.
-struct Left {
+struct Residuals {
     train: Vec<Vec<f64>>,
     test: Vec<Vec<f64>>,
     errors: Errors,
@@ -33,14 +33,14 @@ struct Left {
 }
 
 /// Training and held-out data without what the model already has.
-struct Data<'a> {
+struct TrainAndTest<'a> {
     train: &'a [Recording],
     test: &'a [Recording],
     bare: [Vec<Recording>; 2],
 }
 
-impl Data<'_> {
-    fn left(&self, fit: &Fit) -> Option<Left> {
+impl TrainAndTest<'_> {
+    fn left(&self, fit: &SpecimenFit) -> Option<Residuals> {
         let nrmse = |residuals: &[Vec<f64>], whole: &[Recording]| {
             let forces = whole.iter().filter_map(|r| r.force_n.as_ref());
             let force: Vec<f64> = forces.flatten().copied().collect();
@@ -55,7 +55,7 @@ impl Data<'_> {
             rest[part].to_vec()
         };
         let moving: Vec<Vec<f64>> = self.test.iter().zip(&test).map(moving).collect();
-        Some(Left {
+        Some(Residuals {
             moving: rms(&moving),
             errors: Errors {
                 train_nrmse: nrmse(&train, self.train),
@@ -75,7 +75,7 @@ impl ChannelDiagnosis<'_> {
         noise: Option<&Noise>,
         improved: &mut Model,
     ) -> Option<ChannelAnswer> {
-        let data = Data {
+        let data = TrainAndTest {
             train: self.train,
             test: self.test,
             bare: [
@@ -89,7 +89,9 @@ impl ChannelDiagnosis<'_> {
         (answer.error_before, answer.error_after) = (before.errors, before.errors);
         answer.refitted = advice::refitted(&self.base, &found.declared.parameters);
         let explained = match &found.outcome {
-            Outcome::Named(explained, _) | Outcome::Set(explained, _) => Some(explained),
+            SpecimenOutcome::Named(explained, _) | SpecimenOutcome::Set(explained, _) => {
+                Some(explained)
+            }
             _ => None,
         };
         let after = explained.and_then(|e| data.left(&e.fit));
@@ -101,12 +103,12 @@ impl ChannelDiagnosis<'_> {
         let fits_noise =
             before.errors.test_rms <= NOISE * felt || before.errors.test_nrmse < TRANSDUCER;
         match (&found.outcome, explained.zip(after.as_ref())) {
-            (Outcome::Nothing, _) if noise.is_none() || fits_noise => {}
-            (Outcome::Nothing, _) => answer.verdict = Verdict::Unknown,
+            (SpecimenOutcome::Nothing, _) if noise.is_none() || fits_noise => {}
+            (SpecimenOutcome::Nothing, _) => answer.verdict = Verdict::Unknown,
             (outcome, Some((explained, after))) => {
                 let h = self.train[0].interval_s();
                 let gain = interval::improvement(&before.test, &after.test, h);
-                let certain = matches!(outcome, Outcome::Named(..));
+                let certain = matches!(outcome, SpecimenOutcome::Named(..));
                 let first = explained.names[0].0;
                 // A name must help on data that took no part; a set of names must account for most of it.
                 let most = if certain {
@@ -129,17 +131,17 @@ impl ChannelDiagnosis<'_> {
                 answer.effects = effects(explained);
                 explained.fit.save(&explained.owners, improved);
                 answer.verdict = match outcome {
-                    Outcome::Set(_, members) => {
+                    SpecimenOutcome::Set(_, members) => {
                         answer.alternatives = members[1..].iter().map(|m| m.0).collect();
                         let member =
                             |&(name, probability): &(Effect, f64)| Member { name, probability };
                         answer.members = members.iter().map(member).collect();
                         Verdict::Ambiguous
                     }
-                    Outcome::Named(_, more) => {
+                    SpecimenOutcome::Named(_, more) => {
                         let share = ACCOUNTS * before.moving;
                         // Where the noise is known, what is several times as large is something.
-                        let told = noise.is_some_and(|n| n.from == Source::Rest);
+                        let told = noise.is_some_and(|n| n.from == NoiseSource::Rest);
                         let known = if told { BESIDE_NOISE } else { f64::INFINITY };
                         let most = share.min(known * felt).max(NOISE * felt);
                         // Nothing remains beside a noise that a rest has told.
@@ -153,14 +155,14 @@ impl ChannelDiagnosis<'_> {
                     _ => Verdict::Unknown,
                 };
             }
-            (&Outcome::Unknown(name, explained), _) => {
+            (&SpecimenOutcome::Unknown(name, explained), _) => {
                 answer.verdict = Verdict::Unknown;
                 answer.nearest = Some(Nearest { name, explained });
             }
             _ => answer.verdict = Verdict::Unknown,
         }
         // Stated is the force's own, where the best model leaves least else; of `none` what is left is the noise.
-        if noise.is_some_and(|n| n.from != Source::Rest) && answer.verdict != Verdict::None {
+        if noise.is_some_and(|n| n.from != NoiseSource::Rest) && answer.verdict != Verdict::None {
             let left = &after.as_ref().unwrap_or(&before).train;
             let fit = explained.map_or(&found.declared, |e| &e.fit);
             let own = self.own_noise(left, PASSES * fit.cutoff_hz);
@@ -168,7 +170,7 @@ impl ChannelDiagnosis<'_> {
         }
         answer.notes = advice::joined(&answer, &found);
         answer.notes.extend(advice::one_change(&answer, true));
-        let told = noise.is_some_and(|n| n.from == Source::Rest);
+        let told = noise.is_some_and(|n| n.from == NoiseSource::Rest);
         if answer.verdict == Verdict::Partial && !told && answer.noise_floor_rms >= lowest {
             answer.notes.push(NOISE_UNKNOWN.into());
         }
@@ -199,7 +201,7 @@ impl ChannelDiagnosis<'_> {
 }
 
 /// What a name explains of the held-out squares.
-fn nearest(name: Effect, before: &Left, after: &Left) -> Nearest {
+fn nearest(name: Effect, before: &Residuals, after: &Residuals) -> Nearest {
     let share = after.errors.test_rms / before.errors.test_rms.max(f64::MIN_POSITIVE);
     Nearest {
         name,
@@ -211,7 +213,7 @@ fn effects(explained: &Explained) -> Vec<FoundEffect> {
     let effect = |(name, certificate, figures): &(
         Effect,
         Option<Certificate>,
-        Vec<crate::interval::Figure>,
+        Vec<crate::interval::Estimate>,
     )| {
         let found = FoundEffect {
             name: *name,

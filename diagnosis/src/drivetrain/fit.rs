@@ -1,6 +1,6 @@
 //! A way fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
 
-use super::part::{Kind, Part, Sizes};
+use super::part::{ActuatorScales, Part, PartKind};
 use super::way::{Run, Way};
 use crate::base::Base;
 use crate::criteria::BLOCKS;
@@ -19,10 +19,10 @@ const LONGEST_S: f64 = 0.5;
 
 /// Records and what is declared of them.
 #[derive(Debug)]
-pub struct Data<'a> {
+pub struct ActuatorData<'a> {
     pub runs: Vec<Run>,
     pub interval_s: f64,
-    pub sizes: Sizes,
+    pub sizes: ActuatorScales,
     pub base: &'a Base,
     /// Block of each sample, stretch after stretch.
     edges: Vec<usize>,
@@ -32,15 +32,15 @@ pub struct Data<'a> {
 
 /// A model: parts, and which declared parameters may leave their tolerances.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct PartSet {
     pub parts: Vec<Part>,
     pub moved: [bool; DECLARED],
 }
 
 /// A model at its best.
 #[derive(Clone, Debug)]
-pub struct Fit {
-    pub model: Model,
+pub struct ActuatorFit {
+    pub model: PartSet,
     /// Gain, delay s, lag s, offset mm.
     pub declared: [f64; DECLARED],
     /// One for each part with an amplitude, in their order.
@@ -53,7 +53,7 @@ pub struct Fit {
     pub slopes: Vec<Vec<f64>>,
 }
 
-impl<'a> Data<'a> {
+impl<'a> ActuatorData<'a> {
     pub fn new(runs: Vec<Run>, interval_s: f64, base: &'a Base) -> Self {
         let target: Vec<f64> = runs.iter().flat_map(|r| r.target.clone()).collect();
         let n = target.len();
@@ -74,7 +74,7 @@ impl<'a> Data<'a> {
         openings.iter_mut().for_each(|e| *e = (*e - mean).abs());
         openings.sort_by(f64::total_cmp);
         let tiny = 1e-9 * (ends[1] - ends[0]).max(f64::MIN_POSITIVE);
-        let sizes = Sizes {
+        let sizes = ActuatorScales {
             x_mm: 0.5 * (ends[1] - ends[0]),
             speed_mm_per_s: speeds.fold(tiny, f64::max),
             opening_mm: openings[(n as f64 * 0.98) as usize].max(tiny),
@@ -142,7 +142,7 @@ impl<'a> Data<'a> {
     }
 
     /// A way as it stands in a fit.
-    pub fn way(&self, fit: &Fit) -> Way {
+    pub fn way(&self, fit: &ActuatorFit) -> Way {
         Way {
             delay_s: fit.declared[1],
             lag_s: fit.declared[2],
@@ -151,7 +151,7 @@ impl<'a> Data<'a> {
     }
 
     /// What parts at these values make of the answer, less what the fit makes of it: the column of a step towards them.
-    pub fn change(&self, fit: &Fit, more: Part) -> Vec<f64> {
+    pub fn change(&self, fit: &ActuatorFit, more: Part) -> Vec<f64> {
         let mut way = self.way(fit);
         way.parts.push(more);
         let mut columns = self.columns(&way);
@@ -182,7 +182,7 @@ impl<'a> Data<'a> {
     }
 
     /// What a fit leaves of these records, which may be others than it was made with.
-    pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+    pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
         let y = self.combined(
             &self.columns(&self.way(fit)),
             &fit.declared,
@@ -202,13 +202,13 @@ impl<'a> Data<'a> {
     }
 
     /// The model at its best from `start`, whose parts may be fewer; `None` where the equations have no solution.
-    pub fn fit(&self, model: &Model, start: [f64; DECLARED]) -> Option<Fit> {
+    pub fn fit(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ActuatorFit> {
         let mut declared: [f64; DECLARED] = std::array::from_fn(|i| {
             let [low, high] = self.bound(i, model.moved[i]);
             start[i].clamp(low, high)
         });
         let mut parts = model.parts.clone();
-        let columned: Vec<Kind> = parts
+        let columned: Vec<PartKind> = parts
             .iter()
             .map(|p| p.kind)
             .filter(|k| k.is_column())
@@ -216,7 +216,7 @@ impl<'a> Data<'a> {
         let mut amplitudes = vec![0.0; columned.len()];
         let mut cost = f64::INFINITY;
         let mut damping = 1e-6;
-        let mut last: Option<Fit> = None;
+        let mut last: Option<ActuatorFit> = None;
         for _ in 0..STEPS {
             let way = Way {
                 delay_s: declared[1],
@@ -263,8 +263,8 @@ impl<'a> Data<'a> {
             if last.is_none() {
                 cost = square;
             }
-            last = Some(Fit {
-                model: Model {
+            last = Some(ActuatorFit {
+                model: PartSet {
                     parts: parts.clone(),
                     moved: model.moved,
                 },
@@ -366,7 +366,7 @@ impl<'a> Data<'a> {
     }
 
     /// Squares on each block of the fit as it would be without that block, to first order; what stands at a bound stays.
-    pub fn cross_validated(&self, fit: &Fit) -> Option<[f64; BLOCKS]> {
+    pub fn cross_validated(&self, fit: &ActuatorFit) -> Option<[f64; BLOCKS]> {
         let free: Vec<&Vec<f64>> = self.free_slopes(fit);
         let owned: Vec<Vec<f64>> = free.into_iter().cloned().collect();
         if owned.is_empty() {
@@ -405,7 +405,7 @@ impl<'a> Data<'a> {
     }
 
     /// The slopes of what may move: not at a bound, and not held at one value.
-    fn free_slopes<'f>(&self, fit: &'f Fit) -> Vec<&'f Vec<f64>> {
+    fn free_slopes<'f>(&self, fit: &'f ActuatorFit) -> Vec<&'f Vec<f64>> {
         let inside = |value: f64, [low, high]: [f64; 2]| {
             let room = 1e-9 * (high - low).clamp(0.0, 1e6);
             value > low + room && value < high - room

@@ -11,30 +11,30 @@ mod search;
 mod verdict;
 pub(crate) mod way;
 
-pub use fit::{Data, Fit};
-pub use verdict::Outcome;
+pub use fit::{ActuatorData, ActuatorFit};
+pub use verdict::ActuatorOutcome;
 
 use crate::base::Base;
 use crate::criteria::actuator::{A_CYCLE, MOST_SETTLING, SEARCHED, TOO_MANY};
 use crate::recording::Recording;
 use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
-use search::Search;
+use search::PartSearch;
 use way::Run;
 
 /// What the search came to.
 #[derive(Debug)]
-pub struct Found {
+pub struct ActuatorResult {
     /// The declared model, its parameters within their tolerances.
-    pub declared: Fit,
+    pub declared: ActuatorFit,
     /// What can be said.
-    pub outcome: Outcome,
+    pub outcome: ActuatorOutcome,
     /// How far each single part got: its name and the squares that it leaves, of the declared model's.
     pub tried: Vec<(plant::Effect, f64)>,
 }
 
 /// Searches; `None` where a signal is missing or the equations have no solution.
-pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
+pub fn find(base: &Base, train: &[Recording]) -> Option<ActuatorResult> {
     let whole = data(base, train, 1)?;
     let band = train
         .iter()
@@ -50,7 +50,7 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
     let thin = data(base, train, every)?;
     // What depends on time alone must predict the rest after the motion, too: without one it is not asked about.
     let rests = |r: &Recording| rest::spans(r).len() == 2;
-    let (search, declared) = Search::new(&thin, train.iter().all(rests))?;
+    let (search, declared) = PartSearch::new(&thin, train.iter().all(rests))?;
     // Best first: of several forms under one name the first.
     let mut tried: Vec<(plant::Effect, f64)> = Vec::new();
     for glance in search.glances(&declared, &[]) {
@@ -60,8 +60,8 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
         }
     }
     let outcome = verdict::conclude(&search, &declared);
-    let full = |fit: &Fit| whole.fit(&fit.model, fit.declared);
-    Some(Found {
+    let full = |fit: &ActuatorFit| whole.fit(&fit.model, fit.declared);
+    Some(ActuatorResult {
         declared: full(&declared.fit)?,
         outcome: outcome.with(full)?,
         tried,
@@ -69,11 +69,11 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<Found> {
 }
 
 /// Records as the search sees them, averaged over `every` samples.
-pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<Data<'a>> {
+pub fn data<'a>(base: &'a Base, records: &[Recording], every: usize) -> Option<ActuatorData<'a>> {
     let interval_s = records.first()?.interval_s();
     let settling_s = base.settling_s();
     let runs: Option<Vec<Run>> = records.iter().map(|r| run(r, every, settling_s)).collect();
-    Some(Data::new(runs?, interval_s * every as f64, base))
+    Some(ActuatorData::new(runs?, interval_s * every as f64, base))
 }
 
 fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {

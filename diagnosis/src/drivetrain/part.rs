@@ -4,7 +4,7 @@ use plant::Effect;
 
 /// A part of the way from command to displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum PartKind {
     /// A second first-order lag behind the first: its time constant, s.
     SecondLag,
     /// The spring of the oil under the mass: natural frequency, Hz, and damping ratio.
@@ -43,7 +43,7 @@ pub enum Kind {
 
 /// Sizes of the records that shapes are measured by.
 #[derive(Clone, Copy, Debug)]
-pub struct Sizes {
+pub struct ActuatorScales {
     /// Largest displacement from the middle, mm.
     pub x_mm: f64,
     /// Largest speed, mm/s.
@@ -58,7 +58,7 @@ pub struct Sizes {
     pub ends_mm: [f64; 2],
 }
 
-impl Kind {
+impl PartKind {
     /// All of them.
     pub const ALL: [Self; 16] = [
         Self::SecondLag,
@@ -150,7 +150,7 @@ impl Kind {
     }
 
     /// Values that its first shape is looked at with; those in between are found by descent.
-    pub fn grid(self, s: &Sizes) -> Vec<Shapes> {
+    pub fn grid(self, s: &ActuatorScales) -> Vec<Shapes> {
         let spread = |low: f64, high: f64, n: usize| -> Vec<Shapes> {
             let at = |i: usize| low * (high / low).powf(i as f64 / (n - 1) as f64);
             (0..n).map(|i| shapes([at(i)])).collect()
@@ -205,7 +205,7 @@ impl Kind {
     }
 
     /// Between which values a shape may be.
-    pub fn bounds(self, which: usize, s: &Sizes) -> [f64; 2] {
+    pub fn bounds(self, which: usize, s: &ActuatorScales) -> [f64; 2] {
         match (self, which) {
             (Self::SecondLag, _) => [0.1 * s.interval_s, 0.5],
             (Self::OilColumn, 0) => [1.0, 0.4 / s.interval_s],
@@ -227,7 +227,7 @@ impl Kind {
     }
 
     /// A step of a shape that its slope is formed over.
-    pub fn step(self, which: usize, s: &Sizes) -> f64 {
+    pub fn step(self, which: usize, s: &ActuatorScales) -> f64 {
         match (self, which) {
             (Self::SecondLag, _) => 0.1 * s.interval_s,
             (Self::OilColumn, 0) => 0.02,
@@ -257,7 +257,7 @@ pub fn shapes<const N: usize>(first: [f64; N]) -> Shapes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Which.
-    pub kind: Kind,
+    pub kind: PartKind,
     /// Its shapes.
     pub shapes: Shapes,
 }

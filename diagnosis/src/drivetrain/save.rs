@@ -1,7 +1,7 @@
 //! What was found, as figures with their scatter and as a part of a model.
 
-use super::fit::{DECLARED, Data, Fit};
-use super::part::Kind;
+use super::fit::{ActuatorData, ActuatorFit, DECLARED};
+use super::part::PartKind;
 use crate::linear::{dot, gram};
 use crate::model::{Declared, Model};
 use nalgebra::{DMatrix, DVector};
@@ -21,10 +21,10 @@ fn unit(which: usize) -> f64 {
     }
 }
 
-impl Data<'_> {
+impl ActuatorData<'_> {
     /// Standard deviation of declared parameters, amplitudes and shapes, from how far stretches of the record pull the
     /// fit apart.
-    pub fn spread(&self, fit: &Fit) -> Vec<f64> {
+    pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
         let n = fit.slopes.len();
         let size: Vec<f64> = fit
             .slopes
@@ -56,7 +56,7 @@ impl Data<'_> {
     }
 
     /// The parameters of a name in a fit; `spread` is of this fit.
-    pub fn figures(&self, fit: &Fit, name: Effect, spread: &[f64]) -> Vec<Figure> {
+    pub fn figures(&self, fit: &ActuatorFit, name: Effect, spread: &[f64]) -> Vec<Figure> {
         if let Some(i) = Channel::Actuator.parameter_of_error(name) {
             let p = &Channel::Actuator.parameters()[i];
             let had = self.base.values[i];
@@ -89,16 +89,18 @@ impl Data<'_> {
             }
             let lag_s = fit.declared[2].max(1e-6);
             out.extend(match part.kind {
-                Kind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
-                Kind::OilColumn => {
+                PartKind::SecondLag => vec![("lag_ms", "ms", 1e3 * a, 1e3 * sa)],
+                PartKind::OilColumn => {
                     vec![("frequency_hz", "Hz", a, sa), ("damping_ratio", "", b, sb)]
                 }
-                Kind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
-                Kind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
-                Kind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
-                Kind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
-                Kind::Play | Kind::DeadBand => vec![("width_mm", "mm", a * gain, sa * gain)],
-                Kind::Stops => {
+                PartKind::UnequalAreas => vec![("unequal_areas_per_mm", "1/mm", a, sa)],
+                PartKind::Overlap => vec![("width_mm", "mm", 2.0 * a, 2.0 * sa)],
+                PartKind::FlowLimit => vec![("rate_mm_per_s", "mm/s", a / lag_s, sa / lag_s)],
+                PartKind::RateLimit => vec![("rate_mm_per_s", "mm/s", a, sa)],
+                PartKind::Play | PartKind::DeadBand => {
+                    vec![("width_mm", "mm", a * gain, sa * gain)]
+                }
+                PartKind::Stops => {
                     let nearest = if a.abs() < b.abs() {
                         (a.abs(), sa)
                     } else {
@@ -106,20 +108,20 @@ impl Data<'_> {
                     };
                     vec![("limit_mm", "mm", nearest.0 * gain, nearest.1 * gain)]
                 }
-                Kind::Friction => vec![
+                PartKind::Friction => vec![
                     ("error_mm", "mm", strength, ss),
                     ("presliding_mm", "mm", a, sa),
                 ],
-                Kind::Seal | Kind::StickySeal => {
+                PartKind::Seal | PartKind::StickySeal => {
                     let mut all = vec![("error_mm", "mm", a * gain, sa * gain)];
-                    if part.kind == Kind::StickySeal {
+                    if part.kind == PartKind::StickySeal {
                         all.push(("rest_ratio", "", c, sc));
                         all.push(("stribeck_mm_per_s", "mm/s", d * gain, sd * gain));
                     }
                     all.push(("presliding_mm", "mm", b * gain, sb * gain));
                     all
                 }
-                Kind::Compliance => {
+                PartKind::Compliance => {
                     let stiffness = 1.0 / strength.max(1e-12);
                     vec![(
                         "stiffness_n_per_mm",
@@ -128,12 +130,12 @@ impl Data<'_> {
                         stiffness * stiffness * ss,
                     )]
                 }
-                Kind::SideGain => vec![("difference", "", strength, ss)],
-                Kind::Drift => vec![
+                PartKind::SideGain => vec![("difference", "", strength, ss)],
+                PartKind::Drift => vec![
                     ("rate_mm_per_s", "mm/s", strength / a, ss / a),
                     ("time_constant_s", "s", a, sa),
                 ],
-                Kind::GainDrift => vec![
+                PartKind::GainDrift => vec![
                     ("change", "", strength, ss),
                     ("time_constant_s", "s", a, sa),
                 ],
@@ -144,7 +146,7 @@ impl Data<'_> {
 
     /// Puts a fit into the actuator's model: its declared parameters with the tolerance that they had, at least their
     /// scatter, and its parts as effects.
-    pub fn save(&self, fit: &Fit, spread: &[f64], model: &mut Model) {
+    pub fn save(&self, fit: &ActuatorFit, spread: &[f64], model: &mut Model) {
         let Some((places, effects)) = model.channel_mut(Channel::Actuator) else {
             return;
         };
@@ -169,32 +171,32 @@ impl Data<'_> {
             let width = a * gain.abs();
             let lag_ms = 1e3 * fit.declared[2];
             let parameters = match part.kind {
-                Kind::SecondLag => vec![("lag_ms", 1e3 * a)],
-                Kind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
-                Kind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
-                Kind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
-                Kind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
-                Kind::RateLimit => vec![("valve_rate_mm_per_s", a)],
-                Kind::Play | Kind::DeadBand => vec![("width_mm", width)],
-                Kind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
-                Kind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
-                Kind::Seal => vec![
+                PartKind::SecondLag => vec![("lag_ms", 1e3 * a)],
+                PartKind::UnequalAreas => vec![("unequal_areas_per_mm", a)],
+                PartKind::OilColumn => vec![("frequency_hz", a), ("damping_ratio", b)],
+                PartKind::Overlap => vec![("overlap_mm", a), ("valve_lag_ms", lag_ms)],
+                PartKind::FlowLimit => vec![("opening_mm", a), ("valve_lag_ms", lag_ms)],
+                PartKind::RateLimit => vec![("valve_rate_mm_per_s", a)],
+                PartKind::Play | PartKind::DeadBand => vec![("width_mm", width)],
+                PartKind::Stops => vec![("lower_mm", a * gain), ("upper_mm", b * gain)],
+                PartKind::Friction => vec![("error_mm", strength()), ("presliding_mm", width)],
+                PartKind::Seal => vec![
                     ("oil_bend_mm", a),
                     ("presliding_mm", b),
                     ("valve_lag_ms", lag_ms),
                 ],
-                Kind::StickySeal => vec![
+                PartKind::StickySeal => vec![
                     ("oil_bend_mm", a),
                     ("presliding_mm", b),
                     ("rest_ratio", c),
                     ("stribeck_mm_per_s", d),
                     ("valve_lag_ms", lag_ms),
                 ],
-                Kind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
+                PartKind::Compliance => vec![("stiffness_n_per_mm", 1.0 / strength())],
                 // The library's half of it is the gain's; no lag of the way back beside it.
-                Kind::SideGain => vec![("difference", strength() / gain)],
-                Kind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
-                Kind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
+                PartKind::SideGain => vec![("difference", strength() / gain)],
+                PartKind::Drift => vec![("rate_mm_per_s", strength() / a), ("time_constant_s", a)],
+                PartKind::GainDrift => vec![("change", strength() / gain), ("time_constant_s", a)],
             };
             effects.push(EffectSpec::new(part.kind.effect(), &parameters));
         }

@@ -1,8 +1,8 @@
 //! The search for the parts of an actuator: declared parameters free, all pairs at a glance, then one more, another one
 //! or one less, and what is left is held again where it can be.
 
-use super::fit::{DECLARED, Data, Fit, Model};
-use super::part::{Kind, Part, Shapes};
+use super::fit::{ActuatorData, ActuatorFit, DECLARED, PartSet};
+use super::part::{Part, PartKind, Shapes};
 use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PRICE};
 use crate::linear::{dot, gram};
 use nalgebra::DVector;
@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// A fit with its cross-validated squares and its score.
 #[derive(Clone, Debug)]
-pub struct Scored {
-    pub fit: Fit,
+pub struct ScoredFit {
+    pub fit: ActuatorFit,
     pub squares: [f64; BLOCKS],
     pub score: f64,
 }
@@ -23,17 +23,17 @@ const LEADING: usize = 3;
 
 /// Fits and scores models against the declared one.
 #[derive(Debug)]
-pub struct Search<'a> {
-    pub data: &'a Data<'a>,
+pub struct PartSearch<'a> {
+    pub data: &'a ActuatorData<'a>,
     declared: [f64; BLOCKS],
     room: f64,
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<PartKind>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> PartSearch<'a> {
     /// With the declared model, which everything is measured by, and with or without what depends on time alone.
-    pub fn new(data: &'a Data<'a>, with_time: bool) -> Option<(Self, Scored)> {
-        let held = Model {
+    pub fn new(data: &'a ActuatorData<'a>, with_time: bool) -> Option<(Self, ScoredFit)> {
+        let held = PartSet {
             parts: Vec::new(),
             moved: [false; DECLARED],
         };
@@ -41,12 +41,12 @@ impl<'a> Search<'a> {
         let fit = data.fit(&held, start)?;
         let squares = data.cross_validated(&fit)?;
         let room = FLOOR * squares.iter().sum::<f64>() / BLOCKS as f64;
-        let mut kinds = Kind::ALL.to_vec();
+        let mut kinds = PartKind::ALL.to_vec();
         if !data.has_force() {
-            kinds.retain(|k| *k != Kind::Compliance);
+            kinds.retain(|k| *k != PartKind::Compliance);
         }
         if !with_time {
-            kinds.retain(|k| !matches!(k, Kind::Drift | Kind::GainDrift));
+            kinds.retain(|k| !matches!(k, PartKind::Drift | PartKind::GainDrift));
         }
         let search = Self {
             data,
@@ -54,7 +54,7 @@ impl<'a> Search<'a> {
             room: room.max(f64::MIN_POSITIVE),
             kinds,
         };
-        let declared = Scored {
+        let declared = ScoredFit {
             fit,
             squares,
             score: 0.0,
@@ -69,18 +69,18 @@ impl<'a> Search<'a> {
     }
 
     /// What a model costs beside its squares.
-    fn price(&self, model: &Model) -> f64 {
+    fn price(&self, model: &PartSet) -> f64 {
         let parts: f64 = model.parts.iter().map(|p| p.kind.price()).sum();
         let moved = model.moved.iter().filter(|m| **m).count();
         PRICE * (parts + moved as f64)
     }
 
     /// The model at its best.
-    pub fn scored(&self, model: &Model, start: [f64; DECLARED]) -> Option<Scored> {
+    pub fn scored(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ScoredFit> {
         let fit = self.data.fit(model, start)?;
         let squares = self.data.cross_validated(&fit)?;
         let score = self.times(&squares, &self.declared) + self.price(model);
-        score.is_finite().then_some(Scored {
+        score.is_finite().then_some(ScoredFit {
             fit,
             squares,
             score,
@@ -88,12 +88,12 @@ impl<'a> Search<'a> {
     }
 
     /// Everything, best first.
-    pub fn run(&self, declared: &Scored) -> Vec<Scored> {
-        let free = Model {
+    pub fn run(&self, declared: &ScoredFit) -> Vec<ScoredFit> {
+        let free = PartSet {
             parts: Vec::new(),
             moved: [true; DECLARED],
         };
-        let mut leading: Vec<Scored> = Vec::new();
+        let mut leading: Vec<ScoredFit> = Vec::new();
         leading.extend(self.scored(&free, declared.fit.declared));
         leading.push(declared.clone());
         let Some(from) = leading.first().cloned() else {
@@ -133,7 +133,7 @@ impl<'a> Search<'a> {
             }
         }
         let held = leading.par_iter().map(|s| self.held(s.clone()));
-        let mut held: Vec<Scored> = held.collect();
+        let mut held: Vec<ScoredFit> = held.collect();
         held.push(declared.clone());
         let bare = self.bare(declared);
         held.extend(bare);
@@ -142,11 +142,11 @@ impl<'a> Search<'a> {
     }
 
     /// Each choice of declared parameters that may leave their tolerances, without any part.
-    pub fn bare(&self, declared: &Scored) -> Vec<Scored> {
+    pub fn bare(&self, declared: &ScoredFit) -> Vec<ScoredFit> {
         (1..1 << DECLARED)
             .into_par_iter()
             .filter_map(|bits: usize| {
-                let model = Model {
+                let model = PartSet {
                     parts: Vec::new(),
                     moved: std::array::from_fn(|i| bits >> i & 1 == 1),
                 };
@@ -155,10 +155,10 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    fn all(&self, from: &Scored, sets: Vec<Vec<Part>>) -> Vec<Scored> {
+    fn all(&self, from: &ScoredFit, sets: Vec<Vec<Part>>) -> Vec<ScoredFit> {
         sets.into_par_iter()
             .filter_map(|parts| {
-                let model = Model {
+                let model = PartSet {
                     parts,
                     moved: [true; DECLARED],
                 };
@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
     }
 
     /// Declared parameters held again and parts dropped, as long as the score falls.
-    pub fn held(&self, mut best: Scored) -> Scored {
+    pub fn held(&self, mut best: ScoredFit) -> ScoredFit {
         loop {
             let now = &best.fit.model;
             let toggled = (0..DECLARED).map(|i| {
@@ -194,15 +194,15 @@ impl<'a> Search<'a> {
     }
 
     /// What each kind that a fit does not have would take off its squares, at the best of its grid, to first order.
-    pub fn glances(&self, from: &Scored, without: &[Kind]) -> Vec<Glance> {
+    pub fn glances(&self, from: &ScoredFit, without: &[PartKind]) -> Vec<Glance> {
         let slopes = &from.fit.slopes;
         let Some(factor) = scaled(gram(slopes)) else {
             return Vec::new();
         };
-        let has = |k: &Kind| {
+        let has = |k: &PartKind| {
             from.fit.model.parts.iter().any(|p| p.kind.is_like(*k)) || without.contains(k)
         };
-        let kinds: Vec<Kind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
+        let kinds: Vec<PartKind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
         let mut found: Vec<Glance> = kinds
             .into_par_iter()
             .filter_map(|kind| {
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
     }
 
     /// The best pairs of what was glanced at.
-    fn pairs(&self, from: &Scored, glances: &[Glance]) -> Vec<Vec<Part>> {
+    fn pairs(&self, from: &ScoredFit, glances: &[Glance]) -> Vec<Vec<Part>> {
         let pull: Vec<f64> = glances
             .iter()
             .map(|g| dot(&g.column, &from.fit.residual))
@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
                 }
                 let x = (bb * pull[i] - ab * pull[j]) / determinant;
                 let y = (aa * pull[j] - ab * pull[i]) / determinant;
-                let wrong = |w: f64, k: Kind| w <= 0.0 && (!k.is_column() || k.is_positive());
+                let wrong = |w: f64, k: PartKind| w <= 0.0 && (!k.is_column() || k.is_positive());
                 if wrong(x, glances[i].part.kind) || wrong(y, glances[j].part.kind) {
                     continue;
                 }
@@ -309,11 +309,11 @@ impl Factor {
     }
 }
 
-fn keep(scored: &mut Vec<Scored>, most: usize) {
+fn keep(scored: &mut Vec<ScoredFit>, most: usize) {
     scored.sort_by(|a, b| a.score.total_cmp(&b.score));
-    let same = |a: &mut Scored, b: &mut Scored| {
-        let kinds = |s: &Scored| {
-            let mut kinds: Vec<Kind> = s.fit.model.parts.iter().map(|p| p.kind).collect();
+    let same = |a: &mut ScoredFit, b: &mut ScoredFit| {
+        let kinds = |s: &ScoredFit| {
+            let mut kinds: Vec<PartKind> = s.fit.model.parts.iter().map(|p| p.kind).collect();
             kinds.sort_by_key(|k| *k as u8);
             kinds
         };
@@ -324,7 +324,7 @@ fn keep(scored: &mut Vec<Scored>, most: usize) {
 }
 
 /// Gain, delay s, lag s and offset as declared.
-fn declared_values(data: &Data) -> [f64; DECLARED] {
+fn declared_values(data: &ActuatorData) -> [f64; DECLARED] {
     let v = data.base.values;
     [v[0], 1e-3 * v[1], 1e-3 * v[2], v[3]]
 }

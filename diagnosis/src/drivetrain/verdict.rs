@@ -1,7 +1,7 @@
 //! Names, a set, or neither.
 
-use super::fit::{DECLARED, Fit, Model};
-use super::search::{Scored, Search};
+use super::fit::{ActuatorFit, DECLARED, PartSet};
+use super::search::{PartSearch, ScoredFit};
 use crate::answer::Certificate;
 use crate::criteria::actuator::RIVALS;
 use crate::criteria::{ALMOST_ALL, CERTAIN, LARGEST_SET, LEAST_PROBABLE, WEIGHT};
@@ -18,19 +18,19 @@ pub struct Name {
 
 /// What can be said.
 #[derive(Clone, Debug)]
-pub enum Outcome {
+pub enum ActuatorOutcome {
     /// No part and no parameter is worth its price.
     Nothing,
     /// Names that can be vouched for, and the model that has no others.
     Named {
-        fit: Fit,
+        fit: ActuatorFit,
         names: Vec<Name>,
         /// Something was left out that could not be vouched for.
         more: bool,
     },
     /// No name alone: one of these is it.
     Set {
-        fit: Fit,
+        fit: ActuatorFit,
         /// Names and how probable they are, the most probable first.
         members: Vec<(Effect, f64)>,
     },
@@ -42,9 +42,9 @@ pub enum Outcome {
     },
 }
 
-impl Outcome {
+impl ActuatorOutcome {
     /// The same with its model fitted anew.
-    pub fn with(self, full: impl Fn(&Fit) -> Option<Fit>) -> Option<Self> {
+    pub fn with(self, full: impl Fn(&ActuatorFit) -> Option<ActuatorFit>) -> Option<Self> {
         Some(match self {
             Self::Named { fit, names, more } => Self::Named {
                 fit: full(&fit)?,
@@ -61,7 +61,7 @@ impl Outcome {
 }
 
 /// What a model claims: its parts; without any, the parameters that left their tolerances.
-pub fn names(model: &Model) -> Vec<Effect> {
+pub fn names(model: &PartSet) -> Vec<Effect> {
     let mut names: Vec<Effect> = if model.parts.is_empty() {
         let names = Channel::Actuator.mistakes().into_iter().zip(model.moved);
         names.filter(|n| n.1).map(|n| n.0).collect()
@@ -74,12 +74,12 @@ pub fn names(model: &Model) -> Vec<Effect> {
 }
 
 /// From all that was searched.
-pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
+pub fn conclude(search: &PartSearch, declared: &ScoredFit) -> ActuatorOutcome {
     let all = search.run(declared);
     let best = &all[0];
     let claimed = names(&best.fit.model);
     if claimed.is_empty() {
-        return Outcome::Nothing;
+        return ActuatorOutcome::Nothing;
     }
     let judged: Vec<Name> = claimed
         .iter()
@@ -99,12 +99,12 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
         .copied()
         .filter(|n| n.certificate.rivals_leave >= CERTAIN)
         .collect();
-    let unknown = |nearest| Outcome::Unknown { nearest, explained };
+    let unknown = |nearest| ActuatorOutcome::Unknown { nearest, explained };
     if !sure.is_empty() {
         let more = sure.len() < judged.len();
         let model = only(&best.fit.model, &sure);
         return match search.scored(&model, best.fit.declared) {
-            Some(s) if s.score < 0.0 => Outcome::Named {
+            Some(s) if s.score < 0.0 => ActuatorOutcome::Named {
                 fit: s.fit,
                 names: sure,
                 more,
@@ -117,7 +117,7 @@ pub fn conclude(search: &Search, declared: &Scored) -> Outcome {
             .rivals_leave
             .total_cmp(&b.certificate.rivals_leave)
     }) else {
-        return Outcome::Nothing;
+        return ActuatorOutcome::Nothing;
     };
     // The preferred member alone: what stands beside it cannot be vouched for either, and its rivals are those without it.
     let alone = search.scored(&only(&best.fit.model, &[*first]), best.fit.declared);
@@ -139,7 +139,7 @@ fn certificate(least: f64) -> Certificate {
 }
 
 /// A set of a name and its rivals; `None` where there is no rival or too many.
-fn set(own: Scored, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<Outcome> {
+fn set(own: ScoredFit, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<ActuatorOutcome> {
     rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut members: Vec<(Effect, f64)> = vec![(effect, 1.0)];
     for (rival, times) in rivals.into_iter().filter(|r| r.1 < CERTAIN.ln()) {
@@ -157,7 +157,7 @@ fn set(own: Scored, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<Ou
     }
     // The preferred one is the one that the model has.
     members[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
-    Some(Outcome::Set {
+    Some(ActuatorOutcome::Set {
         fit: own.fit,
         members,
     })
@@ -165,11 +165,11 @@ fn set(own: Scored, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<Ou
 
 /// Where one name alone leaves next to nothing of the squares: the set of those that do, whatever small part of the rest
 /// could be had beside it.
-fn of_single_names(search: &Search, declared: &Scored) -> Option<Outcome> {
-    let mut singles: Vec<Scored> = search.bare(declared);
+fn of_single_names(search: &PartSearch, declared: &ScoredFit) -> Option<ActuatorOutcome> {
+    let mut singles: Vec<ScoredFit> = search.bare(declared);
     let held = [false; DECLARED];
     for glance in search.glances(declared, &[]).iter().take(RIVALS) {
-        let model = Model {
+        let model = PartSet {
             parts: vec![glance.part],
             moved: held,
         };
@@ -193,7 +193,7 @@ fn of_single_names(search: &Search, declared: &Scored) -> Option<Outcome> {
         .collect();
     let least = rivals.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
     if least >= CERTAIN.ln() {
-        return Some(Outcome::Named {
+        return Some(ActuatorOutcome::Named {
             fit: best.fit,
             names: vec![Name {
                 effect,
@@ -206,10 +206,10 @@ fn of_single_names(search: &Search, declared: &Scored) -> Option<Outcome> {
 }
 
 /// A rival: its name, if it has one, and the logarithm of how many times the squares it leaves.
-type Rival = (Option<Effect>, f64);
+type RivalRatio = (Option<Effect>, f64);
 
 /// Rivals that have a name.
-fn named(rivals: Vec<Rival>) -> Vec<(Effect, f64)> {
+fn named(rivals: Vec<RivalRatio>) -> Vec<(Effect, f64)> {
     rivals
         .into_iter()
         .filter_map(|(e, t)| Some((e?, t)))
@@ -217,7 +217,7 @@ fn named(rivals: Vec<Rival>) -> Vec<(Effect, f64)> {
 }
 
 /// A model with the parts of sure names only.
-fn only(model: &Model, sure: &[Name]) -> Model {
+fn only(model: &PartSet, sure: &[Name]) -> PartSet {
     let mut kept = model.clone();
     kept.parts
         .retain(|p| sure.iter().any(|n| n.effect == p.kind.effect()));
@@ -236,7 +236,12 @@ fn is_or_generalises(name: Effect, other: Effect) -> bool {
 
 /// What the best model leaves if a name is replaced: each rival's name, if it has one, and the logarithm of how many times the
 /// squares it leaves.
-fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> Vec<Rival> {
+fn rivals(
+    search: &PartSearch,
+    best: &ScoredFit,
+    effect: Effect,
+    declared: &ScoredFit,
+) -> Vec<RivalRatio> {
     let mut without = best.fit.model.clone();
     without.parts.retain(|p| p.kind.effect() != effect);
     without.moved = [true; DECLARED];
@@ -253,7 +258,7 @@ fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> 
     let Some(dropped) = search.scored(&without, start) else {
         return Vec::new();
     };
-    let same: Vec<_> = super::part::Kind::ALL
+    let same: Vec<_> = super::part::PartKind::ALL
         .into_iter()
         .filter(|k| is_or_generalises(k.effect(), effect))
         .collect();
@@ -267,14 +272,19 @@ fn rivals(search: &Search, best: &Scored, effect: Effect, declared: &Scored) -> 
             search.times(&scored.squares, &best.squares),
         ))
     });
-    let mut all: Vec<Rival> = replaced.collect();
+    let mut all: Vec<RivalRatio> = replaced.collect();
     all.push((None, search.times(&dropped.squares, &best.squares)));
     all
 }
 
 /// Other models of the search that do without a name and are no larger.
-fn others(search: &Search, best: &Scored, effect: Effect, all: &[Scored]) -> Vec<Rival> {
-    let size = |s: &Scored| names(&s.fit.model).len();
+fn others(
+    search: &PartSearch,
+    best: &ScoredFit,
+    effect: Effect,
+    all: &[ScoredFit],
+) -> Vec<RivalRatio> {
+    let size = |s: &ScoredFit| names(&s.fit.model).len();
     all.iter()
         .filter(|s| size(s) <= size(best))
         .filter_map(|s| {

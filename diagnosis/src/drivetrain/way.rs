@@ -1,6 +1,6 @@
 //! The way from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
-use super::part::{Kind, Part};
+use super::part::{Part, PartKind};
 use crate::library::operators::{dead_zone, friction, play};
 use crate::signals::{delayed, lagged, resonant};
 
@@ -46,20 +46,20 @@ impl Way {
         for part in &self.parts {
             let [a, b, ..] = part.shapes;
             match part.kind {
-                Kind::SecondLag => y = lagged(&y, a, interval_s),
-                Kind::OilColumn => y = resonant(&y, a, b, interval_s),
+                PartKind::SecondLag => y = lagged(&y, a, interval_s),
+                PartKind::OilColumn => y = resonant(&y, a, b, interval_s),
                 _ => {}
             }
         }
         // What acts at standstill comes last, in the order of a drive.
         for part in &self.parts {
             match part.kind {
-                Kind::DeadBand => y = dead_zone(&y, part.shapes[0]).collect(),
-                Kind::Play => y = play(&y, part.shapes[0]),
+                PartKind::DeadBand => y = dead_zone(&y, part.shapes[0]).collect(),
+                PartKind::Play => y = play(&y, part.shapes[0]),
                 _ => {}
             }
         }
-        for part in self.parts.iter().filter(|p| p.kind == Kind::Stops) {
+        for part in self.parts.iter().filter(|p| p.kind == PartKind::Stops) {
             let [low, high, ..] = part.shapes;
             y.iter_mut().for_each(|y| *y = y.min(high).max(low));
         }
@@ -68,12 +68,12 @@ impl Way {
             let growth = |i: usize| 1.0 - (-(run.from_s + i as f64 * interval_s) / a).exp();
             let judged = &y[run.lead..];
             Some(match part.kind {
-                Kind::Friction => friction(&y, a)[run.lead..].iter().map(|z| -z).collect(),
-                Kind::Compliance if run.force.is_empty() => vec![0.0; judged.len()],
-                Kind::Compliance => run.force[run.lead..].iter().map(|f| -f).collect(),
-                Kind::SideGain => judged.iter().map(|y| 0.5 * y.abs()).collect(),
-                Kind::Drift => (0..judged.len()).map(growth).collect(),
-                Kind::GainDrift => judged
+                PartKind::Friction => friction(&y, a)[run.lead..].iter().map(|z| -z).collect(),
+                PartKind::Compliance if run.force.is_empty() => vec![0.0; judged.len()],
+                PartKind::Compliance => run.force[run.lead..].iter().map(|f| -f).collect(),
+                PartKind::SideGain => judged.iter().map(|y| 0.5 * y.abs()).collect(),
+                PartKind::Drift => (0..judged.len()).map(growth).collect(),
+                PartKind::GainDrift => judged
                     .iter()
                     .enumerate()
                     .map(|(i, y)| y * growth(i))
@@ -157,7 +157,7 @@ impl Seal {
     fn new(parts: &[Part]) -> Self {
         let seal = parts
             .iter()
-            .find(|p| matches!(p.kind, Kind::Seal | Kind::StickySeal));
+            .find(|p| matches!(p.kind, PartKind::Seal | PartKind::StickySeal));
         let [bend_mm, give_mm, at_rest, speed] = seal.map_or([0.0; 4], |p| p.shapes);
         Self {
             bend_mm,
@@ -210,10 +210,10 @@ impl Flow {
             part.map_or(none, |p| p.shapes[0])
         };
         Self {
-            overlap_mm: of(Kind::Overlap, 0.0),
-            unequal_areas: of(Kind::UnequalAreas, 0.0),
-            saturates_mm: of(Kind::FlowLimit, f64::INFINITY),
-            most: of(Kind::RateLimit, f64::INFINITY),
+            overlap_mm: of(PartKind::Overlap, 0.0),
+            unequal_areas: of(PartKind::UnequalAreas, 0.0),
+            saturates_mm: of(PartKind::FlowLimit, f64::INFINITY),
+            most: of(PartKind::RateLimit, f64::INFINITY),
             per_lag: 1.0 / lag_s,
         }
     }
@@ -246,7 +246,7 @@ mod tests {
         }
     }
 
-    fn answer(parts: &[(Kind, f64)], command: Vec<f64>) -> Vec<f64> {
+    fn answer(parts: &[(PartKind, f64)], command: Vec<f64>) -> Vec<f64> {
         let parts = parts
             .iter()
             .map(|&(kind, shape)| Part {
@@ -268,16 +268,16 @@ mod tests {
         // Unequal areas: e' = -(e + b e^2) / T is solved by e = c / (1 - b c) with c = C exp(-t/T), here from the fifth
         // sample on.
         let b = 0.5;
-        let y = answer(&[(Kind::UnequalAreas, b)], step.clone());
+        let y = answer(&[(PartKind::UnequalAreas, b)], step.clone());
         let from = (1.0 - y[5]) / (1.0 + b * (1.0 - y[5]));
         for (i, y) in y.iter().enumerate().skip(5).step_by(10) {
             let c = from * (-(i as f64 - 5.0) * 1e-3 / 0.02).exp();
             assert!((1.0 - y - c / (1.0 - b * c)).abs() < 1e-3, "{i}");
         }
         // An overlap leaves its width; a largest speed is kept.
-        let y = answer(&[(Kind::Overlap, 0.2)], step.clone());
+        let y = answer(&[(PartKind::Overlap, 0.2)], step.clone());
         assert!((y[399] - 0.8).abs() < 1e-3);
-        let y = answer(&[(Kind::RateLimit, 5.0)], step);
+        let y = answer(&[(PartKind::RateLimit, 5.0)], step);
         assert!((y[100] - y[50] - 0.25).abs() < 1e-9);
     }
 
@@ -296,14 +296,14 @@ mod tests {
         };
         // The oil is let in at 1 mm in T: bent by b after b T.
         let b = 0.2;
-        let y = x(way(Kind::Seal, shapes([b, 1e-4])));
+        let y = x(way(PartKind::Seal, shapes([b, 1e-4])));
         let begins_s = 0.5e-3 + b * 0.02;
         for (i, y) in y.iter().enumerate().skip(10).step_by(10) {
             let exact = 1.0 - (-(1e-3 * i as f64 - begins_s) / 0.02).exp();
             assert!((y - exact).abs() < 4e-3, "{i}: {y} {exact}");
         }
         // What sticks at rest waits longer.
-        let sticky = x(way(Kind::StickySeal, shapes([b, 1e-4, 2.0, 10.0])));
+        let sticky = x(way(PartKind::StickySeal, shapes([b, 1e-4, 2.0, 10.0])));
         assert!(sticky[7] < 0.01 && y[7] > 0.1);
     }
 
@@ -311,7 +311,7 @@ mod tests {
     fn a_valve_without_any_part_is_a_lag() {
         let wave: Vec<f64> = (0..2000).map(|i| (0.02 * f64::from(i)).sin()).collect();
         let plain = answer(&[], wave.clone());
-        let wide = answer(&[(Kind::FlowLimit, 1e4)], wave);
+        let wide = answer(&[(PartKind::FlowLimit, 1e4)], wave);
         // The midpoint rule is off by (h / T)^2 / 6 of the opening, of 0.4 mm here.
         for (a, b) in plain.iter().zip(&wide) {
             assert!((a - b).abs() < 0.4 * (1e-3_f64 / 0.02).powi(2) / 6.0);

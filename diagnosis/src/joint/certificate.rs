@@ -2,12 +2,12 @@
 
 use super::dashpot;
 use super::dictionary;
-use super::element::{Element, Kind, Law};
-use super::free::{self, Free};
+use super::element::{Element, ElementKind, Law};
+use super::free::{self, FreeFunctions};
 use super::polish::Polished;
 use super::search::restrict;
 use super::separable::inseparable;
-use super::set::{DECLARED, Library, Set, column};
+use super::set::{DECLARED, ElementSet, Library, column};
 use crate::answer::Certificate;
 use crate::criteria::{BESIDE_THE_REST, BLOCKS, CERTAIN, PRICE};
 use nalgebra::{DMatrix, DVector};
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// A name and what speaks for it.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub struct Hypothesis {
     /// The name.
     pub name: Effect,
     /// Places of its elements in the library; none for a declared parameter that has left its tolerance.
@@ -32,9 +32,9 @@ pub struct Candidate {
     /// It depends on time alone, and no rest tells that it is there without the motion.
     pub timed: bool,
     /// What free functions leave in its place.
-    pub free: Free,
+    pub free: FreeFunctions,
     /// Names of other kinds that this motion cannot tell from it, whatever fits.
-    pub inseparable: Vec<(Effect, Kind)>,
+    pub inseparable: Vec<(Effect, ElementKind)>,
     /// The best of each other family and kind; best first.
     pub rivals: Vec<Rival>,
     /// It is named hysteresis and yields so early that it may be friction.
@@ -45,7 +45,7 @@ pub struct Candidate {
     pub sliding: Option<Rival>,
 }
 
-impl Candidate {
+impl Hypothesis {
     /// Whether it is no better beside an unnamed rest of all other kinds, a product of place and speed, what the
     /// record's beginning in mid-motion leaves behind, or no better than a free function.
     pub fn is_void(&self) -> bool {
@@ -70,11 +70,11 @@ impl Candidate {
 #[derive(Clone, Debug)]
 pub struct Rival {
     /// Its model.
-    pub set: Set,
+    pub set: ElementSet,
     /// Its name.
     pub name: Effect,
     /// Its kind.
-    pub kind: Kind,
+    pub kind: ElementKind,
     /// How many times the squares it leaves.
     pub times: f64,
     /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
@@ -84,18 +84,18 @@ pub struct Rival {
 }
 
 /// The names of a polished set, each with its certificate, the strongest first.
-pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) {
+pub fn certify(library: &mut Library, best: &Polished) -> (ElementSet, Vec<Hypothesis>) {
     let taken = taken(library, best);
     let set = dashpot::simplest(library, taken);
     let tires = |e: &usize| library.elements[*e].law == Law::Fatigued;
     if set.elements.iter().any(tires) {
         library.add(&dictionary::warming(&library.sizes));
     }
-    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut candidates: Vec<Hypothesis> = Vec::new();
     for group in groups(library, &set) {
         // What a dashpot beside elements takes is small against what they take: it is measured by what the set leaves.
         let left = library.cross_validated(&set);
-        let beside = group.kind == Kind::Parameter && !set.elements.is_empty();
+        let beside = group.kind == ElementKind::Parameter && !set.elements.is_empty();
         let before = left
             .filter(|_| beside)
             .map(|left| library.measure_by(&left));
@@ -109,9 +109,9 @@ pub fn certify(library: &mut Library, best: &Polished) -> (Set, Vec<Candidate>) 
 }
 
 /// A polished set in the library.
-pub fn taken(library: &mut Library, polished: &Polished) -> Set {
+pub fn taken(library: &mut Library, polished: &Polished) -> ElementSet {
     let first = library.add(&polished.elements);
-    Set {
+    ElementSet {
         elements: (first..library.elements.len()).collect(),
         moved: polished.moved,
     }
@@ -121,7 +121,7 @@ pub fn taken(library: &mut Library, polished: &Polished) -> Set {
 #[derive(Clone, Debug)]
 pub struct Group {
     /// The kind.
-    pub kind: Kind,
+    pub kind: ElementKind,
     /// The name.
     pub name: Effect,
     /// Places in the library.
@@ -131,7 +131,7 @@ pub struct Group {
 }
 
 /// The kinds of a set.
-pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
+pub fn groups(library: &Library, set: &ElementSet) -> Vec<Group> {
     let Some(strengths) = library.strengths(set) else {
         return Vec::new();
     };
@@ -164,7 +164,7 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
             }),
         }
     }
-    for g in groups.iter_mut().filter(|g| g.kind == Kind::Place) {
+    for g in groups.iter_mut().filter(|g| g.kind == ElementKind::Place) {
         if g.elements.len() > 1 {
             g.name = spring(library, set, &strengths, &g.elements);
         }
@@ -173,13 +173,13 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
     // where no element of theirs grows with speed.
     let alone = groups.is_empty();
     let has = |kind| groups.iter().any(|g| g.kind == kind);
-    let dashpot = !has(Kind::Speed) && !has(Kind::Linear);
+    let dashpot = !has(ElementKind::Speed) && !has(ElementKind::Linear);
     let more = |i: usize| strengths[i] > library.parameter(i, false).high;
     let beside = |i: usize| i == dashpot::PARAMETER && dashpot && more(i);
     let named = |i: usize| set.moved[i] && (alone || beside(i));
     let moved: Vec<usize> = (0..DECLARED).filter(|&i| named(i)).collect();
     groups.extend(moved.into_iter().map(|i| Group {
-        kind: Kind::Parameter,
+        kind: ElementKind::Parameter,
         name: Channel::Specimen.mistakes()[i],
         elements: Vec::new(),
         rms: (strengths[i] - library.declared_value(i)).abs()
@@ -190,7 +190,7 @@ pub fn groups(library: &Library, set: &Set) -> Vec<Group> {
 
 /// The name of several elements that depend on the place: together they are one spring, whose two sides may be alike. They
 /// are compared where the motion has been on both: an excursion to one side shows nothing of the other.
-fn spring(library: &Library, set: &Set, strengths: &[f64], own: &[usize]) -> Effect {
+fn spring(library: &Library, set: &ElementSet, strengths: &[f64], own: &[usize]) -> Effect {
     let sizes = &library.sizes;
     let [centre, reach] = sizes.both_sides();
     let places = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|u| centre + u * reach);
@@ -217,18 +217,18 @@ fn spring(library: &Library, set: &Set, strengths: &[f64], own: &[usize]) -> Eff
     }
 }
 
-fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
+fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis {
     let own = set_fall(library, set);
     let mut rest = set.clone();
     rest.elements.retain(|e| !group.elements.contains(e));
-    if group.kind == Kind::Parameter
+    if group.kind == ElementKind::Parameter
         && let Some(i) = Channel::Specimen.parameter_of_error(group.name)
     {
         rest.moved[i] = false;
     }
     let most = group.elements.len().max(1);
     let named = |e: usize| library.elements[e].name(&library.sizes, 1.0);
-    let dashpot = group.kind == Kind::Parameter && !set.elements.is_empty();
+    let dashpot = group.kind == ElementKind::Parameter && !set.elements.is_empty();
     let other = |e: usize| {
         let element = &library.elements[e];
         if dashpot && element.is_dashpot(&library.sizes) {
@@ -244,7 +244,7 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
         library.elements[e].kind(&library.sizes) == group.kind
             && (named(e).entry().family != family || simpler(e))
     };
-    let shapes = |s: &Set| {
+    let shapes = |s: &ElementSet| {
         let prices = s.elements.iter().map(|&e| library.elements[e].price());
         PRICE * prices.sum::<f64>()
     };
@@ -260,7 +260,14 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     ));
     if dashpot {
         let late = dashpot::late(library, set, &rest);
-        all.extend(late.map(|fall| (Effect::ChannelSkew, rest.clone(), Kind::Parameter, fall)));
+        all.extend(late.map(|fall| {
+            (
+                Effect::ChannelSkew,
+                rest.clone(),
+                ElementKind::Parameter,
+                fall,
+            )
+        }));
     }
     for (name, set, kind, fall) in all {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
@@ -286,22 +293,22 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     }
     let (same_kind, mut rivals): (Vec<Rival>, Vec<Rival>) = rivals
         .into_iter()
-        .partition(|r| r.kind == group.kind && group.kind != Kind::Parameter);
+        .partition(|r| r.kind == group.kind && group.kind != ElementKind::Parameter);
     let (sliding, kin): (Vec<Rival>, Vec<Rival>) = same_kind
         .into_iter()
         .partition(|r| r.name.entry().family == family);
     rivals.sort_by(|a, b| a.times.total_cmp(&b.times));
     let best = |all: Vec<Rival>| all.into_iter().min_by(|a, b| a.times.total_cmp(&b.times));
-    let mut candidate = Candidate {
+    let mut candidate = Hypothesis {
         name: group.name,
-        free: Free::NONE,
+        free: FreeFunctions::NONE,
         beside: if group.elements.is_empty() {
             f64::NEG_INFINITY
         } else {
             beside_the_rest(library, group.kind, &group.elements)
         },
         varies: varies(library, &group.elements),
-        timed: group.kind == Kind::Time && !library.rests,
+        timed: group.kind == ElementKind::Time && !library.rests,
         may_slide: family == Family::Hysteresis
             && group
                 .elements
@@ -326,15 +333,15 @@ fn certificate(library: &Library, set: &Set, group: Group) -> Candidate {
     candidate
 }
 
-fn set_fall(library: &Library, set: &Set) -> f64 {
+fn set_fall(library: &Library, set: &ElementSet) -> f64 {
     let costs = library.cross_validated(set);
     costs.map_or(0.0, |c| library.fall(&c))
 }
 
 /// The set or the same with all declared parameters free, whichever is better: every chance. A parameter in whose place
 /// it stands stays within its tolerances.
-fn freest(library: &Library, set: Set, of: Option<usize>) -> (Set, f64) {
-    let free = Set {
+fn freest(library: &Library, set: ElementSet, of: Option<usize>) -> (ElementSet, f64) {
+    let free = ElementSet {
         moved: std::array::from_fn(|i| Some(i) != of),
         ..set.clone()
     };
@@ -350,22 +357,22 @@ fn freest(library: &Library, set: Set, of: Option<usize>) -> (Set, f64) {
 const FOLLOWED: usize = 6;
 
 /// A model with its name, its kind and its fall.
-type Placed = (Effect, Set, Kind, f64);
+type Placed = (Effect, ElementSet, ElementKind, f64);
 
 /// The models with other elements in place of some, as many at most.
 fn in_place_of(
     library: &Library,
-    rest: &Set,
+    rest: &ElementSet,
     allowed: impl Fn(usize) -> bool + Sync,
     most: usize,
-    (of, not): (Effect, Kind),
+    (of, not): (Effect, ElementKind),
 ) -> Vec<Placed> {
     let others: Vec<usize> = (0..library.elements.len())
         .filter(|&e| allowed(e) && !rest.elements.contains(&e))
         .collect();
     let parameter = Channel::Specimen.parameter_of_error(of);
-    let parameter = parameter.filter(|_| not == Kind::Parameter);
-    let with = |set: &Set, e: usize| {
+    let parameter = parameter.filter(|_| not == ElementKind::Parameter);
+    let with = |set: &ElementSet, e: usize| {
         let (set, fall) = freest(library, set.with(e), parameter);
         let strengths = library.strengths(&set).unwrap_or_default();
         let at = set.elements.iter().position(|o| *o == e).unwrap_or(0);
@@ -392,13 +399,13 @@ fn in_place_of(
     }
     // Nothing in its place, but a parameter that leaves its tolerance; in place of a parameter, another one.
     for (i, name) in Channel::Specimen.mistakes().into_iter().enumerate() {
-        if name == of || (not == Kind::Parameter && rest.moved[i]) {
+        if name == of || (not == ElementKind::Parameter && rest.moved[i]) {
             continue;
         }
         let mut set = rest.clone();
         set.moved[i] = true;
         let fall = set_fall(library, &set);
-        found.push((name, set, Kind::Parameter, fall));
+        found.push((name, set, ElementKind::Parameter, fall));
     }
     found
 }
@@ -409,7 +416,7 @@ const HATS: usize = 9;
 const RIDGE: f64 = 1e-4;
 
 /// Columns of an unnamed rest, with the kind that each stands for.
-fn rest_columns(library: &Library) -> Vec<(Kind, Vec<f64>)> {
+fn rest_columns(library: &Library) -> Vec<(ElementKind, Vec<f64>)> {
     let s = library.sizes;
     let t = library.tracks;
     let mut all = Vec::new();
@@ -420,21 +427,21 @@ fn rest_columns(library: &Library) -> Vec<(Kind, Vec<f64>)> {
         let in_x = |x: &f64| hat((x - s.middle) / s.x);
         let in_v = |v: &f64| hat((v / s.v).clamp(-1.0, 1.0));
         all.push((
-            Kind::Place,
+            ElementKind::Place,
             column(t, library.every, |t| t.x.iter().map(in_x).collect()),
         ));
         all.push((
-            Kind::Speed,
+            ElementKind::Speed,
             column(t, library.every, |t| t.v.iter().map(in_v).collect()),
         ));
     }
     for i in 0..library.elements.len() {
         let e: &Element = &library.elements[i];
         let kind = match e.law {
-            Law::Slider => Kind::Memory,
-            Law::Relaxing => Kind::Linear,
-            Law::Settling => Kind::Time,
-            Law::Lessened => Kind::Damage,
+            Law::Slider => ElementKind::Memory,
+            Law::Relaxing => ElementKind::Linear,
+            Law::Settling => ElementKind::Time,
+            Law::Lessened => ElementKind::Damage,
             _ => continue,
         };
         all.push((kind, library.columns[DECLARED + i].clone()));
@@ -451,17 +458,17 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
 }
 
 /// The elements of a kind in a set.
-fn of_kind(library: &Library, set: &Set, kind: Kind) -> Vec<usize> {
+fn of_kind(library: &Library, set: &ElementSet, kind: ElementKind) -> Vec<usize> {
     let own = |e: &usize| library.elements[*e].kind(&library.sizes) == kind;
     set.elements.iter().copied().filter(own).collect()
 }
 
 /// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.
-fn beside_the_rest(library: &Library, kind: Kind, elements: &[usize]) -> f64 {
+fn beside_the_rest(library: &Library, kind: ElementKind, elements: &[usize]) -> f64 {
     // What a play takes off a spring is a slider that pulls; and sliders of many gives and either sign remember the largest
     // displacement (a Preisach model keeps the extremes that nothing later has wiped out), so they draw any damage.
-    let sliders = matches!(kind, Kind::Play | Kind::Damage);
-    let own = |k: Kind| k == kind || (sliders && k == Kind::Memory);
+    let sliders = matches!(kind, ElementKind::Play | ElementKind::Damage);
+    let own = |k: ElementKind| k == kind || (sliders && k == ElementKind::Memory);
     let rest = rest_columns(library).into_iter().filter(|r| !own(r.0));
     let mut columns: Vec<Vec<f64>> = library.columns[..DECLARED].to_vec();
     columns.extend(rest.map(|r| r.1));
@@ -498,20 +505,20 @@ fn ridge_costs(columns: &[Vec<f64>], force: &[f64]) -> Option<[f64; BLOCKS]> {
 }
 
 /// The set with these elements only, its parameters moved as far as that pays.
-pub fn only(library: &Library, set: &Set, elements: &[usize]) -> Set {
-    let kept = Set {
+pub fn only(library: &Library, set: &ElementSet, elements: &[usize]) -> ElementSet {
+    let kept = ElementSet {
         elements: elements.to_vec(),
         moved: set.moved,
     };
     let score = library.score(&kept).unwrap_or(f64::INFINITY);
     let settled = restrict(library, vec![(kept.clone(), score)]);
-    let same = |s: &&(Set, f64)| s.0.elements == kept.elements;
+    let same = |s: &&(ElementSet, f64)| s.0.elements == kept.elements;
     settled.iter().find(same).map_or(kept, |s| s.0.clone())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::track::Source;
+    use super::super::track::UnfilteredSpan;
     use super::*;
     use crate::base::Base;
     use crate::model::{Model, SpecimenModel};
@@ -542,15 +549,15 @@ mod tests {
             ..Model::default()
         };
         let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [Source::new(&record).unwrap().track(10.0)];
+        let tracks = [UnfilteredSpan::new(&record).unwrap().track(10.0)];
         let mut library = Library::new(&base, &tracks, 1).unwrap();
         let first = library.add(&places.map(|p| Element::new(Law::Away, [p])));
-        let set = Set {
+        let set = ElementSet {
             elements: vec![first, first + 1],
             moved: [true; DECLARED],
         };
         let groups = groups(&library, &set);
-        let spring = groups.iter().find(|g| g.kind == Kind::Place);
+        let spring = groups.iter().find(|g| g.kind == ElementKind::Place);
         spring.unwrap().name
     }
 

@@ -19,7 +19,7 @@ pub fn look(
     if !ends.contains(&true) {
         return None;
     }
-    let freed = super::set::Set {
+    let freed = super::set::ElementSet {
         moved: std::array::from_fn(|i| set.moved[i] || ends[i]),
         ..set.clone()
     };

@@ -1,6 +1,6 @@
 //! How the unknowns of a fit vary together.
 
-use super::fit::Fit;
+use super::fit::SpecimenFit;
 use super::set::{DECLARED, Library, column};
 use crate::linear::{Bound, dot};
 use nalgebra::{DMatrix, DVector};
@@ -14,7 +14,7 @@ const UNTOLD: f64 = 1e-6;
 
 /// An unknown of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
+pub enum FitUnknown {
     /// A declared parameter.
     Parameter(usize),
     /// The strength of an element.
@@ -23,9 +23,9 @@ pub enum Unknown {
     Shape(usize, usize),
 }
 
-impl Unknown {
+impl FitUnknown {
     /// The fit with this unknown moved, and by how much.
-    pub fn moved(self, fit: &Fit) -> (Fit, f64) {
+    pub fn moved(self, fit: &SpecimenFit) -> (SpecimenFit, f64) {
         let mut other = fit.clone();
         let step = STEP * self.place(&mut other).abs().max(1e-6);
         self.add(&mut other, step);
@@ -33,11 +33,11 @@ impl Unknown {
     }
 
     /// Moves it by a step.
-    fn add(self, fit: &mut Fit, step: f64) {
+    fn add(self, fit: &mut SpecimenFit, step: f64) {
         *self.place(fit) += step;
     }
 
-    fn place(self, fit: &mut Fit) -> &mut f64 {
+    fn place(self, fit: &mut SpecimenFit) -> &mut f64 {
         match self {
             Self::Parameter(i) => &mut fit.parameters[i],
             Self::Strength(i) => &mut fit.elements[i].1,
@@ -47,7 +47,7 @@ impl Unknown {
 }
 
 /// Parameters inside their bounds, strengths, shapes that can be moved.
-pub fn unknowns(library: &Library, fit: &Fit) -> Vec<Unknown> {
+pub fn unknowns(library: &Library, fit: &SpecimenFit) -> Vec<FitUnknown> {
     let inside = |&i: &usize| {
         let bound = library.parameter(i, fit.moved[i]);
         let value = fit.parameters[i];
@@ -55,17 +55,17 @@ pub fn unknowns(library: &Library, fit: &Fit) -> Vec<Unknown> {
         let room = 1e-6 * (bound.high - bound.low).min(value.abs());
         value > bound.low + room && value < bound.high - room
     };
-    let mut all: Vec<Unknown> = (0..DECLARED)
+    let mut all: Vec<FitUnknown> = (0..DECLARED)
         .filter(inside)
-        .map(Unknown::Parameter)
+        .map(FitUnknown::Parameter)
         .collect();
     for (i, (element, strength)) in fit.elements.iter().enumerate() {
         if *strength == 0.0 {
             continue;
         }
-        all.push(Unknown::Strength(i));
+        all.push(FitUnknown::Strength(i));
         let shapes = element.movable().iter();
-        all.extend(shapes.map(|(at, _)| Unknown::Shape(i, *at)));
+        all.extend(shapes.map(|(at, _)| FitUnknown::Shape(i, *at)));
     }
     all
 }
@@ -77,7 +77,7 @@ pub fn chosen(x: &[f64], choice: &[bool]) -> Vec<f64> {
 }
 
 /// What a fit answers to the data of a library.
-fn answer(library: &Library, fit: &Fit) -> Vec<f64> {
+fn answer(library: &Library, fit: &SpecimenFit) -> Vec<f64> {
     let mut y = vec![0.0; library.force.len()];
     for i in 0..DECLARED {
         crate::signals::add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
@@ -92,7 +92,7 @@ fn answer(library: &Library, fit: &Fit) -> Vec<f64> {
 }
 
 /// Measured less answered.
-fn residual(library: &Library, fit: &Fit) -> Vec<f64> {
+fn residual(library: &Library, fit: &SpecimenFit) -> Vec<f64> {
     let y = answer(library, fit);
     library.force.iter().zip(&y).map(|(f, y)| f - y).collect()
 }
@@ -108,7 +108,12 @@ struct Linear {
 }
 
 impl Linear {
-    fn of(library: &Library, fit: &Fit, unknowns: &[Unknown], choice: Option<&[bool]>) -> Self {
+    fn of(
+        library: &Library,
+        fit: &SpecimenFit,
+        unknowns: &[FitUnknown],
+        choice: Option<&[bool]>,
+    ) -> Self {
         let here = answer(library, fit);
         let of = |all: Vec<f64>| choice.map_or_else(|| all.clone(), |own| chosen(&all, own));
         let left = library.force.iter().zip(&here).map(|(f, y)| f - y);
@@ -152,8 +157,8 @@ impl Linear {
 /// of a choice. It holds for what is left in any colour, and where the model is not exact.
 pub fn covariance(
     library: &Library,
-    fit: &Fit,
-    unknowns: &[Unknown],
+    fit: &SpecimenFit,
+    unknowns: &[FitUnknown],
     choice: Option<&[bool]>,
 ) -> Option<DMatrix<f64>> {
     if unknowns.is_empty() {
@@ -195,7 +200,7 @@ const HALVINGS: i32 = 4;
 
 /// The same fit, its unknowns moved together to the least squares: shapes that were searched one after the other on a grid are
 /// some percent off theirs, which no interval knows.
-pub fn settled(library: &Library, fit: &Fit) -> Fit {
+pub fn settled(library: &Library, fit: &SpecimenFit) -> SpecimenFit {
     let mut best = fit.clone();
     let all = unknowns(library, fit);
     if all.is_empty() {
@@ -226,7 +231,7 @@ pub fn settled(library: &Library, fit: &Fit) -> Fit {
 }
 
 /// Whether parameters and strengths are within their bounds and shapes can be those of their laws.
-fn is_possible(library: &Library, fit: &Fit) -> bool {
+fn is_possible(library: &Library, fit: &SpecimenFit) -> bool {
     let within = |bound: Bound, value: f64| (bound.low..=bound.high).contains(&value);
     let mut parameters = fit.parameters.iter().enumerate();
     let mut elements = fit.elements.iter();

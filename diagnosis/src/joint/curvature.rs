@@ -14,7 +14,7 @@ const LONGEST: f64 = 0.25;
 const AGREE: f64 = 3.0;
 
 /// A polynomial through a stretch, by least squares.
-struct Stretch {
+struct LocalPolynomial {
     /// Second derivative at its first sample.
     curvature: f64,
     /// Standard deviation of that for noise of 1 in each sample.
@@ -23,7 +23,7 @@ struct Stretch {
     leaves: f64,
 }
 
-impl Stretch {
+impl LocalPolynomial {
     fn new(y: &[f64], interval_s: f64) -> Option<Self> {
         let n = y.len();
         let t = |i: usize| i as f64 / n as f64;
@@ -62,7 +62,7 @@ pub fn at_the_start(x: &[f64], interval_s: f64) -> f64 {
     let mut best = 0.0;
     let mut samples = SHORTEST;
     while samples <= longest {
-        let Some(stretch) = Stretch::new(&x[..samples], interval_s) else {
+        let Some(stretch) = LocalPolynomial::new(&x[..samples], interval_s) else {
             break;
         };
         noise = noise.min(stretch.leaves).max(steps);

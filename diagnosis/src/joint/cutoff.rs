@@ -2,7 +2,7 @@
 
 use super::blocks::{Blocks, Term};
 use super::set::{DECLARED, column, declared_columns};
-use super::track::{Sizes, Source, Track};
+use super::track::{MotionScales, Track, UnfilteredSpan};
 use super::{element::Element, element::Law};
 use crate::base::Base;
 use crate::criteria::{BAND_ROOM, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
@@ -23,11 +23,11 @@ struct Judged {
 /// hide that, since a mass that multiplies noise is fitted as none.
 pub fn choose(
     base: &Base,
-    train: &[Source],
-    test: &[Source],
+    train: &[UnfilteredSpan],
+    test: &[UnfilteredSpan],
     found: Option<&[Element]>,
 ) -> Option<f64> {
-    let band = |s: &[Source]| s.iter().map(Source::band_hz).fold(0.0, f64::max);
+    let band = |s: &[UnfilteredSpan]| s.iter().map(UnfilteredSpan::band_hz).fold(0.0, f64::max);
     let (own, other) = (band(train), band(test));
     let half_rate = 0.5 / train[0].interval_s();
     let lowest = (BAND_ROOM * own.max(other)).min(half_rate);
@@ -56,7 +56,7 @@ pub fn choose(
 /// Cross-validated squares of a model of everyday columns, or of elements that were found: with all parameters free, and
 /// with the declared ones within their tolerances.
 fn squares(base: &Base, tracks: &[Track], found: Option<&[Element]>) -> Option<[f64; 2]> {
-    let sizes = Sizes::of(tracks);
+    let sizes = MotionScales::of(tracks);
     let everyday = [
         Element::new(Law::Saturating, [0.05 * sizes.v]),
         Element::new(Law::Slider, [0.01 * sizes.x]),

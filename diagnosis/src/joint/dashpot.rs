@@ -1,6 +1,6 @@
 //! More damping than declared beside friction or hysteresis: the most ordinary pair that a laboratory has.
 
-use super::set::{Library, Set};
+use super::set::{ElementSet, Library};
 use crate::criteria::ALIKE;
 use plant::Effect;
 
@@ -9,7 +9,7 @@ pub const PARAMETER: usize = 1;
 
 /// The set with more damping than declared in the place of a force that grows with speed nearly in proportion: of two that
 /// fit alike a dashpot is the simpler one, and rivals of an element get the declared parameters to help them.
-pub fn simplest(library: &Library, set: Set) -> Set {
+pub fn simplest(library: &Library, set: ElementSet) -> ElementSet {
     let named = |e: usize| library.elements[e].name(&library.sizes, 1.0);
     let own = |e: &usize| named(*e) == Effect::ViscousDamping;
     let Some(place) = set.elements.iter().position(own) else {
@@ -20,7 +20,7 @@ pub fn simplest(library: &Library, set: Set) -> Set {
     if simple.elements.is_empty() || simple.elements.iter().any(own) {
         return set;
     }
-    let fall = |s: &Set| library.cross_validated(s).map(|c| library.fall(&c));
+    let fall = |s: &ElementSet| library.cross_validated(s).map(|c| library.fall(&c));
     match (fall(&simple), fall(&set)) {
         (Some(simpler), Some(own)) if simpler < own + ALIKE => simple,
         _ => set,
@@ -29,7 +29,7 @@ pub fn simplest(library: &Library, set: Set) -> Set {
 
 /// The fall of a force that is read late by as much as the dashpot makes of it: on a spring alone the two are one force, beside friction
 /// they are not, whose reversals a dashpot does not move.
-pub fn late(library: &Library, set: &Set, rest: &Set) -> Option<f64> {
+pub fn late(library: &Library, set: &ElementSet, rest: &ElementSet) -> Option<f64> {
     let strengths = library.strengths(set)?;
     let (stiffness, more) = (
         strengths[0],

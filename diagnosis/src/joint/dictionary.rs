@@ -1,10 +1,10 @@
 //! The elements that a search begins with: every law over a grid of shapes, relative to the motion.
 
 use super::element::{Element, Law};
-use super::track::Sizes;
+use super::track::MotionScales;
 
 /// All of them, for a motion of these sizes.
-pub fn elements(sizes: &Sizes) -> Vec<Element> {
+pub fn elements(sizes: &MotionScales) -> Vec<Element> {
     let (x, v, c) = (sizes.x, sizes.v, sizes.middle);
     let mut all = Vec::new();
     let mut add = |law, shape: [f64; 4]| all.push(Element { law, shape });
@@ -107,7 +107,7 @@ pub fn elements(sizes: &Sizes) -> Vec<Element> {
 
 /// Springs that change while something warms up: rivals of what the way takes. In the search itself one would follow what the
 /// beginning of any record leaves.
-pub fn warming(sizes: &Sizes) -> Vec<Element> {
+pub fn warming(sizes: &MotionScales) -> Vec<Element> {
     let shares = [0.07, 0.12, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0];
     let all = shares.map(|s| Element::new(Law::Warming, [s * sizes.seconds]));
     all.to_vec()
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn every_law_is_in_it() {
-        let sizes = Sizes {
+        let sizes = MotionScales {
             x: 10.0,
             middle: 2.0,
             v: 100.0,

@@ -1,7 +1,7 @@
 //! An element beside the declared specimen: a law, its shape, and the force that it makes of a motion at strength 1.
 
 use super::laws;
-use super::track::{Sizes, Track};
+use super::track::{MotionScales, Track};
 use crate::criteria::{
     BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, NEARLY,
     RELAXES, STRIBECK_YIELD,
@@ -83,7 +83,7 @@ pub enum Scale {
 
 /// What an element's force depends on. Rivals are of another kind; within a kind the shape tells the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum ElementKind {
     /// A declared parameter that has left its tolerances.
     Parameter,
     /// A function of displacement.
@@ -122,7 +122,7 @@ impl Element {
     }
 
     /// Its force at strength 1, over the whole motion of a track.
-    pub fn force(&self, t: &Track, sizes: &Sizes) -> Vec<f64> {
+    pub fn force(&self, t: &Track, sizes: &MotionScales) -> Vec<f64> {
         let [p, q, r, s] = self.shape;
         let h = t.interval_s;
         let x = &t.x;
@@ -172,7 +172,7 @@ impl Element {
     }
 
     /// The force of a spring at some places.
-    pub fn over(&self, places: &[f64], sizes: &Sizes) -> Vec<f64> {
+    pub fn over(&self, places: &[f64], sizes: &MotionScales) -> Vec<f64> {
         let track = Track {
             interval_s: sizes.interval_s,
             fine: 1,
@@ -214,9 +214,9 @@ impl Element {
     }
 
     /// Its kind.
-    pub fn kind(&self, sizes: &Sizes) -> Kind {
+    pub fn kind(&self, sizes: &MotionScales) -> ElementKind {
         match self.law {
-            Law::InSeries if self.relaxes(sizes) => Kind::Linear,
+            Law::InSeries if self.relaxes(sizes) => ElementKind::Linear,
             Law::Slider
             | Law::Bristles
             | Law::Stribeck
@@ -226,21 +226,21 @@ impl Element {
             | Law::SliderAway
             | Law::SliderAlong
             | Law::Worn
-            | Law::Pinched => Kind::Memory,
-            Law::Lost => Kind::Play,
-            Law::Lessened | Law::Fatigued => Kind::Damage,
+            | Law::Pinched => ElementKind::Memory,
+            Law::Lost => ElementKind::Play,
+            Law::Lessened | Law::Fatigued => ElementKind::Damage,
             // What hardly grows with speed is friction whose reversals are smooth.
-            Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => Kind::Memory,
-            Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => Kind::Memory,
-            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => Kind::Speed,
-            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => Kind::Place,
-            Law::Relaxing => Kind::Linear,
-            Law::Settling | Law::Warming => Kind::Time,
+            Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => ElementKind::Memory,
+            Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => ElementKind::Memory,
+            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => ElementKind::Speed,
+            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => ElementKind::Place,
+            Law::Relaxing => ElementKind::Linear,
+            Law::Settling | Law::Warming => ElementKind::Time,
         }
     }
 
     /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
-    pub fn name(&self, sizes: &Sizes, strength: f64) -> Effect {
+    pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
         let [p, q, ..] = self.shape;
         let give = p / sizes.x;
         match self.law {
@@ -285,7 +285,7 @@ impl Element {
     }
 
     /// Whether it lies so near to another kind that it is no rival of it: a force that saturates soon is nearly friction.
-    pub fn is_nearly(&self, kind: Kind, sizes: &Sizes) -> bool {
+    pub fn is_nearly(&self, kind: ElementKind, sizes: &MotionScales) -> bool {
         let near = match self.law {
             Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
             Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
@@ -293,16 +293,17 @@ impl Element {
                 self.shape[2] * NEARLY > self.most_relaxing(sizes)
             }
             Law::InSeries => {
-                return kind == Kind::Linear && self.shape[2] < NEARLY * self.most_relaxing(sizes);
+                return kind == ElementKind::Linear
+                    && self.shape[2] < NEARLY * self.most_relaxing(sizes);
             }
             _ => false,
         };
-        near && kind == Kind::Memory
+        near && kind == ElementKind::Memory
     }
 
     /// Whether it is a dashpot for all that the motion shows: a force nearly in proportion to speed, or one behind a spring
     /// that gives way within less than the motion takes for a half of its range.
-    pub fn is_dashpot(&self, sizes: &Sizes) -> bool {
+    pub fn is_dashpot(&self, sizes: &MotionScales) -> bool {
         match self.law {
             Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
             Law::InSeries => self.relaxes(sizes) && self.shape[0] < MAY_BE_FRICTION * sizes.x,
@@ -311,7 +312,7 @@ impl Element {
     }
 
     /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
-    pub fn may_slide(&self, sizes: &Sizes) -> bool {
+    pub fn may_slide(&self, sizes: &MotionScales) -> bool {
         let give = self.yields_at() / sizes.x;
         let most = if self.is_bristles() {
             MAY_BE_BRISTLES
@@ -329,12 +330,12 @@ impl Element {
     }
 
     /// Whether what is in series with the spring is more a dashpot than friction.
-    fn relaxes(&self, sizes: &Sizes) -> bool {
+    fn relaxes(&self, sizes: &MotionScales) -> bool {
         self.law == Law::InSeries && self.shape[2] < self.most_relaxing(sizes)
     }
 
     /// The exponent from which on it is friction.
-    fn most_relaxing(&self, sizes: &Sizes) -> f64 {
+    fn most_relaxing(&self, sizes: &MotionScales) -> f64 {
         let [contact, spring] = RELAXES;
         if self.shape[0] < MAY_BE_FRICTION * sizes.x {
             contact
@@ -385,7 +386,7 @@ impl Element {
     }
 
     /// Whether the shape can be one of its law.
-    pub fn is_sound(&self, sizes: &Sizes) -> bool {
+    pub fn is_sound(&self, sizes: &MotionScales) -> bool {
         let [p, q, r, s] = self.shape;
         let x = sizes.x;
         match self.law {
@@ -452,9 +453,9 @@ mod tests {
 
     #[test]
     fn a_gap_is_no_narrower_than_nothing() {
-        let sizes = Sizes {
+        let sizes = MotionScales {
             x: 4.0,
-            ..Sizes::default()
+            ..MotionScales::default()
         };
         let is_sound = |p, side| Element::new(Law::Beyond, [p, side]).is_sound(&sizes);
         assert!(is_sound(0.5, 0.0) && is_sound(0.0, 0.0) && !is_sound(-0.5, 0.0));
@@ -463,9 +464,9 @@ mod tests {
 
     #[test]
     fn what_a_spring_has_lost_stays_lost() {
-        let sizes = Sizes {
+        let sizes = MotionScales {
             x: 4.0,
-            ..Sizes::default()
+            ..MotionScales::default()
         };
         let lessened = Element::new(Law::Lessened, [2.0]);
         let force = lessened.over(&[1.0, 4.0, 2.0, -2.0, -8.0, 4.0], &sizes);
@@ -487,7 +488,7 @@ mod tests {
             time_s: Vec::new(),
             force: Vec::new(),
         };
-        let force = Element::new(Law::Fatigued, [5.0]).force(&track, &Sizes::default());
+        let force = Element::new(Law::Fatigued, [5.0]).force(&track, &MotionScales::default());
         // 3 mm before the record, then 5, 5, 7 and 9: half is lost after 5.
         assert_eq!(force, [0.0, -1.0, -1.0, 0.0, 2.0 * 9.0 / 14.0]);
     }
@@ -508,7 +509,7 @@ mod tests {
         };
         assert_eq!(ways(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
         let worn = Element::new(Law::Worn, [1.0, 10.0]);
-        let force = |before| worn.force(&track(before), &Sizes::default());
+        let force = |before| worn.force(&track(before), &MotionScales::default());
         // The first 2 mm are a copy: nothing is worn off at the span's first sample.
         assert_eq!(force(-2.0)[1..], [1.0, (-0.2_f64).exp(), (-0.4_f64).exp()]);
         // A file that has gone 10 mm before: 1/e of it is left.

@@ -2,9 +2,10 @@
 
 use super::covariance::{covariance, unknowns};
 use super::element::{Element, Law};
-use super::fit::Fit;
+use super::fit::SpecimenFit;
 use super::set::{DECLARED, Library};
-use crate::interval;
+use crate::interval::{self, Estimate};
+use crate::library::candidate::NamedValue;
 use nalgebra::DMatrix;
 use plant::{Channel, Effect};
 
@@ -21,11 +22,13 @@ pub const STIFFNESS_BEYOND: &str = "stiffness_beyond_n_per_mm";
 /// By how much less a force is around one place.
 pub const PINCHED: &str = "force_pinched_n";
 
-/// A parameter: name, unit, value.
-type Figure = (&'static str, &'static str, f64);
-
 /// The parameters of a name in a fit whose elements `own` belong to it; `declared` are the values before.
-pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
+pub fn figures(
+    name: Effect,
+    own: &[usize],
+    fit: &SpecimenFit,
+    declared: &[f64; DECLARED],
+) -> Vec<NamedValue> {
     let part: Vec<(Element, f64)> = own.iter().map(|&i| fit.elements[i]).collect();
     let Some(&(first, strength)) = part.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     else {
@@ -76,7 +79,7 @@ pub fn figures(name: Effect, own: &[usize], fit: &Fit, declared: &[f64; DECLARED
 }
 
 /// What a law by itself is told by; its strength first.
-fn by_law(element: &Element, strength: f64, fit: &Fit) -> Vec<Figure> {
+fn by_law(element: &Element, strength: f64, fit: &SpecimenFit) -> Vec<NamedValue> {
     let [p, q, r, _] = element.shape;
     let reference = ("reference_mm", "mm", fit.sizes.x);
     match element.law {
@@ -155,14 +158,14 @@ fn level((element, strength): &(Element, f64)) -> f64 {
 }
 
 /// What elements beside the strongest hold where they slide.
-fn beside(part: &[(Element, f64)], first: &Element) -> Option<Figure> {
+fn beside(part: &[(Element, f64)], first: &Element) -> Option<NamedValue> {
     let others = part.iter().filter(|(e, _)| e != first);
     let force: f64 = others.map(level).sum();
     (force != 0.0).then_some(("force_beside_n", "N", force))
 }
 
 /// Elements that yield: the force of all together, where the strongest yields, and what changes their force.
-fn yields(part: &[(Element, f64)], first: &Element, fit: &Fit) -> Vec<Figure> {
+fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<NamedValue> {
     let force: f64 = part.iter().map(level).sum();
     let mut all = Vec::new();
     if force != 0.0 {
@@ -174,8 +177,8 @@ fn yields(part: &[(Element, f64)], first: &Element, fit: &Fit) -> Vec<Figure> {
 }
 
 /// What changes the force of elements that slide: the way gone, the place, the speed; of the strongest of each law.
-fn changes(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
-    let mut all: Vec<Figure> = Vec::new();
+fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
+    let mut all: Vec<NamedValue> = Vec::new();
     for law in [Law::Worn, Law::Pinched, Law::SliderAway, Law::SliderAlong] {
         let own = part.iter().filter(|(e, _)| e.law == law);
         let Some((element, strength)) = own.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else {
@@ -203,7 +206,7 @@ fn changes(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
 }
 
 /// Friction: its force at speed, by how much it is larger at rest, how far it gives before it slides.
-fn friction(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
+fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     let steady = |(e, f): &(Element, f64)| match e.law {
         Law::Stribeck | Law::SliderAlong | Law::SliderAway => 0.0,
         Law::PowerOfSpeed => *f,
@@ -245,7 +248,7 @@ fn friction(part: &[(Element, f64)], fit: &Fit) -> Vec<Figure> {
 }
 
 /// A declared parameter that has left its tolerance, as the change that it is.
-fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure> {
+fn parameter(name: Effect, fit: &SpecimenFit, declared: &[f64; DECLARED]) -> Vec<NamedValue> {
     let Some(i) = Channel::Specimen.parameter_of_error(name) else {
         return Vec::new();
     };
@@ -258,10 +261,10 @@ fn parameter(name: Effect, fit: &Fit, declared: &[f64; DECLARED]) -> Vec<Figure>
 /// comes from these.
 pub fn with_intervals(
     library: &Library,
-    fit: &Fit,
+    fit: &SpecimenFit,
     names: &[(Effect, Vec<usize>)],
     sure: Option<&[bool]>,
-) -> Vec<Vec<interval::Figure>> {
+) -> Vec<Vec<Estimate>> {
     let declared = &std::array::from_fn(|i| library.declared_value(i));
     let unknowns = unknowns(library, fit);
     let whole = covariance(library, fit, &unknowns, None);
@@ -283,7 +286,7 @@ pub fn with_intervals(
                 return all;
             };
             let sliding = interval::around(here, &gradient, Some(sliding));
-            let which = |(s, a): (interval::Figure, _)| if s.0 == PRESLIDING { a } else { s };
+            let which = |(s, a): (Estimate, _)| if s.0 == PRESLIDING { a } else { s };
             sliding.into_iter().zip(all).map(which).collect()
         })
         .collect()
@@ -292,14 +295,14 @@ pub fn with_intervals(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::joint::track::Sizes;
+    use crate::joint::track::MotionScales;
 
-    fn fit(elements: Vec<(Element, f64)>) -> Fit {
-        Fit {
+    fn fit(elements: Vec<(Element, f64)>) -> SpecimenFit {
+        SpecimenFit {
             parameters: [100.0, 0.0, 0.0, 0.0],
             moved: [false; DECLARED],
             elements,
-            sizes: Sizes {
+            sizes: MotionScales {
                 x: 10.0,
                 middle: 0.0,
                 v: 50.0,

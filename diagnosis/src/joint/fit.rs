@@ -1,13 +1,13 @@
 //! A model with its figures, and what it answers to any record.
 
 use super::element::Element;
-use super::set::{DECLARED, Library, Set, declared_columns};
-use super::track::{Sizes, Source};
+use super::set::{DECLARED, ElementSet, Library, declared_columns};
+use super::track::{MotionScales, UnfilteredSpan};
 use crate::recording::Recording;
 
 /// Elements and declared parameters with their strengths.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub struct SpecimenFit {
     /// Stiffness, damping, mass, offset, in the declared units.
     pub parameters: [f64; DECLARED],
     /// Which of them have left their tolerances.
@@ -15,14 +15,14 @@ pub struct Fit {
     /// Elements, with their strengths.
     pub elements: Vec<(Element, f64)>,
     /// Sizes that shapes are measured by.
-    pub sizes: Sizes,
+    pub sizes: MotionScales,
     /// Where the displacement is cut off, Hz.
     pub cutoff_hz: f64,
 }
 
-impl Fit {
+impl SpecimenFit {
     /// A set of a library, fitted to all its data.
-    pub fn new(library: &Library, set: &Set, cutoff_hz: f64) -> Option<Self> {
+    pub fn new(library: &Library, set: &ElementSet, cutoff_hz: f64) -> Option<Self> {
         let w = library.strengths(set)?;
         let elements = set.elements.iter().map(|&e| library.elements[e]);
         Some(Self {
@@ -36,7 +36,7 @@ impl Fit {
 
     /// The force that it answers to a span; `None` where a signal is missing.
     pub fn answer(&self, recording: &Recording) -> Option<Vec<f64>> {
-        let track = Source::new(recording)?.track(self.cutoff_hz);
+        let track = UnfilteredSpan::new(recording)?.track(self.cutoff_hz);
         let mut y = vec![0.0; track.x.len()];
         let declared = declared_columns(&track);
         for (column, parameter) in declared.iter().zip(&self.parameters) {

@@ -7,8 +7,8 @@
 //! nothing of a place where it has not been.
 
 use super::blocks::Blocks;
-use super::element::{Kind, Law};
-use super::set::{DECLARED, Library, Set, column};
+use super::element::{ElementKind, Law};
+use super::set::{DECLARED, ElementSet, Library, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
 use crate::library::operators::way;
@@ -45,14 +45,14 @@ pub enum Doubt {
 
 /// What free functions leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Free {
+pub struct FreeFunctions {
     /// In its place, the best of them, in times the squares that the whole set leaves.
     pub leave: f64,
     /// What that makes of the name.
     pub doubt: Option<Doubt>,
 }
 
-impl Free {
+impl FreeFunctions {
     /// Nothing tried.
     pub const NONE: Self = Self {
         leave: f64::INFINITY,
@@ -61,9 +61,14 @@ impl Free {
 }
 
 /// Tries free functions for the elements `own`, of one kind and family, of a set.
-pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: &[usize]) -> Free {
-    if own.is_empty() || kind == Kind::Time {
-        return Free::NONE;
+pub fn tried(
+    library: &Library,
+    set: &ElementSet,
+    (kind, family): (ElementKind, Family),
+    own: &[usize],
+) -> FreeFunctions {
+    if own.is_empty() || kind == ElementKind::Time {
+        return FreeFunctions::NONE;
     }
     let dealt = Dealt::new(library);
     let with = dealt.columns(set, &[]);
@@ -74,9 +79,9 @@ pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: 
         .iter()
         .any(|&e| library.elements[e].law == Law::Fatigued);
     let own_variable = match kind {
-        Kind::Place => dealt.places(OWN_PLACES),
-        Kind::Speed => dealt.speeds(SPEEDS),
-        Kind::Damage if tires => dealt.changing(&[|t| &t.x]),
+        ElementKind::Place => dealt.places(OWN_PLACES),
+        ElementKind::Speed => dealt.speeds(SPEEDS),
+        ElementKind::Damage if tires => dealt.changing(&[|t| &t.x]),
         _ => Vec::new(),
     };
     if !own_variable.is_empty() {
@@ -84,13 +89,13 @@ pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: 
         let without = times(&rest, &[]);
         let takes = (without - 1.0) / (without - times(&with, &own_variable).min(1.0));
         if takes < 1.0 - ACCOUNTS * ACCOUNTS {
-            return Free {
+            return FreeFunctions {
                 leave: 1.0,
                 doubt: Some(Doubt::OtherFunction),
             };
         }
     }
-    let mut free = Free::NONE;
+    let mut free = FreeFunctions::NONE;
     let mut chance = |columns: &[Vec<f64>], most: f64, doubt: Doubt| {
         let leaves = times(&rest, columns);
         if leaves < free.leave {
@@ -98,15 +103,20 @@ pub fn tried(library: &Library, set: &Set, (kind, family): (Kind, Family), own: 
             free.doubt = (leaves < most).then_some(doubt).or(free.doubt);
         }
     };
-    let remembers =
-        tires || family == Family::Hysteresis || matches!(kind, Kind::Play | Kind::Linear);
+    let remembers = tires
+        || family == Family::Hysteresis
+        || matches!(kind, ElementKind::Play | ElementKind::Linear);
     if remembers {
         chance(&dealt.states(), CERTAIN, Doubt::Forgets);
     }
     // What cycles that grow take from a spring for good is a change along the way as well: there the law must only not be beaten.
     // What the way itself takes is that change.
     if !tires {
-        let most = if kind == Kind::Damage { 1.0 } else { CERTAIN };
+        let most = if kind == ElementKind::Damage {
+            1.0
+        } else {
+            CERTAIN
+        };
         chance(&dealt.changing(&[|t| &t.x, |t| &t.v]), most, Doubt::Changes);
     }
     free
@@ -147,7 +157,7 @@ impl<'a> Dealt<'a> {
     }
 
     /// Columns of the declared parameters and of a set's elements but for some.
-    fn columns(&self, set: &Set, without: &[usize]) -> Vec<Vec<f64>> {
+    fn columns(&self, set: &ElementSet, without: &[usize]) -> Vec<Vec<f64>> {
         let kept = set.elements.iter().filter(|e| !without.contains(e));
         (0..DECLARED)
             .chain(kept.map(|e| DECLARED + e))
@@ -231,7 +241,7 @@ fn hat(u: f64, i: usize, n: usize) -> f64 {
 mod tests {
     use super::super::element::Element;
     use super::super::laws;
-    use super::super::track::Source;
+    use super::super::track::UnfilteredSpan;
     use super::*;
     use crate::base::Base;
     use crate::model::{Model, SpecimenModel};
@@ -251,7 +261,7 @@ mod tests {
     }
 
     /// What free functions make of an element's name, where the specimen has a force beside its spring.
-    fn of(element: Element, force: &dyn Fn(&[f64]) -> Vec<f64>) -> Free {
+    fn of(element: Element, force: &dyn Fn(&[f64]) -> Vec<f64>) -> FreeFunctions {
         let x = growing();
         let more = force(&x);
         // Coarse, so that nothing is exact.
@@ -268,10 +278,10 @@ mod tests {
             ..Model::default()
         };
         let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [Source::new(&record).unwrap().track(20.0)];
+        let tracks = [UnfilteredSpan::new(&record).unwrap().track(20.0)];
         let mut library = Library::new(&base, &tracks, 1).unwrap();
         let place = library.add(&[element]);
-        let set = Set {
+        let set = ElementSet {
             elements: vec![place],
             moved: [true; DECLARED],
         };

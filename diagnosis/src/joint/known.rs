@@ -1,6 +1,6 @@
 //! What the model has from before is taken off the records first.
 
-use super::track::Source;
+use super::track::UnfilteredSpan;
 use crate::base::Base;
 use crate::criteria::BAND_ROOM;
 use crate::problem::Problem;
@@ -35,7 +35,7 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
         elements: Vec::new(),
         ..base.clone()
     };
-    let cutoff_hz = Source::new(record)?.band_hz() * BAND_ROOM;
+    let cutoff_hz = UnfilteredSpan::new(record)?.band_hz() * BAND_ROOM;
     let one = std::slice::from_ref(record);
     let with = Problem::new(base, one, cutoff_hz, &[])?;
     let without = Problem::new(&bare, one, cutoff_hz, &[])?;

@@ -31,11 +31,11 @@ mod sliding;
 pub(crate) mod track;
 
 pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
-pub use fit::Fit;
+pub use fit::SpecimenFit;
 pub use free::Doubt;
 pub use known::without_known;
 pub use one_each::one_each;
-pub use outcome::{Explained, Outcome, q};
+pub use outcome::{Explained, SpecimenOutcome, q};
 
 use crate::base::Base;
 use crate::criteria::POLISHED;
@@ -43,8 +43,8 @@ use crate::recording::Recording;
 use crate::rest;
 use plant::{Effect, Family};
 use rayon::prelude::*;
-use set::{Library, Set};
-use track::{Source, Track, thinning};
+use set::{ElementSet, Library};
+use track::{Track, UnfilteredSpan, thinning};
 
 /// Whether there is an element or a declared parameter of this name.
 pub fn can_say(name: Effect) -> bool {
@@ -56,21 +56,27 @@ pub fn can_say(name: Effect) -> bool {
 
 /// What the search came to.
 #[derive(Debug)]
-pub struct Found {
+pub struct SpecimenResult {
     /// The declared model, its parameters within their tolerances.
-    pub declared: Fit,
+    pub declared: SpecimenFit,
     /// What can be said.
-    pub outcome: Outcome,
+    pub outcome: SpecimenOutcome,
     /// Names that no other name comes near, and that are not given: a free function does.
     pub doubts: Vec<(Effect, Doubt)>,
 }
 
 /// Searches; `None` where a signal is missing or the equations have no solution.
-pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Found> {
+pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<SpecimenResult> {
     let rests = train.iter().all(|r| rest::spans(r).len() == 2);
     let train: Vec<Recording> = train.iter().map(rest::without).collect();
-    let sources: Vec<Source> = train.iter().map(Source::new).collect::<Option<_>>()?;
-    let held_out: Vec<Source> = test.iter().map(Source::new).collect::<Option<_>>()?;
+    let sources: Vec<UnfilteredSpan> = train
+        .iter()
+        .map(UnfilteredSpan::new)
+        .collect::<Option<_>>()?;
+    let held_out: Vec<UnfilteredSpan> = test
+        .iter()
+        .map(UnfilteredSpan::new)
+        .collect::<Option<_>>()?;
     let mut cutoff_hz = cutoff::choose(base, &sources, &held_out, None)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
@@ -90,10 +96,10 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Foun
     }
     library.rests = rests;
     let (set, names) = certificate::certify(&mut library, &best);
-    let declared = Fit::new(&library, &Set::default(), cutoff_hz)?;
+    let declared = SpecimenFit::new(&library, &ElementSet::default(), cutoff_hz)?;
     let outcome = outcome::conclude(&mut library, &set, &names, cutoff_hz)?;
     let doubts = names.iter().filter_map(|n| Some((n.name, n.free.doubt?)));
-    Some(Found {
+    Some(SpecimenResult {
         declared,
         outcome,
         doubts: doubts.collect(),

@@ -2,12 +2,12 @@
 
 use super::certificate::taken;
 use super::cutoff;
-use super::fit::Fit;
+use super::fit::SpecimenFit;
 use super::known::without_known;
 use super::polish::polish;
 use super::search::restrict;
-use super::set::{DECLARED, Library, Set};
-use super::track::{Source, Track, thinning};
+use super::set::{DECLARED, ElementSet, Library};
+use super::track::{Track, UnfilteredSpan, thinning};
 use crate::base::Base;
 use crate::recording::Recording;
 use plant::{Channel, Effect};
@@ -22,13 +22,16 @@ pub fn one_each(
     base: &Base,
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
-) -> Option<Vec<(Effect, Fit, f64)>> {
+) -> Option<Vec<(Effect, SpecimenFit, f64)>> {
     let bare = without_known(base, train)?;
-    let sources: Vec<Source> = bare.iter().map(Source::new).collect::<Option<_>>()?;
+    let sources: Vec<UnfilteredSpan> = bare
+        .iter()
+        .map(UnfilteredSpan::new)
+        .collect::<Option<_>>()?;
     let cutoff_hz = cutoff::choose(base, &sources, &sources, None)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
-    let mut scored: Vec<(Effect, Set, f64)> = (0..library.elements.len())
+    let mut scored: Vec<(Effect, ElementSet, f64)> = (0..library.elements.len())
         .into_par_iter()
         .flat_map_iter(|e| named(&library, e))
         .filter(|(name, ..)| wanted(*name))
@@ -50,15 +53,15 @@ pub fn one_each(
         let settled = restrict(&library, vec![(set.clone(), best.score)]);
         let with = settled.into_iter().find(|s| !s.0.elements.is_empty());
         let set = with.map_or(set, |s| s.0);
-        all.push((name, Fit::new(&library, &set, cutoff_hz)?));
+        all.push((name, SpecimenFit::new(&library, &set, cutoff_hz)?));
     }
     for (i, name) in Channel::Specimen.mistakes().into_iter().enumerate() {
         if wanted(name) {
-            let set = Set::default().toggled(i);
-            all.push((name, Fit::new(&library, &set, cutoff_hz)?));
+            let set = ElementSet::default().toggled(i);
+            all.push((name, SpecimenFit::new(&library, &set, cutoff_hz)?));
         }
     }
-    let mut left: Vec<(Effect, Fit, f64)> = all
+    let mut left: Vec<(Effect, SpecimenFit, f64)> = all
         .into_iter()
         .filter_map(|(name, fit)| {
             let left = crate::signals::rms(&fit.residuals(&bare)?);
@@ -70,9 +73,9 @@ pub fn one_each(
 }
 
 /// An element alone, declared parameters within their tolerances and free, with its name and its score.
-fn named(library: &Library, element: usize) -> Vec<(Effect, Set, f64)> {
-    let held = Set::default().with(element);
-    let free = Set {
+fn named(library: &Library, element: usize) -> Vec<(Effect, ElementSet, f64)> {
+    let held = ElementSet::default().with(element);
+    let free = ElementSet {
         moved: [true; DECLARED],
         ..held.clone()
     };

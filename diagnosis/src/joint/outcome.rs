@@ -1,40 +1,40 @@
 //! Names, a set, or neither: what the certificates allow to be said.
 
-use super::certificate::{Candidate, Rival, groups, only, taken};
+use super::certificate::{Hypothesis, Rival, groups, only, taken};
 use super::covariance::settled;
-use super::element::Kind;
+use super::element::ElementKind;
 use super::figures::{PRESLIDING, with_intervals};
-use super::fit::Fit;
+use super::fit::SpecimenFit;
 use super::polish::polish;
 use super::search::restrict;
-use super::set::{Library, Set};
+use super::set::{ElementSet, Library};
 use super::sliding;
 use crate::answer::Certificate;
 use crate::criteria::{
     CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
 };
-use crate::interval::Figure;
+use crate::interval::Estimate;
 use plant::{Effect, Family};
 
 /// A model with its names.
 #[derive(Clone, Debug)]
 pub struct Explained {
     /// The model.
-    pub fit: Fit,
+    pub fit: SpecimenFit,
     /// Whose each of its elements is.
     pub owners: Vec<Effect>,
     /// Each name, its certificate where it has one, and its parameters.
-    pub names: Vec<(Effect, Option<Certificate>, Vec<Figure>)>,
+    pub names: Vec<(Effect, Option<Certificate>, Vec<Estimate>)>,
     /// What more damping than declared, which is in the model, may be: no name, since others do nearly as well.
     pub damping: Vec<Effect>,
 }
 
 /// A name, its elements in the library, and what speaks for it.
-type Named = (Effect, Vec<usize>, Option<Certificate>);
+type NamedElements = (Effect, Vec<usize>, Option<Certificate>);
 
 /// What the search came to.
 #[derive(Clone, Debug)]
-pub enum Outcome {
+pub enum SpecimenOutcome {
     /// No element and no parameter is worth its price.
     Nothing,
     /// Names that can be vouched for; whether something was left out that could not be.
@@ -68,26 +68,26 @@ pub fn commonness(name: Effect) -> f64 {
 /// From the best set and the certificates of its names, the strongest first.
 pub fn conclude(
     library: &mut Library,
-    set: &Set,
-    names: &[Candidate],
+    set: &ElementSet,
+    names: &[Hypothesis],
     cutoff_hz: f64,
-) -> Option<Outcome> {
+) -> Option<SpecimenOutcome> {
     let Some(strongest) = names.first() else {
-        return Some(Outcome::Nothing);
+        return Some(SpecimenOutcome::Nothing);
     };
     // Friction or hysteresis: of one kind, and where it yields does not tell.
-    let undecided = |n: &Candidate| {
+    let undecided = |n: &Hypothesis| {
         let kin = n.kin.as_ref().is_some_and(|k| k.times < CERTAIN);
         kin || n.may_slide || !n.inseparable.is_empty()
     };
     let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
-    let (open, sure): (Vec<Candidate>, Vec<Candidate>) = sure.cloned().partition(undecided);
+    let (open, sure): (Vec<Hypothesis>, Vec<Hypothesis>) = sure.cloned().partition(undecided);
     // What goes with names that are dropped, parameters may take: by the measure of what the whole set leaves.
     if let Some(left) = library.cross_validated(set) {
         library.measure_by(&left);
     }
     // Friction that falls with speed, where friction that does not would do.
-    let slides = |n: &Candidate| n.sliding.as_ref().map(|r| r.times).filter(|t| *t < CERTAIN);
+    let slides = |n: &Hypothesis| n.sliding.as_ref().map(|r| r.times).filter(|t| *t < CERTAIN);
     if let [one] = &sure[..]
         && let Some(times) = slides(one)
     {
@@ -96,17 +96,17 @@ pub fn conclude(
         let both = [(one.name, 1.0), (Effect::CoulombFriction, odds)];
         let members = both.map(|(name, weight)| (name, weight / (1.0 + odds)));
         let model = explained(library, set, &own, cutoff_hz, false)?;
-        return Some(Outcome::Set(model, members.to_vec()));
+        return Some(SpecimenOutcome::Set(model, members.to_vec()));
     }
     if !sure.is_empty() {
-        let named = |n: &Candidate| slides(n).map_or(n.name, |_| Effect::CoulombFriction);
-        let groups: Vec<Named> = sure
+        let named = |n: &Hypothesis| slides(n).map_or(n.name, |_| Effect::CoulombFriction);
+        let groups: Vec<NamedElements> = sure
             .iter()
             .map(|n| (named(n), n.elements.clone(), Some(n.certificate())))
             .collect();
         let mut model = explained(library, set, &groups, cutoff_hz, true)?;
         let dashpot =
-            |n: &&Candidate| n.elements.is_empty() && groups.iter().all(|g| g.0 != n.name);
+            |n: &&Hypothesis| n.elements.is_empty() && groups.iter().all(|g| g.0 != n.name);
         if let Some(dashpot) = names.iter().find(dashpot) {
             let rivals = dashpot.rivals.iter().filter(|r| r.times < CERTAIN);
             model.damping = std::iter::once(dashpot.name)
@@ -114,14 +114,14 @@ pub fn conclude(
                 .take(LARGEST_SET)
                 .collect();
         }
-        return Some(Outcome::Named(model, sure.len() < names.len()));
+        return Some(SpecimenOutcome::Named(model, sure.len() < names.len()));
     }
     let first = open.first().unwrap_or(strongest);
     let members = members(first);
     if members.len() < 2 {
         let left = library.cross_validated(set);
         let explained = left.map_or(0.0, |left| 1.0 - library.fall(&left).exp());
-        return Some(Outcome::Unknown(first.name, explained.max(0.0)));
+        return Some(SpecimenOutcome::Unknown(first.name, explained.max(0.0)));
     }
     // The model is that of the likeliest that can be fitted.
     let model = members.iter().find_map(|&(name, _)| {
@@ -134,7 +134,7 @@ pub fn conclude(
         instead(library, rival, cutoff_hz)
     })?;
     let members = led_by(model.names[0].0, members);
-    Some(Outcome::Set(model, members))
+    Some(SpecimenOutcome::Set(model, members))
 }
 
 /// A set with the name that the model has at its head; the others stay in their order.
@@ -146,7 +146,7 @@ fn led_by(name: Effect, mut members: Vec<(Effect, f64)>) -> Vec<(Effect, f64)> {
 }
 
 /// The names that could be it, with their probabilities.
-fn members(first: &Candidate) -> Vec<(Effect, f64)> {
+fn members(first: &Hypothesis) -> Vec<(Effect, f64)> {
     let mut members = vec![(first.name, commonness(first.name))];
     for rival in first.rivals.iter().chain(&first.kin) {
         if rival.times < CERTAIN && members.iter().all(|m| m.0 != rival.name) {
@@ -175,8 +175,8 @@ fn members(first: &Candidate) -> Vec<(Effect, f64)> {
 /// The model with some names, which may be vouched for, and no other elements.
 fn explained(
     library: &Library,
-    set: &Set,
-    groups: &[Named],
+    set: &ElementSet,
+    groups: &[NamedElements],
     cutoff_hz: f64,
     vouched: bool,
 ) -> Option<Explained> {
@@ -186,7 +186,7 @@ fn explained(
     } else {
         only(library, set, &kept)
     };
-    let fit = settled(library, &Fit::new(library, &own, cutoff_hz)?);
+    let fit = settled(library, &SpecimenFit::new(library, &own, cutoff_hz)?);
     let place = |e: &usize| own.elements.iter().position(|o| o == e);
     let named: Vec<(Effect, Vec<usize>)> = groups
         .iter()
@@ -228,7 +228,7 @@ fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Expla
     let (set, score) = settled.pop()?;
     let polished = polish(library, &set, score);
     let set = taken(library, &polished);
-    let own = if rival.kind == Kind::Parameter {
+    let own = if rival.kind == ElementKind::Parameter {
         Vec::new()
     } else {
         let group = groups(library, &set)
@@ -243,9 +243,9 @@ fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Expla
 mod tests {
     use super::*;
 
-    fn rival(name: Effect, kind: Kind, times: f64) -> Rival {
+    fn rival(name: Effect, kind: ElementKind, times: f64) -> Rival {
         Rival {
-            set: Set::default(),
+            set: ElementSet::default(),
             name,
             kind,
             times,
@@ -254,14 +254,14 @@ mod tests {
         }
     }
 
-    fn candidate(name: Effect, rivals: Vec<Rival>) -> Candidate {
-        Candidate {
+    fn candidate(name: Effect, rivals: Vec<Rival>) -> Hypothesis {
+        Hypothesis {
             name,
             elements: vec![0],
             rms: 1.0,
             rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
             beside: -1.0,
-            free: super::super::free::Free::NONE,
+            free: super::super::free::FreeFunctions::NONE,
             varies: false,
             timed: false,
             may_slide: false,
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn a_relaxation_that_fits_a_little_better_than_friction_is_less_probable() {
-        let friction = |times| rival(Effect::CoulombFriction, Kind::Memory, times);
+        let friction = |times| rival(Effect::CoulombFriction, ElementKind::Memory, times);
         let near = members(&candidate(Effect::MaxwellDamper, vec![friction(1.2)]));
         assert_eq!(near[0].0, Effect::CoulombFriction);
         let far = members(&candidate(Effect::MaxwellDamper, vec![friction(1.9)]));
@@ -298,16 +298,16 @@ mod tests {
 
     #[test]
     fn rivals_that_fit_far_worse_are_no_members_and_a_set_has_at_most_five() {
-        let worse = rival(Effect::Hardening, Kind::Place, 1.01 * CERTAIN);
+        let worse = rival(Effect::Hardening, ElementKind::Place, 1.01 * CERTAIN);
         let alone = members(&candidate(Effect::CoulombFriction, vec![worse]));
         assert_eq!(alone.len(), 1);
         let all = [
-            (Effect::Hardening, Kind::Place),
-            (Effect::ViscousDamping, Kind::Speed),
-            (Effect::Offset, Kind::Parameter),
-            (Effect::Backlash, Kind::Play),
-            (Effect::MaxwellDamper, Kind::Linear),
-            (Effect::Drift, Kind::Time),
+            (Effect::Hardening, ElementKind::Place),
+            (Effect::ViscousDamping, ElementKind::Speed),
+            (Effect::Offset, ElementKind::Parameter),
+            (Effect::Backlash, ElementKind::Play),
+            (Effect::MaxwellDamper, ElementKind::Linear),
+            (Effect::Drift, ElementKind::Time),
         ];
         let rivals = all.iter().map(|(name, kind)| rival(*name, *kind, 1.0));
         let many = members(&candidate(Effect::CoulombFriction, rivals.collect()));
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn what_the_motion_cannot_tell_apart_joins_whatever_fits() {
         let mut friction = candidate(Effect::CoulombFriction, Vec::new());
-        friction.inseparable = vec![(Effect::ViscousDamping, Kind::Speed)];
+        friction.inseparable = vec![(Effect::ViscousDamping, ElementKind::Speed)];
         let both = members(&friction);
         assert_eq!(both.len(), 2);
         assert!((both[0].1 - both[1].1).abs() < 1e-9);

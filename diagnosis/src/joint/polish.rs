@@ -2,7 +2,7 @@
 
 use super::blocks::{Blocks, Term};
 use super::element::{Element, Scale};
-use super::set::{DECLARED, Library, Set, column};
+use super::set::{DECLARED, ElementSet, Library, column};
 
 /// First step of a shape, as a factor, and the last.
 const FIRST: f64 = 1.5;
@@ -26,7 +26,7 @@ pub struct Polished {
 }
 
 /// Moves one shape after the other, by steps that become shorter.
-pub fn polish(library: &Library, set: &Set, score: f64) -> Polished {
+pub fn polish(library: &Library, set: &ElementSet, score: f64) -> Polished {
     let mut elements: Vec<Element> = set.elements.iter().map(|&e| library.elements[e]).collect();
     let declared = 0..DECLARED;
     let own = set.elements.iter().map(|e| DECLARED + e);

@@ -1,11 +1,11 @@
 //! A fit into a model.
 
-use super::fit::Fit;
+use super::fit::SpecimenFit;
 use crate::model::{Declared, Model};
 use crate::saved_element::SavedElement;
 use plant::Channel;
 
-impl Fit {
+impl SpecimenFit {
     /// Puts the fit into the specimen's model: parameters that it has or that have moved, and the elements beside them, of
     /// which each has the name in its place of `owners`.
     pub fn save(&self, owners: &[plant::Effect], model: &mut Model) {
@@ -42,21 +42,21 @@ impl Fit {
 mod tests {
     use super::*;
     use crate::joint::element::{Element, Law};
-    use crate::joint::track::Sizes;
+    use crate::joint::track::MotionScales;
     use crate::model::SpecimenModel;
     use plant::Effect::{CoulombFriction, MaxwellDamper};
 
     #[test]
     fn each_element_is_saved_under_its_own_name() {
         let element = |law, shape| Element { law, shape };
-        let fit = Fit {
+        let fit = SpecimenFit {
             parameters: [100.0, 0.0, 0.0, 0.0],
             moved: [false; 4],
             elements: vec![
                 (element(Law::Slider, [0.2, 1.0, 0.0, 0.0]), 300.0),
                 (element(Law::Relaxing, [0.1, 0.0, 0.0, 0.0]), 20.0),
             ],
-            sizes: Sizes::default(),
+            sizes: MotionScales::default(),
             cutoff_hz: 10.0,
         };
         let mut model = Model {

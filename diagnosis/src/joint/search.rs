@@ -2,13 +2,13 @@
 //! declared parameters free and within their tolerances.
 
 use super::blocks::Blocks;
-use super::set::{DECLARED, Library, Set};
+use super::set::{DECLARED, ElementSet, Library};
 use crate::criteria::{BLOCKS, LEADING, MOST_ELEMENTS};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// A set and its score.
-pub type Scored = (Set, f64);
+pub type ScoredSet = (ElementSet, f64);
 
 /// Pairs that are looked at more closely, of all.
 const PAIRS: usize = 150;
@@ -16,23 +16,23 @@ const PAIRS: usize = 150;
 const ASKED: usize = 60;
 
 /// The best sets, best first; the declared model is one of them.
-pub fn search(library: &Library) -> Vec<Scored> {
+pub fn search(library: &Library) -> Vec<ScoredSet> {
     let free = [true; DECLARED];
     let held = [false; DECLARED];
     let pairs = pairs(library);
     let begin = |moved: [bool; DECLARED]| {
         let singles = (0..library.elements.len()).map(|e| vec![e]);
         let all = singles.chain(pairs.iter().cloned());
-        let sets = all.map(|elements| Set { elements, moved }).collect();
+        let sets = all.map(|elements| ElementSet { elements, moved }).collect();
         best(library, sets)
     };
-    let mut all: Vec<Scored> = Vec::new();
+    let mut all: Vec<ScoredSet> = Vec::new();
     // Settled apart: what wins by one parameter must not pay for all four of them before it is compared.
     for moved in [free, held] {
         all.extend(restrict(library, grow(library, begin(moved))));
     }
     // Without any element: each choice of parameters.
-    let bare = (0..1 << DECLARED).map(|bits: usize| Set {
+    let bare = (0..1 << DECLARED).map(|bits: usize| ElementSet {
         elements: Vec::new(),
         moved: std::array::from_fn(|i| bits >> i & 1 == 1),
     });
@@ -41,23 +41,23 @@ pub fn search(library: &Library) -> Vec<Scored> {
     restrict(library, all)
 }
 
-fn scored(library: &Library, sets: Vec<Set>) -> Vec<Scored> {
+fn scored(library: &Library, sets: Vec<ElementSet>) -> Vec<ScoredSet> {
     sets.into_par_iter()
         .filter_map(|set| library.score(&set).map(|score| (set, score)))
         .collect()
 }
 
 /// Sorts, without those that are there twice, and keeps the first.
-fn keep(sets: &mut Vec<Scored>, most: usize) {
+fn keep(sets: &mut Vec<ScoredSet>, most: usize) {
     sets.sort_by(|a, b| a.1.total_cmp(&b.1));
     sets.dedup_by(|a, b| a.0 == b.0);
     sets.truncate(most);
 }
 
 /// The best of many sets: a quick look at all, cross-validation of the leading ones.
-fn best(library: &Library, sets: Vec<Set>) -> Vec<Scored> {
-    let quick = |set: Set| library.quick_score(&set).map(|score| (set, score));
-    let mut looked: Vec<Scored> = sets.into_par_iter().filter_map(quick).collect();
+fn best(library: &Library, sets: Vec<ElementSet>) -> Vec<ScoredSet> {
+    let quick = |set: ElementSet| library.quick_score(&set).map(|score| (set, score));
+    let mut looked: Vec<ScoredSet> = sets.into_par_iter().filter_map(quick).collect();
     keep(&mut looked, ASKED);
     let mut found = scored(library, looked.into_iter().map(|l| l.0).collect());
     keep(&mut found, LEADING);
@@ -65,7 +65,7 @@ fn best(library: &Library, sets: Vec<Set>) -> Vec<Scored> {
 }
 
 /// One element more, or another in place of one, as long as the best get better.
-fn grow(library: &Library, mut leading: Vec<Scored>) -> Vec<Scored> {
+fn grow(library: &Library, mut leading: Vec<ScoredSet>) -> Vec<ScoredSet> {
     for _ in 1..MOST_ELEMENTS {
         // None where the equations of no set have a solution.
         let Some(before) = leading.first().map(|l| l.1) else {
@@ -92,8 +92,8 @@ fn grow(library: &Library, mut leading: Vec<Scored>) -> Vec<Scored> {
 }
 
 /// Moves each parameter in or out and drops elements, as long as the score falls.
-pub fn restrict(library: &Library, leading: Vec<Scored>) -> Vec<Scored> {
-    let settle = |(mut set, mut score): Scored| {
+pub fn restrict(library: &Library, leading: Vec<ScoredSet>) -> Vec<ScoredSet> {
+    let settle = |(mut set, mut score): ScoredSet| {
         loop {
             let toggled = (0..DECLARED).map(|i| set.toggled(i));
             let dropped = (0..set.elements.len()).map(|i| set.without(i));
@@ -108,7 +108,7 @@ pub fn restrict(library: &Library, leading: Vec<Scored>) -> Vec<Scored> {
             }
         }
     };
-    let mut settled: Vec<Scored> = leading.into_par_iter().map(settle).collect();
+    let mut settled: Vec<ScoredSet> = leading.into_par_iter().map(settle).collect();
     keep(&mut settled, LEADING);
     settled
 }
@@ -116,7 +116,7 @@ pub fn restrict(library: &Library, leading: Vec<Scored>) -> Vec<Scored> {
 /// The best pairs of elements beside free parameters. The parameters are taken out of all columns beforehand, so that a
 /// pair costs a dozen operations a block.
 fn pairs(library: &Library) -> Vec<Vec<usize>> {
-    let Some(left) = Left::new(&library.blocks) else {
+    let Some(left) = Projected::new(&library.blocks) else {
         return Vec::new();
     };
     let n = library.elements.len();
@@ -150,7 +150,7 @@ fn pairs(library: &Library) -> Vec<Vec<usize>> {
 }
 
 /// What the free parameters leave of the elements' columns and of the force.
-struct Left {
+struct Projected {
     n: usize,
     gram: Vec<[f64; BLOCKS]>,
     right: Vec<[f64; BLOCKS]>,
@@ -159,7 +159,7 @@ struct Left {
     all_right: Vec<f64>,
 }
 
-impl Left {
+impl Projected {
     fn new(blocks: &Blocks) -> Option<Self> {
         let n = blocks.all.right.len() - DECLARED;
         let parts = |p: &super::blocks::Products| {
@@ -236,7 +236,7 @@ impl Left {
 
 #[cfg(test)]
 mod tests {
-    use super::super::track::Source;
+    use super::super::track::UnfilteredSpan;
     use super::*;
     use crate::base::Base;
     use crate::model::{Model, SpecimenModel};
@@ -261,7 +261,7 @@ mod tests {
             ..Model::default()
         };
         let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [Source::new(&record).unwrap().track(5.0)];
+        let tracks = [UnfilteredSpan::new(&record).unwrap().track(5.0)];
         let library = Library::new(&base, &tracks, 1).unwrap();
         assert!(grow(&library, Vec::new()).is_empty());
     }

@@ -1,8 +1,8 @@
 //! What the motion itself can tell apart: how much of an element's force the best element of another kind would leave.
 
 use super::blocks::Term;
-use super::element::Kind;
-use super::set::{DECLARED, Library, Set};
+use super::element::ElementKind;
+use super::set::{DECLARED, ElementSet, Library};
 use crate::criteria::INSEPARABLE;
 use crate::linear::{Bound, dot};
 use plant::Effect;
@@ -10,7 +10,12 @@ use rayon::prelude::*;
 
 /// Names of other kinds whose force over this motion differs from that of some elements of a set by so little that no
 /// fit could see it above what the set leaves. This depends on the motion and the size of the force, not on which fits.
-pub fn inseparable(library: &Library, set: &Set, kind: Kind, own: &[usize]) -> Vec<(Effect, Kind)> {
+pub fn inseparable(
+    library: &Library,
+    set: &ElementSet,
+    kind: ElementKind,
+    own: &[usize],
+) -> Vec<(Effect, ElementKind)> {
     let Some(w) = library.blocks.fit(&library.terms(set)) else {
         return Vec::new();
     };
@@ -54,7 +59,7 @@ pub fn inseparable(library: &Library, set: &Set, kind: Kind, own: &[usize]) -> V
         element.kind(&library.sizes) != kind && !element.is_nearly(kind, &library.sizes)
     });
     let others: Vec<usize> = others.collect();
-    let mut close: Vec<(Effect, Kind, f64)> = others
+    let mut close: Vec<(Effect, ElementKind, f64)> = others
         .par_iter()
         .filter_map(|&e| {
             let j = samples * left(e)? / level;
@@ -64,7 +69,7 @@ pub fn inseparable(library: &Library, set: &Set, kind: Kind, own: &[usize]) -> V
         })
         .collect();
     close.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let mut names: Vec<(Effect, Kind)> = Vec::new();
+    let mut names: Vec<(Effect, ElementKind)> = Vec::new();
     for (name, kind, _) in close {
         if names.iter().all(|n| n.1 != kind) {
             names.push((name, kind));
@@ -74,7 +79,7 @@ pub fn inseparable(library: &Library, set: &Set, kind: Kind, own: &[usize]) -> V
 }
 
 /// Mean square of what a set leaves, and how many independent samples that is worth by its colour.
-fn rest(library: &Library, set: &Set, w: &[f64]) -> (f64, f64) {
+fn rest(library: &Library, set: &ElementSet, w: &[f64]) -> (f64, f64) {
     let mut residual = library.force.clone();
     for (term, w) in library.terms(set).iter().zip(w) {
         let by = -w * library.blocks.scale[term.0];

@@ -3,7 +3,7 @@
 use super::blocks::{Blocks, Term};
 use super::dictionary;
 use super::element::Element;
-use super::track::{Sizes, Track};
+use super::track::{MotionScales, Track};
 use crate::base::Base;
 use crate::criteria::{BLOCKS, FLOOR, PRICE};
 use crate::linear::Bound;
@@ -14,14 +14,14 @@ pub const DECLARED: usize = 4;
 
 /// Elements by their place in the library, and declared parameters that are free.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct Set {
+pub struct ElementSet {
     /// Places in [`Library::elements`].
     pub elements: Vec<usize>,
     /// Stiffness, damping, mass, offset.
     pub moved: [bool; DECLARED],
 }
 
-impl Set {
+impl ElementSet {
     /// With one element more.
     pub fn with(&self, element: usize) -> Self {
         let mut more = self.clone();
@@ -52,7 +52,7 @@ pub struct Library<'a> {
     /// Spans of the training data.
     pub tracks: &'a [Track],
     /// Sizes of their motion.
-    pub sizes: Sizes,
+    pub sizes: MotionScales,
     /// Samples that are averaged into one.
     pub every: usize,
     /// Whether all of them rest before and after they move: what depends on time alone must be there, too.
@@ -91,7 +91,7 @@ pub fn declared_columns(t: &Track) -> [Vec<f64>; DECLARED] {
 impl<'a> Library<'a> {
     /// All elements of the dictionary over these spans; `None` where the equations have no solution.
     pub fn new(base: &'a Base, tracks: &'a [Track], every: usize) -> Option<Self> {
-        let sizes = Sizes::of(tracks);
+        let sizes = MotionScales::of(tracks);
         let elements = dictionary::elements(&sizes);
         let mut columns: Vec<Vec<f64>> = (0..DECLARED)
             .map(|i| column(tracks, every, |t| declared_columns(t)[i].clone()))
@@ -119,7 +119,7 @@ impl<'a> Library<'a> {
             declared: [1.0; BLOCKS],
             floor: 0.0,
         };
-        library.declared = library.cross_validated(&Set::default())?;
+        library.declared = library.cross_validated(&ElementSet::default())?;
         library.floor = FLOOR * library.declared.iter().sum::<f64>() / BLOCKS as f64;
         library.floor = library.floor.max(f64::MIN_POSITIVE);
         Some(library)
@@ -155,7 +155,7 @@ impl<'a> Library<'a> {
     }
 
     /// The columns of a set and what their strengths may be.
-    pub fn terms(&self, set: &Set) -> Vec<Term> {
+    pub fn terms(&self, set: &ElementSet) -> Vec<Term> {
         let declared = (0..DECLARED).map(|i| (i, self.parameter(i, set.moved[i])));
         let elements = set
             .elements
@@ -165,12 +165,12 @@ impl<'a> Library<'a> {
     }
 
     /// Squares on each block, fitted to the others.
-    pub fn cross_validated(&self, set: &Set) -> Option<[f64; BLOCKS]> {
+    pub fn cross_validated(&self, set: &ElementSet) -> Option<[f64; BLOCKS]> {
         self.blocks.cross_validated(&self.terms(set))
     }
 
     /// The same where the force of the whole set is read late.
-    pub fn cross_validated_late(&self, set: &Set, late_s: f64) -> Option<[f64; BLOCKS]> {
+    pub fn cross_validated_late(&self, set: &ElementSet, late_s: f64) -> Option<[f64; BLOCKS]> {
         let terms = self.terms(set);
         let interval_s = self.tracks[0].interval_s * (self.tracks[0].fine * self.every) as f64;
         let columns: Vec<Vec<f64>> = terms
@@ -203,26 +203,26 @@ impl<'a> Library<'a> {
     }
 
     /// What a set costs.
-    pub fn price(&self, set: &Set) -> f64 {
+    pub fn price(&self, set: &ElementSet) -> f64 {
         let elements: f64 = set.elements.iter().map(|&e| self.elements[e].price()).sum();
         let moved = set.moved.iter().filter(|m| **m).count() as f64;
         PRICE * (elements + moved)
     }
 
     /// Fall of the cross-validated squares, and the price; the lower, the better. The declared model has 0.
-    pub fn score(&self, set: &Set) -> Option<f64> {
+    pub fn score(&self, set: &ElementSet) -> Option<f64> {
         let costs = self.cross_validated(set)?;
         Some(self.fall(&costs) + self.price(set))
     }
 
     /// The same on the data that it is fitted to: quicker, for a first choice.
-    pub fn quick_score(&self, set: &Set) -> Option<f64> {
+    pub fn quick_score(&self, set: &ElementSet) -> Option<f64> {
         let costs = self.blocks.trained(&self.terms(set))?;
         Some(self.fall(&costs) + self.price(set))
     }
 
     /// Strengths, in the unit of the force; declared parameters in theirs.
-    pub fn strengths(&self, set: &Set) -> Option<Vec<f64>> {
+    pub fn strengths(&self, set: &ElementSet) -> Option<Vec<f64>> {
         let terms = self.terms(set);
         let w = self.blocks.fit(&terms)?;
         let real = w

@@ -2,10 +2,10 @@
 //! is told by the work of the samples that are left out.
 
 use super::blocks::{Blocks, Term};
-use super::covariance::{SANDWICH, Unknown, chosen, covariance, unknowns};
+use super::covariance::{FitUnknown, SANDWICH, chosen, covariance, unknowns};
 use super::element::{Element, Law};
-use super::fit::Fit;
-use super::set::{DECLARED, Library, Set, column, declared_columns};
+use super::fit::SpecimenFit;
+use super::set::{DECLARED, ElementSet, Library, column, declared_columns};
 use super::track::Track;
 use crate::interval::NINETY;
 use crate::sliding::{STAYS, agreeing, near};
@@ -15,7 +15,7 @@ use plant::Effect;
 #[derive(Debug)]
 pub struct Sliding {
     /// The fit.
-    pub fit: Fit,
+    pub fit: SpecimenFit,
     /// Samples of the library that it comes from.
     pub sure: Vec<bool>,
     /// The way after a reversal that is left out, mm.
@@ -28,8 +28,8 @@ pub struct Sliding {
 /// `named` are its names and whose each element of the fit is.
 pub fn read(
     library: &Library,
-    set: &Set,
-    fit: &Fit,
+    set: &ElementSet,
+    fit: &SpecimenFit,
     named: &[(Effect, Vec<usize>)],
 ) -> Option<Sliding> {
     let own = named.iter().find(|n| n.0 == Effect::CoulombFriction)?;
@@ -62,9 +62,9 @@ pub fn read(
 }
 
 /// Standard error of the sum of some elements' strengths.
-fn error_of(library: &Library, fit: &Fit, sure: &[bool], elements: &[usize]) -> f64 {
+fn error_of(library: &Library, fit: &SpecimenFit, sure: &[bool], elements: &[usize]) -> f64 {
     let all = unknowns(library, fit);
-    let own = |u: &Unknown| matches!(u, Unknown::Strength(e) if elements.contains(e));
+    let own = |u: &FitUnknown| matches!(u, FitUnknown::Strength(e) if elements.contains(e));
     let Some(covariance) = covariance(library, fit, &all, Some(sure)) else {
         return 0.0;
     };
@@ -83,7 +83,12 @@ fn far_from_reversals(library: &Library, way_mm: f64) -> Option<Vec<bool>> {
 }
 
 /// The same model with its strengths from some of the samples.
-fn refitted(library: &Library, set: &Set, fit: &Fit, sure: &[bool]) -> Option<Fit> {
+fn refitted(
+    library: &Library,
+    set: &ElementSet,
+    fit: &SpecimenFit,
+    sure: &[bool],
+) -> Option<SpecimenFit> {
     let terms = library.terms(set);
     let columns: Vec<Vec<f64>> = terms
         .iter()

@@ -49,14 +49,14 @@ pub struct Track {
 
 /// A span and its displacement before any cut-off.
 #[derive(Debug)]
-pub struct Source<'a> {
+pub struct UnfilteredSpan<'a> {
     recording: &'a Recording,
     force: &'a [f64],
     band: Band,
     before: usize,
 }
 
-impl<'a> Source<'a> {
+impl<'a> UnfilteredSpan<'a> {
     /// `None` where a signal is missing.
     pub fn new(recording: &'a Recording) -> Option<Self> {
         let here = recording.displacement_mm.as_ref()?;
@@ -195,7 +195,7 @@ impl Track {
 
 /// Sizes of a motion that shapes are measured by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sizes {
+pub struct MotionScales {
     /// Half the range of the displacement, mm.
     pub x: f64,
     /// Middle of that range, mm.
@@ -210,7 +210,7 @@ pub struct Sizes {
     pub travel: f64,
 }
 
-impl Sizes {
+impl MotionScales {
     pub fn of(tracks: &[Track]) -> Self {
         let spans = || tracks.iter().map(|t| (&t.x[t.first..], &t.v[t.first..]));
         let fine = tracks[0].fine as f64;
@@ -274,7 +274,7 @@ mod tests {
     }
 
     fn run_up(record: &Recording) -> usize {
-        Source::new(record).unwrap().track(10.0).first
+        UnfilteredSpan::new(record).unwrap().track(10.0).first
     }
 
     #[test]

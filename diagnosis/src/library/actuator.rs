@@ -5,7 +5,7 @@ use super::candidate::{
     positive, rest_ratio, settling, stribeck,
 };
 use super::operators as op;
-use crate::drivetrain::part::{Kind, Part, Shapes, shapes};
+use crate::drivetrain::part::{Part, PartKind, Shapes, shapes};
 use crate::drivetrain::way::Way;
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
@@ -234,7 +234,7 @@ pub const FORMS: &[Candidate] = &[
     Candidate {
         effect: Effect::AsymmetricActuator,
         shapes: |s| vec![Shape::new(-1.0 / s.x, 1.0 / s.x, 1)],
-        stage: Some(|y, p, k| through_valve(y, k, Kind::UnequalAreas, shapes([p[0]]))),
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::UnequalAreas, shapes([p[0]]))),
         parameters: |_, p, _| vec![("unequal_areas_per_mm", "1/mm", p[0])],
         ..STAGE
     },
@@ -247,7 +247,7 @@ pub const FORMS: &[Candidate] = &[
                 Shape::new(1e-4, 1.0, 1),
             ]
         },
-        stage: Some(|y, p, k| through_valve(y, k, Kind::Overlap, shapes([p[0]]))),
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::Overlap, shapes([p[0]]))),
         parameters: |_, p, _| vec![("width_mm", "mm", 2.0 * p[0])],
         ..STAGE
     },
@@ -260,7 +260,7 @@ pub const FORMS: &[Candidate] = &[
                 Shape::new(1e-4, 1.0, 1),
             ]
         },
-        stage: Some(|y, p, k| through_valve(y, k, Kind::FlowLimit, shapes([p[0]]))),
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::FlowLimit, shapes([p[0]]))),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0] / p[1].max(1e-6))],
         ..STAGE
     },
@@ -268,7 +268,7 @@ pub const FORMS: &[Candidate] = &[
     Candidate {
         effect: Effect::RateLimit,
         shapes: |s| vec![Shape::new(0.1 * s.v, 2.0 * s.v, 1)],
-        stage: Some(|y, p, k| through_valve(y, k, Kind::RateLimit, shapes([p[0]]))),
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::RateLimit, shapes([p[0]]))),
         parameters: |_, p, _| vec![("rate_mm_per_s", "mm/s", p[0])],
         ..STAGE
     },
@@ -284,7 +284,7 @@ pub const FORMS: &[Candidate] = &[
     Candidate {
         effect: Effect::CoulombFriction,
         shapes: |s| vec![Shape::new(1e-3 * s.x, 0.3 * s.x, 1); 3],
-        stage: Some(|y, p, k| through_valve(y, k, Kind::Seal, shapes([p[0], p[1]]))),
+        stage: Some(|y, p, k| through_valve(y, k, PartKind::Seal, shapes([p[0], p[1]]))),
         parameters: |_, p, _| vec![("error_mm", "mm", p[0]), ("presliding_mm", "mm", p[1])],
         ..STAGE
     },
@@ -293,7 +293,7 @@ pub const FORMS: &[Candidate] = &[
         effect: Effect::StribeckFriction,
         shapes: |s| vec![Shape::new(1e-3 * s.x, 0.3 * s.x, 1); 5],
         stage: Some(|y, p, k| {
-            through_valve(y, k, Kind::StickySeal, shapes([p[0], p[1], p[2], p[3]]))
+            through_valve(y, k, PartKind::StickySeal, shapes([p[0], p[1], p[2], p[3]]))
         }),
         parameters: |_, p, _| {
             vec![
@@ -308,7 +308,7 @@ pub const FORMS: &[Candidate] = &[
 ];
 
 /// The answer of a lag as it would be behind another valve: what went into the lag, through that valve.
-fn through_valve(y: &[f64], k: &Scales, kind: Kind, shapes: Shapes) -> Vec<f64> {
+fn through_valve(y: &[f64], k: &Scales, kind: PartKind, shapes: Shapes) -> Vec<f64> {
     let known = k.actuator;
     let plain: Vec<f64> = y
         .iter()

@@ -26,7 +26,7 @@ impl Shape {
 pub type Stage = fn(&[f64], &[f64], &Scales) -> Vec<f64>;
 
 /// A parameter of the catalogue: its name, its unit, its value.
-pub type Named = (&'static str, &'static str, f64);
+pub type NamedValue = (&'static str, &'static str, f64);
 
 /// An effect of the library in one channel.
 #[derive(Clone, Copy)]
@@ -48,7 +48,7 @@ pub struct Candidate {
     /// What its amplitudes may be.
     pub bounds: fn(&Scales) -> Vec<Bound>,
     /// Amplitudes and shapes as the parameters of the catalogue: name, unit, value.
-    pub parameters: fn(&[f64], &[f64], &Scales) -> Vec<Named>,
+    pub parameters: fn(&[f64], &[f64], &Scales) -> Vec<NamedValue>,
     /// Effects of which this one is a generalisation: it fits whatever they fit.
     pub includes: &'static [Effect],
 }

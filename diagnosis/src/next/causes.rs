@@ -36,7 +36,7 @@ const FAR: f64 = 1.5;
 const SAMPLES: usize = 8000;
 
 /// What is left of the training data by a model with one name more.
-type Fitted = (Effect, Model, f64);
+type FittedModel = (Effect, Model, f64);
 
 /// The models between which the answer of a channel leaves the choice, the preferred one first; one alone where it leaves
 /// none.
@@ -104,7 +104,7 @@ fn fitted(
     channel: Channel,
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
-) -> Vec<Fitted> {
+) -> Vec<FittedModel> {
     let mut all = catalogued(model, channel, train, &wanted).unwrap_or_default();
     if channel == Channel::Specimen
         && let Some(base) = Base::of(model, channel)
@@ -132,7 +132,7 @@ fn catalogued(
     channel: Channel,
     train: &[Recording],
     wanted: impl Fn(Effect) -> bool + Sync,
-) -> Option<Vec<Fitted>> {
+) -> Option<Vec<FittedModel>> {
     let base = Base::of(model, channel)?;
     let h = train.first()?.interval_s();
     let band = train

@@ -174,7 +174,7 @@ pub fn next(
     let record_h = train.first().map_or(1e-3, Recording::interval_s);
     let highest_hz = HIGHEST_HZ.min(0.05 / record_h);
     let interval_s = (1.0 / (A_CYCLE * highest_hz)).max(record_h);
-    let stage = Stage {
+    let stage = SimulatedRig {
         improved,
         views: &views,
         limits: &limits,
@@ -305,7 +305,7 @@ fn joined(limits: &Room, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f64>) {
 }
 
 /// What a command is played on, as far as is known.
-struct Stage<'a> {
+struct SimulatedRig<'a> {
     improved: &'a Model,
     views: &'a [(View, &'a ChannelAnswer)],
     limits: &'a Room,
@@ -313,7 +313,7 @@ struct Stage<'a> {
     interval_s: f64,
 }
 
-impl Stage<'_> {
+impl SimulatedRig<'_> {
     /// The displacement that a command leads to, and the force on the way, as far as there are models of them.
     fn played(&self, command: &[f64]) -> (Vec<f64>, Option<Vec<f64>>) {
         let x = predict::answer(

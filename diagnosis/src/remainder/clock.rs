@@ -60,14 +60,18 @@ fn slides(m: &Moves, since: Since) -> Vec<Vec<f64>> {
 }
 
 /// What the columns leave of the rests of the training and of the test records, as shares, and their weights.
-struct Left {
+struct UnexplainedShares {
     train: f64,
     test: f64,
     weights: Vec<f64>,
 }
 
 /// What columns leave.
-fn left(of: &dyn Fn(&Moves) -> Vec<Vec<f64>>, train: &[Moves], test: &[Moves]) -> Option<Left> {
+fn left(
+    of: &dyn Fn(&Moves) -> Vec<Vec<f64>>,
+    train: &[Moves],
+    test: &[Moves],
+) -> Option<UnexplainedShares> {
     let mut all: Vec<Vec<f64>> = Vec::new();
     let mut rest = Vec::new();
     for m in train {
@@ -92,7 +96,7 @@ fn left(of: &dyn Fn(&Moves) -> Vec<Vec<f64>>, train: &[Moves], test: &[Moves]) -
         }
         after / before.max(f64::MIN_POSITIVE)
     };
-    Some(Left {
+    Some(UnexplainedShares {
         train: share(train),
         test: share(test),
         weights: weights.iter().copied().collect(),
