@@ -5,6 +5,7 @@ use crate::base::Base;
 use crate::criteria::REACH;
 use crate::joint::{Doubt, SpecimenOutcome, SpecimenResult};
 use crate::noise::Noise;
+use crate::signals::{difference, mean};
 use plant::{Channel, Effect, Family};
 
 /// The declared parameters that were free, as refitted.
@@ -87,10 +88,8 @@ const LOUD: f64 = 2.0;
 /// What is left of the held-out data where it is mostly a constant, and nothing of the kind is left of the training data.
 pub fn another_zero(answer: &ChannelAnswer) -> Option<String> {
     let t = &answer.traces;
-    let rests = t.measured.iter().zip(&t.after).map(|(y, m)| y - m);
-    let n = t.measured.len() as f64;
     let left = answer.error_after;
-    let mean = rests.sum::<f64>() / n;
+    let mean = mean(&difference(&t.measured, &t.after));
     let squares = left.test_rms * left.test_rms;
     let trained = left.train_nrmse * left.test_rms / left.test_nrmse.max(f64::MIN_POSITIVE);
     let is_new = trained < 0.5 * left.test_rms;

@@ -1,5 +1,6 @@
 //! What is said of a channel: data only, so that every part of the diagnosis may use it.
 
+use crate::signals::difference;
 use plant::{Channel, Effect, Family};
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +60,30 @@ pub struct FoundEffect {
     pub parameters: Vec<FoundParameter>,
 }
 
+/// A parameter as it was estimated: name, unit, value, 90 % interval.
+pub(crate) type ParameterEstimate = (&'static str, &'static str, f64, [f64; 2]);
+
 impl FoundEffect {
+    /// Of these parameters, before anything speaks for it.
+    pub(crate) fn new(
+        name: Effect,
+        parameters: impl IntoIterator<Item = ParameterEstimate>,
+    ) -> Self {
+        let parameter = |(name, unit, value, ci90): ParameterEstimate| FoundParameter {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            ci90,
+        };
+        Self {
+            name,
+            family: name.entry().family,
+            q: None,
+            certificate: None,
+            parameters: parameters.into_iter().map(parameter).collect(),
+        }
+    }
+
     /// Whether its strength, the first of its parameters, is told from nothing at all.
     pub fn is_told(&self) -> bool {
         let strength = self.parameters.first().map(|p| p.ci90);
@@ -234,6 +258,19 @@ pub struct Traces {
     pub before: Vec<f64>,
     /// What the improved model answers.
     pub after: Vec<f64>,
+}
+
+impl Traces {
+    /// From what two models leave of what was measured.
+    pub(crate) fn of([time_s, input, measured]: [&[f64]; 3], [before, after]: [&[f64]; 2]) -> Self {
+        Self {
+            time_s: time_s.to_vec(),
+            input: input.to_vec(),
+            measured: measured.to_vec(),
+            before: difference(measured, before),
+            after: difference(measured, after),
+        }
+    }
 }
 
 /// The answer for a channel.

@@ -4,7 +4,7 @@ use crate::base::Base;
 use crate::fit::Solution;
 use crate::problem::Problem;
 use crate::recording::Recording;
-use crate::signals::rms;
+use crate::signals::{difference, peak, rms};
 use crate::spectrum;
 
 /// The actuator, where it is explained down to its noise.
@@ -47,9 +47,9 @@ const MEMORY_S: f64 = 0.25;
 /// Whether a modelled motion is like its reading from the first sample on: a record that begins in mid-motion does not
 /// tell the commands before it, and the corner where they are missed would be an acceleration that never was.
 fn begins_alike(motion: &[f64], reading: &[f64], interval_s: f64) -> bool {
-    let differences: Vec<f64> = motion.iter().zip(reading).map(|(m, r)| m - r).collect();
+    let differences = difference(motion, reading);
     let start = ((MEMORY_S / interval_s) as usize).min(differences.len() / 4);
     let (first, others) = differences.split_at(start);
-    let largest = first.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+    let largest = peak(first);
     largest <= 6.0 * rms(&[others.to_vec()])
 }

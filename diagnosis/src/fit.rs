@@ -5,7 +5,7 @@ use crate::library::candidate::{Candidate, Shape};
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::{FittedEffect, Problem};
-use crate::signals::Signals;
+use crate::signals::{Signals, difference};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
@@ -50,13 +50,8 @@ impl<'a> Frame<'a> {
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for stretch in &problem.stretches {
             let signals = problem.staged(stretch, &stages, &problem.scales);
-            let difference: Vec<f64> = stretch
-                .target
-                .iter()
-                .zip(&signals.base)
-                .map(|(t, b)| t - b)
-                .collect();
-            noise.whiten_into(&stretch.judged(&difference), &mut residual);
+            let left = difference(&stretch.target, &signals.base);
+            noise.whiten_into(&stretch.judged(&left), &mut residual);
             let mut raw = problem.staged_columns(base, stretch, &stages);
             for (candidate, shapes) in fixed {
                 raw.extend((candidate.columns)(&signals, shapes, &problem.scales));

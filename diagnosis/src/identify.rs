@@ -6,7 +6,7 @@
 
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::Transfer;
+use crate::signals::{Transfer, deviation, mean, rms};
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
 
@@ -81,7 +81,7 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
     }
     let best = fit.settle_on(fit.begin());
     let residual = fit.residual(&best);
-    let nrmse = rms(&residual) / followed;
+    let nrmse = rms(std::slice::from_ref(&residual)) / followed;
     if nrmse.is_nan() || nrmse > WORST_NRMSE {
         return Err(Refusal::new(format!(
             "{name}: a model with gain, delay and lag leaves {:.0} % of the displacement: accepted is a displacement \
@@ -255,19 +255,6 @@ impl TransferFit<'_> {
         let covariance = inverse * pulls * inverse * (stretches / (stretches - 4.0));
         std::array::from_fn(|k| T_95 * covariance[(k, k)].max(0.0).sqrt())
     }
-}
-
-fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
-}
-
-fn rms(x: &[f64]) -> f64 {
-    (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
-}
-
-fn deviation(x: &[f64]) -> f64 {
-    let mean = mean(x);
-    rms(&x.iter().map(|x| x - mean).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! How sure the figures are: block sandwich intervals of parameters, block bootstrap of an improvement.
 
+use crate::answer::ParameterEstimate;
 use crate::base::Base;
 use crate::fit::Solution;
 use crate::linear::dot;
@@ -17,24 +18,23 @@ const BLOCK_S: f64 = 0.25;
 /// Lengths of the sandwich's blocks, s.
 const BLOCKS_S: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// A parameter of an effect: name, unit, value, 90 % interval.
-pub type Estimate = (&'static str, &'static str, f64, [f64; 2]);
-
 /// The parameters of each effect of a solution.
-pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Estimate>> {
+pub fn parameters(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<ParameterEstimate>> {
     let own = of_its_samples(solution, base, noise);
     let Some(whole) = &solution.whole else {
         return own;
     };
     let all = of_its_samples(whole, base, noise);
-    let which = |(own, all): (Estimate, Estimate)| if own.0 == "presliding_mm" { all } else { own };
+    let which = |(own, all): (ParameterEstimate, ParameterEstimate)| {
+        if own.0 == "presliding_mm" { all } else { own }
+    };
     let pairs = own.into_iter().zip(all);
     pairs
         .map(|(own, all)| own.into_iter().zip(all).map(which).collect())
         .collect()
 }
 
-fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<Estimate>> {
+fn of_its_samples(solution: &Solution, base: &Base, noise: &Noise) -> Vec<Vec<ParameterEstimate>> {
     let scales = solution.problem.scales;
     let values = |effects: &[FittedEffect], which: usize| {
         let e = &effects[which];
@@ -70,7 +70,7 @@ pub fn around(
     values: Vec<(&'static str, &'static str, f64)>,
     gradient: &DMatrix<f64>,
     covariance: Option<&DMatrix<f64>>,
-) -> Vec<Estimate> {
+) -> Vec<ParameterEstimate> {
     let spread = covariance.map(|c| gradient * c * gradient.transpose());
     let half = |i: usize| {
         spread

@@ -1,6 +1,7 @@
 //! Least squares with bounds and with what is known beforehand, for a handful of unknowns.
 
-use nalgebra::{DMatrix, DVector};
+use crate::signals::add_scaled;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// Normal equations of a least squares problem.
 #[derive(Clone, Debug)]
@@ -114,6 +115,41 @@ pub fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {
     });
     matrix.fill_upper_triangle_with_lower_triangle();
     matrix
+}
+
+/// Normal equations, scaled and factored once for many right sides.
+pub struct Factor {
+    cholesky: Cholesky<f64, Dyn>,
+    scale: Vec<f64>,
+}
+
+impl Factor {
+    /// `None` where they have no solution.
+    pub fn of(mut matrix: DMatrix<f64>) -> Option<Self> {
+        let n = matrix.nrows();
+        let scale: Vec<f64> = (0..n)
+            .map(|i| 1.0 / matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        for i in 0..n {
+            for j in 0..n {
+                matrix[(i, j)] *= scale[i] * scale[j];
+            }
+            matrix[(i, i)] += 1e-9;
+        }
+        Some(Self {
+            cholesky: matrix.cholesky()?,
+            scale,
+        })
+    }
+
+    /// Adds the regression of a signal on `columns` to it, times a factor.
+    pub fn add_regression(&self, columns: &[Vec<f64>], signal: &mut [f64], factor: f64) {
+        let right = |i: usize, _| dot(&columns[i], signal) * self.scale[i];
+        let share = self.cholesky.solve(&DVector::from_fn(columns.len(), right));
+        for (i, column) in columns.iter().enumerate() {
+            add_scaled(signal, column, factor * share[i] * self.scale[i]);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,9 @@ use crate::library::form;
 use crate::library::saved::fit_of;
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
-use crate::signals::{Scales, Signals, Transfer, add_scaled, averaged, derivative, lagged};
+use crate::signals::{
+    Scales, Signals, Transfer, add_scaled, averaged, derivative, difference, lagged, peak,
+};
 use crate::spectrum;
 use crate::stretch::{Segment, corners, settling};
 use crate::travel;
@@ -107,27 +109,18 @@ impl Problem {
             });
         }
         let first = stretches.first()?;
+        let unit = Transfer {
+            gain: 1.0,
+            ..Transfer::default()
+        };
         let scales = Scales {
-            x: 0.0,
-            v: 0.0,
-            base: 0.0,
             stiffness: 1.0,
             seconds: first.signals.interval_s * first.seen(&first.target).len() as f64,
             interval_s: first.signals.interval_s,
             step_s: first.signals.interval_s,
-            actuator: Transfer {
-                gain: 1.0,
-                delay_s: 0.0,
-                lag_s: 0.0,
-                offset_mm: 0.0,
-            },
-            declared: Transfer {
-                gain: 1.0,
-                delay_s: 0.0,
-                lag_s: 0.0,
-                offset_mm: 0.0,
-            },
-            line_hz: None,
+            actuator: unit,
+            declared: unit,
+            ..Scales::default()
         };
         let mut problem = Self {
             stretches,
@@ -184,18 +177,13 @@ impl Problem {
     /// Sizes of the motion.
     fn measure(&mut self, base: &Base) {
         let largest = |of: fn(&Signals) -> &Vec<f64>| {
-            let all = self.stretches.iter().flat_map(|s| s.seen(of(&s.signals)));
-            all.fold(0.0_f64, |m, x| m.max(x.abs())).max(1e-9)
+            peak(self.stretches.iter().flat_map(|s| s.seen(of(&s.signals)))).max(1e-9)
         };
         let (x, v, answer) = (largest(|s| &s.x), largest(|s| &s.v), largest(|s| &s.base));
         (self.scales.x, self.scales.v, self.scales.base) = (x, v, answer);
         if base.channel == Channel::Specimen && base.values[0] == 0.0 {
             // A specimen without a stiffness of its own: forces are compared with the largest.
-            let force = self
-                .stretches
-                .iter()
-                .flat_map(|s| s.seen(&s.target))
-                .fold(0.0_f64, |m, f| m.max(f.abs()));
+            let force = peak(self.stretches.iter().flat_map(|s| s.seen(&s.target)));
             self.scales.stiffness = (force / x).max(1e-12);
         }
     }
@@ -356,8 +344,7 @@ impl Problem {
                     (stage(&here, &moved, &self.scales), 1e3 * step)
                 } else {
                     // A small step along the column, through the stage.
-                    let largest = column.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-                    let step = 1e-3 * self.scales.base / largest.max(f64::MIN_POSITIVE);
+                    let step = 1e-3 * self.scales.base / peak(&*column).max(f64::MIN_POSITIVE);
                     let mut moved = here.clone();
                     add_scaled(&mut moved, column, step);
                     (stage(&moved, shapes, &self.scales), step)
@@ -397,8 +384,7 @@ impl Problem {
     pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {
             let y = self.answer(s, effects, scales);
-            let pairs = s.seen(&s.target).iter().zip(s.seen(&y));
-            pairs.map(|(t, y)| t - y).collect()
+            difference(s.seen(&s.target), s.seen(&y))
         };
         self.stretches.iter().map(residual).collect()
     }

@@ -6,6 +6,7 @@ use crate::library::candidate::Candidate;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::{FittedEffect, Problem};
+use crate::signals::difference;
 use nalgebra::DVector;
 use plant::Channel;
 use std::borrow::Cow;
@@ -104,8 +105,7 @@ impl Jacobian {
             for (raw, column) in raw.into_iter().zip(&mut columns) {
                 noise.whiten_into(&stretch.judged(&raw), column);
             }
-            let residual = stretch.target.iter().zip(&here).map(|(t, h)| t - h);
-            let residual: Vec<f64> = residual.collect();
+            let residual = difference(&stretch.target, &here);
             noise.whiten_into(&stretch.judged(&residual), &mut white);
         }
         Self {

@@ -182,6 +182,32 @@ pub fn rms(parts: &[Vec<f64>]) -> f64 {
     (square / n.max(1) as f64).sqrt()
 }
 
+/// `a - b`, sample by sample.
+pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Mean value.
+pub fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// Standard deviation.
+pub fn deviation(x: &[f64]) -> f64 {
+    let mean = mean(x);
+    rms(&[x.iter().map(|x| x - mean).collect()])
+}
+
+/// rms of a residual over the standard deviation of what was measured.
+pub fn nrmse(residuals: &[Vec<f64>], measured: &[f64]) -> f64 {
+    rms(residuals) / deviation(measured).max(f64::MIN_POSITIVE)
+}
+
+/// Largest magnitude.
+pub fn peak<'x>(x: impl IntoIterator<Item = &'x f64>) -> f64 {
+    x.into_iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+}
+
 /// Means of `every` samples.
 pub fn averaged(x: &[f64], every: usize) -> Vec<f64> {
     if every == 1 {

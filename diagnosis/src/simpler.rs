@@ -1,5 +1,6 @@
 //! What the figures of a solution say themselves: that an effect is a simpler one, or that none is told.
 
+use crate::answer::ParameterEstimate;
 use crate::base::Base;
 use crate::criteria::single::{CLASS, FAR, PASS};
 use crate::fit::{Solution, settle};
@@ -44,7 +45,7 @@ pub fn plain_friction(s: &Solution, base: &Base, noise: &Noise) -> Option<Soluti
 /// Of several effects those whose strength these samples tell; `None` where they tell all, or none.
 pub fn told(s: &Solution, base: &Base, noise: &Noise) -> Option<Solution> {
     let figures = interval::parameters(s, base, noise);
-    let tells = |figures: &Vec<interval::Estimate>| {
+    let tells = |figures: &Vec<ParameterEstimate>| {
         let [low, high] = figures.first().map_or([1.0; 2], |f| f.3);
         low > 0.0 || high < 0.0
     };

@@ -7,6 +7,7 @@ use super::specimen::{CoupledSpecimen, MATRICES};
 use crate::answer::Errors;
 use crate::declared::Declared;
 use crate::interval::{NINETY, improvement};
+use crate::signals::{difference, mean, rms};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -143,10 +144,7 @@ impl Judge<'_> {
         let declared = self.declared.row(i);
         let rest = |set: &[Moved], row: &[Declared]| -> Vec<Vec<f64>> {
             set.iter()
-                .map(|m| {
-                    let model = resisted(m, row);
-                    centred(m.force[i].iter().zip(&model).map(|(f, r)| f - r).collect())
-                })
+                .map(|m| centred(difference(&m.force[i], &resisted(m, row))))
                 .collect()
         };
         let own = |set: &[Moved]| -> f64 {
@@ -260,12 +258,7 @@ fn resisted(m: &Moved, row: &[Declared]) -> Vec<f64> {
 
 /// Less its mean: a force at rest is no entry.
 fn centred(mut x: Vec<f64>) -> Vec<f64> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let mean = mean(&x);
     x.iter_mut().for_each(|x| *x -= mean);
     x
-}
-
-fn rms(parts: &[Vec<f64>]) -> f64 {
-    let squares: f64 = parts.iter().flatten().map(|x| x * x).sum();
-    (squares / parts.iter().map(Vec::len).sum::<usize>() as f64).sqrt()
 }

@@ -9,7 +9,7 @@ use crate::foretold::next_error;
 use crate::recording::{Recording, range};
 use crate::remainder::{Moves, anatomy, clock, correction, lines, rms_with};
 use crate::rest;
-use crate::signals::rms;
+use crate::signals::{difference, mean, rms};
 use plant::{Channel, Family};
 
 /// Where the mains' line may be, Hz: an effect by itself.
@@ -21,17 +21,12 @@ fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
     let skipped = r.time_s.len() - rest.len();
     let (from, end) = rest::spans(r).into_iter().max_by_key(|(a, b)| b - a)?;
     let still = rest.get(from.saturating_sub(skipped)..end.checked_sub(skipped)?)?;
-    let mean = still.iter().sum::<f64>() / still.len() as f64;
+    let mean = mean(still);
     let still: Vec<f64> = still.iter().map(|x| x - mean).collect();
     let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
     found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
     found.iter_mut().for_each(|l| l.at_rest = true);
     Some((rms(&[still]), found))
-}
-
-/// What a model leaves of what was measured.
-fn rest_of(measured: &[f64], model: &[f64]) -> Vec<f64> {
-    measured.iter().zip(model).map(|(y, m)| y - m).collect()
 }
 
 /// Each line with its frequency and its amplitude, in words.
@@ -173,7 +168,7 @@ impl ChannelDiagnosis<'_> {
             return;
         }
         let t = &answer.traces;
-        let rest = rest_of(&t.measured, &t.after);
+        let rest = difference(&t.measured, &t.after);
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };
@@ -205,7 +200,7 @@ impl ChannelDiagnosis<'_> {
         let answer = |(r, rest): (&Recording, &Vec<f64>)| {
             let target = self.target_of(r)?;
             let judged = &target[target.len() - rest.len()..];
-            Some(judged.iter().zip(rest).map(|(t, r)| t - r).collect())
+            Some(difference(judged, rest))
         };
         records.iter().zip(rests).map(answer).collect()
     }
@@ -216,7 +211,7 @@ impl ChannelDiagnosis<'_> {
             return;
         }
         let t = &answer.traces;
-        let rest = rest_of(&t.measured, &t.before);
+        let rest = difference(&t.measured, &t.before);
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
             return;
         };

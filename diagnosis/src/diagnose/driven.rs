@@ -6,29 +6,22 @@ use crate::base::Base;
 use crate::criteria::actuator::{ABOUT_THE_NOISE, ACCOUNTS, BY_CHANCE, LITTLE, TO_THE_NOISE};
 use crate::criteria::{DISPLACEMENT_TRANSDUCER, WORTH_A_NAME};
 use crate::drivetrain::{self, ActuatorData, ActuatorFit, ActuatorOutcome};
+use crate::interval::NINETY;
 use crate::model::Model;
 use crate::noise::{Noise, NoiseSource};
-use crate::signals::rms;
+use crate::signals::{difference, nrmse, rms};
 use crate::{advice, interval, joint};
 use plant::Effect;
 
-/// Half a two-sided 90 % interval of the normal distribution.
-const NINETY: f64 = 1.645;
-
 /// Errors of a fit on the training data and on the held-out data.
 fn errors(fit: &ActuatorFit, train: &ActuatorData, test: &ActuatorData) -> (Errors, Vec<f64>) {
-    let nrmse = |residual: &Vec<f64>, data: &ActuatorData| {
-        let n = data.target.len() as f64;
-        let mean = data.target.iter().sum::<f64>() / n;
-        let spread = data.target.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / n;
-        rms(std::slice::from_ref(residual)) / spread.sqrt().max(f64::MIN_POSITIVE)
-    };
-    let (trained, tested) = (train.residual(fit), test.residual(fit));
+    let [trained, tested] = [train, test].map(|data| [data.residual(fit)]);
     let errors = Errors {
-        train_nrmse: nrmse(&trained, train),
-        test_nrmse: nrmse(&tested, test),
-        test_rms: rms(std::slice::from_ref(&tested)),
+        train_nrmse: nrmse(&trained, &train.target),
+        test_nrmse: nrmse(&tested, &test.target),
+        test_rms: rms(&tested),
     };
+    let [tested] = tested;
     (errors, tested)
 }
 
@@ -63,7 +56,10 @@ impl ChannelDiagnosis<'_> {
                 bic_gain: -(found.declared.residual.len() as f64) * left.ln(),
             })
             .collect();
-        answer.traces = self.drive_traces(&test, &held_before, &held_before);
+        let run = &test.runs[0];
+        let time_s = &self.test[0].time_s[run.skipped..];
+        let signals = [time_s, &run.command[run.lead..], &run.target];
+        answer.traces = Traces::of(signals, [&held_before; 2]);
         let mut kept = found.declared.clone();
         let is_noise =
             noise.from != NoiseSource::Guess && reached < noise.rms.hypot(TO_THE_NOISE * noise.rms);
@@ -93,61 +89,54 @@ impl ChannelDiagnosis<'_> {
                 unknown(&mut answer, nearest, explained)
             }
             ActuatorOutcome::Named { fit, names, more } => {
-                let (after, held) = errors(&fit, &train, &test);
-                let gain = self.gain(&held_before, &held);
-                let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
-                if little || gain[0] <= 0.0 {
-                    let explained = 1.0 - (after.train_nrmse / before.train_nrmse).powi(2);
-                    unknown(&mut answer, names[0].effect, explained.max(0.0));
-                } else {
-                    let floor = (ACCOUNTS * before.test_rms).max(ABOUT_THE_NOISE * noise.rms);
-                    let beside = TO_THE_NOISE * noise.rms;
-                    let nothing = noise.from == NoiseSource::Rest
-                        && after.test_rms <= noise.rms.hypot(beside);
-                    answer.verdict = if nothing || after.test_rms <= floor && !more {
-                        Verdict::Effect
-                    } else {
-                        Verdict::Partial
-                    };
-                    answer.effects = names
-                        .iter()
-                        .map(|n| self.drive_effect(&train, &fit, n.effect, Some(n.certificate)))
-                        .collect();
-                    kept.clone_from(&fit);
-                    self.take(
-                        &mut answer,
-                        &train,
-                        &test,
-                        &fit,
-                        (after, held, gain),
-                        improved,
-                    );
+                let all: Vec<_> = names
+                    .iter()
+                    .map(|n| (n.effect, Some(n.certificate)))
+                    .collect();
+                match self.take(
+                    &mut answer,
+                    &fit,
+                    &all,
+                    [&train, &test],
+                    &held_before,
+                    improved,
+                ) {
+                    Err(explained) => unknown(&mut answer, names[0].effect, explained),
+                    Ok(()) => {
+                        let left = answer.error_after.test_rms;
+                        let floor = (ACCOUNTS * before.test_rms).max(ABOUT_THE_NOISE * noise.rms);
+                        let beside = TO_THE_NOISE * noise.rms;
+                        let nothing =
+                            noise.from == NoiseSource::Rest && left <= noise.rms.hypot(beside);
+                        answer.verdict = if nothing || left <= floor && !more {
+                            Verdict::Effect
+                        } else {
+                            Verdict::Partial
+                        };
+                        kept = fit;
+                    }
                 }
             }
             ActuatorOutcome::Set { fit, members } => {
-                let (after, held) = errors(&fit, &train, &test);
-                let gain = self.gain(&held_before, &held);
-                let little = after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms;
-                if little || gain[0] <= 0.0 {
-                    let explained = 1.0 - (after.train_nrmse / before.train_nrmse).powi(2);
-                    unknown(&mut answer, members[0].0, explained.max(0.0));
-                } else {
-                    answer.verdict = Verdict::Ambiguous;
-                    answer.effects = vec![self.drive_effect(&train, &fit, members[0].0, None)];
-                    answer.alternatives = members[1..].iter().map(|m| m.0).collect();
-                    answer.members = members
-                        .iter()
-                        .map(|&(name, probability)| Member { name, probability })
-                        .collect();
-                    kept.clone_from(&fit);
-                    self.take(
-                        &mut answer,
-                        &train,
-                        &test,
-                        &fit,
-                        (after, held, gain),
-                        improved,
-                    );
+                let first = [(members[0].0, None)];
+                match self.take(
+                    &mut answer,
+                    &fit,
+                    &first,
+                    [&train, &test],
+                    &held_before,
+                    improved,
+                ) {
+                    Err(explained) => unknown(&mut answer, members[0].0, explained),
+                    Ok(()) => {
+                        answer.verdict = Verdict::Ambiguous;
+                        answer.alternatives = members[1..].iter().map(|m| m.0).collect();
+                        answer.members = members
+                            .iter()
+                            .map(|&(name, probability)| Member { name, probability })
+                            .collect();
+                        kept = fit;
+                    }
                 }
             }
         }
@@ -165,71 +154,47 @@ impl ChannelDiagnosis<'_> {
         Some(answer)
     }
 
-    fn gain(&self, before: &[f64], after: &[f64]) -> [f64; 2] {
-        let h = self.test[0].interval_s();
-        interval::improvement(&[before.to_vec()], &[after.to_vec()], h)
-    }
-
+    /// Takes over a fit with its names and, where they have one, their certificates; an error is the share that a fit explains
+    /// which helps little on held-out data.
     fn take(
         &self,
         answer: &mut ChannelAnswer,
-        train: &ActuatorData,
-        test: &ActuatorData,
         fit: &ActuatorFit,
-        (after, held, gain): (Errors, Vec<f64>, [f64; 2]),
+        names: &[(Effect, Option<Certificate>)],
+        [train, test]: [&ActuatorData; 2],
+        held_before: &[f64],
         improved: &mut Model,
-    ) {
+    ) -> Result<(), f64> {
+        let (after, held) = errors(fit, train, test);
+        let before = answer.error_before;
+        let h = self.test[0].interval_s();
+        let both = [held_before.to_vec()];
+        let gain = interval::improvement(&both, std::slice::from_ref(&held), h);
+        if after.test_rms > (1.0 - WORTH_A_NAME) * before.test_rms || gain[0] <= 0.0 {
+            return Err((1.0 - (after.train_nrmse / before.train_nrmse).powi(2)).max(0.0));
+        }
+        let spread = train.spread(fit);
+        answer.effects = names
+            .iter()
+            .map(|&(name, certificate)| {
+                let figures = train.figures(fit, name, &spread).into_iter();
+                let estimates = figures.map(|(name, unit, value, sigma)| {
+                    let half = NINETY * sigma;
+                    (name, unit, value, [value - half, value + half])
+                });
+                FoundEffect {
+                    q: certificate.map(|c| joint::q(c.rivals_leave)),
+                    certificate,
+                    ..FoundEffect::new(name, estimates)
+                }
+            })
+            .collect();
         answer.error_after = after;
         answer.improvement_ci90 = gain;
         answer.refitted = refitted(&self.base, fit);
-        answer.traces.after = self.drive_traces(test, &held, &held).after;
-        train.save(fit, &train.spread(fit), improved);
-    }
-
-    fn drive_effect(
-        &self,
-        data: &ActuatorData,
-        fit: &ActuatorFit,
-        name: Effect,
-        certificate: Option<Certificate>,
-    ) -> FoundEffect {
-        let spread = data.spread(fit);
-        let parameters = data
-            .figures(fit, name, &spread)
-            .into_iter()
-            .map(|(name, unit, value, sigma)| FoundParameter {
-                name: name.into(),
-                value,
-                unit: unit.into(),
-                ci90: [value - NINETY * sigma, value + NINETY * sigma],
-            })
-            .collect();
-        FoundEffect {
-            name,
-            family: name.entry().family,
-            q: certificate.map(|c| joint::q(c.rivals_leave)),
-            certificate,
-            parameters,
-        }
-    }
-
-    /// The first held-out record, measured and modelled.
-    fn drive_traces(&self, test: &ActuatorData, before: &[f64], after: &[f64]) -> Traces {
-        let run = &test.runs[0];
-        let model = |residual: &[f64]| {
-            run.target
-                .iter()
-                .zip(residual)
-                .map(|(t, r)| t - r)
-                .collect()
-        };
-        Traces {
-            time_s: self.test[0].time_s[run.skipped..].to_vec(),
-            input: run.command[run.lead..].to_vec(),
-            measured: run.target.clone(),
-            before: model(before),
-            after: model(after),
-        }
+        answer.traces.after = difference(&test.runs[0].target, &held);
+        train.save(fit, &spread, improved);
+        Ok(())
     }
 }
 

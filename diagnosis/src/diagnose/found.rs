@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::noise::{Noise, NoiseSource};
 use crate::problem::Problem;
 use crate::recording::{Recording, range};
-use crate::signals::rms;
+use crate::signals::{nrmse, rms};
 use crate::{advice, joint, lattice, rest};
 use plant::{Channel, Effect, EffectSpec, Family};
 
@@ -87,20 +87,14 @@ fn others(given: &[FoundEffect], all: impl Iterator<Item = Effect>) -> Vec<Effec
 impl ChannelDiagnosis<'_> {
     /// Errors on training and held-out data, the held-out problem and its residuals.
     pub(super) fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
-        let nrmse = |problem: &Problem, residuals: &[Vec<f64>]| {
-            let targets: Vec<f64> = problem
-                .stretches
-                .iter()
-                .flat_map(|s| s.seen(&s.target).to_vec())
-                .collect();
-            let mean = targets.iter().sum::<f64>() / targets.len() as f64;
-            let spread = rms(&[targets.iter().map(|t| t - mean).collect()]);
-            rms(residuals) / spread.max(f64::MIN_POSITIVE)
+        let of = |problem: &Problem, residuals: &[Vec<f64>]| {
+            let targets = problem.stretches.iter().map(|s| s.seen(&s.target));
+            nrmse(residuals, &targets.collect::<Vec<_>>().concat())
         };
         let scales = s.problem.scales;
         let train = s.problem.residuals(&s.effects, &scales);
         let mut errors = Errors {
-            train_nrmse: nrmse(&s.problem, &train),
+            train_nrmse: of(&s.problem, &train),
             ..Errors::default()
         };
         let held_out = self.problem(self.test, cutoff_hz).map(|mut problem| {
@@ -111,7 +105,7 @@ impl ChannelDiagnosis<'_> {
             (problem, residuals)
         });
         if let Some((problem, residuals)) = &held_out {
-            errors.test_nrmse = nrmse(problem, residuals);
+            errors.test_nrmse = of(problem, residuals);
             errors.test_rms = rms(residuals);
         }
         (errors, held_out)
@@ -271,21 +265,7 @@ impl ChannelDiagnosis<'_> {
         s.effects
             .iter()
             .zip(figures)
-            .map(|(e, figures)| FoundEffect {
-                name: e.candidate.effect,
-                family: e.candidate.effect.entry().family,
-                q: None,
-                certificate: None,
-                parameters: figures
-                    .into_iter()
-                    .map(|(name, unit, value, ci90)| FoundParameter {
-                        name: name.into(),
-                        value,
-                        unit: unit.into(),
-                        ci90,
-                    })
-                    .collect(),
-            })
+            .map(|(e, figures)| FoundEffect::new(e.candidate.effect, figures))
             .collect()
     }
 
@@ -307,39 +287,23 @@ impl ChannelDiagnosis<'_> {
             Channel::Specimen => ("step_n", "N"),
         };
         answer.verdict = Verdict::Effect;
-        answer.effects = vec![FoundEffect {
-            name: Effect::Quantisation,
-            family: Effect::Quantisation.entry().family,
-            q: None,
-            certificate: None,
-            parameters: vec![FoundParameter {
-                name: name.into(),
-                value: step,
-                unit: unit.into(),
-                // What a converter of 12 bits behind the steps makes of them.
-                ci90: [step - room, step + room],
-            }],
-        }];
+        // What a converter of 12 bits behind the steps makes of them.
+        let ci90 = [step - room, step + room];
+        let parameters = [(name, unit, step, ci90)];
+        answer.effects = vec![FoundEffect::new(Effect::Quantisation, parameters)];
     }
 
     fn traces(&self, held_out: &Problem, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
         let Some(stretch) = held_out.stretches.first() else {
             return Traces::default();
         };
-        let model = |residual: &[f64]| {
-            let target = stretch.seen(&stretch.target);
-            target.iter().zip(residual).map(|(t, r)| t - r).collect()
+        let s = &stretch.signals;
+        let input = match self.base.channel {
+            Channel::Actuator => &s.command,
+            Channel::Specimen => &s.x,
         };
-        Traces {
-            time_s: stretch.seen(&stretch.signals.time_s).to_vec(),
-            input: match self.base.channel {
-                Channel::Actuator => stretch.seen(&stretch.signals.command).to_vec(),
-                Channel::Specimen => stretch.seen(&stretch.signals.x).to_vec(),
-            },
-            measured: stretch.seen(&stretch.target).to_vec(),
-            before: model(&before[0]),
-            after: model(&after[0]),
-        }
+        let seen = [&s.time_s, input, &stretch.target].map(|x| stretch.seen(x));
+        Traces::of(seen, [&before[0], &after[0]])
     }
 }
 

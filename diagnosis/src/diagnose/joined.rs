@@ -2,7 +2,7 @@
 
 use super::channel::ChannelDiagnosis;
 use crate::answer::{
-    Certificate, ChannelAnswer, Errors, FoundEffect, FoundParameter, Member, Nearest, Traces,
+    Certificate, ChannelAnswer, Errors, FoundEffect, Member, Nearest, ParameterEstimate, Traces,
     Verdict,
 };
 use crate::criteria::{
@@ -12,7 +12,7 @@ use crate::joint::{self, Explained, SpecimenFit, SpecimenOutcome};
 use crate::model::Model;
 use crate::noise::{Noise, NoiseSource};
 use crate::recording::Recording;
-use crate::signals::rms;
+use crate::signals::{nrmse, rms};
 use crate::{advice, interval, rest};
 use plant::Effect;
 
@@ -41,12 +41,9 @@ struct TrainAndTest<'a> {
 
 impl TrainAndTest<'_> {
     fn left(&self, fit: &SpecimenFit) -> Option<Residuals> {
-        let nrmse = |residuals: &[Vec<f64>], whole: &[Recording]| {
-            let forces = whole.iter().filter_map(|r| r.force_n.as_ref());
-            let force: Vec<f64> = forces.flatten().copied().collect();
-            let mean = force.iter().sum::<f64>() / force.len() as f64;
-            let spread = rms(&[force.iter().map(|f| f - mean).collect()]);
-            rms(residuals) / spread.max(f64::MIN_POSITIVE)
+        let of = |residuals: &[Vec<f64>], whole: &[Recording]| {
+            let forces = whole.iter().filter_map(|r| r.force_n.as_deref());
+            nrmse(residuals, &forces.collect::<Vec<_>>().concat())
         };
         let train = fit.residuals(&self.bare[0])?;
         let test = fit.residuals(&self.bare[1])?;
@@ -58,8 +55,8 @@ impl TrainAndTest<'_> {
         Some(Residuals {
             moving: rms(&moving),
             errors: Errors {
-                train_nrmse: nrmse(&train, self.train),
-                test_nrmse: nrmse(&test, self.test),
+                train_nrmse: of(&train, self.train),
+                test_nrmse: of(&test, self.test),
                 test_rms: rms(&test),
             },
             train,
@@ -189,14 +186,7 @@ impl ChannelDiagnosis<'_> {
         let (Some(force), Some(x)) = (&r.force_n, &r.displacement_mm) else {
             return Traces::default();
         };
-        let model = |left: &[f64]| force.iter().zip(left).map(|(f, l)| f - l).collect();
-        Traces {
-            time_s: r.time_s.clone(),
-            input: x.clone(),
-            measured: force.clone(),
-            before: model(before),
-            after: model(after),
-        }
+        Traces::of([&r.time_s, x, force], [before, after])
     }
 }
 
@@ -210,34 +200,18 @@ fn nearest(name: Effect, before: &Residuals, after: &Residuals) -> Nearest {
 }
 
 fn effects(explained: &Explained) -> Vec<FoundEffect> {
-    let effect = |(name, certificate, figures): &(
-        Effect,
-        Option<Certificate>,
-        Vec<crate::interval::Estimate>,
-    )| {
-        let found = FoundEffect {
-            name: *name,
-            family: name.entry().family,
-            q: None,
-            certificate: *certificate,
-            parameters: figures
-                .iter()
-                .map(|&(name, unit, value, ci90)| FoundParameter {
-                    name: name.into(),
-                    value,
-                    unit: unit.into(),
-                    ci90,
-                })
-                .collect(),
+    let effect =
+        |(name, certificate, figures): &(Effect, Option<Certificate>, Vec<ParameterEstimate>)| {
+            let found = FoundEffect::new(*name, figures.iter().copied());
+            let sure = |c: Certificate| {
+                let q = joint::q(c.rivals_leave);
+                if found.is_told() { q } else { LEAST_SURE }
+            };
+            FoundEffect {
+                q: certificate.map(sure),
+                certificate: *certificate,
+                ..found
+            }
         };
-        let sure = |c: Certificate| {
-            let q = joint::q(c.rivals_leave);
-            if found.is_told() { q } else { LEAST_SURE }
-        };
-        FoundEffect {
-            q: certificate.map(sure),
-            ..found
-        }
-    };
     explained.names.iter().map(effect).collect()
 }

@@ -3,6 +3,7 @@
 use super::channel::ChannelDiagnosis;
 use crate::answer::ChannelAnswer;
 use crate::recording::{Recording, range};
+use crate::signals::mean;
 use crate::{lattice, plausible};
 use plant::{Channel, Effect};
 use std::ops::Range;
@@ -78,8 +79,7 @@ impl ChannelDiagnosis<'_> {
         so: &str,
     ) -> String {
         let at = x[stop.start];
-        let middle = x.iter().sum::<f64>() / x.len() as f64;
-        let end = if at > middle { "largest" } else { "smallest" };
+        let end = if at > mean(x) { "largest" } else { "smallest" };
         format!(
             "{}: the {what} of the {} is clipped: it stays at its {end} value, {at:.4} {unit}, again and again, the longest \
              from {:.3} s to {:.3} s{so}. Record with a wider range of the amplifier and the converter, or give spans \

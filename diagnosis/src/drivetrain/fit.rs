@@ -5,7 +5,8 @@ use super::way::{Run, Way};
 use crate::base::Base;
 use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
-use crate::linear::{Bound, Normal, dot, gram, solve};
+use crate::linear::{Bound, Factor, Normal, dot, gram, solve};
+use crate::signals::{add_scaled, difference};
 use nalgebra::DVector;
 
 /// The declared parameters: gain, delay, lag, offset.
@@ -176,7 +177,7 @@ impl<'a> ActuatorData<'a> {
             .map(|c| declared[0] * c + declared[3])
             .collect();
         for (column, a) in columns[1..].iter().zip(amplitudes) {
-            crate::signals::add_scaled(&mut y, column, *a);
+            add_scaled(&mut y, column, *a);
         }
         y
     }
@@ -188,7 +189,7 @@ impl<'a> ActuatorData<'a> {
             &fit.declared,
             &fit.amplitudes,
         );
-        self.target.iter().zip(y).map(|(t, y)| t - y).collect()
+        difference(&self.target, &y)
     }
 
     /// A residual of all records, record by record.
@@ -225,7 +226,7 @@ impl<'a> ActuatorData<'a> {
             };
             let columns = self.columns(&way);
             let y = self.combined(&columns, &declared, &amplitudes);
-            let residual: Vec<f64> = self.target.iter().zip(&y).map(|(t, y)| t - y).collect();
+            let residual = difference(&self.target, &y);
             let slopes = self.slopes(&way, &columns, &y, &declared, &amplitudes);
             let mut bounds: Vec<Bound> = (0..DECLARED)
                 .map(|i| {
@@ -306,12 +307,7 @@ impl<'a> ActuatorData<'a> {
                     parts: turned.clone(),
                 };
                 let y = self.combined(&self.columns(&way), &next, &more);
-                let square: f64 = self
-                    .target
-                    .iter()
-                    .zip(&y)
-                    .map(|(t, y)| (t - y) * (t - y))
-                    .sum();
+                let square: f64 = difference(&self.target, &y).iter().map(|r| r * r).sum();
                 if square < cost {
                     let fall = cost - square;
                     (declared, amplitudes, parts) = (next, more, turned);
@@ -383,22 +379,8 @@ impl<'a> ActuatorData<'a> {
                 matrix[(i, i)] += 1e-9 * whole[(i, i)];
             }
             // Without the block the sum of slopes times residuals is less by the block's.
-            let right = DVector::from_fn(part.len(), |i, _| -dot(&part[i], r));
-            let scale: Vec<f64> = (0..part.len())
-                .map(|i| 1.0 / matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt())
-                .collect();
-            for i in 0..part.len() {
-                for j in 0..part.len() {
-                    matrix[(i, j)] *= scale[i] * scale[j];
-                }
-                matrix[(i, i)] += 1e-9;
-            }
-            let right = DVector::from_fn(part.len(), |i, _| right[i] * scale[i]);
-            let step = matrix.cholesky()?.solve(&right);
             let mut left = r.to_vec();
-            for (i, column) in part.iter().enumerate() {
-                crate::signals::add_scaled(&mut left, column, -step[i] * scale[i]);
-            }
+            Factor::of(matrix)?.add_regression(&part, &mut left, 1.0);
             *out = dot(&left, &left);
         }
         Some(out)

@@ -4,8 +4,7 @@
 use super::fit::{ActuatorData, ActuatorFit, DECLARED, PartSet};
 use super::part::{Part, PartKind, Shapes};
 use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PRICE};
-use crate::linear::{dot, gram};
-use nalgebra::DVector;
+use crate::linear::{Factor, dot, gram};
 use rayon::prelude::*;
 
 /// A fit with its cross-validated squares and its score.
@@ -196,7 +195,7 @@ impl<'a> PartSearch<'a> {
     /// What each kind that a fit does not have would take off its squares, at the best of its grid, to first order.
     pub fn glances(&self, from: &ScoredFit, without: &[PartKind]) -> Vec<Glance> {
         let slopes = &from.fit.slopes;
-        let Some(factor) = scaled(gram(slopes)) else {
+        let Some(factor) = Factor::of(gram(slopes)) else {
             return Vec::new();
         };
         let has = |k: &PartKind| {
@@ -209,7 +208,7 @@ impl<'a> PartSearch<'a> {
                 let at = |shapes: Shapes| {
                     let part = Part { kind, shapes };
                     let mut column = self.data.change(&from.fit, part);
-                    factor.take_out(slopes, &mut column);
+                    factor.add_regression(slopes, &mut column, -1.0);
                     let square = dot(&column, &column);
                     let pull = dot(&column, &from.fit.residual);
                     let one_way = !kind.is_column() || kind.is_positive();
@@ -272,40 +271,6 @@ impl Glance {
     /// The share of `cost` that it would leave.
     pub fn left(&self, cost: f64) -> f64 {
         (1.0 - self.fall / cost.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
-    }
-}
-
-/// Normal equations that were solved once for many right sides.
-struct Factor {
-    cholesky: nalgebra::Cholesky<f64, nalgebra::Dyn>,
-    scale: Vec<f64>,
-}
-
-fn scaled(mut matrix: nalgebra::DMatrix<f64>) -> Option<Factor> {
-    let n = matrix.nrows();
-    let scale: Vec<f64> = (0..n)
-        .map(|i| 1.0 / matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt())
-        .collect();
-    for i in 0..n {
-        for j in 0..n {
-            matrix[(i, j)] *= scale[i] * scale[j];
-        }
-        matrix[(i, i)] += 1e-9;
-    }
-    Some(Factor {
-        cholesky: matrix.cholesky()?,
-        scale,
-    })
-}
-
-impl Factor {
-    /// Takes out of a column what the slopes can make of it.
-    fn take_out(&self, slopes: &[Vec<f64>], column: &mut [f64]) {
-        let right = DVector::from_fn(slopes.len(), |i, _| dot(&slopes[i], column) * self.scale[i]);
-        let share = self.cholesky.solve(&right);
-        for (i, slope) in slopes.iter().enumerate() {
-            crate::signals::add_scaled(column, slope, -share[i] * self.scale[i]);
-        }
     }
 }
 

@@ -134,6 +134,20 @@ impl Blocks {
         Some(costs)
     }
 
+    /// Squares on each block of all columns, fitted to all others with a ridge on each column's own square; not within bounds.
+    pub fn ridge_cross_validated(&self, ridge: impl Fn(usize, f64) -> f64) -> Option<Vec<f64>> {
+        let n = self.scale.len();
+        let cost = |p: &Products| {
+            let mut others = self.all.less(p);
+            for i in 0..n {
+                others.gram[(i, i)] += ridge(i, self.all.gram[(i, i)]);
+            }
+            let w = others.gram.cholesky()?.solve(&others.right);
+            Some(p.square - 2.0 * w.dot(&p.right) + w.dot(&(&p.gram * &w)))
+        };
+        self.each.iter().map(cost).collect()
+    }
+
     /// Some of the columns only.
     pub fn of(&self, at: &[usize]) -> Self {
         let part = |p: &Products| Products {

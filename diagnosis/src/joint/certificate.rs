@@ -1,5 +1,6 @@
 //! What speaks for a name: rivals of every other family are given every chance in its place.
 
+use super::blocks::Blocks;
 use super::dashpot;
 use super::dictionary;
 use super::element::{Element, ElementKind, Law};
@@ -10,7 +11,6 @@ use super::separable::inseparable;
 use super::set::{DECLARED, ElementSet, Library, column};
 use crate::answer::Certificate;
 use crate::criteria::{BESIDE_THE_REST, BLOCKS, CERTAIN, PRICE};
-use nalgebra::{DMatrix, DVector};
 use plant::{Channel, Effect, Family};
 use rayon::prelude::*;
 
@@ -487,21 +487,9 @@ fn beside_the_rest(library: &Library, kind: ElementKind, elements: &[usize]) -> 
 
 /// Cross-validated squares of many columns with a ridge.
 fn ridge_costs(columns: &[Vec<f64>], force: &[f64]) -> Option<[f64; BLOCKS]> {
-    let blocks = super::blocks::Blocks::new(columns, force);
-    let n = columns.len();
-    let mut costs = [0.0; BLOCKS];
-    for (b, cost) in costs.iter_mut().enumerate() {
-        let p = &blocks.each[b];
-        let mut gram: DMatrix<f64> = &blocks.all.gram - &p.gram;
-        let right: DVector<f64> = &blocks.all.right - &p.right;
-        for i in 0..n {
-            let own = blocks.all.gram[(i, i)];
-            gram[(i, i)] += RIDGE * own.max(1e-12);
-        }
-        let w = gram.cholesky()?.solve(&right);
-        *cost = (p.square - 2.0 * w.dot(&p.right) + w.dot(&(&p.gram * &w))).max(0.0);
-    }
-    Some(costs)
+    let blocks = Blocks::new(columns, force);
+    let costs = blocks.ridge_cross_validated(|_, own| RIDGE * own.max(1e-12))?;
+    Some(std::array::from_fn(|b| costs[b].max(0.0)))
 }
 
 /// The set with these elements only, its parameters moved as far as that pays.

@@ -3,6 +3,7 @@
 use super::fit::SpecimenFit;
 use super::set::{DECLARED, Library, column};
 use crate::linear::{Bound, dot};
+use crate::signals::{add_scaled, difference};
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks of the sandwich, from long to short: what is correlated over many samples shows in the long ones.
@@ -80,21 +81,20 @@ pub fn chosen(x: &[f64], choice: &[bool]) -> Vec<f64> {
 fn answer(library: &Library, fit: &SpecimenFit) -> Vec<f64> {
     let mut y = vec![0.0; library.force.len()];
     for i in 0..DECLARED {
-        crate::signals::add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
+        add_scaled(&mut y, &library.columns[i], fit.parameters[i]);
     }
     for (element, strength) in &fit.elements {
         let force = column(library.tracks, library.every, |t| {
             element.force(t, &fit.sizes)
         });
-        crate::signals::add_scaled(&mut y, &force, *strength);
+        add_scaled(&mut y, &force, *strength);
     }
     y
 }
 
 /// Measured less answered.
 fn residual(library: &Library, fit: &SpecimenFit) -> Vec<f64> {
-    let y = answer(library, fit);
-    library.force.iter().zip(&y).map(|(f, y)| f - y).collect()
+    difference(&library.force, &answer(library, fit))
 }
 
 /// A fit made linear: what it leaves, and how its answer changes with its unknowns; over all samples or those of a choice.
@@ -116,8 +116,7 @@ impl Linear {
     ) -> Self {
         let here = answer(library, fit);
         let of = |all: Vec<f64>| choice.map_or_else(|| all.clone(), |own| chosen(&all, own));
-        let left = library.force.iter().zip(&here).map(|(f, y)| f - y);
-        let residual = of(left.collect());
+        let residual = of(difference(&library.force, &here));
         let columns: Vec<Vec<f64>> = unknowns
             .iter()
             .map(|unknown| {

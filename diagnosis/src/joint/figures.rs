@@ -4,7 +4,8 @@ use super::covariance::{covariance, unknowns};
 use super::element::{Element, Law};
 use super::fit::SpecimenFit;
 use super::set::{DECLARED, Library};
-use crate::interval::{self, Estimate};
+use crate::answer::ParameterEstimate;
+use crate::interval;
 use crate::library::candidate::NamedValue;
 use nalgebra::DMatrix;
 use plant::{Channel, Effect};
@@ -264,7 +265,7 @@ pub fn with_intervals(
     fit: &SpecimenFit,
     names: &[(Effect, Vec<usize>)],
     sure: Option<&[bool]>,
-) -> Vec<Vec<Estimate>> {
+) -> Vec<Vec<ParameterEstimate>> {
     let declared = &std::array::from_fn(|i| library.declared_value(i));
     let unknowns = unknowns(library, fit);
     let whole = covariance(library, fit, &unknowns, None);
@@ -286,7 +287,7 @@ pub fn with_intervals(
                 return all;
             };
             let sliding = interval::around(here, &gradient, Some(sliding));
-            let which = |(s, a): (Estimate, _)| if s.0 == PRESLIDING { a } else { s };
+            let which = |(s, a): (ParameterEstimate, _)| if s.0 == PRESLIDING { a } else { s };
             sliding.into_iter().zip(all).map(which).collect()
         })
         .collect()

@@ -4,6 +4,7 @@ use super::element::Element;
 use super::set::{DECLARED, ElementSet, Library, declared_columns};
 use super::track::{MotionScales, UnfilteredSpan};
 use crate::recording::Recording;
+use crate::signals::difference;
 
 /// Elements and declared parameters with their strengths.
 #[derive(Clone, Debug)]
@@ -52,8 +53,7 @@ impl SpecimenFit {
     pub fn residuals(&self, recordings: &[Recording]) -> Option<Vec<Vec<f64>>> {
         let residual = |r: &Recording| {
             let force = r.force_n.as_ref()?;
-            let answer = self.answer(r)?;
-            Some(force.iter().zip(answer).map(|(f, y)| f - y).collect())
+            Some(difference(force, &self.answer(r)?))
         };
         recordings.iter().map(residual).collect()
     }

@@ -6,13 +6,12 @@
 //! doubt, and is judged on pieces of the record that are left out. The pieces are short and dealt in turn: a free function knows
 //! nothing of a place where it has not been.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Products};
 use super::element::{ElementKind, Law};
 use super::set::{DECLARED, ElementSet, Library, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
 use crate::library::operators::way;
-use nalgebra::{DMatrix, DVector};
 use plant::Family;
 
 /// Pieces of the record; each sixth of them is left out once.
@@ -214,20 +213,14 @@ impl<'a> Dealt<'a> {
     fn left(&self, held: &[Vec<f64>], free: &[Vec<f64>]) -> f64 {
         let columns: Vec<Vec<f64>> = held.iter().chain(free).cloned().collect();
         let blocks = Blocks::new(&columns, &self.force);
-        let own = |i: usize| blocks.all.gram[(i, i)].max(f64::MIN_POSITIVE);
         let share = |i: usize| if i < held.len() { HELD } else { RIDGE };
-        let fold = |p: &super::blocks::Products| {
-            let mut gram: DMatrix<f64> = &blocks.all.gram - &p.gram;
-            for i in 0..columns.len() {
-                gram[(i, i)] += share(i) * own(i);
-            }
-            let right: DVector<f64> = &blocks.all.right - &p.right;
-            let w = gram.cholesky()?.solve(&right);
-            let cost = p.square - 2.0 * w.dot(&p.right) + w.dot(&(&p.gram * &w));
-            Some(cost.max(LEAST * p.square).max(f64::MIN_POSITIVE).ln())
+        let ridge = |i: usize, own: f64| share(i) * own.max(f64::MIN_POSITIVE);
+        let Some(costs) = blocks.ridge_cross_validated(ridge) else {
+            return f64::INFINITY;
         };
-        let folds: Option<Vec<f64>> = blocks.each.iter().map(fold).collect();
-        folds.map_or(f64::INFINITY, |all| all.iter().sum::<f64>() / BLOCKS as f64)
+        let ln =
+            |(cost, p): (&f64, &Products)| cost.max(LEAST * p.square).max(f64::MIN_POSITIVE).ln();
+        costs.iter().zip(&blocks.each).map(ln).sum::<f64>() / BLOCKS as f64
     }
 }
 

@@ -5,6 +5,7 @@ use crate::base::Base;
 use crate::criteria::BAND_ROOM;
 use crate::problem::Problem;
 use crate::recording::Recording;
+use crate::signals::difference;
 
 /// Records without the force of effects and elements that the model has from before.
 pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording>> {
@@ -14,10 +15,9 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
     records
         .iter()
         .map(|r| {
-            let force = known_force(base, r)?;
-            let measured = r.force_n.as_ref()?;
+            let force = difference(r.force_n.as_ref()?, &known_force(base, r)?);
             Some(Recording {
-                force_n: Some(measured.iter().zip(force).map(|(m, f)| m - f).collect()),
+                force_n: Some(force),
                 ..r.clone()
             })
         })
@@ -26,10 +26,6 @@ pub fn without_known(base: &Base, records: &[Recording]) -> Option<Vec<Recording
 
 /// The force of effects and elements that the model has from before, N.
 fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
-    let n = record.time_s.len();
-    if base.known.is_empty() && base.elements.is_empty() {
-        return Some(vec![0.0; n]);
-    }
     let bare = Base {
         known: Vec::new(),
         elements: Vec::new(),
@@ -37,13 +33,11 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     };
     let cutoff_hz = UnfilteredSpan::new(record)?.band_hz() * BAND_ROOM;
     let one = std::slice::from_ref(record);
-    let with = Problem::new(base, one, cutoff_hz, &[])?;
-    let without = Problem::new(&bare, one, cutoff_hz, &[])?;
-    let own = |p: &'_ Problem| {
-        let stretch = &p.stretches[0];
-        stretch.signals.base[stretch.lead..].to_vec()
+    let answer = |base| {
+        let stretch = Problem::new(base, one, cutoff_hz, &[])?
+            .stretches
+            .swap_remove(0);
+        Some(stretch.signals.base[stretch.lead..].to_vec())
     };
-    let (with, without) = (own(&with), own(&without));
-    let pairs = with.iter().zip(&without);
-    Some(pairs.map(|(a, b)| a - b).collect())
+    Some(difference(&answer(base)?, &answer(&bare)?))
 }

@@ -9,11 +9,10 @@ use super::polish::polish;
 use super::search::restrict;
 use super::set::{ElementSet, Library};
 use super::sliding;
-use crate::answer::Certificate;
+use crate::answer::{Certificate, ParameterEstimate};
 use crate::criteria::{
     CERTAIN, FALSE_NAMES, LARGEST_SET, LEAST_PROBABLE, LEAST_SURE, LEAST_TIMES, WEIGHT,
 };
-use crate::interval::Estimate;
 use plant::{Effect, Family};
 
 /// A model with its names.
@@ -24,7 +23,7 @@ pub struct Explained {
     /// Whose each of its elements is.
     pub owners: Vec<Effect>,
     /// Each name, its certificate where it has one, and its parameters.
-    pub names: Vec<(Effect, Option<Certificate>, Vec<Estimate>)>,
+    pub names: Vec<(Effect, Option<Certificate>, Vec<ParameterEstimate>)>,
     /// What more damping than declared, which is in the model, may be: no name, since others do nearly as well.
     pub damping: Vec<Effect>,
 }

@@ -5,7 +5,7 @@ use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, begins_at_rest, range};
 use crate::rest;
-use crate::signals::{Signals, averaged};
+use crate::signals::{Signals, averaged, peak};
 use crate::spectrum::motion_band_hz;
 use crate::travel;
 
@@ -159,7 +159,7 @@ impl Track {
             return;
         }
         let half = 0.5 * range(&self.x);
-        let top = self.v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let top = peak(&self.v);
         if self.v[0].abs() < AT_REST * top {
             return;
         }

@@ -8,7 +8,7 @@ use super::operators as op;
 use crate::drivetrain::part::{Part, PartKind, Shapes, shapes};
 use crate::drivetrain::way::Way;
 use crate::linear::Bound;
-use crate::signals::{Scales, delayed, lagged, resonant, unlagged};
+use crate::signals::{Scales, delayed, difference, lagged, resonant, unlagged};
 use plant::{Channel, Effect};
 
 /// A candidate of this channel that generalises nothing.
@@ -198,7 +198,7 @@ pub const CANDIDATES: &[Candidate] = &[
         columns: |s, p, k| {
             let gain = s.x.iter().map(|x| 0.5 * x.abs()).collect();
             let lag = op::retract_lag(&s.x, p[0], k.interval_s, s.interval_s);
-            vec![gain, lag.iter().zip(&s.x).map(|(f, x)| f - x).collect()]
+            vec![gain, difference(&lag, &s.x)]
         },
         // The lag of the way back acts once: its size is its shape.
         bounds: |s| [vec![Bound::FREE], once(s)].concat(),

@@ -1,6 +1,6 @@
 //! What is still possible after a diagnosis, each as a whole model.
 
-use crate::answer::{ChannelAnswer, FoundEffect, FoundParameter, Verdict};
+use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
 use crate::base::Base;
 use crate::fit::{Frame, settle};
 use crate::improved::improve;
@@ -155,25 +155,14 @@ fn catalogued(
         let solution = settle(&problem, &base, &noise, &[(*candidate, shapes)])?;
         let scales = &solution.problem.scales;
         let left = rms(&solution.problem.residuals(&solution.effects, scales));
-        let found: Vec<FoundEffect> = solution
-            .effects
-            .iter()
-            .map(|e| FoundEffect {
-                name: e.candidate.effect,
-                family: e.candidate.effect.entry().family,
-                q: None,
-                certificate: None,
-                parameters: (e.candidate.parameters)(&e.amplitudes, &e.shapes, scales)
-                    .into_iter()
-                    .map(|(name, unit, value)| FoundParameter {
-                        name: name.into(),
-                        value,
-                        unit: unit.into(),
-                        ci90: [value; 2],
-                    })
-                    .collect(),
-            })
-            .collect();
+        let found = solution.effects.iter().map(|e| {
+            let parameters = (e.candidate.parameters)(&e.amplitudes, &e.shapes, scales);
+            let exact = parameters
+                .into_iter()
+                .map(|(name, unit, value)| (name, unit, value, [value; 2]));
+            FoundEffect::new(e.candidate.effect, exact)
+        });
+        let found: Vec<FoundEffect> = found.collect();
         let mut with = model.clone();
         improve(&base, &solution, &found, &mut with);
         with.check().ok()?;

@@ -17,9 +17,11 @@ pub use room::{Origin, Room};
 use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::{CERTAIN, INSEPARABLE, NOISE};
 use crate::diagnose::Diagnosis;
+use crate::interval::NINETY;
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
+use crate::signals::{difference, peak, rms};
 use phase::Played;
 use plant::{Channel, Effect};
 use predict::Planned;
@@ -128,8 +130,6 @@ const PHASES: usize = 6;
 const BETWEEN_S: f64 = 0.5;
 /// A phase that is worth less than this share of what there is already is left out.
 const WORTH: f64 = 0.02;
-/// Half a two-sided 90 % interval of the normal distribution.
-const NINETY: f64 = 1.645;
 /// Share of the top speed at which a test goes to its middle.
 const GOING: f64 = 0.2;
 
@@ -214,8 +214,7 @@ pub fn next(
 
 /// Largest force over largest way, N/mm.
 fn n_per_mm(records: &[Recording]) -> f64 {
-    let largest =
-        |x: Option<&Vec<f64>>| x.into_iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = |x: Option<&Vec<f64>>| peak(x.into_iter().flatten());
     let ratio = |r: &Recording| {
         let way = largest(r.displacement_mm.as_ref());
         largest(r.force_n.as_ref()) / way.max(f64::MIN_POSITIVE)
@@ -379,19 +378,16 @@ impl SimulatedRig<'_> {
             let noisy = view.left_rms <= NOISE * answer.noise_floor_rms;
             let decided = |s: f64| 1.0 + s * s >= CERTAIN || noisy && variances(s) >= INSEPARABLE;
             let candidates = view.causes.iter().zip(answers).enumerate();
-            let candidates = candidates.map(|(i, (cause, answer))| {
-                let apart = answer.iter().zip(&first).map(|(a, f)| a - f).collect();
-                Prediction {
-                    name: cause.name,
-                    probability: cause.probability,
-                    peak: answer
-                        .iter()
-                        .fold(0.0, |m, y| if y.abs() > f64::abs(m) { *y } else { m }),
-                    loop_area: area(input, &answer),
-                    apart_rms: crate::signals::rms(&[apart]),
-                    separation: nearest(i),
-                    answer,
-                }
+            let candidates = candidates.map(|(i, (cause, answer))| Prediction {
+                name: cause.name,
+                probability: cause.probability,
+                peak: answer
+                    .iter()
+                    .fold(0.0, |m, y| if y.abs() > f64::abs(m) { *y } else { m }),
+                loop_area: area(input, &answer),
+                apart_rms: rms(&[difference(&answer, &first)]),
+                separation: nearest(i),
+                answer,
             });
             let (now, then) = (view.deviations(None), view.deviations(Some(&told)));
             let numbers = view.levers[0].iter().zip(now.iter().zip(&then));

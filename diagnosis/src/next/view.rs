@@ -7,6 +7,7 @@ use super::predict::{Planned, answer};
 use crate::linear::{dot, gram};
 use crate::model::Model;
 use crate::recording::Recording;
+use crate::signals::difference;
 use crate::spectrum;
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
@@ -133,11 +134,7 @@ impl View {
         let mut pairs = Vec::new();
         for i in 0..thinned.len() {
             for j in (0..thinned.len()).filter(|j| *j != i) {
-                let d: Vec<f64> = thinned[i]
-                    .iter()
-                    .zip(&thinned[j])
-                    .map(|(a, b)| a - b)
-                    .collect();
+                let d = difference(&thinned[i], &thinned[j]);
                 let along =
                     DVector::from_iterator(columns[j].len(), columns[j].iter().map(|c| dot(c, &d)));
                 pairs.push((i, j, dot(&d, &d), along));

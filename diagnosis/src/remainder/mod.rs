@@ -14,7 +14,7 @@ use crate::linear::{dot, gram};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::{add_scaled, rms};
+use crate::signals::{add_scaled, difference, rms};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
 use plant::Channel;
@@ -169,11 +169,7 @@ pub fn anatomy(train: &[Moves], test: &[Moves]) -> Remainder {
             let weights = learn(class, train, &range)?;
             let whole = share(class, &weights, test, &range);
             let odd_weights = odd_part(class, &weights);
-            let even_weights: Vec<f64> = weights
-                .iter()
-                .zip(&odd_weights)
-                .map(|(w, o)| w - o)
-                .collect();
+            let even_weights = difference(&weights, &odd_weights);
             let odd = share(class, &odd_weights, test, &range);
             let even = share(class, &even_weights, test, &range);
             // The two parts of one share.
