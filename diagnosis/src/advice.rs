@@ -228,15 +228,15 @@ fn shared_stiffness(answer: &ChannelAnswer) -> Option<String> {
     }
     let has = |e: &&FoundEffect| e.family == Family::Hysteresis;
     let effect = answer.effects.iter().find(has)?;
-    let own = effect.parameters.iter().find(|p| p.name == STIFFNESS)?;
+    let own = effect.value(STIFFNESS)?;
     Some(format!(
         "Of the declared {:.1} N/mm the model keeps {:.1} N/mm as a spring and has {:.1} N/mm in {}, which gives way: together \
          {:.1} N/mm for small motions.",
         spring.declared,
         spring.value,
-        own.value,
+        own,
         effect.name,
-        spring.value + own.value
+        spring.value + own
     ))
 }
 

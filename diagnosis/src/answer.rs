@@ -84,6 +84,12 @@ impl FoundEffect {
         }
     }
 
+    /// The value of a parameter.
+    pub(crate) fn value(&self, name: &str) -> Option<f64> {
+        let own = self.parameters.iter().find(|p| p.name == name);
+        own.map(|p| p.value)
+    }
+
     /// Whether its strength, the first of its parameters, is told from nothing at all.
     pub fn is_told(&self) -> bool {
         let strength = self.parameters.first().map(|p| p.ci90);

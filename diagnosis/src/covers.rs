@@ -20,10 +20,9 @@ pub fn covers(effects: &[FoundEffect]) -> Vec<String> {
 
 /// What else than its name says may be the cause of an effect.
 fn cause(e: &FoundEffect) -> Option<String> {
-    let named = |name: &str| e.parameters.iter().find(|p| p.name == name);
     match e.name {
         Effect::ViscousDamping | Effect::CoulombFriction => {
-            let exponent = named("exponent")?.value;
+            let exponent = e.value("exponent")?;
             (!PROPORTIONAL.contains(&exponent)).then(|| {
                     format!(
                         "The force of that {} grows with the power {exponent:.2} of the speed: the law of a fluid damper with \
@@ -33,7 +32,7 @@ fn cause(e: &FoundEffect) -> Option<String> {
                 })
         }
         Effect::OilColumn => {
-            let ratio = named("damping_ratio")?.value;
+            let ratio = e.value("damping_ratio")?;
             (ratio > RINGS).then(|| {
                     format!(
                         "With a damping ratio of {ratio:.2} nothing rings: a valve or a controller of second order is as likely as \
@@ -42,14 +41,14 @@ fn cause(e: &FoundEffect) -> Option<String> {
                 })
         }
         // No transducer has a knee.
-        Effect::Softening | Effect::Hardening if named(STIFFNESS_BEYOND).is_none() => {
+        Effect::Softening | Effect::Hardening if e.value(STIFFNESS_BEYOND).is_none() => {
             Some(format!(
                 "A displacement transducer whose scale bends makes the same of a spring as {}: a second transducer would tell.",
                 e.name
             ))
         }
         Effect::AsymmetricActuator => {
-            let b = named("unequal_areas_per_mm")?.value;
+            let b = e.value("unequal_areas_per_mm")?;
             Some(format!(
                 "Where the command is 1 mm ahead of the piston it moves {:.1} % faster towards {} than the other way: unequal \
                      areas of the piston, or unequal edges of the valve.",
@@ -63,12 +62,7 @@ fn cause(e: &FoundEffect) -> Option<String> {
 
 /// Where and by how much the force of an effect changes, in words.
 fn shape(e: &FoundEffect) -> Vec<String> {
-    let value = |name: &str| {
-        e.parameters
-            .iter()
-            .find(|p| p.name == name)
-            .map(|p| p.value)
-    };
+    let value = |name: &str| e.value(name);
     let n = |name: &str| value(name).map(four).unwrap_or_default();
     let mut all = Vec::new();
     if let Some(knee) = value(KNEE) {

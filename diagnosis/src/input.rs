@@ -238,14 +238,7 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
 pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
     let name = Effect::TemperatureGain;
     let found = answer.effects.iter().find(|e| e.name == name)?;
-    let value = |name: &str| {
-        found
-            .parameters
-            .iter()
-            .find(|p| p.name == name)
-            .map(|p| p.value)
-    };
-    let (change, time_s) = (value("change")?, value("time_constant_s")?);
+    let (change, time_s) = (found.value("change")?, found.value("time_constant_s")?);
     if answer.channel != Channel::Specimen {
         return None;
     }

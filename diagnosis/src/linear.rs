@@ -117,6 +117,17 @@ pub fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {
     matrix
 }
 
+/// The columns of several records, one record behind the other.
+pub fn stacked(records: impl IntoIterator<Item = Vec<Vec<f64>>>) -> Vec<Vec<f64>> {
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for own in records {
+        all.resize(own.len(), Vec::new());
+        let pairs = all.iter_mut().zip(own);
+        pairs.for_each(|(all, own)| all.extend(own));
+    }
+    all
+}
+
 /// Normal equations, scaled and factored once for many right sides.
 pub struct Factor {
     cholesky: Cholesky<f64, Dyn>,

@@ -7,7 +7,8 @@ use crate::library::saved::fit_of;
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::signals::{
-    Scales, Signals, Transfer, add_scaled, averaged, derivative, difference, lagged, peak,
+    Scales, Signals, Transfer, add_columns, add_scaled, averaged, derivative, difference,
+    difference_quotient, lagged, peak,
 };
 use crate::spectrum;
 use crate::stretch::{Segment, corners, settling};
@@ -249,9 +250,7 @@ impl Problem {
                     stretch.signals.base = stage(&stretch.signals.base, &shapes, &scales);
                 }
                 let columns = (candidate.columns)(&stretch.signals, &shapes, &scales);
-                for (column, amplitude) in columns.iter().zip(&amplitudes) {
-                    add_scaled(&mut stretch.signals.base, column, *amplitude);
-                }
+                add_columns(&mut stretch.signals.base, &columns, &amplitudes, 1.0);
             }
             if base.channel == Channel::Actuator {
                 for stretch in &mut self.stretches {
@@ -349,8 +348,7 @@ impl Problem {
                     add_scaled(&mut moved, column, step);
                     (stage(&moved, shapes, &self.scales), step)
                 };
-                let change = moved.iter().zip(&after).map(|(m, a)| (m - a) / step);
-                *column = change.collect();
+                *column = difference_quotient(&moved, &after, step);
             }
             here = after;
         }
@@ -367,9 +365,7 @@ impl Problem {
         let mut y = signals.base.clone();
         for effect in effects {
             let columns = (effect.candidate.columns)(&signals, &effect.shapes, scales);
-            for (column, amplitude) in columns.iter().zip(&effect.amplitudes) {
-                add_scaled(&mut y, column, *amplitude);
-            }
+            add_columns(&mut y, &columns, &effect.amplitudes, 1.0);
         }
         y
     }

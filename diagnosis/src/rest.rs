@@ -1,6 +1,7 @@
 //! Where nothing moves.
 
 use crate::recording::{Recording, range};
+use crate::signals::deviation;
 
 /// The shortest rest that tells the noise, s.
 const SHORTEST_S: f64 = 0.5;
@@ -70,12 +71,6 @@ pub fn moving(recording: &Recording) -> std::ops::Range<usize> {
 
 /// A record's motion is at least one in so many of its samples.
 const LEAST_MOTION: usize = 8;
-
-fn deviation(x: &[f64]) -> f64 {
-    let n = x.len() as f64;
-    let mean = x.iter().sum::<f64>() / n;
-    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
-}
 
 /// Whether a small movement is smooth: a structure that still rings, not the noise of one that stands.
 fn swings(x: &[f64], whole: f64) -> bool {

@@ -6,7 +6,7 @@ use crate::library::candidate::Candidate;
 use crate::linear::{Bound, Normal, dot, gram, solve};
 use crate::noise::Noise;
 use crate::problem::{FittedEffect, Problem};
-use crate::signals::difference;
+use crate::signals::{difference, difference_quotient};
 use nalgebra::DVector;
 use plant::Channel;
 use std::borrow::Cow;
@@ -98,8 +98,7 @@ impl Jacobian {
             for unknown in &all {
                 let (moved, step) = unknown.moved(&solution.effects);
                 let there = smooth.answer(motion, &moved, &scales);
-                let change = there.iter().zip(&from).map(|(t, h)| (t - h) / step);
-                raw.push(change.collect());
+                raw.push(difference_quotient(&there, &from, step));
             }
             let here = problem.answer(stretch, &solution.effects, &scales);
             for (raw, column) in raw.into_iter().zip(&mut columns) {

@@ -170,6 +170,19 @@ pub fn add_scaled(y: &mut [f64], x: &[f64], factor: f64) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
+/// Adds columns times their weights, times a factor.
+pub fn add_columns(y: &mut [f64], columns: &[Vec<f64>], weights: &[f64], factor: f64) {
+    for (column, w) in columns.iter().zip(weights) {
+        add_scaled(y, column, factor * w);
+    }
+}
+
+/// How a signal changes with something that was moved by a step.
+pub fn difference_quotient(moved: &[f64], here: &[f64], step: f64) -> Vec<f64> {
+    let pairs = moved.iter().zip(here);
+    pairs.map(|(m, h)| (m - h) / step).collect()
+}
+
 /// The last `n` samples.
 pub fn end_of(x: &[f64], n: usize) -> &[f64] {
     &x[x.len() - n..]

@@ -8,11 +8,6 @@ use crate::recording::Recording;
 use crate::{rest, travel};
 use plant::{Channel, Effect};
 
-fn value(effect: &FoundEffect, name: &str) -> Option<f64> {
-    let own = |p: &&crate::answer::FoundParameter| p.name == name;
-    effect.parameters.iter().find(own).map(|p| p.value)
-}
-
 fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
     let lost = |e: &&FoundEffect| e.name == Effect::Degradation;
     answer.effects.iter().find(lost)
@@ -20,9 +15,9 @@ fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
 
 /// A gain that falls with time and a stiffness that falls with the way, where the way grows evenly with time.
 pub fn lack(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
-    let tires = |e: &FoundEffect| e.name == Effect::Degradation && value(e, "travel_mm").is_some();
+    let tires = |e: &FoundEffect| e.name == Effect::Degradation && e.value("travel_mm").is_some();
     let cools = |e: &FoundEffect| {
-        e.name == Effect::TemperatureGain && value(e, "change").is_some_and(|c| c < 0.0)
+        e.name == Effect::TemperatureGain && e.value("change").is_some_and(|c| c < 0.0)
     };
     let asked = |e: &FoundEffect| tires(e) || cools(e);
     let specimen = answer.channel == Channel::Specimen;
@@ -66,9 +61,9 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
         .refitted
         .iter()
         .find(|r| r.name == "stiffness_n_per_mm");
-    let half_mm = value(effect, "travel_mm");
-    let share = value(effect, "lost_share").or_else(|| {
-        let lost = value(effect, "stiffness_lost_in_the_end_n_per_mm")?;
+    let half_mm = effect.value("travel_mm");
+    let share = effect.value("lost_share").or_else(|| {
+        let lost = effect.value("stiffness_lost_in_the_end_n_per_mm")?;
         known.filter(|k| k.value > 0.0).map(|k| lost / k.value)
     });
     let both = train.iter().map(together).collect::<Option<Vec<f64>>>()?;

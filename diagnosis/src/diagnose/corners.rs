@@ -10,6 +10,7 @@ use crate::linear::{Normal, dot, solve};
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
 use crate::rest;
+use crate::signals::{add_columns, rms};
 use crate::spectrum::{Motion, motion_band_hz, smooth};
 use nalgebra::{DMatrix, DVector};
 use plant::Channel;
@@ -35,10 +36,8 @@ struct Smooth {
 impl Smooth {
     fn left(&self, parameters: &[f64]) -> f64 {
         let mut left = self.force.clone();
-        for (column, parameter) in self.columns.iter().zip(parameters) {
-            crate::signals::add_scaled(&mut left, column, -parameter);
-        }
-        crate::signals::rms(&[left])
+        add_columns(&mut left, &self.columns, parameters, -1.0);
+        rms(&[left])
     }
 }
 

@@ -59,8 +59,7 @@ fn half_range(problem: &Problem) -> f64 {
 /// Friction and hysteresis are of one kind, and told apart by where they yield: what yields between the two borders may be
 /// either.
 fn of_one_kind(effect: &FoundEffect, half_mm: f64) -> Option<Effect> {
-    let named = |name: &str| effect.parameters.iter().find(|p| p.name == name);
-    let share = |name: &str| named(name).map(|p| p.value / half_mm);
+    let share = |name: &str| effect.value(name).map(|mm| mm / half_mm);
     match effect.name {
         Effect::CoulombFriction => share("presliding_mm").filter(|s| *s > FRICTION_YIELD),
         Effect::StribeckFriction => share("presliding_mm").filter(|s| *s > STRIBECK_YIELD),

@@ -5,8 +5,8 @@ use super::way::{Run, Way};
 use crate::base::Base;
 use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
-use crate::linear::{Bound, Factor, Normal, dot, gram, solve};
-use crate::signals::{add_scaled, difference};
+use crate::linear::{Bound, Factor, Normal, dot, gram, solve, stacked};
+use crate::signals::{add_columns, difference, difference_quotient};
 use nalgebra::DVector;
 
 /// The declared parameters: gain, delay, lag, offset.
@@ -100,15 +100,11 @@ impl<'a> ActuatorData<'a> {
 
     /// All columns, stretch after stretch: the answer at gain 1, one for each amplitude.
     fn columns(&self, way: &Way) -> Vec<Vec<f64>> {
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        for run in &self.runs {
-            let columns = way.columns(run, self.interval_s);
-            all.resize(columns.len(), Vec::new());
-            for (all, column) in all.iter_mut().zip(columns) {
-                all.extend(column);
-            }
-        }
-        all
+        stacked(
+            self.runs
+                .iter()
+                .map(|run| way.columns(run, self.interval_s)),
+        )
     }
 
     /// Between which values a declared parameter may be, in its unit here (s, mm).
@@ -176,9 +172,7 @@ impl<'a> ActuatorData<'a> {
             .iter()
             .map(|c| declared[0] * c + declared[3])
             .collect();
-        for (column, a) in columns[1..].iter().zip(amplitudes) {
-            add_scaled(&mut y, column, *a);
-        }
+        add_columns(&mut y, &columns[1..], amplitudes, 1.0);
         y
     }
 
@@ -336,7 +330,7 @@ impl<'a> ActuatorData<'a> {
     ) -> Vec<Vec<f64>> {
         let apart = |way: &Way, step: f64| -> Vec<f64> {
             let moved = self.combined(&self.columns(way), declared, amplitudes);
-            moved.iter().zip(y).map(|(m, y)| (m - y) / step).collect()
+            difference_quotient(&moved, y, step)
         };
         let timed = 0.05 * self.interval_s;
         let mut late = way.clone();

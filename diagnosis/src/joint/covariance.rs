@@ -3,7 +3,7 @@
 use super::fit::SpecimenFit;
 use super::set::{DECLARED, Library, column};
 use crate::linear::{Bound, dot};
-use crate::signals::{add_scaled, difference};
+use crate::signals::{add_scaled, difference, difference_quotient};
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks of the sandwich, from long to short: what is correlated over many samples shows in the long ones.
@@ -122,8 +122,7 @@ impl Linear {
             .map(|unknown| {
                 let (moved, step) = unknown.moved(fit);
                 let there = answer(library, &moved);
-                let change = there.iter().zip(&here).map(|(t, h)| (t - h) / step);
-                of(change.collect())
+                of(difference_quotient(&there, &here, step))
             })
             .collect();
         let n = columns.len();

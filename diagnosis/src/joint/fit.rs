@@ -4,7 +4,7 @@ use super::element::Element;
 use super::set::{DECLARED, ElementSet, Library, declared_columns};
 use super::track::{MotionScales, UnfilteredSpan};
 use crate::recording::Recording;
-use crate::signals::difference;
+use crate::signals::{add_columns, add_scaled, difference};
 
 /// Elements and declared parameters with their strengths.
 #[derive(Clone, Debug)]
@@ -40,11 +40,9 @@ impl SpecimenFit {
         let track = UnfilteredSpan::new(recording)?.track(self.cutoff_hz);
         let mut y = vec![0.0; track.x.len()];
         let declared = declared_columns(&track);
-        for (column, parameter) in declared.iter().zip(&self.parameters) {
-            crate::signals::add_scaled(&mut y, column, *parameter);
-        }
+        add_columns(&mut y, &declared, &self.parameters, 1.0);
         for (element, strength) in &self.elements {
-            crate::signals::add_scaled(&mut y, &element.force(&track, &self.sizes), *strength);
+            add_scaled(&mut y, &element.force(&track, &self.sizes), *strength);
         }
         Some(track.span_of(&y, 1))
     }

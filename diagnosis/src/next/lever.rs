@@ -3,6 +3,7 @@
 use super::predict::{Planned, answer};
 use crate::criteria::REACH;
 use crate::model::Model;
+use crate::signals::difference_quotient;
 use plant::Channel;
 
 /// A number of a model.
@@ -127,13 +128,7 @@ pub fn slopes(
     let column = |lever: &Lever| {
         let by = STEP * lever.spread;
         let there = answer(&moved(model, channel, lever, by), channel, planned)?;
-        Some(
-            there
-                .iter()
-                .zip(here)
-                .map(|(t, h)| (t - h) / STEP)
-                .collect(),
-        )
+        Some(difference_quotient(&there, here, STEP))
     };
     let still = || vec![0.0; here.len()];
     levers

@@ -4,6 +4,7 @@
 
 use crate::linear::{dot, gram};
 use crate::recording::range;
+use crate::signals::{add_columns, deviation, mean};
 use crate::spectrum::{motion_band_hz, smooth};
 use nalgebra::DVector;
 
@@ -56,9 +57,8 @@ pub fn rms(residual: &[f64], input: &[f64], interval_s: f64) -> Option<f64> {
 fn without_linear(mut rest: Vec<f64>, motion: [&Vec<f64>; 3]) -> Option<Vec<f64>> {
     let n = rest.len() as f64;
     let centred = |x: &[f64]| -> Vec<f64> {
-        let mean = x.iter().sum::<f64>() / n;
-        let spread = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
-        let by = 1.0 / spread.max(f64::MIN_POSITIVE);
+        let mean = mean(x);
+        let by = 1.0 / deviation(x).max(f64::MIN_POSITIVE);
         x.iter().map(|x| (x - mean) * by).collect()
     };
     let mut columns: Vec<Vec<f64>> = motion.iter().map(|x| centred(x)).collect();
@@ -69,9 +69,7 @@ fn without_linear(mut rest: Vec<f64>, motion: [&Vec<f64>; 3]) -> Option<Vec<f64>
     }
     let right = DVector::from_fn(columns.len(), |i, _| dot(&columns[i], &rest));
     let share = matrix.cholesky()?.solve(&right);
-    for (column, w) in columns.iter().zip(share.iter()) {
-        crate::signals::add_scaled(&mut rest, column, -w);
-    }
+    add_columns(&mut rest, &columns, share.as_slice(), -1.0);
     Some(rest)
 }
 

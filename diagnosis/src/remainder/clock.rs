@@ -3,9 +3,9 @@
 
 use super::columns::Moves;
 use crate::library::operators::friction;
-use crate::linear::{dot, gram};
+use crate::linear::{dot, gram, stacked};
 use crate::recording::range;
-use crate::signals::add_scaled;
+use crate::signals::add_columns;
 use nalgebra::DVector;
 
 /// Of the squares on held-out data, what a clock must take to be said.
@@ -72,16 +72,8 @@ fn left(
     train: &[Moves],
     test: &[Moves],
 ) -> Option<UnexplainedShares> {
-    let mut all: Vec<Vec<f64>> = Vec::new();
-    let mut rest = Vec::new();
-    for m in train {
-        let own = of(m);
-        all.resize(own.len(), Vec::new());
-        all.iter_mut()
-            .zip(own)
-            .for_each(|(all, own)| all.extend(own));
-        rest.extend_from_slice(&m.rest);
-    }
+    let all = stacked(train.iter().map(of));
+    let rest: Vec<f64> = train.iter().flat_map(|m| m.rest.clone()).collect();
     let right = DVector::from_fn(all.len(), |i, _| dot(&all[i], &rest));
     let weights = gram(&all).cholesky()?.solve(&right);
     let share = |records: &[Moves]| {
@@ -89,9 +81,7 @@ fn left(
         for m in records {
             let mut rest = m.rest.clone();
             before += dot(&rest, &rest);
-            for (column, w) in of(m).iter().zip(weights.iter()) {
-                add_scaled(&mut rest, column, -w);
-            }
+            add_columns(&mut rest, &of(m), weights.as_slice(), -1.0);
             after += dot(&rest, &rest);
         }
         after / before.max(f64::MIN_POSITIVE)

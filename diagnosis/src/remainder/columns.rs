@@ -139,14 +139,8 @@ pub fn columns(class: DependsOn, m: &Moves, range: &Range) -> Vec<Vec<f64>> {
             all
         }
         DependsOn::Time => {
-            let whole = [0.0, (n - 1) as f64];
-            let mut all = vec![vec![0.0; n]; HATS];
-            for i in 0..n {
-                for (column, share) in all.iter_mut().zip(hats(i as f64, whole, HATS)) {
-                    column[i] = share;
-                }
-            }
-            all
+            let samples: Vec<f64> = (0..n).map(|i| i as f64).collect();
+            by_hats(&samples, [0.0, (n - 1) as f64])
         }
     }
 }

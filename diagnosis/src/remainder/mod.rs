@@ -10,11 +10,11 @@ pub use columns::Moves;
 pub use lines::lines;
 
 use crate::answer::{Correction, DependsOn, Range, Remainder, Share};
-use crate::linear::{dot, gram};
+use crate::linear::{dot, gram, stacked};
 use crate::model::Model;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::{add_scaled, difference, rms};
+use crate::signals::{add_columns, add_scaled, difference, rms};
 use columns::{columns, odd_part};
 use nalgebra::DVector;
 use plant::Channel;
@@ -59,9 +59,7 @@ impl Correction {
     pub fn answer(&self, moves: &Moves) -> Vec<f64> {
         let mut sum = vec![0.0; moves.x.len()];
         let columns = columns(self.depends_on, moves, &self.range);
-        for (column, w) in columns.iter().zip(&self.strengths) {
-            add_scaled(&mut sum, column, *w);
-        }
+        add_columns(&mut sum, &columns, &self.strengths, 1.0);
         let r = &self.range;
         let outside = |v: f64, [low, high]: [f64; 2]| v < low || v > high;
         for (i, s) in sum.iter_mut().enumerate() {
@@ -115,16 +113,8 @@ pub fn rms_with(correction: &Correction, records: &[Moves]) -> f64 {
 
 /// Strengths of a class that fit the rests of records best; `None` where it has no columns.
 fn learn(class: DependsOn, records: &[Moves], range: &Range) -> Option<Vec<f64>> {
-    let mut all: Vec<Vec<f64>> = Vec::new();
-    let mut rest = Vec::new();
-    for m in records {
-        let own = columns(class, m, range);
-        all.resize(own.len(), Vec::new());
-        for (all, own) in all.iter_mut().zip(own) {
-            all.extend(own);
-        }
-        rest.extend_from_slice(&m.rest);
-    }
+    let all = stacked(records.iter().map(|m| columns(class, m, range)));
+    let rest: Vec<f64> = records.iter().flat_map(|m| m.rest.clone()).collect();
     if all.is_empty() {
         return None;
     }
@@ -150,9 +140,7 @@ fn share(class: DependsOn, weights: &[f64], records: &[Moves], range: &Range) ->
         .iter()
         .map(|m| {
             let mut rest = m.rest.clone();
-            for (column, w) in columns(class, m, range).iter().zip(weights) {
-                add_scaled(&mut rest, column, -w);
-            }
+            add_columns(&mut rest, &columns(class, m, range), weights, -1.0);
             dot(&rest, &rest)
         })
         .sum();
@@ -226,9 +214,8 @@ fn of_time(train: &[Moves]) -> Option<f64> {
     let (mut before, mut after) = (0.0, 0.0);
     for (m, block) in &judged {
         let mut answer = vec![0.0; m.rest.len()];
-        for (column, w) in columns(DependsOn::Time, m, &range).iter().zip(&weights) {
-            add_scaled(&mut answer, column, *w);
-        }
+        let columns = columns(DependsOn::Time, m, &range);
+        add_columns(&mut answer, &columns, &weights, 1.0);
         for (i, (r, y)) in m.rest.iter().zip(&answer).enumerate() {
             if i / block % 2 == 1 {
                 before += r * r;
