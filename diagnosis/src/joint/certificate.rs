@@ -1,16 +1,17 @@
 //! What speaks for a name: rivals of every other family are given every chance in its place.
 
-use super::blocks::Blocks;
 use super::dashpot;
 use super::dictionary;
-use super::element::{Element, ElementKind, Law};
+use super::element::Law;
 use super::free::{self, FreeFunctions};
+use super::groups::{Group, groups};
+use super::kind::ElementKind;
 use super::polish::Polished;
-use super::search::restrict;
 use super::separable::inseparable;
-use super::set::{DECLARED, ElementSet, Library, column};
+use super::set::{DECLARED, ElementSet, Library};
+use super::unnamed::beside_the_rest;
 use crate::answer::Certificate;
-use crate::criteria::{BESIDE_THE_REST, BLOCKS, CERTAIN, PRICE};
+use crate::criteria::{BESIDE_THE_REST, CERTAIN, PRICE};
 use plant::{Channel, Effect, Family};
 use rayon::prelude::*;
 
@@ -85,8 +86,8 @@ pub struct Rival {
 
 /// The names of a polished set, each with its certificate, the strongest first.
 pub fn certify(library: &mut Library, best: &Polished) -> (ElementSet, Vec<Hypothesis>) {
-    let taken = taken(library, best);
-    let set = dashpot::simplest(library, taken);
+    let polished = library.add_polished(best);
+    let set = dashpot::simplest(library, polished);
     let tires = |e: &usize| library.elements[*e].law == Law::Fatigued;
     if set.elements.iter().any(tires) {
         library.add(&dictionary::warming(&library.sizes));
@@ -106,115 +107,6 @@ pub fn certify(library: &mut Library, best: &Polished) -> (ElementSet, Vec<Hypot
     }
     candidates.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     (set, candidates)
-}
-
-/// A polished set in the library.
-pub fn taken(library: &mut Library, polished: &Polished) -> ElementSet {
-    let first = library.add(&polished.elements);
-    ElementSet {
-        elements: (first..library.elements.len()).collect(),
-        moved: polished.moved,
-    }
-}
-
-/// Elements of one kind, with their name and the rms of their force.
-#[derive(Clone, Debug)]
-pub struct Group {
-    /// The kind.
-    pub kind: ElementKind,
-    /// The name.
-    pub name: Effect,
-    /// Places in the library.
-    pub elements: Vec<usize>,
-    /// Of the strongest, N.
-    pub rms: f64,
-}
-
-/// The kinds of a set.
-pub fn groups(library: &Library, set: &ElementSet) -> Vec<Group> {
-    let Some(strengths) = library.strengths(set) else {
-        return Vec::new();
-    };
-    let sizes = &library.sizes;
-    let mut groups: Vec<Group> = Vec::new();
-    for (&place, strength) in set.elements.iter().zip(&strengths[DECLARED..]) {
-        let element = &library.elements[place];
-        let name = element.name(sizes, *strength);
-        let by = library.blocks.scale[DECLARED + place];
-        let rms = if by > 0.0 { strength.abs() / by } else { 0.0 };
-        let kind = element.kind(sizes);
-        match groups.iter_mut().find(|g| g.kind == kind) {
-            Some(g) => {
-                let falls = |n| n == Effect::StribeckFriction;
-                let slides = |n| n == Effect::CoulombFriction;
-                // Friction that drops with speed beside friction is friction that drops.
-                if slides(g.name) && falls(name) || slides(name) && falls(g.name) {
-                    g.name = Effect::StribeckFriction;
-                } else if rms > g.rms {
-                    g.name = name;
-                }
-                g.rms = g.rms.max(rms);
-                g.elements.push(place);
-            }
-            None => groups.push(Group {
-                kind,
-                name,
-                elements: vec![place],
-                rms,
-            }),
-        }
-    }
-    for g in groups.iter_mut().filter(|g| g.kind == ElementKind::Place) {
-        if g.elements.len() > 1 {
-            g.name = spring(library, set, &strengths, &g.elements);
-        }
-    }
-    // Beside elements a parameter takes up what they are wrong by; more damping than declared is a dashpot beside them,
-    // where no element of theirs grows with speed.
-    let alone = groups.is_empty();
-    let has = |kind| groups.iter().any(|g| g.kind == kind);
-    let dashpot = !has(ElementKind::Speed) && !has(ElementKind::Linear);
-    let more = |i: usize| strengths[i] > library.parameter(i, false).high;
-    let beside = |i: usize| i == dashpot::PARAMETER && dashpot && more(i);
-    let named = |i: usize| set.moved[i] && (alone || beside(i));
-    let moved: Vec<usize> = (0..DECLARED).filter(|&i| named(i)).collect();
-    groups.extend(moved.into_iter().map(|i| Group {
-        kind: ElementKind::Parameter,
-        name: Channel::Specimen.mistakes()[i],
-        elements: Vec::new(),
-        rms: (strengths[i] - library.declared_value(i)).abs()
-            / library.blocks.scale[i].max(f64::MIN_POSITIVE),
-    }));
-    groups
-}
-
-/// The name of several elements that depend on the place: together they are one spring, whose two sides may be alike. They
-/// are compared where the motion has been on both: an excursion to one side shows nothing of the other.
-fn spring(library: &Library, set: &ElementSet, strengths: &[f64], own: &[usize]) -> Effect {
-    let sizes = &library.sizes;
-    let [centre, reach] = sizes.both_sides();
-    let places = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|u| centre + u * reach);
-    let mut force = [0.0; 5];
-    for (&e, strength) in set.elements.iter().zip(&strengths[DECLARED..]) {
-        if own.contains(&e) {
-            let own = library.elements[e].over(&places, sizes);
-            force
-                .iter_mut()
-                .zip(own)
-                .for_each(|(f, o)| *f += strength * o);
-        }
-    }
-    let [a, b, c, d, e] = force;
-    let (odd, half) = (0.5 * (e - a), 0.5 * (d - b));
-    // What bends alike on both sides, and what does not.
-    let (bends, differs) = (odd - 2.0 * half, 0.5 * (e + a) - c);
-    if differs.abs() > bends.abs() {
-        Effect::AsymmetricStiffness
-    } else if bends > 0.0 {
-        Effect::Hardening
-    } else {
-        Effect::Softening
-    }
 }
 
 fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis {
@@ -410,45 +302,6 @@ fn in_place_of(
     found
 }
 
-/// Hats over a range, memory, filters and time of the unnamed rest.
-const HATS: usize = 9;
-/// Ridge of the unnamed rest.
-const RIDGE: f64 = 1e-4;
-
-/// Columns of an unnamed rest, with the kind that each stands for.
-fn rest_columns(library: &Library) -> Vec<(ElementKind, Vec<f64>)> {
-    let s = library.sizes;
-    let t = library.tracks;
-    let mut all = Vec::new();
-    for i in 0..HATS {
-        let at = -1.0 + 2.0 * i as f64 / (HATS - 1) as f64;
-        let width = 2.0 / (HATS - 1) as f64;
-        let hat = |u: f64| (1.0 - (u - at).abs() / width).max(0.0);
-        let in_x = |x: &f64| hat((x - s.middle) / s.x);
-        let in_v = |v: &f64| hat((v / s.v).clamp(-1.0, 1.0));
-        all.push((
-            ElementKind::Place,
-            column(t, library.every, |t| t.x.iter().map(in_x).collect()),
-        ));
-        all.push((
-            ElementKind::Speed,
-            column(t, library.every, |t| t.v.iter().map(in_v).collect()),
-        ));
-    }
-    for i in 0..library.elements.len() {
-        let e: &Element = &library.elements[i];
-        let kind = match e.law {
-            Law::Slider => ElementKind::Memory,
-            Law::Relaxing => ElementKind::Linear,
-            Law::Settling => ElementKind::Time,
-            Law::Lessened => ElementKind::Damage,
-            _ => continue,
-        };
-        all.push((kind, library.columns[DECLARED + i].clone()));
-    }
-    all
-}
-
 /// Whether elements are nothing but friction that varies along the way: without a part that is the same everywhere it is no
 /// friction that a name could be given to, but some product of place and speed.
 fn varies(library: &Library, elements: &[usize]) -> bool {
@@ -461,100 +314,4 @@ fn varies(library: &Library, elements: &[usize]) -> bool {
 fn of_kind(library: &Library, set: &ElementSet, kind: ElementKind) -> Vec<usize> {
     let own = |e: &usize| library.elements[*e].kind(&library.sizes) == kind;
     set.elements.iter().copied().filter(own).collect()
-}
-
-/// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.
-fn beside_the_rest(library: &Library, kind: ElementKind, elements: &[usize]) -> f64 {
-    // What a play takes off a spring is a slider that pulls; and sliders of many gives and either sign remember the largest
-    // displacement (a Preisach model keeps the extremes that nothing later has wiped out), so they draw any damage.
-    let sliders = matches!(kind, ElementKind::Play | ElementKind::Damage);
-    let own = |k: ElementKind| k == kind || (sliders && k == ElementKind::Memory);
-    let rest = rest_columns(library).into_iter().filter(|r| !own(r.0));
-    let mut columns: Vec<Vec<f64>> = library.columns[..DECLARED].to_vec();
-    columns.extend(rest.map(|r| r.1));
-    let without = ridge_costs(&columns, &library.force);
-    columns.extend(
-        elements
-            .iter()
-            .map(|e| library.columns[DECLARED + e].clone()),
-    );
-    let with = ridge_costs(&columns, &library.force);
-    match (without, with) {
-        (Some(without), Some(with)) => library.fall(&with) - library.fall(&without),
-        _ => f64::NEG_INFINITY,
-    }
-}
-
-/// Cross-validated squares of many columns with a ridge.
-fn ridge_costs(columns: &[Vec<f64>], force: &[f64]) -> Option<[f64; BLOCKS]> {
-    let blocks = Blocks::new(columns, force);
-    let costs = blocks.ridge_cross_validated(|_, own| RIDGE * own.max(1e-12))?;
-    Some(std::array::from_fn(|b| costs[b].max(0.0)))
-}
-
-/// The set with these elements only, its parameters moved as far as that pays.
-pub fn only(library: &Library, set: &ElementSet, elements: &[usize]) -> ElementSet {
-    let kept = ElementSet {
-        elements: elements.to_vec(),
-        moved: set.moved,
-    };
-    let score = library.score(&kept).unwrap_or(f64::INFINITY);
-    let settled = restrict(library, vec![(kept.clone(), score)]);
-    let same = |s: &&(ElementSet, f64)| s.0.elements == kept.elements;
-    settled.iter().find(same).map_or(kept, |s| s.0.clone())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::track::UnfilteredSpan;
-    use super::*;
-    use crate::base::Base;
-    use crate::model::{Model, SpecimenModel};
-    use crate::recording::Recording;
-
-    /// The name of two kinks in a spring, at -6 and 6 mm, of a specimen that has gone to `left_mm` once and to 28 mm.
-    fn kinks(left_mm: f64, strengths: [f64; 2]) -> Effect {
-        let at = |i: usize| {
-            let t = 0.01 * i as f64;
-            let pulse = |t0: f64| (-((t - t0) / 0.7).powi(2)).exp();
-            left_mm * pulse(3.0) + 28.0 * pulse(5.0) + 9.0 * (1.7 * t).sin()
-        };
-        let x: Vec<f64> = (0..3000).map(at).collect();
-        let places = [-6.0, 6.0];
-        let spring = |x: &f64| {
-            let kinks = places.iter().zip(strengths);
-            50.0 * x + kinks.map(|(p, s)| s * (x - p).abs()).sum::<f64>()
-        };
-        let record = Recording {
-            name: "a specimen".into(),
-            time_s: (0..x.len()).map(|i| 0.01 * i as f64).collect(),
-            force_n: Some(x.iter().map(spring).collect()),
-            displacement_mm: Some(x),
-            ..Recording::default()
-        };
-        let model = Model {
-            specimen: Some(SpecimenModel::default()),
-            ..Model::default()
-        };
-        let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [UnfilteredSpan::new(&record).unwrap().track(10.0)];
-        let mut library = Library::new(&base, &tracks, 1).unwrap();
-        let first = library.add(&places.map(|p| Element::new(Law::Away, [p])));
-        let set = ElementSet {
-            elements: vec![first, first + 1],
-            moved: [true; DECLARED],
-        };
-        let groups = groups(&library, &set);
-        let spring = groups.iter().find(|g| g.kind == ElementKind::Place);
-        spring.unwrap().name
-    }
-
-    #[test]
-    fn the_sides_of_a_spring_are_compared_where_the_motion_has_been_on_both() {
-        for left_mm in [-28.0, -63.0] {
-            assert_eq!(kinks(left_mm, [20.0, -20.0]), Effect::Softening);
-            assert_eq!(kinks(left_mm, [-20.0, 20.0]), Effect::Hardening);
-            assert_eq!(kinks(left_mm, [20.0, 0.5]), Effect::AsymmetricStiffness);
-        }
-    }
 }

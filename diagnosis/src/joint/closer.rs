@@ -2,7 +2,6 @@
 //! element what it would take does not show. Squares are then measured by what the best model leaves, no longer by what the
 //! declared one did.
 
-use super::certificate::taken;
 use super::polish::Polished;
 use super::set::{DECLARED, Library};
 use crate::criteria::CERTAIN;
@@ -14,7 +13,7 @@ pub fn look(
     best: &Polished,
     search: impl Fn(&Library) -> Option<Polished>,
 ) -> Option<Polished> {
-    let set = taken(library, best);
+    let set = library.add_polished(best);
     let ends = at_their_ends(library, &set.moved, &library.strengths(&set)?);
     if !ends.contains(&true) {
         return None;

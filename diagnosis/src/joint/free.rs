@@ -7,7 +7,8 @@
 //! nothing of a place where it has not been.
 
 use super::blocks::{Blocks, Products};
-use super::element::{ElementKind, Law};
+use super::element::Law;
+use super::kind::ElementKind;
 use super::set::{DECLARED, ElementSet, Library, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
@@ -234,12 +235,8 @@ fn hat(u: f64, i: usize, n: usize) -> f64 {
 mod tests {
     use super::super::element::Element;
     use super::super::laws;
-    use super::super::track::UnfilteredSpan;
+    use super::super::set::example::with_library;
     use super::*;
-    use crate::base::Base;
-    use crate::model::{Model, SpecimenModel};
-    use crate::recording::Recording;
-    use plant::Channel;
 
     const H: f64 = 5e-3;
     const STIFFNESS: f64 = 100.0;
@@ -259,28 +256,17 @@ mod tests {
         let more = force(&x);
         // Coarse, so that nothing is exact.
         let read = |(x, f): (&f64, &f64)| (STIFFNESS * x + f).round();
-        let record = Recording {
-            name: "a specimen".into(),
-            force_n: Some(x.iter().zip(&more).map(read).collect()),
-            time_s: (0..x.len()).map(|i| i as f64 * H).collect(),
-            displacement_mm: Some(x),
-            ..Recording::default()
-        };
-        let model = Model {
-            specimen: Some(SpecimenModel::default()),
-            ..Model::default()
-        };
-        let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [UnfilteredSpan::new(&record).unwrap().track(20.0)];
-        let mut library = Library::new(&base, &tracks, 1).unwrap();
-        let place = library.add(&[element]);
-        let set = ElementSet {
-            elements: vec![place],
-            moved: [true; DECLARED],
-        };
-        let family = element.name(&library.sizes, 1.0).entry().family;
-        let kind = element.kind(&library.sizes);
-        tried(&library, &set, (kind, family), &[place])
+        let force = x.iter().zip(&more).map(read).collect();
+        with_library(x, force, (H, 20.0), |library| {
+            let place = library.add(&[element]);
+            let set = ElementSet {
+                elements: vec![place],
+                moved: [true; DECLARED],
+            };
+            let family = element.name(&library.sizes, 1.0).entry().family;
+            let kind = element.kind(&library.sizes);
+            tried(library, &set, (kind, family), &[place])
+        })
     }
 
     fn slides(x: &[f64]) -> Vec<f64> {

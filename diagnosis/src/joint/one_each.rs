@@ -1,6 +1,5 @@
 //! The best model with one element of each name: what a next test has to tell apart.
 
-use super::certificate::taken;
 use super::cutoff;
 use super::fit::SpecimenFit;
 use super::known::without_known;
@@ -49,7 +48,7 @@ pub fn one_each(
         let best = own
             .map(|(_, set, score)| polish(&library, set, *score))
             .min_by(|a, b| a.score.total_cmp(&b.score))?;
-        let set = taken(&mut library, &best);
+        let set = library.add_polished(&best);
         let settled = restrict(&library, vec![(set.clone(), best.score)]);
         let with = settled.into_iter().find(|s| !s.0.elements.is_empty());
         let set = with.map_or(set, |s| s.0);

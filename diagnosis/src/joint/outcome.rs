@@ -1,12 +1,13 @@
 //! Names, a set, or neither: what the certificates allow to be said.
 
-use super::certificate::{Hypothesis, Rival, groups, only, taken};
+use super::certificate::{Hypothesis, Rival};
 use super::covariance::settled;
-use super::element::ElementKind;
 use super::figures::{PRESLIDING, with_intervals};
 use super::fit::SpecimenFit;
+use super::groups::groups;
+use super::kind::ElementKind;
 use super::polish::polish;
-use super::search::restrict;
+use super::search::{only, restrict};
 use super::set::{ElementSet, Library};
 use super::sliding;
 use crate::answer::{Certificate, ParameterEstimate};
@@ -226,7 +227,7 @@ fn instead(library: &mut Library, rival: &Rival, cutoff_hz: f64) -> Option<Expla
     let mut settled = restrict(library, vec![(rival.set.clone(), score)]);
     let (set, score) = settled.pop()?;
     let polished = polish(library, &set, score);
-    let set = taken(library, &polished);
+    let set = library.add_polished(&polished);
     let own = if rival.kind == ElementKind::Parameter {
         Vec::new()
     } else {

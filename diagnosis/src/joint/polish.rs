@@ -1,8 +1,9 @@
 //! The shapes of a set's elements, moved to their best.
 
 use super::blocks::{Blocks, Term};
-use super::element::{Element, Scale};
+use super::element::Element;
 use super::set::{DECLARED, ElementSet, Library, column};
+use super::shape::Scale;
 
 /// First step of a shape, as a factor, and the last.
 const FIRST: f64 = 1.5;
@@ -23,6 +24,17 @@ pub struct Polished {
     pub score: f64,
     /// Mean square that it leaves on the blocks left out.
     pub squares: f64,
+}
+
+impl Library<'_> {
+    /// The set of a polished one's elements, which the library has from now on.
+    pub fn add_polished(&mut self, polished: &Polished) -> ElementSet {
+        let first = self.add(&polished.elements);
+        ElementSet {
+            elements: (first..self.elements.len()).collect(),
+            moved: polished.moved,
+        }
+    }
 }
 
 /// Moves one shape after the other, by steps that become shorter.

@@ -113,6 +113,18 @@ pub fn restrict(library: &Library, leading: Vec<ScoredSet>) -> Vec<ScoredSet> {
     settled
 }
 
+/// The set with these elements only, its parameters moved as far as that pays.
+pub fn only(library: &Library, set: &ElementSet, elements: &[usize]) -> ElementSet {
+    let kept = ElementSet {
+        elements: elements.to_vec(),
+        moved: set.moved,
+    };
+    let score = library.score(&kept).unwrap_or(f64::INFINITY);
+    let settled = restrict(library, vec![(kept.clone(), score)]);
+    let same = |s: &&(ElementSet, f64)| s.0.elements == kept.elements;
+    settled.iter().find(same).map_or(kept, |s| s.0.clone())
+}
+
 /// The best pairs of elements beside free parameters. The parameters are taken out of all columns beforehand, so that a
 /// pair costs a dozen operations a block.
 fn pairs(library: &Library) -> Vec<Vec<usize>> {
@@ -236,33 +248,16 @@ impl Projected {
 
 #[cfg(test)]
 mod tests {
-    use super::super::track::UnfilteredSpan;
+    use super::super::set::example::with_library;
     use super::*;
-    use crate::base::Base;
-    use crate::model::{Model, SpecimenModel};
-    use crate::recording::Recording;
-    use plant::Channel;
 
     #[test]
     fn where_no_set_has_a_solution_nothing_is_led() {
-        let time_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 5e-3).collect();
-        let motion_mm: Vec<f64> = time_s.iter().map(|t| 10.0 * (5.0 * t).sin()).collect();
-        let record = Recording {
-            name: "a spring".into(),
-            force_n: Some(motion_mm.iter().map(|x| 100.0 * x).collect()),
-            displacement_mm: Some(motion_mm),
-            time_s,
-            command_mm: None,
-            before: None,
-            remarks: Vec::new(),
-        };
-        let model = Model {
-            specimen: Some(SpecimenModel::default()),
-            ..Model::default()
-        };
-        let base = Base::of(&model, Channel::Specimen).unwrap();
-        let tracks = [UnfilteredSpan::new(&record).unwrap().track(5.0)];
-        let library = Library::new(&base, &tracks, 1).unwrap();
-        assert!(grow(&library, Vec::new()).is_empty());
+        let at = |i: i32| 10.0 * (5.0 * 5e-3 * f64::from(i)).sin();
+        let motion_mm: Vec<f64> = (0..2000).map(at).collect();
+        let force = motion_mm.iter().map(|x| 100.0 * x).collect();
+        with_library(motion_mm, force, (5e-3, 5.0), |library| {
+            assert!(grow(library, Vec::new()).is_empty());
+        });
     }
 }

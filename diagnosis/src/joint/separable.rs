@@ -1,7 +1,7 @@
 //! What the motion itself can tell apart: how much of an element's force the best element of another kind would leave.
 
 use super::blocks::Term;
-use super::element::ElementKind;
+use super::kind::ElementKind;
 use super::set::{DECLARED, ElementSet, Library};
 use crate::criteria::INSEPARABLE;
 use crate::linear::{Bound, dot};

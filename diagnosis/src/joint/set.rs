@@ -232,3 +232,37 @@ impl<'a> Library<'a> {
         Some(real.collect())
     }
 }
+
+/// A library from a record, for the tests of what works with one.
+#[cfg(test)]
+pub mod example {
+    use super::*;
+    use crate::joint::track::UnfilteredSpan;
+    use crate::model::{Model, SpecimenModel};
+    use crate::recording::Recording;
+    use plant::Channel;
+
+    /// Hands on the library of a specimen of which nothing is declared.
+    pub fn with_library<T>(
+        displacement_mm: Vec<f64>,
+        force_n: Vec<f64>,
+        (interval_s, cutoff_hz): (f64, f64),
+        tested: impl FnOnce(&mut Library) -> T,
+    ) -> T {
+        let at = |i: usize| i as f64 * interval_s;
+        let record = Recording {
+            name: "a specimen".into(),
+            time_s: (0..force_n.len()).map(at).collect(),
+            displacement_mm: Some(displacement_mm),
+            force_n: Some(force_n),
+            ..Recording::default()
+        };
+        let model = Model {
+            specimen: Some(SpecimenModel::default()),
+            ..Model::default()
+        };
+        let base = Base::of(&model, Channel::Specimen).unwrap();
+        let tracks = [UnfilteredSpan::new(&record).unwrap().track(cutoff_hz)];
+        tested(&mut Library::new(&base, &tracks, 1).unwrap())
+    }
+}

@@ -1,0 +1,176 @@
+//! The kind and the name of an element, by its shape and not by its equation.
+
+use super::element::{Element, Law};
+use super::track::MotionScales;
+use crate::criteria::{
+    BRISTLES, EXPONENTS, FRICTION_SPEED, FRICTION_YIELD, MAY_BE_BRISTLES, MAY_BE_FRICTION, NEARLY,
+    RELAXES, STRIBECK_YIELD,
+};
+use plant::Effect;
+
+/// What an element's force depends on. Rivals are of another kind; within a kind the shape tells the name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ElementKind {
+    /// A declared parameter that has left its tolerances.
+    Parameter,
+    /// A function of displacement.
+    Place,
+    /// A function of velocity.
+    Speed,
+    /// The way since the last reversals: friction and hysteresis.
+    Memory,
+    /// Lost motion.
+    Play,
+    /// The largest displacement or the way so far.
+    Damage,
+    /// A linear filter.
+    Linear,
+    /// Time.
+    Time,
+}
+
+impl Element {
+    /// Its kind.
+    pub fn kind(&self, sizes: &MotionScales) -> ElementKind {
+        match self.law {
+            Law::InSeries if self.relaxes(sizes) => ElementKind::Linear,
+            Law::Slider
+            | Law::Bristles
+            | Law::Stribeck
+            | Law::BoucWen
+            | Law::Distributed
+            | Law::InSeries
+            | Law::SliderAway
+            | Law::SliderAlong
+            | Law::Worn
+            | Law::Pinched => ElementKind::Memory,
+            Law::Lost => ElementKind::Play,
+            Law::Lessened | Law::Fatigued => ElementKind::Damage,
+            // What hardly grows with speed is friction whose reversals are smooth.
+            Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => ElementKind::Memory,
+            Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => ElementKind::Memory,
+            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => ElementKind::Speed,
+            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => ElementKind::Place,
+            Law::Relaxing => ElementKind::Linear,
+            Law::Settling | Law::Warming => ElementKind::Time,
+        }
+    }
+
+    /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
+    pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
+        let [p, q, ..] = self.shape;
+        let give = p / sizes.x;
+        match self.law {
+            Law::InSeries if self.relaxes(sizes) => Effect::MaxwellDamper,
+            Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
+            Law::Slider
+            | Law::Bristles
+            | Law::InSeries
+            | Law::SliderAway
+            | Law::SliderAlong
+            | Law::Distributed
+            | Law::BoucWen
+                if self.yields_at() < FRICTION_YIELD * sizes.x =>
+            {
+                Effect::CoulombFriction
+            }
+            Law::Slider | Law::SliderAway | Law::SliderAlong | Law::Stribeck => {
+                Effect::BilinearHysteresis
+            }
+            Law::Bristles
+            | Law::BoucWen
+            | Law::Distributed
+            | Law::InSeries
+            | Law::Worn
+            | Law::Pinched => Effect::BoucWenHysteresis,
+            Law::PowerOfSpeed if p < EXPONENTS[0] => Effect::CoulombFriction,
+            Law::PowerOfSpeed if p < EXPONENTS[1] => Effect::ViscousDamping,
+            Law::PowerOfSpeed => Effect::QuadraticDamping,
+            Law::Saturating if p < FRICTION_SPEED * sizes.v => Effect::CoulombFriction,
+            Law::Saturating | Law::SizeOfSpeed => Effect::ViscousDamping,
+            Law::Relaxing => Effect::MaxwellDamper,
+            Law::PowerOfPlace if strength < 0.0 => Effect::Softening,
+            Law::PowerOfPlace => Effect::Hardening,
+            Law::Beyond if q == 0.0 && strength < 0.0 => Effect::Softening,
+            Law::Beyond if q == 0.0 => Effect::Hardening,
+            Law::Away | Law::Square | Law::Beyond => Effect::AsymmetricStiffness,
+            Law::Lost => Effect::Backlash,
+            Law::Lessened | Law::Fatigued => Effect::Degradation,
+            Law::Warming => Effect::TemperatureGain,
+            Law::Settling => Effect::Drift,
+        }
+    }
+
+    /// Whether it lies so near to another kind that it is no rival of it: a force that saturates soon is nearly friction.
+    pub fn is_nearly(&self, kind: ElementKind, sizes: &MotionScales) -> bool {
+        let near = match self.law {
+            Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
+            Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
+            Law::InSeries if self.relaxes(sizes) => {
+                self.shape[2] * NEARLY > self.most_relaxing(sizes)
+            }
+            Law::InSeries => {
+                return kind == ElementKind::Linear
+                    && self.shape[2] < NEARLY * self.most_relaxing(sizes);
+            }
+            _ => false,
+        };
+        near && kind == ElementKind::Memory
+    }
+
+    /// Whether it is a dashpot for all that the motion shows: a force nearly in proportion to speed, or one behind a spring
+    /// that gives way within less than the motion takes for a half of its range.
+    pub fn is_dashpot(&self, sizes: &MotionScales) -> bool {
+        match self.law {
+            Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
+            Law::InSeries => self.relaxes(sizes) && self.shape[0] < MAY_BE_FRICTION * sizes.x,
+            _ => self.name(sizes, 1.0) == Effect::ViscousDamping,
+        }
+    }
+
+    /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
+    pub fn may_slide(&self, sizes: &MotionScales) -> bool {
+        let give = self.yields_at() / sizes.x;
+        let most = if self.is_bristles() {
+            MAY_BE_BRISTLES
+        } else {
+            MAY_BE_FRICTION
+        };
+        self.law.slides() && give > FRICTION_YIELD && give < most
+    }
+
+    /// Whether it is Dahl's friction by its equation, Bouc-Wen's with an exponent of 1 and the same rate out and back: a
+    /// material that yields comes back with the stiffness that it went out with.
+    fn is_bristles(&self) -> bool {
+        let [_, n, load, unload] = self.shape;
+        self.law == Law::BoucWen && n < BRISTLES && unload > load / 3.0
+    }
+
+    /// Whether what is in series with the spring is more a dashpot than friction.
+    fn relaxes(&self, sizes: &MotionScales) -> bool {
+        self.law == Law::InSeries && self.shape[2] < self.most_relaxing(sizes)
+    }
+
+    /// The exponent from which on it is friction.
+    fn most_relaxing(&self, sizes: &MotionScales) -> f64 {
+        let [contact, spring] = RELAXES;
+        if self.shape[0] < MAY_BE_FRICTION * sizes.x {
+            contact
+        } else {
+            spring
+        }
+    }
+
+    /// Where it yields, mm.
+    pub fn yields_at(&self) -> f64 {
+        let [give, n, load, _] = self.shape;
+        match self.law {
+            // The force that its loading rate leads to, over its first stiffness.
+            Law::BoucWen if load > 0.0 => give * load.powf(-1.0 / n),
+            Law::BoucWen => f64::INFINITY,
+            // Half of the force is there at half of the largest give.
+            Law::Distributed => 0.6 * give,
+            _ => give,
+        }
+    }
+}

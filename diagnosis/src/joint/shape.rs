@@ -1,0 +1,116 @@
+//! The shape of an element: what it costs, how it may be moved, and within which bounds.
+
+use super::element::{Element, Law};
+use super::track::MotionScales;
+use crate::criteria::FRICTION_YIELD;
+
+/// How a shape is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// By factors: it stays positive.
+    Log,
+    /// By steps of the given unit.
+    Straight,
+}
+
+/// Half ranges over which the growth of a stiffening loop is judged.
+const MOST_GROWTH: f64 = 1.0;
+
+impl Element {
+    /// What it costs, in units of an element of one shape.
+    pub fn price(&self) -> f64 {
+        match self.law {
+            Law::BoucWen | Law::InSeries | Law::Worn | Law::Pinched => 1.6,
+            Law::Stribeck | Law::SliderAway | Law::SliderAlong => 1.3,
+            _ => 1.0,
+        }
+    }
+
+    /// The shapes that can be moved, and how.
+    pub fn movable(&self) -> &'static [(usize, Scale)] {
+        use Scale::{Log, Straight};
+        match self.law {
+            Law::Slider
+            | Law::Bristles
+            | Law::Distributed
+            | Law::PowerOfSpeed
+            | Law::Saturating
+            | Law::Relaxing
+            | Law::Lost
+            | Law::Lessened
+            | Law::Fatigued
+            | Law::Settling => &[(0, Log)],
+            Law::Stribeck => &[(0, Log), (1, Log)],
+            // Where it is written in its own rates, the give is the unit of its force.
+            Law::BoucWen if self.shape[2] != 1.0 => &[(2, Straight), (3, Straight), (1, Log)],
+            Law::BoucWen => &[(0, Log), (3, Straight), (1, Log)],
+            Law::InSeries => &[(0, Log), (1, Log), (2, Log)],
+            Law::PowerOfPlace => &[(0, Straight)],
+            Law::SliderAway | Law::SliderAlong => &[(0, Log)],
+            Law::Worn | Law::Pinched => &[(0, Log), (1, Log)],
+            Law::Beyond if self.shape[1] == 0.0 => &[(0, Log)],
+            Law::Away | Law::Beyond | Law::Warming => &[],
+            Law::Square | Law::SizeOfSpeed => &[],
+        }
+    }
+
+    /// Whether the shape can be one of its law.
+    pub fn is_sound(&self, sizes: &MotionScales) -> bool {
+        let [p, q, r, s] = self.shape;
+        let x = sizes.x;
+        match self.law {
+            Law::Slider => (1e-4 * x..=0.97 * x).contains(&p),
+            // With a longer give it is Bouc-Wen's.
+            Law::Bristles => (1e-4 * x..=1.5 * FRICTION_YIELD * x).contains(&p),
+            Law::Stribeck => (1e-4 * x..=0.5 * x).contains(&p) && q > 1e-3 * sizes.v && q < sizes.v,
+            Law::BoucWen => {
+                let grows = r * (MOST_GROWTH * x / p).powf(q);
+                (2e-3 * x..=3.0 * x).contains(&p)
+                    && (0.5..=8.0).contains(&q)
+                    && (-1.0..=30.0).contains(&r)
+                    && (-0.95..=30.0).contains(&s)
+                    && grows > -4.0
+            }
+            // Longer yields are springs of unknown state.
+            Law::Distributed => (5e-3 * x..=0.6 * x).contains(&p),
+            Law::InSeries => {
+                (1e-3 * x..=0.6 * x).contains(&p)
+                    && (1e-3 * sizes.v..=3.0 * sizes.v).contains(&q)
+                    && (1.1..=12.0).contains(&r)
+            }
+            Law::PowerOfSpeed => (0.1..=4.0).contains(&p),
+            Law::Saturating => (3e-3 * sizes.v..=2.0 * sizes.v).contains(&p),
+            Law::Relaxing => (2.0 * sizes.interval_s..=0.3 * sizes.seconds).contains(&p),
+            Law::PowerOfPlace => (0.3..=7.0).contains(&p),
+            Law::Lessened => (0.1..=4.0).contains(&p),
+            Law::Lost => (5e-3 * x..=0.95 * x).contains(&p),
+            Law::SliderAway | Law::SliderAlong => (1e-4 * x..=0.5 * x).contains(&p),
+            Law::Settling | Law::Warming => p > 0.02 * sizes.seconds && p < 5.0 * sizes.seconds,
+            Law::Fatigued => p > 0.02 * sizes.travel && p < 20.0 * sizes.travel,
+            Law::Worn => {
+                (1e-3 * x..=0.9 * x).contains(&p)
+                    && (0.1 * sizes.travel..=30.0 * sizes.travel).contains(&q)
+            }
+            Law::Pinched => (1e-3 * x..=0.9 * x).contains(&p) && (0.03 * x..=x).contains(&q),
+            // A gap to both sides is no narrower than nothing; a contact on one side stands anywhere.
+            Law::Beyond => p.abs() < 1e12 && (q != 0.0 || p >= 0.0),
+            Law::Away | Law::Square | Law::SizeOfSpeed => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_is_no_narrower_than_nothing() {
+        let sizes = MotionScales {
+            x: 4.0,
+            ..MotionScales::default()
+        };
+        let is_sound = |p, side| Element::new(Law::Beyond, [p, side]).is_sound(&sizes);
+        assert!(is_sound(0.5, 0.0) && is_sound(0.0, 0.0) && !is_sound(-0.5, 0.0));
+        assert!(is_sound(-0.5, 1.0) && is_sound(-0.5, -1.0));
+    }
+}
