@@ -155,7 +155,7 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
 }
 
 /// Sentences on what a joint search came to.
-pub fn joined(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<String> {
+pub fn joint_search(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
     let unit = &answer.unit;
     let mut notes = Vec::new();

@@ -14,9 +14,9 @@ pub const BLOCKS: usize = 6;
 pub const MOST_ELEMENTS: usize = 4;
 /// What an element of one shape must lower the logarithm of the cross-validated squares by: some 15 % of the squares,
 /// the scatter of one block's share.
-pub const PRICE: f64 = 0.16;
+pub const PENALTY: f64 = 0.16;
 /// Two sets fit alike whose logarithms of the cross-validated squares differ by less: half of a price.
-pub const ALIKE: f64 = 0.5 * PRICE;
+pub const ALIKE: f64 = 0.5 * PENALTY;
 /// Added to the squares of each block, as a share of their mean: a block in which next to nothing happens has no vote.
 pub const FLOOR: f64 = 0.01;
 /// Declared parameters are held within so many tolerances.

@@ -1,22 +1,22 @@
 //! From a model and records to an answer.
 
-mod anatomy;
+mod actuator_search;
 mod channel;
 mod corners;
 mod curve;
-mod driven;
 mod found;
-mod joined;
 mod obstacle;
+mod residual;
+mod specimen_search;
 mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
 use crate::criteria::single::{IN_STEPS, KNOWN, WITHIN};
 use crate::criteria::{ACCOUNTS, BLOCKS, JOINT_LEAVES, LOUD_REST, NOISE, REACH, SAME_NAME_LEAVES};
-use crate::drive::Drive;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
+use crate::known_actuator::KnownActuator;
 use crate::model::Model;
 use crate::noise::hum::without_hum;
 use crate::noise::{Noise, NoiseSource};
@@ -25,7 +25,8 @@ use crate::recording::{Recording, range};
 use crate::refusal::Refusal;
 use crate::signals::{end_of, rms};
 use crate::{
-    advice, covers, input, joint, lattice, noise, odd, plausible, remainder, rest, spectrum, wear,
+    advice, anomalies, converter_step, input, interpretation, joint, noise, plausible, remainder,
+    rest, spectrum, wear,
 };
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
@@ -71,44 +72,46 @@ pub fn diagnose(
     let mut improved = model.clone();
     let mut channels = Vec::new();
     // The specimen comes last: it moves as the actuator's model says, once that is known well.
-    let mut drive = None;
+    let mut known_actuator = None;
     for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
         let channel = ChannelDiagnosis {
             base,
             train,
             test,
             rest,
-            drive: drive.take(),
+            known_actuator: known_actuator.take(),
         };
         let (mut answer, found) = channel.judge(&mut improved);
-        channel.forgive_corners(&mut answer);
-        driven::not_above(&mut answer, f64::INFINITY);
-        channel.bends_alike(&mut answer);
-        channel.hear_lines(&mut answer);
-        channel.hear_disturbances(&mut answer);
-        channel.ask_for_other_inputs(&mut answer);
-        let mut lacks = input::lacks(&channel.base, train);
-        lacks.extend(input::damages(&answer, train));
-        lacks.extend(wear::lack(&answer, train));
-        input::widen(&mut answer, &lacks);
+        channel.excuse_corners(&mut answer);
+        actuator_search::limit_floor(&mut answer, f64::INFINITY);
+        channel.add_rounded_rival(&mut answer);
+        channel.note_lines(&mut answer);
+        channel.note_disturbances(&mut answer);
+        channel.note_low_coherence(&mut answer);
+        let mut deficiencies = input::deficiencies(&channel.base, train);
+        deficiencies.extend(input::damages(&answer, train));
+        deficiencies.extend(wear::deficiency(&answer, train));
+        input::widen(&mut answer, &deficiencies);
         channels.push(answer);
-        let known = found.map(|solution| Drive {
+        let known = found.map(|solution| KnownActuator {
             cutoff_hz: channel.cutoff_hz(),
             base: channel.base,
             solution,
         });
-        drive = known.filter(|d| d.tells(train));
+        known_actuator = known.filter(|d| d.tells(train));
     }
     let mut remarks: Vec<String> = [train, test]
         .into_iter()
-        .flat_map(|set| odd::remarks(model, set))
+        .flat_map(|set| anomalies::remarks(model, set))
         .collect();
     let own = train.iter().chain(test).flat_map(|r| &r.remarks);
     remarks.extend(own.cloned());
     remarks.sort();
     remarks.dedup();
     for answer in &mut channels {
-        answer.notes.extend(covers::covers(&answer.effects));
+        answer
+            .notes
+            .extend(interpretation::interpretations(&answer.effects));
         answer.notes.extend(wear::note(answer, train));
         answer.notes.extend(advice::another_zero(answer));
         answer.notes.extend(remarks.iter().cloned());
@@ -160,7 +163,7 @@ impl ChannelDiagnosis<'_> {
 
     /// The records as this channel sees them.
     fn problem(&self, records: &[Recording], cutoff_hz: f64) -> Option<Problem> {
-        let motion = |r| self.drive.as_ref().and_then(|d| d.motion(r));
+        let motion = |r| self.known_actuator.as_ref().and_then(|d| d.motion(r));
         let motions: Vec<Option<Vec<f64>>> = records.iter().map(motion).collect();
         Problem::new(&self.base, records, cutoff_hz, &motions)
     }
@@ -192,15 +195,15 @@ impl ChannelDiagnosis<'_> {
         let told = |n: &Noise| n.from == NoiseSource::Rest;
         if specimen
             && !noise.as_ref().is_some_and(told)
-            && let Some(answer) = self.joined(noise.as_ref(), improved)
+            && let Some(answer) = self.joint_specimen_search(noise.as_ref(), improved)
         {
             return (answer, None);
         }
         let Some(noise) = noise else {
-            return (self.unjudged(&problem, cutoff_hz), None);
+            return (self.errors_without_verdict(&problem, cutoff_hz), None);
         };
         let explanation = settle(&problem, &self.base, &noise, &[]).and_then(|mut settled| {
-            if self.is_in_steps(&settled, &noise) {
+            if self.is_quantisation_only(&settled, &noise) {
                 return Some(Explanation::nothing(settled));
             }
             settled.problem.scales.line_hz = line_hz(&settled);
@@ -212,7 +215,7 @@ impl ChannelDiagnosis<'_> {
         };
         if specimen && explanation.vetoed {
             let mut with = improved.clone();
-            let joined = self.joined(Some(&noise), &mut with);
+            let joined = self.joint_specimen_search(Some(&noise), &mut with);
             // With a known noise a name or a set must account for the record.
             let accounts = |a: &ChannelAnswer| {
                 let share = ACCOUNTS * a.error_before.test_rms;
@@ -226,7 +229,7 @@ impl ChannelDiagnosis<'_> {
         let mut with = improved.clone();
         let answer = self.answer(&explanation, &noise, cutoff_hz, &mut with);
         if self.base.channel == Channel::Actuator && self.base.known.is_empty() {
-            let stands = self.stands(&answer, &noise, explanation.structured[1]);
+            let stands = self.leaves_noise_only(&answer, &noise, explanation.structured[1]);
             // Motion is lost in a valve, in a linkage and to friction: the valve's is only in the joint search.
             let lost = |e: &FoundEffect| matches!(e.family, Family::Friction | Family::Gap);
             if !stands || answer.effects.iter().any(lost) {
@@ -236,7 +239,10 @@ impl ChannelDiagnosis<'_> {
                         || !a.effects.is_empty()
                             && a.error_after.test_rms < answer.error_after.test_rms
                 };
-                if let Some(answer) = self.driven(&noise, &mut model).filter(better) {
+                if let Some(answer) = self
+                    .joint_actuator_search(&noise, &mut model)
+                    .filter(better)
+                {
                     *improved = model;
                     return (answer, None);
                 }
@@ -273,9 +279,9 @@ impl ChannelDiagnosis<'_> {
             return None;
         }
         let mut model = improved.clone();
-        let joined = self.joined(Some(noise), &mut model)?;
+        let joined = self.joint_specimen_search(Some(noise), &mut model)?;
         let explains = !joined.effects.is_empty();
-        let leaves = self.leaves_of(&joined, single);
+        let leaves = self.error_ratio(&joined, single);
         if explains && leaves < JOINT_LEAVES {
             return Some((joined, model));
         }
@@ -317,7 +323,7 @@ impl ChannelDiagnosis<'_> {
 
     /// Error of one answer over that of another on the first held-out record while it moves (in a rest friction holds any
     /// force): each block has one vote.
-    fn leaves_of(&self, answer: &ChannelAnswer, other: &ChannelAnswer) -> f64 {
+    fn error_ratio(&self, answer: &ChannelAnswer, other: &ChannelAnswer) -> f64 {
         let whole = answer.error_after.test_rms / other.error_after.test_rms;
         let Some(moving) = self.test.first().map(rest::without) else {
             return whole;
@@ -352,7 +358,7 @@ impl ChannelDiagnosis<'_> {
             Some(&(a, b)) => Noise::at_rest(&[x[a..b].to_vec()], h, 0.0).rms,
             None => 1e-3 * range(x),
         };
-        let steps = lattice::step(x).unwrap_or(0.0) / 12.0_f64.sqrt();
+        let steps = converter_step::step(x).unwrap_or(0.0) / 12.0_f64.sqrt();
         spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
     }
 
@@ -360,7 +366,7 @@ impl ChannelDiagnosis<'_> {
     fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
         let least = self
             .output_step()
-            .hypot(self.through_derivatives(cutoff_hz))
+            .hypot(self.step_in_force_with_derivatives(cutoff_hz))
             / 12.0_f64.sqrt();
         let residuals = |records: &[Recording]| {
             let problem = self.problem(records, cutoff_hz)?;
@@ -368,24 +374,24 @@ impl ChannelDiagnosis<'_> {
         };
         let h = self.train[0].interval_s();
         let given = residuals(self.rest).filter(|_| !self.rest.is_empty());
-        let mut stretches = given.unwrap_or_default();
-        if stretches.is_empty() {
+        let mut segments = given.unwrap_or_default();
+        if segments.is_empty() {
             for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
                 // Its first samples may not be looked at.
                 let skipped = r.time_s.len() - residual.len();
                 let spans = rest::spans(r).into_iter().filter(|s| s.1 > skipped);
-                stretches.extend(
+                segments.extend(
                     spans.map(|(a, b)| residual[a.saturating_sub(skipped)..b - skipped].to_vec()),
                 );
             }
         }
         let moving = residuals(self.train)?;
-        if !stretches.is_empty() {
-            let noise = Noise::at_rest(&stretches, h, least);
+        if !segments.is_empty() {
+            let noise = Noise::at_rest(&segments, h, least);
             if !self.rest.is_empty() || !self.is_louder_than_the_motion(&noise, &moving) {
                 return Some(noise);
             }
-            stretches.clear();
+            segments.clear();
         }
         for (r, residual) in self.train.iter().zip(&moving) {
             let input = end_of(self.input_of(r)?, residual.len());
@@ -399,11 +405,11 @@ impl ChannelDiagnosis<'_> {
                 let held = tones.iter().map(|l| l.rms * l.rms).sum::<f64>() / square;
                 let by = (1.0 - held.min(1.0)).max(1e-6).sqrt();
                 changes.iter_mut().for_each(|c| *c *= by);
-                stretches.extend(rest::quiet(&changes, motion.period));
+                segments.extend(rest::quiet(&changes, motion.period));
             }
         }
-        if !stretches.is_empty() {
-            return Some(Noise::at_rest(&stretches, h, least).told_by(NoiseSource::Repeats));
+        if !segments.is_empty() {
+            return Some(Noise::at_rest(&segments, h, least).with_source(NoiseSource::Repeats));
         }
         // The displacement moves as a whole in both channels; a command may jitter far above it.
         let moves = self.train.iter().zip(&moving);
@@ -443,26 +449,26 @@ impl ChannelDiagnosis<'_> {
     fn output_step(&self) -> f64 {
         let steps = self.train.iter();
         steps
-            .filter_map(|r| lattice::step(self.target_of(r)?))
+            .filter_map(|r| converter_step::step(self.target_of(r)?))
             .fold(0.0, f64::max)
     }
 
     /// What the converter's step in the displacement makes of the force, N; in the actuator the command has none.
-    fn through(&self) -> f64 {
+    fn step_in_force(&self) -> f64 {
         if self.base.channel == Channel::Actuator {
             return 0.0;
         }
         let steps = self
             .train
             .iter()
-            .filter_map(|r| lattice::step(self.input_of(r)?));
+            .filter_map(|r| converter_step::step(self.input_of(r)?));
         self.base.values[0].abs() * steps.fold(0.0, f64::max)
     }
 
     /// The same with what damping and mass make of the step's derivatives below a cut-off: a rest on one level of the
     /// converter does not show it.
-    fn through_derivatives(&self, cutoff_hz: f64) -> f64 {
-        let stiff = self.through();
+    fn step_in_force_with_derivatives(&self, cutoff_hz: f64) -> f64 {
+        let stiff = self.step_in_force();
         let [k, c, m, _] = self.base.values;
         if stiff == 0.0 || k == 0.0 {
             return stiff;
@@ -478,8 +484,8 @@ impl ChannelDiagnosis<'_> {
 
     /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
     /// nothing else can be seen.
-    fn is_in_steps(&self, settled: &Solution, noise: &Noise) -> bool {
-        let steps = self.output_step() + self.through();
+    fn is_quantisation_only(&self, settled: &Solution, noise: &Noise) -> bool {
+        let steps = self.output_step() + self.step_in_force();
         if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
             return false;
         }

@@ -62,7 +62,7 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     let problem = &before.problem.clone();
     let left = |s: &Solution| {
         let residuals = s.problem.residuals(&s.effects, &s.problem.scales);
-        let judged = problem.stretches.iter().zip(residuals);
+        let judged = problem.segments.iter().zip(residuals);
         rms(&judged
             .map(|(s, r)| s.without_corners(r))
             .collect::<Vec<_>>())
@@ -127,7 +127,7 @@ pub fn explain(before: Solution, base: &Base, noise: &Noise) -> Option<Explanati
     out.after = first.clone();
     out.alternatives = alternatives(&singles, out.before.cost, ln_n);
     out.alternatives
-        .extend(search.gives_way(&first, &out.before, ln_n));
+        .extend(search.softening_rival(&first, &out.before, ln_n));
     let now = first_left;
     if now > (MATTERS * noise.rms).max(0.1 * start)
         && let Some((pair, others)) = search.second(&first, &singles, &library, ln_n, left)
@@ -300,7 +300,7 @@ impl<'a> EffectSearch<'a> {
 
     /// Of a force that ends at a limit: a spring that gives way at a displacement, where it fits as well. Only damping and mass,
     /// which a clipped channel clips, too, tell the two apart.
-    fn gives_way(&self, first: &Solution, before: &Solution, ln_n: f64) -> Option<Effect> {
+    fn softening_rival(&self, first: &Solution, before: &Solution, ln_n: f64) -> Option<Effect> {
         let own = first.effects.first()?.candidate;
         if own.effect != Effect::Saturation || own.channel != Channel::Specimen {
             return None;

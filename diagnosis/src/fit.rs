@@ -48,18 +48,18 @@ impl<'a> Frame<'a> {
         let mut seen = Vec::new();
         let mut residual = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for stretch in &problem.stretches {
-            let signals = problem.staged(stretch, &stages, &problem.scales);
-            let left = difference(&stretch.target, &signals.base);
-            noise.whiten_into(&stretch.judged(&left), &mut residual);
-            let mut raw = problem.staged_columns(base, stretch, &stages);
+        for segment in &problem.segments {
+            let signals = problem.staged(segment, &stages, &problem.scales);
+            let left = difference(&segment.target, &signals.base);
+            noise.whiten_into(&segment.judged(&left), &mut residual);
+            let mut raw = problem.staged_columns(base, segment, &stages);
             for (candidate, shapes) in fixed {
                 raw.extend((candidate.columns)(&signals, shapes, &problem.scales));
             }
             seen.push(signals);
             columns.resize(raw.len(), Vec::new());
             for (raw, white) in raw.into_iter().zip(&mut columns) {
-                noise.whiten_into(&stretch.judged(&raw), white);
+                noise.whiten_into(&segment.judged(&raw), white);
             }
         }
         let n = columns.len();
@@ -132,11 +132,11 @@ impl<'a> Frame<'a> {
             return Frame::new(self.problem, self.base, self.noise, &effects).alone();
         }
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (signals, stretch) in self.signals.iter().zip(&self.problem.stretches) {
+        for (signals, segment) in self.signals.iter().zip(&self.problem.segments) {
             let raw = (candidate.columns)(signals, shapes, &self.problem.scales);
             columns.resize(raw.len(), Vec::with_capacity(self.samples));
             for (raw, white) in raw.into_iter().zip(&mut columns) {
-                self.noise.whiten_into(&stretch.judged(&raw), white);
+                self.noise.whiten_into(&segment.judged(&raw), white);
             }
         }
         let (n, m) = (self.fixed.len(), columns.len());

@@ -17,7 +17,7 @@ const COARSE: usize = 12;
 /// The begin of the record that only settles the model, s; at most a tenth of the record.
 const SETTLE_S: f64 = 0.5;
 /// Stretches that the intervals are formed from, and the 95 % point of Student's t for as many.
-const STRETCHES: usize = 30;
+const SEGMENTS: usize = 30;
 const T_95: f64 = 1.699;
 /// A fit that leaves more of the displacement's standard deviation than this explains nothing.
 const WORST_NRMSE: f64 = 0.8;
@@ -242,7 +242,7 @@ impl TransferFit<'_> {
         let Some(inverse) = normal.try_inverse() else {
             return [f64::INFINITY; 4];
         };
-        let length = slopes.len().div_ceil(STRETCHES);
+        let length = slopes.len().div_ceil(SEGMENTS);
         let pulls: Matrix4<f64> = slopes
             .chunks(length)
             .zip(residual.chunks(length))
@@ -251,8 +251,8 @@ impl TransferFit<'_> {
                 pull * pull.transpose()
             })
             .sum();
-        let stretches = STRETCHES as f64;
-        let covariance = inverse * pulls * inverse * (stretches / (stretches - 4.0));
+        let segments = SEGMENTS as f64;
+        let covariance = inverse * pulls * inverse * (segments / (segments - 4.0));
         std::array::from_fn(|k| T_95 * covariance[(k, k)].max(0.0).sqrt())
     }
 }

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// Something that a motion lacks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lack {
+pub struct Deficiency {
     /// In words.
     pub sentence: String,
     /// Causes that are one without it, the most usual first.
@@ -21,7 +21,7 @@ pub struct Lack {
 }
 
 /// What the input of a channel lacks in all its training records.
-pub fn lacks(base: &Base, train: &[Recording]) -> Vec<Lack> {
+pub fn deficiencies(base: &Base, train: &[Recording]) -> Vec<Deficiency> {
     let column = |r: &Recording| match base.channel {
         Channel::Actuator => r.command_mm.clone(),
         Channel::Specimen => r.displacement_mm.clone(),
@@ -33,21 +33,21 @@ pub fn lacks(base: &Base, train: &[Recording]) -> Vec<Lack> {
     let Some(inputs) = inputs else {
         return Vec::new();
     };
-    let mut lacks = Vec::new();
+    let mut deficiencies = Vec::new();
     let lines: Option<Vec<f64>> = inputs.iter().map(|(x, h)| only_line_hz(x, *h)).collect();
     if let Some(hz) = lines.and_then(|l| same(&l)) {
-        lacks.push(one_frequency(base.channel, hz));
+        deficiencies.push(one_frequency(base.channel, hz));
     } else if base.channel == Channel::Actuator
-        && let Some(lack) = slow(base, &inputs)
+        && let Some(deficiency) = slow(base, &inputs)
     {
-        lacks.push(lack);
+        deficiencies.push(deficiency);
     }
     if base.channel == Channel::Specimen {
         let speeds: Option<Vec<Speeds>> = inputs.iter().map(|(x, h)| Speeds::of(x, *h)).collect();
-        lacks.extend(speeds.and_then(|s| one_speed(&s)));
-        lacks.extend(one_side(&inputs));
+        deficiencies.extend(speeds.and_then(|s| one_speed(&s)));
+        deficiencies.extend(one_side(&inputs));
     }
-    lacks
+    deficiencies
 }
 
 /// The mean of values that are within some percent of each other.
@@ -85,7 +85,7 @@ fn only_line_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     (at >= 3 && own > ONE_FREQUENCY * whole).then_some(at as f64 * bin_hz)
 }
 
-fn one_frequency(channel: Channel, hz: f64) -> Lack {
+fn one_frequency(channel: Channel, hz: f64) -> Deficiency {
     use Effect::*;
     let (alike, which) = match channel {
         Channel::Actuator => (
@@ -100,7 +100,7 @@ fn one_frequency(channel: Channel, hz: f64) -> Lack {
             "stiffness and mass are one force, and whether a loss grows with speed, as damping, or does not, as friction, is not asked",
         ),
     };
-    Lack {
+    Deficiency {
         sentence: format!(
             "The motion has one frequency, {hz:.3} Hz: by it {which}, whatever fits. A second frequency tells them apart."
         ),
@@ -109,7 +109,7 @@ fn one_frequency(channel: Channel, hz: f64) -> Lack {
 }
 
 /// An actuator that is driven far below what its lag would show.
-fn slow(base: &Base, inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
+fn slow(base: &Base, inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
     use Effect::{DelayError, LagError, SecondLag};
     let bands = inputs.iter().map(|(x, h)| motion_band_hz(x, *h));
     let high_hz = bands
@@ -117,7 +117,7 @@ fn slow(base: &Base, inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
         .into_iter()
         .fold(0.0, f64::max);
     let turn = TAU * high_hz * 1e-3 * base.values[2];
-    (base.values[2] > 0.0 && turn < SLOW).then(|| Lack {
+    (base.values[2] > 0.0 && turn < SLOW).then(|| Deficiency {
         sentence: format!(
             "The motion ends at {high_hz:.2} Hz, where the declared lag turns the phase by {turn:.2} rad: so slow, a delay, a \
              lag and a second lag are one, whatever fits. Excite up to {:.0} Hz.",
@@ -169,7 +169,7 @@ impl Speeds {
     }
 }
 
-fn one_speed(all: &[Speeds]) -> Option<Lack> {
+fn one_speed(all: &[Speeds]) -> Option<Deficiency> {
     use Effect::*;
     let usual = |i: usize| same(&all.iter().map(|s| s.usual[i]).collect::<Vec<_>>());
     let way = |s: &Speeds| s.forward.max(1.0 - s.forward) > ONE_WAY;
@@ -182,7 +182,7 @@ fn one_speed(all: &[Speeds]) -> Option<Lack> {
             .iter()
             .map(|s| s.usual[0].max(s.usual[1]))
             .fold(0.0, f64::max);
-        return Some(Lack {
+        return Some(Deficiency {
             sentence: format!(
                 "The motion goes one way at one speed, {speed:.3} mm/s: by it friction, viscous damping and an offset are one \
                  constant, whatever fits. A way back and a second speed tell them apart."
@@ -197,7 +197,7 @@ fn one_speed(all: &[Speeds]) -> Option<Lack> {
         });
     }
     let (out, back) = (usual(0)?, usual(1)?);
-    Some(Lack {
+    Some(Deficiency {
         sentence: format!(
             "The motion has one speed each way, {out:.3} and {back:.3} mm/s: by it friction and any damping are one, whatever \
              fits. A second speed tells them apart."
@@ -212,7 +212,7 @@ fn one_speed(all: &[Speeds]) -> Option<Lack> {
     })
 }
 
-fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
+fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Deficiency> {
     use Effect::{AsymmetricStiffness, Hardening, Softening};
     let ends = |x: &[f64]| {
         let high = x.iter().fold(f64::MIN, |m, x| m.max(*x));
@@ -222,7 +222,7 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
         let (low, high) = ends(x);
         low > -ONE_SIDE * (high - low) || high < ONE_SIDE * (high - low)
     };
-    inputs.iter().all(one).then(|| Lack {
+    inputs.iter().all(one).then(|| Deficiency {
         sentence: "The motion stays on one side of zero: a spring that stiffens or softens cannot be told there from one that \
                    differs between the sides, whatever fits."
             .into(),
@@ -235,7 +235,7 @@ fn one_side(inputs: &[(Vec<f64>, f64)]) -> Option<Lack> {
 
 /// What warms up with time and what is damaged by the largest displacement so far, where this grows as that does: a
 /// protocol of growing cycles, above all.
-pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
+pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
     let name = Effect::TemperatureGain;
     let found = answer.effects.iter().find(|e| e.name == name)?;
     let (change, time_s) = (found.value("change")?, found.value("time_constant_s")?);
@@ -261,7 +261,7 @@ pub fn damages(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
     } else {
         &[Effect::Hardening]
     };
-    (least > TOGETHER).then(|| Lack {
+    (least > TOGETHER).then(|| Deficiency {
         sentence: "The largest displacement so far grows as that change does: a stiffness that changes with time cannot be told \
                    from one that is changed by displacement, whatever fits. Smaller cycles after the largest tell them apart."
             .into(),
@@ -281,7 +281,7 @@ pub fn alike(moments: &[(f64, f64, f64)]) -> f64 {
 }
 
 /// Makes a set of every name that the motion cannot tell from others, and says so.
-pub fn widen(answer: &mut ChannelAnswer, lacks: &[Lack]) {
+pub fn widen(answer: &mut ChannelAnswer, deficiencies: &[Deficiency]) {
     let named = matches!(
         answer.verdict,
         Verdict::Effect | Verdict::Partial | Verdict::Ambiguous
@@ -289,12 +289,12 @@ pub fn widen(answer: &mut ChannelAnswer, lacks: &[Lack]) {
     if !named {
         return;
     }
-    for lack in lacks {
+    for deficiency in deficiencies {
         let own = |group: &&Vec<Effect>| answer.effects.iter().any(|e| group.contains(&e.name));
-        let Some(group) = lack.alike.iter().find(own).cloned() else {
+        let Some(group) = deficiency.alike.iter().find(own).cloned() else {
             continue;
         };
-        answer.notes.push(lack.sentence.clone());
+        answer.notes.push(deficiency.sentence.clone());
         let held: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
         let mut all: Vec<Member> = answer.members.clone();
         if all.is_empty() {

@@ -74,11 +74,11 @@ const RATE_HZ: f64 = 500.0;
 const WHITE: f64 = 0.01;
 
 impl Noise {
-    /// From `stretches` of residual at rest. Their means and mains lines are no noise; `least_rms` is what the
+    /// From `segments` of residual at rest. Their means and mains lines are no noise; `least_rms` is what the
     /// converter's steps alone would make, so that a channel that stands perfectly still has a floor, too.
-    pub fn at_rest(stretches: &[Vec<f64>], interval_s: f64, least_rms: f64) -> Self {
+    pub fn at_rest(segments: &[Vec<f64>], interval_s: f64, least_rms: f64) -> Self {
         let every = (1.0 / (RATE_HZ * interval_s)).round().max(1.0) as usize;
-        let clean: Vec<Vec<f64>> = stretches
+        let clean: Vec<Vec<f64>> = segments
             .iter()
             .map(|s| without_lines(without_trend(s), interval_s))
             .collect();
@@ -115,11 +115,11 @@ impl Noise {
         } else {
             NoiseSource::Guess
         };
-        Some(Self::at_rest(&[sample], interval_s, least_rms).told_by(from))
+        Some(Self::at_rest(&[sample], interval_s, least_rms).with_source(from))
     }
 
     /// The same noise, told by something else than a rest.
-    pub fn told_by(self, from: NoiseSource) -> Self {
+    pub fn with_source(self, from: NoiseSource) -> Self {
         Self { from, ..self }
     }
 
@@ -198,9 +198,9 @@ const BLOCK_S: f64 = 0.25;
 const CHANCE: f64 = 5.0;
 
 /// Blocks and the relative scatter of their mean squares, which is at least that of white noise.
-fn scatter(stretches: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64) {
+fn scatter(segments: &[Vec<f64>], interval_s: f64, variance: f64) -> (f64, f64) {
     let block = ((BLOCK_S / interval_s) as usize).max(4);
-    let squares: Vec<f64> = stretches
+    let squares: Vec<f64> = segments
         .iter()
         .flat_map(|s| s.chunks_exact(block))
         .map(|c| dot(c, c) / block as f64)

@@ -6,12 +6,12 @@ use crate::library::form;
 use crate::library::saved::fit_of;
 use crate::noise::hum::without_hum;
 use crate::recording::Recording;
+use crate::segment::{Segment, corners, settling};
 use crate::signals::{
     Scales, Signals, Transfer, add_columns, add_scaled, averaged, derivative, difference,
     difference_quotient, lagged, peak,
 };
 use crate::spectrum;
-use crate::stretch::{Segment, corners, settling};
 use crate::travel;
 use plant::Channel;
 use std::borrow::Cow;
@@ -20,7 +20,7 @@ use std::borrow::Cow;
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The records.
-    pub stretches: Vec<Segment>,
+    pub segments: Vec<Segment>,
     /// The parameters that `signals.base` was computed with.
     pub theta: [f64; 4],
     /// What shapes are measured by.
@@ -48,7 +48,7 @@ impl Problem {
         cutoff_hz: f64,
         motions: &[Option<Vec<f64>>],
     ) -> Option<Self> {
-        let mut stretches = Vec::new();
+        let mut segments = Vec::new();
         for (i, r) in recordings.iter().enumerate() {
             let h = r.interval_s();
             let (mut whole, mut lead) = r.behind_its_past();
@@ -89,7 +89,7 @@ impl Problem {
             };
             let smooth = |f: &Vec<f64>| spectrum::smooth(f, h, cutoff_hz).x;
             let (x, v, a) = motion.map_or((none(), none(), none()), |m| (m.x, m.v, m.a));
-            stretches.push(Segment {
+            segments.push(Segment {
                 signals: Signals {
                     interval_s: h,
                     time_s: whole.time_s.clone(),
@@ -109,7 +109,7 @@ impl Problem {
                 from: lead + settling(base, r, lead),
             });
         }
-        let first = stretches.first()?;
+        let first = segments.first()?;
         let unit = Transfer {
             gain: 1.0,
             ..Transfer::default()
@@ -124,7 +124,7 @@ impl Problem {
             ..Scales::default()
         };
         let mut problem = Self {
-            stretches,
+            segments,
             theta: base.values,
             scales,
         };
@@ -139,10 +139,10 @@ impl Problem {
     /// not matter. The answer stays that of the full rate; [`Problem::set`] would compute it at the low one.
     pub fn thinned(&self, n: usize) -> Self {
         let thin = |x: &Vec<f64>| averaged(x, n);
-        let stretches = self.stretches.iter().map(|stretch| {
-            let s = &stretch.signals;
-            let target = thin(&stretch.target);
-            let mut corners: Vec<usize> = stretch.corners.iter().map(|i| i / n).collect();
+        let segments = self.segments.iter().map(|segment| {
+            let s = &segment.signals;
+            let target = thin(&segment.target);
+            let mut corners: Vec<usize> = segment.corners.iter().map(|i| i / n).collect();
             corners.dedup();
             corners.retain(|i| *i < target.len());
             Segment {
@@ -161,12 +161,12 @@ impl Problem {
                 },
                 target,
                 corners,
-                lead: stretch.lead / n,
-                from: stretch.from.div_ceil(n),
+                lead: segment.lead / n,
+                from: segment.from.div_ceil(n),
             }
         });
         Self {
-            stretches: stretches.collect(),
+            segments: segments.collect(),
             theta: self.theta,
             scales: Scales {
                 step_s: self.scales.step_s * n as f64,
@@ -178,13 +178,13 @@ impl Problem {
     /// Sizes of the motion.
     fn measure(&mut self, base: &Base) {
         let largest = |of: fn(&Signals) -> &Vec<f64>| {
-            peak(self.stretches.iter().flat_map(|s| s.seen(of(&s.signals)))).max(1e-9)
+            peak(self.segments.iter().flat_map(|s| s.seen(of(&s.signals)))).max(1e-9)
         };
         let (x, v, answer) = (largest(|s| &s.x), largest(|s| &s.v), largest(|s| &s.base));
         (self.scales.x, self.scales.v, self.scales.base) = (x, v, answer);
         if base.channel == Channel::Specimen && base.values[0] == 0.0 {
             // A specimen without a stiffness of its own: forces are compared with the largest.
-            let force = peak(self.stretches.iter().flat_map(|s| s.seen(&s.target)));
+            let force = peak(self.segments.iter().flat_map(|s| s.seen(&s.target)));
             self.scales.stiffness = (force / x).max(1e-12);
         }
     }
@@ -207,8 +207,8 @@ impl Problem {
         if base.channel == Channel::Specimen && theta[0] > 0.0 {
             self.scales.stiffness = theta[0];
         }
-        for stretch in &mut self.stretches {
-            let s = &mut stretch.signals;
+        for segment in &mut self.segments {
+            let s = &mut segment.signals;
             match base.channel {
                 Channel::Actuator => {
                     s.base = transfer.answer(&s.command, s.interval_s);
@@ -233,8 +233,8 @@ impl Problem {
     /// What the model already knows beyond its parameters.
     fn add_known(&mut self, base: &Base) {
         for element in &base.elements {
-            for stretch in &mut self.stretches {
-                let s = &mut stretch.signals;
+            for segment in &mut self.segments {
+                let s = &mut segment.signals;
                 let force = element.force(s);
                 add_scaled(&mut s.base, &force, 1.0);
             }
@@ -245,16 +245,16 @@ impl Problem {
             };
             let scales = self.scales;
             let (amplitudes, shapes) = fit_of(&candidate, known, &scales);
-            for stretch in &mut self.stretches {
+            for segment in &mut self.segments {
                 if let Some(stage) = candidate.stage {
-                    stretch.signals.base = stage(&stretch.signals.base, &shapes, &scales);
+                    segment.signals.base = stage(&segment.signals.base, &shapes, &scales);
                 }
-                let columns = (candidate.columns)(&stretch.signals, &shapes, &scales);
-                add_columns(&mut stretch.signals.base, &columns, &amplitudes, 1.0);
+                let columns = (candidate.columns)(&segment.signals, &shapes, &scales);
+                add_columns(&mut segment.signals.base, &columns, &amplitudes, 1.0);
             }
             if base.channel == Channel::Actuator {
-                for stretch in &mut self.stretches {
-                    let s = &mut stretch.signals;
+                for segment in &mut self.segments {
+                    let s = &mut segment.signals;
                     s.x.clone_from(&s.base);
                 }
             }
@@ -262,8 +262,8 @@ impl Problem {
     }
 
     /// How the answer changes with the free parameters: a column each, stretch by stretch.
-    pub fn base_columns(&self, base: &Base, stretch: &Segment) -> Vec<Vec<f64>> {
-        let s = &stretch.signals;
+    pub fn base_columns(&self, base: &Base, segment: &Segment) -> Vec<Vec<f64>> {
+        let s = &segment.signals;
         let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
         let column = |f: &FreeParameter| match (base.channel, f.index) {
             (_, 3) => vec![1.0; s.base.len()],
@@ -286,11 +286,11 @@ impl Problem {
     /// What effects see behind the stages among them, which pass the base on changed.
     pub fn staged<'s>(
         &self,
-        stretch: &'s Segment,
+        segment: &'s Segment,
         effects: &[(Candidate, &[f64])],
         scales: &Scales,
     ) -> Cow<'s, Signals> {
-        let mut signals = Cow::Borrowed(&stretch.signals);
+        let mut signals = Cow::Borrowed(&segment.signals);
         for (candidate, shapes) in effects {
             if let Some(stage) = candidate.stage {
                 let s = signals.to_mut();
@@ -325,11 +325,11 @@ impl Problem {
     pub fn staged_columns(
         &self,
         base: &Base,
-        stretch: &Segment,
+        segment: &Segment,
         effects: &[(Candidate, &[f64])],
     ) -> Vec<Vec<f64>> {
-        let mut columns = self.base_columns(base, stretch);
-        let mut here = stretch.signals.base.clone();
+        let mut columns = self.base_columns(base, segment);
+        let mut here = segment.signals.base.clone();
         for (candidate, shapes) in effects {
             let Some(stage) = candidate.stage else {
                 continue;
@@ -356,12 +356,12 @@ impl Problem {
     }
 
     /// The answer with effects: the base behind their stages, and their columns.
-    pub fn answer(&self, stretch: &Segment, effects: &[FittedEffect], scales: &Scales) -> Vec<f64> {
+    pub fn answer(&self, segment: &Segment, effects: &[FittedEffect], scales: &Scales) -> Vec<f64> {
         let stages: Vec<(Candidate, &[f64])> = effects
             .iter()
             .map(|e| (e.candidate, e.shapes.as_slice()))
             .collect();
-        let signals = self.staged(stretch, &stages, scales);
+        let signals = self.staged(segment, &stages, scales);
         let mut y = signals.base.clone();
         for effect in effects {
             let columns = (effect.candidate.columns)(&signals, &effect.shapes, scales);
@@ -372,7 +372,7 @@ impl Problem {
 
     /// Length of all stretches, s.
     pub fn seconds(&self) -> f64 {
-        let samples: usize = self.stretches.iter().map(|s| s.seen(&s.target).len()).sum();
+        let samples: usize = self.segments.iter().map(|s| s.seen(&s.target).len()).sum();
         samples as f64 * self.scales.interval_s
     }
 
@@ -382,7 +382,7 @@ impl Problem {
             let y = self.answer(s, effects, scales);
             difference(s.seen(&s.target), s.seen(&y))
         };
-        self.stretches.iter().map(residual).collect()
+        self.segments.iter().map(residual).collect()
     }
 }
 
@@ -435,7 +435,7 @@ mod tests {
                 amplitudes: Vec::new(),
             };
             let late = crate::signals::delayed(&moves, skew_s, h);
-            let answer = problem.answer(&problem.stretches[0], &[skew], &problem.scales);
+            let answer = problem.answer(&problem.segments[0], &[skew], &problem.scales);
             let noise = answer.iter().zip(late).map(|(y, x)| y - 100.0 * x);
             rms(&[noise.collect()])
         };

@@ -183,18 +183,18 @@ pub fn quiet(changes: &[f64], period: usize) -> Vec<Vec<f64>> {
     let Some(median) = sorted.get(sorted.len() / 2).copied() else {
         return vec![changes.to_vec()];
     };
-    let mut stretches: Vec<Vec<f64>> = Vec::new();
+    let mut segments: Vec<Vec<f64>> = Vec::new();
     let mut open = false;
     for part in parts {
         let is_quiet = square(part) <= LOUD * median;
-        match stretches.last_mut().filter(|_| open && is_quiet) {
+        match segments.last_mut().filter(|_| open && is_quiet) {
             Some(last) => last.extend_from_slice(part),
-            None if is_quiet => stretches.push(part.to_vec()),
+            None if is_quiet => segments.push(part.to_vec()),
             None => {}
         }
         open = is_quiet;
     }
-    stretches
+    segments
 }
 
 #[cfg(test)]

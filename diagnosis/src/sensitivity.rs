@@ -92,20 +92,20 @@ impl Jacobian {
             Channel::Specimen if late => Cow::Owned(without_noise(problem, base)),
             _ => Cow::Borrowed(problem),
         };
-        for (stretch, motion) in problem.stretches.iter().zip(&smooth.stretches) {
-            let mut raw = problem.staged_columns(base, stretch, &stages);
+        for (segment, motion) in problem.segments.iter().zip(&smooth.segments) {
+            let mut raw = problem.staged_columns(base, segment, &stages);
             let from = smooth.answer(motion, &solution.effects, &scales);
             for unknown in &all {
                 let (moved, step) = unknown.moved(&solution.effects);
                 let there = smooth.answer(motion, &moved, &scales);
                 raw.push(difference_quotient(&there, &from, step));
             }
-            let here = problem.answer(stretch, &solution.effects, &scales);
+            let here = problem.answer(segment, &solution.effects, &scales);
             for (raw, column) in raw.into_iter().zip(&mut columns) {
-                noise.whiten_into(&stretch.judged(&raw), column);
+                noise.whiten_into(&segment.judged(&raw), column);
             }
-            let residual = difference(&stretch.target, &here);
-            noise.whiten_into(&stretch.judged(&residual), &mut white);
+            let residual = difference(&segment.target, &here);
+            noise.whiten_into(&segment.judged(&residual), &mut white);
         }
         Self {
             columns,
@@ -118,8 +118,8 @@ impl Jacobian {
 /// The same with a displacement that is read without noise.
 fn without_noise(problem: &Problem, base: &Base) -> Problem {
     let mut smooth = problem.clone();
-    for stretch in &mut smooth.stretches {
-        stretch.signals.reading = stretch.signals.x.clone();
+    for segment in &mut smooth.segments {
+        segment.signals.reading = segment.signals.x.clone();
     }
     smooth.set(base, problem.theta);
     smooth

@@ -86,8 +86,8 @@ pub fn is_passed(s: &Solution, noise: &Noise) -> bool {
     };
     let offset = s.problem.theta[3].abs();
     let beyond = limit + offset + (FAR * noise.rms).max(CLASS * limit);
-    let count = |of: &dyn Fn(&crate::stretch::Segment) -> Vec<f64>, at: f64| {
-        let all = s.problem.stretches.iter().flat_map(of);
+    let count = |of: &dyn Fn(&crate::segment::Segment) -> Vec<f64>, at: f64| {
+        let all = s.problem.segments.iter().flat_map(of);
         all.filter(|y| y.abs() > at).count() as f64
     };
     let measured = count(&|s| s.judged(&s.target), beyond);

@@ -27,7 +27,7 @@ pub struct Reading<T> {
     /// What was fitted.
     pub fit: T,
     /// The way after a reversal that was left out, mm.
-    pub way_mm: f64,
+    pub travel_mm: f64,
     /// The strength.
     pub strength: f64,
     /// Its standard error.
@@ -37,20 +37,20 @@ pub struct Reading<T> {
 /// The first reading, of those that leave out more and more of the way, that agrees with all later ones within the scatter of
 /// what lies between; `read` gives a fit, its strength and its error, and `None` where too little is left.
 pub fn agreeing<T>(
-    give_mm: f64,
+    yield_mm: f64,
     read: impl Fn(f64) -> Option<(T, f64, f64)>,
 ) -> Option<Reading<T>> {
-    let ways = std::iter::successors(Some(SHORTEST * give_mm), |way| Some(LONGER * way));
-    let reading = |way_mm| {
-        let (fit, strength, error) = read(way_mm)?;
+    let travels = std::iter::successors(Some(SHORTEST * yield_mm), |travel| Some(LONGER * travel));
+    let reading = |travel_mm| {
+        let (fit, strength, error) = read(travel_mm)?;
         Some(Reading {
             fit,
-            way_mm,
+            travel_mm,
             strength,
             error,
         })
     };
-    let mut all: Vec<Reading<T>> = ways.map_while(reading).take(MOST).collect();
+    let mut all: Vec<Reading<T>> = travels.map_while(reading).take(MOST).collect();
     let agrees = |i: &usize| {
         let later = &all[i + 1..];
         later.iter().all(|l| {
@@ -69,9 +69,9 @@ const LEAST: f64 = 0.3;
 const MOST: usize = 20;
 
 /// 1 where a motion is within a way after a reversal, or a part of it before one.
-pub fn near(x: &[f64], way_mm: f64) -> Vec<f64> {
+pub fn near(x: &[f64], travel_mm: f64) -> Vec<f64> {
     let mut near = vec![0.0; x.len()];
-    for (forth, way_mm) in [(true, way_mm), (false, BEFORE * way_mm)] {
+    for (forth, travel_mm) in [(true, travel_mm), (false, BEFORE * travel_mm)] {
         let (mut since, mut speed) = (0.0, 0.0_f64);
         let mut visit = |i: usize, last: usize| {
             let step = x[i] - x[last];
@@ -81,7 +81,7 @@ pub fn near(x: &[f64], way_mm: f64) -> Vec<f64> {
             }
             speed = step;
             since += step.abs();
-            if since <= way_mm {
+            if since <= travel_mm {
                 near[i] = 1.0;
             }
         };
@@ -107,16 +107,16 @@ pub fn read(solution: &Solution, base: &Base, noise: &Noise) -> Option<Solution>
         .iter()
         .map(|e| (e.candidate, e.shapes.clone()))
         .collect();
-    let reading = agreeing(solution.effects[at].shapes[0], |way_mm| {
+    let reading = agreeing(solution.effects[at].shapes[0], |travel_mm| {
         let mut problem = solution.problem.clone();
         let (mut stay, mut all) = (0.0, 0.0);
-        for stretch in &mut problem.stretches {
-            let near = near(&stretch.signals.x, way_mm);
-            let judged = &near[stretch.from..];
+        for segment in &mut problem.segments {
+            let near = near(&segment.signals.x, travel_mm);
+            let judged = &near[segment.from..];
             all += judged.len() as f64;
             stay += judged.iter().filter(|n| **n == 0.0).count() as f64;
             let more = (0..near.len()).filter(|i| near[*i] > 0.0);
-            stretch.corners.extend(more);
+            segment.corners.extend(more);
         }
         if stay < STAYS * all {
             return None;
@@ -150,10 +150,11 @@ mod tests {
 
     #[test]
     fn a_strength_that_settles_is_read_where_it_has_settled() {
-        let read = |way: f64| (way < 60.0).then(|| ((), 300.0 - 20.0 * (-way / 6.0).exp(), 0.5));
+        let read =
+            |travel: f64| (travel < 60.0).then(|| ((), 300.0 - 20.0 * (-travel / 6.0).exp(), 0.5));
         let reading = agreeing(1.0, read).unwrap();
         assert!((reading.strength - 300.0).abs() <= 0.5, "{reading:?}");
-        assert!(reading.way_mm < 40.0, "{reading:?}");
+        assert!(reading.travel_mm < 40.0, "{reading:?}");
         assert!(agreeing(20.0, read).is_none());
     }
 }

@@ -190,7 +190,7 @@ pub fn motion_band_hz(x: &[f64], interval_s: f64) -> Option<f64> {
     upper.sort_by(f64::total_cmp);
     let floor = FLOOR * upper[upper.len() / 2];
     // Nor is it motion above where there is no more power than a converter's steps make; of a ramp these are lines.
-    let steps = crate::lattice::step(x).map_or(0.0, |q| STEPS * q * q / 12.0);
+    let steps = crate::converter_step::step(x).map_or(0.0, |q| STEPS * q * q / 12.0);
     let mut above = 0.0;
     let last = power.iter().rposition(|p| {
         above += p * bin_hz;

@@ -1,6 +1,6 @@
 //! The way that a motion goes.
 
-use crate::library::operators::way;
+use crate::library::operators::travel;
 use crate::recording::Recording;
 use crate::spectrum::{motion_band_hz, smooth};
 
@@ -22,8 +22,8 @@ fn velocity(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
 }
 
 /// Way gone by each sample, mm; `None` where nothing moves.
-pub fn gone(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
-    Some(way(&velocity(x, interval_s)?, interval_s, 0.0).collect())
+pub fn cumulative(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
+    Some(travel(&velocity(x, interval_s)?, interval_s, 0.0).collect())
 }
 
 /// Way gone in what a file holds before a span, but for its `last` samples, mm: what fatigue remembers.
@@ -36,8 +36,8 @@ pub fn before_mm(span: &Recording, last: usize) -> f64 {
         .copied()
         .filter(|x| x.is_finite())
         .collect();
-    let way = gone(&here, span.interval_s());
-    way.and_then(|w| w.last().copied()).unwrap_or(0.0)
+    let travel = cumulative(&here, span.interval_s());
+    travel.and_then(|w| w.last().copied()).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -62,8 +62,8 @@ mod tests {
         };
         let span = past.slice(15_000, 20_000);
         // Ten cycles and a half of 20 mm less the last five seconds.
-        let way = before_mm(&span, 5000);
-        assert!((way / 100.0 - 1.0).abs() < 0.02, "{way}");
+        let travel = before_mm(&span, 5000);
+        assert!((travel / 100.0 - 1.0).abs() < 0.02, "{travel}");
         assert_eq!(before_mm(&past, 0), 0.0);
     }
 }

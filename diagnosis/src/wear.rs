@@ -3,7 +3,7 @@
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, FoundEffect};
 use crate::criteria::specimen::{EVEN, TOGETHER};
-use crate::input::{Lack, alike};
+use crate::input::{Deficiency, alike};
 use crate::recording::Recording;
 use crate::{rest, travel};
 use plant::{Channel, Effect};
@@ -14,7 +14,7 @@ fn damage(answer: &ChannelAnswer) -> Option<&FoundEffect> {
 }
 
 /// A gain that falls with time and a stiffness that falls with the way, where the way grows evenly with time.
-pub fn lack(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
+pub fn deficiency(answer: &ChannelAnswer, train: &[Recording]) -> Option<Deficiency> {
     let tires = |e: &FoundEffect| e.name == Effect::Degradation && e.value("travel_mm").is_some();
     let cools = |e: &FoundEffect| {
         e.name == Effect::TemperatureGain && e.value("change").is_some_and(|c| c < 0.0)
@@ -26,7 +26,7 @@ pub fn lack(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
     }
     let ahead = train.iter().map(ahead).collect::<Option<Vec<f64>>>()?;
     let even = ahead.iter().all(|a| *a < EVEN);
-    even.then(|| Lack {
+    even.then(|| Deficiency {
         sentence: "The way gone grows evenly with time: a stiffness that is lost with travel cannot be told from a gain that \
                    changes with time, whatever fits. Pauses, or cycles of another size, tell them apart."
             .into(),
@@ -37,10 +37,10 @@ pub fn lack(answer: &ChannelAnswer, train: &[Recording]) -> Option<Lack> {
 /// By what share of its way a motion is ahead of an even pace, or behind it, at most; rests before and after are no pauses.
 fn ahead(record: &Recording) -> Option<f64> {
     let moving = rest::without(record);
-    let way = travel::gone(moving.displacement_mm.as_ref()?, moving.interval_s())?;
-    let n = way.len() as f64;
-    let whole = way.last()?.max(f64::MIN_POSITIVE);
-    let off = way.iter().enumerate();
+    let travel = travel::cumulative(moving.displacement_mm.as_ref()?, moving.interval_s())?;
+    let n = travel.len() as f64;
+    let whole = travel.last()?.max(f64::MIN_POSITIVE);
+    let off = travel.iter().enumerate();
     Some(
         off.map(|(i, w)| (w / whole - (i + 1) as f64 / n).abs())
             .fold(0.0, f64::max),
@@ -50,11 +50,11 @@ fn ahead(record: &Recording) -> Option<f64> {
 /// Which of the two takes the stiffness, and how much of it.
 pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     let effect = damage(answer)?;
-    let way_mm: f64 = train
+    let travel_mm: f64 = train
         .iter()
         .filter_map(|r| {
-            let way = travel::gone(r.displacement_mm.as_ref()?, r.interval_s())?;
-            way.last().copied()
+            let travel = travel::cumulative(r.displacement_mm.as_ref()?, r.interval_s())?;
+            travel.last().copied()
         })
         .sum();
     let known = answer
@@ -72,8 +72,8 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
         // The mean over the way of the records.
         (Some(half_mm), Some(share)) => format!(
             "The stiffness falls with the way gone, by {} % per metre over the {} m of the training data",
-            four(100.0 * share / (way_mm + half_mm) * 1e3),
-            four(1e-3 * way_mm)
+            four(100.0 * share / (travel_mm + half_mm) * 1e3),
+            four(1e-3 * travel_mm)
         ),
         (Some(_), None) => "The stiffness falls with the way gone".into(),
         (None, _) => "The stiffness falls with the largest displacement so far".into(),
@@ -92,9 +92,9 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
 /// How far the largest displacement so far goes along with the way gone, each moment with the weight of its force.
 fn together(record: &Recording) -> Option<f64> {
     let x = record.displacement_mm.as_ref()?;
-    let way = travel::gone(x, record.interval_s())?;
+    let travel = travel::cumulative(x, record.interval_s())?;
     let mut largest = record.largest_before_mm();
-    let moments = x.iter().zip(&way).map(|(x, w)| {
+    let moments = x.iter().zip(&travel).map(|(x, w)| {
         largest = largest.max(x.abs());
         (x * x, largest, *w)
     });

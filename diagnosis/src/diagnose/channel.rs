@@ -1,14 +1,14 @@
 //! One channel and the records that it is judged by.
 
 use crate::base::Base;
-use crate::drive::Drive;
+use crate::known_actuator::KnownActuator;
 use crate::recording::Recording;
 use plant::Channel;
 
 /// One channel and its data.
 pub struct ChannelDiagnosis<'a> {
     /// The actuator, where it is known well.
-    pub drive: Option<Drive>,
+    pub known_actuator: Option<KnownActuator>,
     /// What is declared.
     pub base: Base,
     /// Records to search in.

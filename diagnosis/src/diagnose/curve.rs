@@ -28,7 +28,7 @@ fn rival(name: Effect) -> Option<(Candidate, &'static str, &'static str)> {
 impl ChannelDiagnosis<'_> {
     /// Makes a set of a spring that softens or stiffens and of a limit or a gap with rounded corners that leaves less than
     /// what a name alone has to rule out of the same held-out data.
-    pub(super) fn bends_alike(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn add_rounded_rival(&self, answer: &mut ChannelAnswer) {
         let [one] = &answer.effects[..] else {
             return;
         };
@@ -39,7 +39,7 @@ impl ChannelDiagnosis<'_> {
         if self.base.channel != Channel::Specimen || answer.alternatives.contains(&also) {
             return;
         }
-        let Some(left) = self.left_by(candidate) else {
+        let Some(left) = self.held_out_rms(candidate) else {
             return;
         };
         let times = (left / answer.error_after.test_rms.max(f64::MIN_POSITIVE)).powi(2);
@@ -69,7 +69,7 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// What an effect leaves of the held-out data at its best on the training data, rms.
-    fn left_by(&self, candidate: Candidate) -> Option<f64> {
+    fn held_out_rms(&self, candidate: Candidate) -> Option<f64> {
         let cutoff_hz = self.cutoff_hz();
         let problem = self.problem(self.train, cutoff_hz)?;
         let noise = self.noise(cutoff_hz)?;

@@ -16,7 +16,7 @@ use crate::noise::{Noise, NoiseSource};
 use crate::problem::Problem;
 use crate::recording::{Recording, range};
 use crate::signals::{nrmse, rms};
-use crate::{advice, joint, lattice, rest};
+use crate::{advice, converter_step, joint, rest};
 use plant::{Channel, Effect, EffectSpec, Family};
 
 /// The held-out data as a problem, and what an answer leaves of them.
@@ -24,7 +24,7 @@ type HeldOut = (Problem, Vec<Vec<f64>>);
 
 /// Gives the names of an answer what speaks for them: of one alone, the best rival of another family, fitted as it was; of
 /// all, whether they leave more than noise.
-fn vouch(answer: &mut ChannelAnswer, leaves_more: bool) {
+fn certify(answer: &mut ChannelAnswer, leaves_more: bool) {
     let left = |of: &dyn Fn(Family) -> bool| {
         let tried = answer.tried.iter().filter(|t| of(t.name.entry().family));
         tried.map(|t| t.rms_left).fold(f64::INFINITY, f64::min)
@@ -52,7 +52,7 @@ const AT_THE_END: f64 = 0.99 * REACH;
 
 /// Half the range of the displacement, mm.
 fn half_range(problem: &Problem) -> f64 {
-    let all = problem.stretches.iter().map(|s| s.seen(&s.signals.x));
+    let all = problem.segments.iter().map(|s| s.seen(&s.signals.x));
     0.5 * range(&all.flatten().copied().collect::<Vec<f64>>())
 }
 
@@ -87,7 +87,7 @@ impl ChannelDiagnosis<'_> {
     /// Errors on training and held-out data, the held-out problem and its residuals.
     pub(super) fn errors(&self, s: &Solution, cutoff_hz: f64) -> (Errors, Option<HeldOut>) {
         let of = |problem: &Problem, residuals: &[Vec<f64>]| {
-            let targets = problem.stretches.iter().map(|s| s.seen(&s.target));
+            let targets = problem.segments.iter().map(|s| s.seen(&s.target));
             nrmse(residuals, &targets.collect::<Vec<_>>().concat())
         };
         let scales = s.problem.scales;
@@ -144,7 +144,7 @@ impl ChannelDiagnosis<'_> {
         } else {
             Vec::new()
         };
-        let possible = effects.iter().all(|e| self.can_be(e));
+        let possible = effects.iter().all(|e| self.is_possible_change(e));
         if found && !e.vetoed && !worse && possible {
             answer.verdict = Verdict::Effect;
             answer.error_after = after;
@@ -155,14 +155,14 @@ impl ChannelDiagnosis<'_> {
             let kin = kin.filter_map(|e| of_one_kind(e, half_mm));
             let wants = effects
                 .iter()
-                .filter_map(|e| self.at_its_end(e.name, &theta));
+                .filter_map(|e| self.rival_at_bound(e.name, &theta));
             let all = e.alternatives.iter().copied().chain(kin).chain(wants);
             answer.alternatives = others(&effects, all);
             answer.effects = effects;
             if !answer.alternatives.is_empty() {
                 answer.verdict = Verdict::Ambiguous;
             } else {
-                vouch(&mut answer, e.structured[1] > noise.rms);
+                certify(&mut answer, e.structured[1] > noise.rms);
                 let left = held_after.as_ref().map(|(_, left)| self.while_moving(left));
                 // However much it took: several times a noise that a rest has told is something.
                 let told = noise.from == NoiseSource::Rest && specimen;
@@ -171,7 +171,7 @@ impl ChannelDiagnosis<'_> {
                 }
             }
             improve(&self.base, &e.after, &answer.effects, improved);
-        } else if (e.vetoed || found) && !self.within_a_transducer(&before) {
+        } else if (e.vetoed || found) && !self.within_transducer_error(&before) {
             answer.verdict = Verdict::Unknown;
             answer.nearest = e.nearest.map(|(name, left)| Nearest {
                 name,
@@ -201,7 +201,7 @@ impl ChannelDiagnosis<'_> {
                     .problem
                     .residuals(&solution.effects, &solution.problem.scales);
                 let judged = if answer.effects.is_empty() { &b } else { &a };
-                self.look_at_the_rest(&mut answer, &learned, judged);
+                self.analyse_residual(&mut answer, &learned, judged);
             }
         }
         answer
@@ -219,7 +219,7 @@ impl ChannelDiagnosis<'_> {
 
     /// The error of a declared parameter that makes the same of the motion as an effect and stands at the end of its
     /// tolerances: it wants more, and is a rival.
-    fn at_its_end(&self, effect: Effect, theta: &[f64; 4]) -> Option<Effect> {
+    fn rival_at_bound(&self, effect: Effect, theta: &[f64; 4]) -> Option<Effect> {
         let channel = self.base.channel;
         let alike: &[Effect] = match (channel, effect) {
             (Channel::Actuator, e) if e.entry().family == Family::Timing => {
@@ -248,14 +248,14 @@ impl ChannelDiagnosis<'_> {
 
     /// Whether a change with time is one that can be: far within its time constant only its rate shows, and its end may come
     /// out as anything.
-    fn can_be(&self, effect: &FoundEffect) -> bool {
+    fn is_possible_change(&self, effect: &FoundEffect) -> bool {
         let values = effect.parameters.iter().map(|p| (p.name.as_str(), p.value));
         let spec = EffectSpec::new(effect.name, &values.collect::<Vec<_>>());
         effect.family != Family::Slow || spec.in_channel(self.base.channel).check("").is_ok()
     }
 
     /// Whether a specimen's model leaves no more than a good load cell is off.
-    fn within_a_transducer(&self, before: &Errors) -> bool {
+    fn within_transducer_error(&self, before: &Errors) -> bool {
         self.base.channel == Channel::Specimen && before.test_nrmse < TRANSDUCER
     }
 
@@ -274,7 +274,7 @@ impl ChannelDiagnosis<'_> {
         let room = self
             .train
             .iter()
-            .filter_map(|r| Some(lattice::unevenness(self.target_of(r)?, step)))
+            .filter_map(|r| Some(converter_step::unevenness(self.target_of(r)?, step)))
             .fold(step / 4096.0, f64::max);
         let own = step * step / 12.0;
         let other = (noise.rms * noise.rms - own).max(0.0).sqrt();
@@ -293,15 +293,15 @@ impl ChannelDiagnosis<'_> {
     }
 
     fn traces(&self, held_out: &Problem, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
-        let Some(stretch) = held_out.stretches.first() else {
+        let Some(segment) = held_out.segments.first() else {
             return Traces::default();
         };
-        let s = &stretch.signals;
+        let s = &segment.signals;
         let input = match self.base.channel {
             Channel::Actuator => &s.command,
             Channel::Specimen => &s.x,
         };
-        let seen = [&s.time_s, input, &stretch.target].map(|x| stretch.seen(x));
+        let seen = [&s.time_s, input, &segment.target].map(|x| segment.seen(x));
         Traces::of(seen, [&before[0], &after[0]])
     }
 }

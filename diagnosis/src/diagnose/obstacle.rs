@@ -4,13 +4,13 @@ use super::channel::ChannelDiagnosis;
 use crate::answer::ChannelAnswer;
 use crate::recording::{Recording, range};
 use crate::signals::mean;
-use crate::{lattice, plausible};
+use crate::{converter_step, plausible};
 use plant::{Channel, Effect};
 use std::ops::Range;
 
 /// Whether the converter's steps are so large that a signal rests on each of them for a while.
 fn coarse(x: &[f64]) -> bool {
-    lattice::step(x).is_some_and(|step| step > 2e-3 * range(x))
+    converter_step::step(x).is_some_and(|step| step > 2e-3 * range(x))
 }
 
 impl ChannelDiagnosis<'_> {

@@ -17,7 +17,11 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// Errors without a verdict, where nothing tells the noise.
-    pub(super) fn unjudged(&self, problem: &Problem, cutoff_hz: f64) -> ChannelAnswer {
+    pub(super) fn errors_without_verdict(
+        &self,
+        problem: &Problem,
+        cutoff_hz: f64,
+    ) -> ChannelAnswer {
         let mut answer = self.not_assessed(
             "the record is too short to tell its noise, so no residual can be called significant; record longer, with a \
              second of rest",

@@ -1,7 +1,7 @@
 //! A way fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
 
 use super::part::{ActuatorScales, Part, PartKind};
-use super::way::{Run, Way};
+use super::signal_path::{Run, SignalPath};
 use crate::base::Base;
 use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
@@ -99,11 +99,11 @@ impl<'a> ActuatorData<'a> {
     }
 
     /// All columns, stretch after stretch: the answer at gain 1, one for each amplitude.
-    fn columns(&self, way: &Way) -> Vec<Vec<f64>> {
+    fn columns(&self, path: &SignalPath) -> Vec<Vec<f64>> {
         stacked(
             self.runs
                 .iter()
-                .map(|run| way.columns(run, self.interval_s)),
+                .map(|run| path.columns(run, self.interval_s)),
         )
     }
 
@@ -139,8 +139,8 @@ impl<'a> ActuatorData<'a> {
     }
 
     /// A way as it stands in a fit.
-    pub fn way(&self, fit: &ActuatorFit) -> Way {
-        Way {
+    pub fn path(&self, fit: &ActuatorFit) -> SignalPath {
+        SignalPath {
             delay_s: fit.declared[1],
             lag_s: fit.declared[2],
             parts: fit.model.parts.clone(),
@@ -149,9 +149,9 @@ impl<'a> ActuatorData<'a> {
 
     /// What parts at these values make of the answer, less what the fit makes of it: the column of a step towards them.
     pub fn change(&self, fit: &ActuatorFit, more: Part) -> Vec<f64> {
-        let mut way = self.way(fit);
-        way.parts.push(more);
-        let mut columns = self.columns(&way);
+        let mut path = self.path(fit);
+        path.parts.push(more);
+        let mut columns = self.columns(&path);
         if more.kind.is_column() {
             return columns.pop().unwrap_or_default();
         }
@@ -179,7 +179,7 @@ impl<'a> ActuatorData<'a> {
     /// What a fit leaves of these records, which may be others than it was made with.
     pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
         let y = self.combined(
-            &self.columns(&self.way(fit)),
+            &self.columns(&self.path(fit)),
             &fit.declared,
             &fit.amplitudes,
         );
@@ -213,15 +213,15 @@ impl<'a> ActuatorData<'a> {
         let mut damping = 1e-6;
         let mut last: Option<ActuatorFit> = None;
         for _ in 0..STEPS {
-            let way = Way {
+            let path = SignalPath {
                 delay_s: declared[1],
                 lag_s: declared[2],
                 parts: parts.clone(),
             };
-            let columns = self.columns(&way);
+            let columns = self.columns(&path);
             let y = self.combined(&columns, &declared, &amplitudes);
             let residual = difference(&self.target, &y);
-            let slopes = self.slopes(&way, &columns, &y, &declared, &amplitudes);
+            let slopes = self.slopes(&path, &columns, &y, &declared, &amplitudes);
             let mut bounds: Vec<Bound> = (0..DECLARED)
                 .map(|i| {
                     let [low, high] = self.bound(i, model.moved[i]);
@@ -295,12 +295,12 @@ impl<'a> ActuatorData<'a> {
                         at += 1;
                     }
                 }
-                let way = Way {
+                let path = SignalPath {
                     delay_s: next[1],
                     lag_s: next[2],
                     parts: turned.clone(),
                 };
-                let y = self.combined(&self.columns(&way), &next, &more);
+                let y = self.combined(&self.columns(&path), &next, &more);
                 let square: f64 = difference(&self.target, &y).iter().map(|r| r * r).sum();
                 if square < cost {
                     let fall = cost - square;
@@ -322,20 +322,20 @@ impl<'a> ActuatorData<'a> {
     /// How the answer changes with declared parameters, amplitudes and shapes.
     fn slopes(
         &self,
-        way: &Way,
+        path: &SignalPath,
         columns: &[Vec<f64>],
         y: &[f64],
         declared: &[f64; DECLARED],
         amplitudes: &[f64],
     ) -> Vec<Vec<f64>> {
-        let apart = |way: &Way, step: f64| -> Vec<f64> {
-            let moved = self.combined(&self.columns(way), declared, amplitudes);
+        let apart = |path: &SignalPath, step: f64| -> Vec<f64> {
+            let moved = self.combined(&self.columns(path), declared, amplitudes);
             difference_quotient(&moved, y, step)
         };
         let timed = 0.05 * self.interval_s;
-        let mut late = way.clone();
+        let mut late = path.clone();
         late.delay_s += timed;
-        let mut slow = way.clone();
+        let mut slow = path.clone();
         slow.lag_s += timed;
         let mut slopes = vec![
             columns[0].clone(),
@@ -344,10 +344,10 @@ impl<'a> ActuatorData<'a> {
             vec![1.0; y.len()],
         ];
         slopes.extend(columns[1..].iter().cloned());
-        for (p, part) in way.parts.iter().enumerate() {
+        for (p, part) in path.parts.iter().enumerate() {
             for i in 0..part.kind.shapes() {
                 let step = part.kind.step(i, &self.sizes);
-                let mut moved = way.clone();
+                let mut moved = path.clone();
                 moved.parts[p].shapes[i] += step;
                 slopes.push(apart(&moved, step));
             }

@@ -1,15 +1,15 @@
 //! Parts between command and displacement, up to four together, searched jointly on the simulated displacement, and a
 //! certificate for each name.
 //!
-//! The way of a record: [`way`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
+//! The way of a record: [`signal_path`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
 //! block), [`search`], [`verdict`] (which of the names can be vouched for).
 
 mod fit;
 pub(crate) mod part;
 mod save;
 mod search;
+pub(crate) mod signal_path;
 mod verdict;
-pub(crate) mod way;
 
 pub use fit::{ActuatorData, ActuatorFit};
 pub use verdict::ActuatorOutcome;
@@ -20,7 +20,7 @@ use crate::recording::Recording;
 use crate::rest;
 use crate::spectrum::{self, motion_band_hz};
 use search::PartSearch;
-use way::Run;
+use signal_path::Run;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -53,10 +53,10 @@ pub fn find(base: &Base, train: &[Recording]) -> Option<ActuatorResult> {
     let (search, declared) = PartSearch::new(&thin, train.iter().all(rests))?;
     // Best first: of several forms under one name the first.
     let mut tried: Vec<(plant::Effect, f64)> = Vec::new();
-    for glance in search.glances(&declared, &[]) {
-        let name = glance.part.kind.effect();
+    for screened_part in search.screened(&declared, &[]) {
+        let name = screened_part.part.kind.effect();
         if tried.iter().all(|t| t.0 != name) {
-            tried.push((name, glance.left(declared.fit.cost)));
+            tried.push((name, screened_part.left(declared.fit.cost)));
         }
     }
     let outcome = verdict::conclude(&search, &declared);

@@ -141,7 +141,7 @@ impl PartKind {
     }
 
     /// What it costs in the score: 1 for one number more, somewhat more for two.
-    pub const fn price(self) -> f64 {
+    pub const fn penalty(self) -> f64 {
         match self {
             Self::OilColumn | Self::Friction | Self::Seal | Self::Drift | Self::GainDrift => 1.3,
             Self::StickySeal => 1.6,

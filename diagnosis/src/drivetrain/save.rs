@@ -11,7 +11,7 @@ use plant::{Channel, Effect, EffectSpec};
 pub type Figure = (&'static str, &'static str, f64, f64);
 
 /// Stretches whose pulls tell the scatter of what was fitted.
-const STRETCHES: usize = 24;
+const SEGMENTS: usize = 24;
 
 /// The declared unit of a parameter in the unit here, where times are in s.
 fn unit(which: usize) -> f64 {
@@ -41,15 +41,15 @@ impl ActuatorData<'_> {
         let inverse = factor.inverse();
         let samples = fit.residual.len();
         let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-        for k in 0..STRETCHES {
-            let (a, b) = (k * samples / STRETCHES, (k + 1) * samples / STRETCHES);
+        for k in 0..SEGMENTS {
+            let (a, b) = (k * samples / SEGMENTS, (k + 1) * samples / SEGMENTS);
             let pull = DVector::from_fn(n, |i, _| {
                 dot(&fit.slopes[i][a..b], &fit.residual[a..b]) / size[i]
             });
             pulls += &pull * pull.transpose();
         }
-        let free = (STRETCHES as f64 - n as f64).max(0.5 * STRETCHES as f64);
-        let covariance = &inverse * pulls * &inverse * (STRETCHES as f64 / free);
+        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
+        let covariance = &inverse * pulls * &inverse * (SEGMENTS as f64 / free);
         (0..n)
             .map(|i| covariance[(i, i)].max(0.0).sqrt() / size[i])
             .collect()

@@ -3,7 +3,7 @@
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED, PartSet};
 use super::part::{Part, PartKind, Shapes};
-use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PRICE};
+use crate::criteria::{BLOCKS, FLOOR, MOST_ELEMENTS, PENALTY};
 use crate::linear::{Factor, dot, gram};
 use rayon::prelude::*;
 
@@ -68,17 +68,17 @@ impl<'a> PartSearch<'a> {
     }
 
     /// What a model costs beside its squares.
-    fn price(&self, model: &PartSet) -> f64 {
-        let parts: f64 = model.parts.iter().map(|p| p.kind.price()).sum();
+    fn penalty(&self, model: &PartSet) -> f64 {
+        let parts: f64 = model.parts.iter().map(|p| p.kind.penalty()).sum();
         let moved = model.moved.iter().filter(|m| **m).count();
-        PRICE * (parts + moved as f64)
+        PENALTY * (parts + moved as f64)
     }
 
     /// The model at its best.
     pub fn scored(&self, model: &PartSet, start: [f64; DECLARED]) -> Option<ScoredFit> {
         let fit = self.data.fit(model, start)?;
         let squares = self.data.cross_validated(&fit)?;
-        let score = self.times(&squares, &self.declared) + self.price(model);
+        let score = self.times(&squares, &self.declared) + self.penalty(model);
         score.is_finite().then_some(ScoredFit {
             fit,
             squares,
@@ -98,9 +98,9 @@ impl<'a> PartSearch<'a> {
         let Some(from) = leading.first().cloned() else {
             return leading;
         };
-        let glances = self.glances(&from, &[]);
-        let singles = glances.iter().take(FITTED).map(|g| vec![g.part]);
-        let pairs = self.pairs(&from, &glances);
+        let screened = self.screened(&from, &[]);
+        let singles = screened.iter().take(FITTED).map(|g| vec![g.part]);
+        let pairs = self.pairs(&from, &screened);
         let sets: Vec<Vec<Part>> = singles.chain(pairs).collect();
         leading.extend(self.all(&from, sets));
         keep(&mut leading, LEADING);
@@ -113,8 +113,8 @@ impl<'a> PartSearch<'a> {
                     continue;
                 }
                 if parts.len() < MOST_ELEMENTS {
-                    let more = self.glances(s, &[]);
-                    let with = |g: &Glance| [parts.as_slice(), &[g.part]].concat();
+                    let more = self.screened(s, &[]);
+                    let with = |g: &ScreenedPart| [parts.as_slice(), &[g.part]].concat();
                     sets.extend(more.iter().take(FITTED / 2).map(with));
                 }
                 if parts.len() > 1 {
@@ -193,7 +193,7 @@ impl<'a> PartSearch<'a> {
     }
 
     /// What each kind that a fit does not have would take off its squares, at the best of its grid, to first order.
-    pub fn glances(&self, from: &ScoredFit, without: &[PartKind]) -> Vec<Glance> {
+    pub fn screened(&self, from: &ScoredFit, without: &[PartKind]) -> Vec<ScreenedPart> {
         let slopes = &from.fit.slopes;
         let Some(factor) = Factor::of(gram(slopes)) else {
             return Vec::new();
@@ -202,7 +202,7 @@ impl<'a> PartSearch<'a> {
             from.fit.model.parts.iter().any(|p| p.kind.is_like(*k)) || without.contains(k)
         };
         let kinds: Vec<PartKind> = self.kinds.iter().copied().filter(|k| !has(k)).collect();
-        let mut found: Vec<Glance> = kinds
+        let mut found: Vec<ScreenedPart> = kinds
             .into_par_iter()
             .filter_map(|kind| {
                 let at = |shapes: Shapes| {
@@ -217,7 +217,7 @@ impl<'a> PartSearch<'a> {
                     } else {
                         pull * pull / square
                     };
-                    Glance { part, column, fall }
+                    ScreenedPart { part, column, fall }
                 };
                 let grid = kind.grid(&self.data.sizes).into_iter().map(at);
                 grid.max_by(|a, b| a.fall.total_cmp(&b.fall))
@@ -229,29 +229,29 @@ impl<'a> PartSearch<'a> {
     }
 
     /// The best pairs of what was glanced at.
-    fn pairs(&self, from: &ScoredFit, glances: &[Glance]) -> Vec<Vec<Part>> {
-        let pull: Vec<f64> = glances
+    fn pairs(&self, from: &ScoredFit, screened: &[ScreenedPart]) -> Vec<Vec<Part>> {
+        let pull: Vec<f64> = screened
             .iter()
             .map(|g| dot(&g.column, &from.fit.residual))
             .collect();
         let mut all: Vec<(f64, Vec<Part>)> = Vec::new();
-        for i in 0..glances.len() {
+        for i in 0..screened.len() {
             for j in 0..i {
-                let (a, b) = (&glances[i].column, &glances[j].column);
+                let (a, b) = (&screened[i].column, &screened[j].column);
                 let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
                 let determinant = aa * bb - ab * ab;
-                let alike = glances[i].part.kind.is_like(glances[j].part.kind);
+                let alike = screened[i].part.kind.is_like(screened[j].part.kind);
                 if alike || determinant < 1e-6 * aa * bb {
                     continue;
                 }
                 let x = (bb * pull[i] - ab * pull[j]) / determinant;
                 let y = (aa * pull[j] - ab * pull[i]) / determinant;
                 let wrong = |w: f64, k: PartKind| w <= 0.0 && (!k.is_column() || k.is_positive());
-                if wrong(x, glances[i].part.kind) || wrong(y, glances[j].part.kind) {
+                if wrong(x, screened[i].part.kind) || wrong(y, screened[j].part.kind) {
                     continue;
                 }
                 let fall = x * pull[i] + y * pull[j];
-                all.push((fall, vec![glances[i].part, glances[j].part]));
+                all.push((fall, vec![screened[i].part, screened[j].part]));
             }
         }
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -261,13 +261,13 @@ impl<'a> PartSearch<'a> {
 
 /// A part at the best of its grid, and what it would take off the squares.
 #[derive(Clone, Debug)]
-pub struct Glance {
+pub struct ScreenedPart {
     pub part: Part,
     column: Vec<f64>,
     fall: f64,
 }
 
-impl Glance {
+impl ScreenedPart {
     /// The share of `cost` that it would leave.
     pub fn left(&self, cost: f64) -> f64 {
         (1.0 - self.fall / cost.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)

@@ -168,9 +168,9 @@ fn set(own: ScoredFit, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option
 fn of_single_names(search: &PartSearch, declared: &ScoredFit) -> Option<ActuatorOutcome> {
     let mut singles: Vec<ScoredFit> = search.bare(declared);
     let held = [false; DECLARED];
-    for glance in search.glances(declared, &[]).iter().take(RIVALS) {
+    for screened_part in search.screened(declared, &[]).iter().take(RIVALS) {
         let model = PartSet {
-            parts: vec![glance.part],
+            parts: vec![screened_part.part],
             moved: held,
         };
         singles.extend(search.scored(&model, declared.fit.declared));
@@ -262,8 +262,8 @@ fn rivals(
         .into_iter()
         .filter(|k| is_or_generalises(k.effect(), effect))
         .collect();
-    let glances = search.glances(&dropped, &same);
-    let replaced = glances.par_iter().take(RIVALS).filter_map(|g| {
+    let screened = search.screened(&dropped, &same);
+    let replaced = screened.par_iter().take(RIVALS).filter_map(|g| {
         let mut model = without.clone();
         model.parts.push(g.part);
         let scored = search.scored(&model, dropped.fit.declared)?;

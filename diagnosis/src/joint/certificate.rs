@@ -3,15 +3,15 @@
 use super::dashpot;
 use super::dictionary;
 use super::element::Law;
-use super::free::{self, FreeFunctions};
+use super::free_functions::{self, FreeFunctions};
 use super::groups::{Group, groups};
 use super::kind::ElementKind;
 use super::polish::Polished;
 use super::separable::inseparable;
 use super::set::{DECLARED, ElementSet, Library};
-use super::unnamed::beside_the_rest;
+use super::unnamed::share_beside_unnamed;
 use crate::answer::Certificate;
-use crate::criteria::{BESIDE_THE_REST, CERTAIN, PRICE};
+use crate::criteria::{BESIDE_THE_REST, CERTAIN, PENALTY};
 use plant::{Channel, Effect, Family};
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ pub struct Hypothesis {
     /// The best of each other family and kind; best first.
     pub rivals: Vec<Rival>,
     /// It is named hysteresis and yields so early that it may be friction.
-    pub may_slide: bool,
+    pub may_be_friction: bool,
     /// Of one kind with it but of another family.
     pub kin: Option<Rival>,
     /// Of friction that falls with speed: friction that does not.
@@ -79,7 +79,7 @@ pub struct Rival {
     /// How many times the squares it leaves.
     pub times: f64,
     /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
-    pub priced: f64,
+    pub penalised: f64,
     /// Its model has a force that does not change along the way, as a name promises, and leaves little more than the best.
     pub steady: bool,
 }
@@ -110,7 +110,7 @@ pub fn certify(library: &mut Library, best: &Polished) -> (ElementSet, Vec<Hypot
 }
 
 fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis {
-    let own = set_fall(library, set);
+    let own = set_log_ratio(library, set);
     let mut rest = set.clone();
     rest.elements.retain(|e| !group.elements.contains(e));
     if group.kind == ElementKind::Parameter
@@ -137,8 +137,8 @@ fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis 
             && (named(e).entry().family != family || simpler(e))
     };
     let shapes = |s: &ElementSet| {
-        let prices = s.elements.iter().map(|&e| library.elements[e].price());
-        PRICE * prices.sum::<f64>()
+        let prices = s.elements.iter().map(|&e| library.elements[e].penalty());
+        PENALTY * prices.sum::<f64>()
     };
     let own_price = shapes(set);
     let mut rivals: Vec<Rival> = Vec::new();
@@ -152,25 +152,25 @@ fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis 
     ));
     if dashpot {
         let late = dashpot::late(library, set, &rest);
-        all.extend(late.map(|fall| {
+        all.extend(late.map(|log_ratio| {
             (
                 Effect::ChannelSkew,
                 rest.clone(),
                 ElementKind::Parameter,
-                fall,
+                log_ratio,
             )
         }));
     }
-    for (name, set, kind, fall) in all {
+    for (name, set, kind, log_ratio) in all {
         let same = |r: &&mut Rival| r.kind == kind && r.name.entry().family == name.entry().family;
-        let times = (fall - own).exp();
-        let priced = times * (shapes(&set) - own_price).exp();
+        let times = (log_ratio - own).exp();
+        let penalised = times * (shapes(&set) - own_price).exp();
         let steady = times < CERTAIN && !varies(library, &of_kind(library, &set, kind));
         match rivals.iter_mut().find(same) {
             Some(r) => {
                 r.times = r.times.min(times);
-                if (steady && !r.steady) || (steady == r.steady && priced < r.priced) {
-                    (r.priced, r.name, r.set, r.steady) = (priced, name, set, steady);
+                if (steady && !r.steady) || (steady == r.steady && penalised < r.penalised) {
+                    (r.penalised, r.name, r.set, r.steady) = (penalised, name, set, steady);
                 }
             }
             None => rivals.push(Rival {
@@ -178,7 +178,7 @@ fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis 
                 name,
                 kind,
                 times,
-                priced,
+                penalised,
                 steady,
             }),
         }
@@ -197,15 +197,15 @@ fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis 
         beside: if group.elements.is_empty() {
             f64::NEG_INFINITY
         } else {
-            beside_the_rest(library, group.kind, &group.elements)
+            share_beside_unnamed(library, group.kind, &group.elements)
         },
         varies: varies(library, &group.elements),
         timed: group.kind == ElementKind::Time && !library.rests,
-        may_slide: family == Family::Hysteresis
+        may_be_friction: family == Family::Hysteresis
             && group
                 .elements
                 .iter()
-                .any(|&e| library.elements[e].may_slide(&library.sizes)),
+                .any(|&e| library.elements[e].may_be_friction(&library.sizes)),
         inseparable: if group.elements.is_empty() {
             Vec::new()
         } else {
@@ -220,14 +220,14 @@ fn certificate(library: &Library, set: &ElementSet, group: Group) -> Hypothesis 
     };
     if candidate.rho >= CERTAIN && !candidate.is_void() {
         let of = (group.kind, family);
-        candidate.free = free::tried(library, set, of, &candidate.elements);
+        candidate.free = free_functions::tested(library, set, of, &candidate.elements);
     }
     candidate
 }
 
-fn set_fall(library: &Library, set: &ElementSet) -> f64 {
+fn set_log_ratio(library: &Library, set: &ElementSet) -> f64 {
     let costs = library.cross_validated(set);
-    costs.map_or(0.0, |c| library.fall(&c))
+    costs.map_or(0.0, |c| library.log_ratio(&c))
 }
 
 /// The set or the same with all declared parameters free, whichever is better: every chance. A parameter in whose place
@@ -237,7 +237,7 @@ fn freest(library: &Library, set: ElementSet, of: Option<usize>) -> (ElementSet,
         moved: std::array::from_fn(|i| Some(i) != of),
         ..set.clone()
     };
-    let (held, loose) = (set_fall(library, &set), set_fall(library, &free));
+    let (held, loose) = (set_log_ratio(library, &set), set_log_ratio(library, &free));
     if loose < held {
         (free, loose)
     } else {
@@ -265,13 +265,13 @@ fn in_place_of(
     let parameter = Channel::Specimen.parameter_of_error(of);
     let parameter = parameter.filter(|_| not == ElementKind::Parameter);
     let with = |set: &ElementSet, e: usize| {
-        let (set, fall) = freest(library, set.with(e), parameter);
+        let (set, log_ratio) = freest(library, set.with(e), parameter);
         let strengths = library.strengths(&set).unwrap_or_default();
         let at = set.elements.iter().position(|o| *o == e).unwrap_or(0);
         let strength = strengths.get(DECLARED + at).copied().unwrap_or(0.0);
         let element = &library.elements[e];
         let name = element.name(&library.sizes, strength);
-        (name, set, element.kind(&library.sizes), fall)
+        (name, set, element.kind(&library.sizes), log_ratio)
     };
     let mut found: Vec<Placed> = others.par_iter().map(|&e| with(rest, e)).collect();
     found.sort_by(|a, b| a.3.total_cmp(&b.3));
@@ -282,8 +282,8 @@ fn in_place_of(
             .flat_map_iter(|(name, set, kind, _)| {
                 let free = others.iter().filter(|e| !set.elements.contains(e));
                 free.map(move |&e| {
-                    let (_, set, _, fall) = with(set, e);
-                    (*name, set, *kind, fall)
+                    let (_, set, _, log_ratio) = with(set, e);
+                    (*name, set, *kind, log_ratio)
                 })
             })
             .collect();
@@ -296,8 +296,8 @@ fn in_place_of(
         }
         let mut set = rest.clone();
         set.moved[i] = true;
-        let fall = set_fall(library, &set);
-        found.push((name, set, ElementKind::Parameter, fall));
+        let log_ratio = set_log_ratio(library, &set);
+        found.push((name, set, ElementKind::Parameter, log_ratio));
     }
     found
 }

@@ -1,6 +1,6 @@
 //! The second derivative of a reading at its first sample.
 
-use crate::lattice;
+use crate::converter_step;
 use crate::linear::{dot, gram};
 use nalgebra::DVector;
 
@@ -57,23 +57,23 @@ pub fn at_the_start(x: &[f64], interval_s: f64) -> f64 {
     let longest = (LONGEST * x.len() as f64) as usize;
     // A slow motion on a coarse converter reads the same number many times: that is not without noise.
     let mut noise = f64::INFINITY;
-    let steps = lattice::step(x).map_or(0.0, |step| step / 12_f64.sqrt());
+    let steps = converter_step::step(x).map_or(0.0, |step| step / 12_f64.sqrt());
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut best = 0.0;
     let mut samples = SHORTEST;
     while samples <= longest {
-        let Some(stretch) = LocalPolynomial::new(&x[..samples], interval_s) else {
+        let Some(segment) = LocalPolynomial::new(&x[..samples], interval_s) else {
             break;
         };
-        noise = noise.min(stretch.leaves).max(steps);
-        let scatter = noise * stretch.per_noise;
-        low = low.max(stretch.curvature - AGREE * scatter);
-        high = high.min(stretch.curvature + AGREE * scatter);
+        noise = noise.min(segment.leaves).max(steps);
+        let scatter = noise * segment.per_noise;
+        low = low.max(segment.curvature - AGREE * scatter);
+        high = high.min(segment.curvature + AGREE * scatter);
         if low > high {
             break;
         }
-        let doubt = (scatter / stretch.curvature.abs().max(f64::MIN_POSITIVE)).min(1.0);
-        best = stretch.curvature * (1.0 - doubt * doubt);
+        let doubt = (scatter / segment.curvature.abs().max(f64::MIN_POSITIVE)).min(1.0);
+        best = segment.curvature * (1.0 - doubt * doubt);
         samples += samples / 2;
     }
     best

@@ -20,8 +20,8 @@ pub fn simplest(library: &Library, set: ElementSet) -> ElementSet {
     if simple.elements.is_empty() || simple.elements.iter().any(own) {
         return set;
     }
-    let fall = |s: &ElementSet| library.cross_validated(s).map(|c| library.fall(&c));
-    match (fall(&simple), fall(&set)) {
+    let log_ratio = |s: &ElementSet| library.cross_validated(s).map(|c| library.log_ratio(&c));
+    match (log_ratio(&simple), log_ratio(&set)) {
         (Some(simpler), Some(own)) if simpler < own + ALIKE => simple,
         _ => set,
     }
@@ -39,10 +39,10 @@ pub fn late(library: &Library, set: &ElementSet, rest: &ElementSet) -> Option<f6
     let shift_s = -more / stiffness;
     let falls = LATE.iter().filter_map(|share| {
         let costs = library.cross_validated_late(rest, share * shift_s)?;
-        Some(library.fall(&costs))
+        Some(library.log_ratio(&costs))
     });
-    let fall = falls.fold(f64::INFINITY, f64::min);
-    (stiffness > 0.0 && fall.is_finite()).then_some(fall)
+    let log_ratio = falls.fold(f64::INFINITY, f64::min);
+    (stiffness > 0.0 && log_ratio.is_finite()).then_some(log_ratio)
 }
 
 /// Shares of a dashpot's delay that are tried.

@@ -8,23 +8,23 @@ pub fn elements(sizes: &MotionScales) -> Vec<Element> {
     let (x, v, c) = (sizes.x, sizes.v, sizes.middle);
     let mut all = Vec::new();
     let mut add = |law, shape: [f64; 4]| all.push(Element { law, shape });
-    for give in [
+    for yield_at in [
         0.0007, 0.0015, 0.003, 0.006, 0.012, 0.025, 0.05, 0.09, 0.16, 0.27, 0.42, 0.6, 0.75, 0.9,
     ] {
-        add(Law::Slider, [give * x, 0.0, 0.0, 0.0]);
+        add(Law::Slider, [yield_at * x, 0.0, 0.0, 0.0]);
     }
-    for give in [0.0007, 0.002, 0.006, 0.018] {
-        add(Law::Bristles, [give * x, 0.0, 0.0, 0.0]);
+    for yield_at in [0.0007, 0.002, 0.006, 0.018] {
+        add(Law::Bristles, [yield_at * x, 0.0, 0.0, 0.0]);
     }
-    for give in [0.0015, 0.006, 0.025] {
+    for yield_at in [0.0015, 0.006, 0.025] {
         for speed in [0.02, 0.05, 0.12, 0.25, 0.5] {
-            add(Law::Stribeck, [give * x, speed * v, 0.0, 0.0]);
+            add(Law::Stribeck, [yield_at * x, speed * v, 0.0, 0.0]);
         }
     }
-    for give in [0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8] {
+    for yield_at in [0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8] {
         for n in [1.0, 2.0] {
             for unload in [-0.5, 0.0, 0.6] {
-                add(Law::BoucWen, [give * x, n, 1.0, unload]);
+                add(Law::BoucWen, [yield_at * x, n, 1.0, unload]);
             }
         }
     }
@@ -39,17 +39,17 @@ pub fn elements(sizes: &MotionScales) -> Vec<Element> {
     for most in [0.02, 0.06, 0.15, 0.3, 0.6] {
         add(Law::Distributed, [most * x, 0.0, 0.0, 0.0]);
     }
-    for give in [0.005, 0.02, 0.08, 0.25] {
+    for yield_at in [0.005, 0.02, 0.08, 0.25] {
         for creep in [0.05, 0.2, 0.5, 1.0] {
             for n in [3.0, 8.0] {
-                add(Law::InSeries, [give * x, creep * v, n, 0.0]);
+                add(Law::InSeries, [yield_at * x, creep * v, n, 0.0]);
             }
         }
     }
     // A dashpot of nearly its speed behind a spring.
-    for give in [0.08, 0.2, 0.4] {
+    for yield_at in [0.08, 0.2, 0.4] {
         for creep in [0.5, 1.0] {
-            add(Law::InSeries, [give * x, creep * v, 1.4, 0.0]);
+            add(Law::InSeries, [yield_at * x, creep * v, 1.4, 0.0]);
         }
     }
     for exponent in [0.2, 0.35, 0.5, 0.7, 0.85, 1.2, 1.5, 2.0, 2.5, 3.0] {
@@ -86,19 +86,19 @@ pub fn elements(sizes: &MotionScales) -> Vec<Element> {
     for half in [0.015, 0.04, 0.1, 0.2, 0.35, 0.6, 0.85] {
         add(Law::Lost, [half * x, 0.0, 0.0, 0.0]);
     }
-    for give in [0.003, 0.015, 0.06, 0.2] {
-        add(Law::SliderAway, [give * x, c, 0.0, 0.0]);
-        add(Law::SliderAlong, [give * x, c, 0.0, 0.0]);
+    for yield_at in [0.003, 0.015, 0.06, 0.2] {
+        add(Law::SliderAway, [yield_at * x, c, 0.0, 0.0]);
+        add(Law::SliderAlong, [yield_at * x, c, 0.0, 0.0]);
     }
     for share in [0.05, 0.15, 0.5, 2.0] {
         add(Law::Settling, [share * sizes.seconds, 0.0, 0.0, 0.0]);
     }
-    for give in [0.04, 0.12, 0.35] {
+    for yield_at in [0.04, 0.12, 0.35] {
         for travel in [0.5, 1.5] {
-            add(Law::Worn, [give * x, travel * sizes.travel, 0.0, 0.0]);
+            add(Law::Worn, [yield_at * x, travel * sizes.travel, 0.0, 0.0]);
         }
         for width in [0.15, 0.4] {
-            add(Law::Pinched, [give * x, width * x, c, 0.0]);
+            add(Law::Pinched, [yield_at * x, width * x, c, 0.0]);
         }
     }
     all.retain(|e| e.is_sound(sizes));

@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::track::{MotionScales, Track};
-use crate::library::operators::way;
+use crate::library::operators::travel;
 use crate::linear::Bound;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ pub enum Law {
     PowerOfPlace,
     /// What a spring has lost for good: `-|largest x so far|^p x` [exponent].
     Lessened,
-    /// What a spring loses along the way: `-way / (way + half) x` [half mm].
+    /// What a spring loses along the way: `-travel / (travel + half) x` [half mm].
     Fatigued,
     /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s].
     Warming,
@@ -116,7 +116,7 @@ impl Element {
                 x.iter().map(lost).collect()
             }
             Law::Fatigued => {
-                let lost = x.iter().zip(ways(t)).map(|(x, w)| -x * w / (w + p));
+                let lost = x.iter().zip(travels(t)).map(|(x, w)| -x * w / (w + p));
                 lost.collect()
             }
             Law::Warming => times(settling(t, p), x, &|x| x),
@@ -129,7 +129,7 @@ impl Element {
             Law::SliderAlong => times(laws::slider(x, p), x, &|x| (x - q) / sizes.x),
             Law::SizeOfSpeed => of_v(&f64::abs),
             Law::Settling => settling(t, p),
-            Law::Worn => times(laws::slider(x, p), &ways(t), &|w| (-w / q).exp()),
+            Law::Worn => times(laws::slider(x, p), &travels(t), &|w| (-w / q).exp()),
             Law::Pinched => times(laws::slider(x, p), x, &|x| {
                 1.0 - (-((x - r) / q).powi(2)).exp()
             }),
@@ -171,9 +171,9 @@ impl Element {
 }
 
 /// The way gone since the file's first sample, mm; what a span is put before itself with is no way.
-fn ways(t: &Track) -> Vec<f64> {
-    let ways = way(&t.v, t.interval_s, t.travel_before_mm);
-    ways.map(|w| w.max(0.0)).collect()
+fn travels(t: &Track) -> Vec<f64> {
+    let travels = travel(&t.v, t.interval_s, t.travel_before_mm);
+    travels.map(|w| w.max(0.0)).collect()
 }
 
 /// From 0 at the file's first moment towards 1.
@@ -233,7 +233,7 @@ mod tests {
             time_s: Vec::new(),
             force: Vec::new(),
         };
-        assert_eq!(ways(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
+        assert_eq!(travels(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
         let worn = Element::new(Law::Worn, [1.0, 10.0]);
         let force = |before| worn.force(&track(before), &MotionScales::default());
         // The first 2 mm are a copy: nothing is worn off at the span's first sample.

@@ -52,7 +52,10 @@ pub fn groups(library: &Library, set: &ElementSet) -> Vec<Group> {
             }),
         }
     }
-    for g in groups.iter_mut().filter(|g| g.kind == ElementKind::Place) {
+    for g in groups
+        .iter_mut()
+        .filter(|g| g.kind == ElementKind::Displacement)
+    {
         if g.elements.len() > 1 {
             g.name = spring(library, set, &strengths, &g.elements);
         }
@@ -61,7 +64,7 @@ pub fn groups(library: &Library, set: &ElementSet) -> Vec<Group> {
     // where no element of theirs grows with speed.
     let alone = groups.is_empty();
     let has = |kind| groups.iter().any(|g| g.kind == kind);
-    let dashpot = !has(ElementKind::Speed) && !has(ElementKind::Linear);
+    let dashpot = !has(ElementKind::Velocity) && !has(ElementKind::Linear);
     let more = |i: usize| strengths[i] > library.parameter(i, false).high;
     let beside = |i: usize| i == dashpot::PARAMETER && dashpot && more(i);
     let named = |i: usize| set.moved[i] && (alone || beside(i));
@@ -132,7 +135,7 @@ mod tests {
                 moved: [true; DECLARED],
             };
             let groups = groups(library, &set);
-            let spring = groups.iter().find(|g| g.kind == ElementKind::Place);
+            let spring = groups.iter().find(|g| g.kind == ElementKind::Displacement);
             spring.unwrap().name
         })
     }

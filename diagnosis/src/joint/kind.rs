@@ -14,9 +14,9 @@ pub enum ElementKind {
     /// A declared parameter that has left its tolerances.
     Parameter,
     /// A function of displacement.
-    Place,
+    Displacement,
     /// A function of velocity.
-    Speed,
+    Velocity,
     /// The way since the last reversals: friction and hysteresis.
     Memory,
     /// Lost motion.
@@ -49,8 +49,8 @@ impl Element {
             // What hardly grows with speed is friction whose reversals are smooth.
             Law::PowerOfSpeed if self.shape[0] < EXPONENTS[0] => ElementKind::Memory,
             Law::Saturating if self.shape[0] < FRICTION_SPEED * sizes.v => ElementKind::Memory,
-            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => ElementKind::Speed,
-            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => ElementKind::Place,
+            Law::PowerOfSpeed | Law::Saturating | Law::SizeOfSpeed => ElementKind::Velocity,
+            Law::PowerOfPlace | Law::Away | Law::Square | Law::Beyond => ElementKind::Displacement,
             Law::Relaxing => ElementKind::Linear,
             Law::Settling | Law::Warming => ElementKind::Time,
         }
@@ -59,10 +59,10 @@ impl Element {
     /// Its name by its shape, not by its equation. `strength` tells a spring that stiffens from one that gives way.
     pub fn name(&self, sizes: &MotionScales, strength: f64) -> Effect {
         let [p, q, ..] = self.shape;
-        let give = p / sizes.x;
+        let yield_at = p / sizes.x;
         match self.law {
             Law::InSeries if self.relaxes(sizes) => Effect::MaxwellDamper,
-            Law::Stribeck if give < STRIBECK_YIELD => Effect::StribeckFriction,
+            Law::Stribeck if yield_at < STRIBECK_YIELD => Effect::StribeckFriction,
             Law::Slider
             | Law::Bristles
             | Law::InSeries
@@ -129,14 +129,14 @@ impl Element {
     }
 
     /// Whether it yields so early that it may be the give of a sliding contact, and so late that it may be more than that.
-    pub fn may_slide(&self, sizes: &MotionScales) -> bool {
-        let give = self.yields_at() / sizes.x;
+    pub fn may_be_friction(&self, sizes: &MotionScales) -> bool {
+        let yield_at = self.yields_at() / sizes.x;
         let most = if self.is_bristles() {
             MAY_BE_BRISTLES
         } else {
             MAY_BE_FRICTION
         };
-        self.law.slides() && give > FRICTION_YIELD && give < most
+        self.law.slides() && yield_at > FRICTION_YIELD && yield_at < most
     }
 
     /// Whether it is Dahl's friction by its equation, Bouc-Wen's with an exponent of 1 and the same rate out and back: a
@@ -163,14 +163,14 @@ impl Element {
 
     /// Where it yields, mm.
     pub fn yields_at(&self) -> f64 {
-        let [give, n, load, _] = self.shape;
+        let [yield_at, n, load, _] = self.shape;
         match self.law {
             // The force that its loading rate leads to, over its first stiffness.
-            Law::BoucWen if load > 0.0 => give * load.powf(-1.0 / n),
+            Law::BoucWen if load > 0.0 => yield_at * load.powf(-1.0 / n),
             Law::BoucWen => f64::INFINITY,
             // Half of the force is there at half of the largest give.
-            Law::Distributed => 0.6 * give,
-            _ => give,
+            Law::Distributed => 0.6 * yield_at,
+            _ => yield_at,
         }
     }
 }

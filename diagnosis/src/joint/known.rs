@@ -34,10 +34,10 @@ fn known_force(base: &Base, record: &Recording) -> Option<Vec<f64>> {
     let cutoff_hz = UnfilteredSpan::new(record)?.band_hz() * BAND_ROOM;
     let one = std::slice::from_ref(record);
     let answer = |base| {
-        let stretch = Problem::new(base, one, cutoff_hz, &[])?
-            .stretches
+        let segment = Problem::new(base, one, cutoff_hz, &[])?
+            .segments
             .swap_remove(0);
-        Some(stretch.signals.base[stretch.lead..].to_vec())
+        Some(segment.signals.base[segment.lead..].to_vec())
     };
     Some(difference(&answer(base)?, &answer(&bare)?))
 }

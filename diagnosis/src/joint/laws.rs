@@ -2,11 +2,11 @@
 
 use crate::signals::add_scaled;
 
-/// Elastic up to `give`, then it slides with force 1.
-pub fn slider(x: &[f64], give: f64) -> Vec<f64> {
+/// Elastic up to `yield_at`, then it slides with force 1.
+pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     let step = |&x: &f64| {
-        z = (z + (x - last) / give).clamp(-1.0, 1.0);
+        z = (z + (x - last) / yield_at).clamp(-1.0, 1.0);
         last = x;
         z
     };
@@ -14,15 +14,15 @@ pub fn slider(x: &[f64], give: f64) -> Vec<f64> {
 }
 
 /// Gives of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
-/// round, they build up as `1 - 2 exp(-way / give)`.
+/// round, they build up as `1 - 2 exp(-way / yield_at)`.
 const BRISTLES: [f64; 5] = [0.276, 0.569, 0.871, 1.266, 2.018];
 
 /// Bristles that slip one after the other. Turned round they do as Dahl's (A solid friction model, 1968); unlike his they
 /// hold at rest, where noise would lead his down to no force (Dupont et al., Single state elastoplastic friction models, 2002).
-pub fn bristles(x: &[f64], give: f64) -> Vec<f64> {
+pub fn bristles(x: &[f64], yield_at: f64) -> Vec<f64> {
     let mut sum = vec![0.0; x.len()];
     for of_mean in BRISTLES {
-        add_scaled(&mut sum, &slider(x, of_mean * give), 0.2);
+        add_scaled(&mut sum, &slider(x, of_mean * yield_at), 0.2);
     }
     sum
 }
@@ -49,12 +49,12 @@ fn power(z: f64, n: f64) -> f64 {
 /// Largest force of an element whose rates let it grow, relative to the unit it is written in.
 const MOST: f64 = 50.0;
 
-/// Bouc-Wen: `z' = x' (1 - load |z|^n) / give` on the way out, `x' (1 + unload |z|^n) / give` on the way back.
-pub fn bouc_wen(x: &[f64], give: f64, n: f64, load: f64, unload: f64) -> Vec<f64> {
+/// Bouc-Wen: `z' = x' (1 - load |z|^n) / yield_at` on the way out, `x' (1 + unload |z|^n) / yield_at` on the way back.
+pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     let rate = |z: f64, dx: f64| {
         let way = if dx * z >= 0.0 { -load } else { unload };
-        dx / give * (1.0 + way * power(z, n))
+        dx / yield_at * (1.0 + way * power(z, n))
     };
     let step = |&x: &f64| {
         let dx = x - last;
@@ -67,12 +67,12 @@ pub fn bouc_wen(x: &[f64], give: f64, n: f64, load: f64, unload: f64) -> Vec<f64
     x.iter().map(step).collect()
 }
 
-/// Friction in series with a spring: `z' = (x' - creep |z|^n sign z) / give`, an implicit step.
-pub fn in_series(x: &[f64], interval_s: f64, give: f64, creep: f64, n: f64) -> Vec<f64> {
+/// Friction in series with a spring: `z' = (x' - creep |z|^n sign z) / yield_at`, an implicit step.
+pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
-    let share = interval_s * creep / give;
+    let share = interval_s * creep / yield_at;
     let step = |&x: &f64| {
-        let aim = z + (x - last) / give;
+        let aim = z + (x - last) / yield_at;
         last = x;
         // z + share |z|^n sign z = aim, by Newton from outside, where the function is convex.
         let size = aim.abs();
@@ -135,28 +135,28 @@ mod tests {
     #[test]
     fn a_slider_loses_four_times_its_force_times_the_way_that_it_slides() {
         let x = sine(3 * 628 + 1);
-        let give = 0.1;
-        let cycle = 4.0 * (1.0 - give);
-        assert!((work(&x, &slider(&x, give)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+        let yield_at = 0.1;
+        let cycle = 4.0 * (1.0 - yield_at);
+        assert!((work(&x, &slider(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
         // Bristles of the same give lose the same, as far as they have bent through at the turn.
-        assert!((work(&x, &bristles(&x, give)) / (2.0 * cycle) - 1.0).abs() < 0.01);
+        assert!((work(&x, &bristles(&x, yield_at)) / (2.0 * cycle) - 1.0).abs() < 0.01);
     }
 
     #[test]
     fn bristles_turned_round_build_up_exponentially_and_hold_at_rest() {
-        let give = 0.1_f64;
+        let yield_at = 0.1_f64;
         let forth = (0..1000).map(|i| 1e-3 * f64::from(i));
         let back = (0..1000).map(|i| 1.0 - 1e-3 * f64::from(i));
-        let f = bristles(&forth.chain(back).collect::<Vec<_>>(), give);
+        let f = bristles(&forth.chain(back).collect::<Vec<_>>(), yield_at);
         for way in [0.05, 0.1, 0.2, 0.3, 0.6] {
-            let dahl = 2.0 * (-way / give).exp() - 1.0;
+            let dahl = 2.0 * (-way / yield_at).exp() - 1.0;
             let own = f[1000 + (1e3 * way) as usize];
             assert!((own - dahl).abs() < 0.05, "{way}: {own} for {dahl}");
         }
         // At rest, with noise of a tenth of the give, they hold: Dahl's would be at no force within a thousand samples.
         let rest = (0..11_000).map(|i| 0.5 + 0.01 * f64::from((i * 7919) % 11 - 5) / 5.0);
         let to_rest = (0..500).map(|i| 1e-3 * f64::from(i));
-        let f = bristles(&to_rest.chain(rest).collect::<Vec<_>>(), give);
+        let f = bristles(&to_rest.chain(rest).collect::<Vec<_>>(), yield_at);
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
         let (first, last) = (mean(&f[600..1700]), mean(&f[10_400..]));
         assert!(first > 0.8 && (last - first).abs() < 1e-6, "{first} {last}");

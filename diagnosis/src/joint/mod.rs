@@ -8,7 +8,6 @@
 mod band;
 mod blocks;
 mod certificate;
-mod closer;
 mod covariance;
 mod curvature;
 mod cutoff;
@@ -17,7 +16,7 @@ mod dictionary;
 pub(crate) mod element;
 mod figures;
 mod fit;
-mod free;
+mod free_functions;
 mod groups;
 mod kind;
 mod known;
@@ -25,6 +24,7 @@ mod laws;
 mod one_each;
 pub(crate) mod outcome;
 mod polish;
+mod refine;
 mod save;
 mod search;
 mod separable;
@@ -36,7 +36,7 @@ mod unnamed;
 
 pub use figures::{GAINED, KNEE, PINCHED, STIFFNESS_BEYOND, WORN_TRAVEL};
 pub use fit::SpecimenFit;
-pub use free::Doubt;
+pub use free_functions::Doubt;
 pub use known::without_known;
 pub use one_each::one_each;
 pub use outcome::{Explained, SpecimenOutcome, q};
@@ -95,8 +95,8 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Spec
             (best, library, cutoff_hz) = (found, second, again_hz);
         }
     }
-    if let Some(closer) = closer::look(&mut library, &best, searched) {
-        best = closer;
+    if let Some(finer) = refine::refine(&mut library, &best, searched) {
+        best = finer;
     }
     library.rests = rests;
     let (set, names) = certificate::certify(&mut library, &best);

@@ -78,7 +78,7 @@ pub fn conclude(
     // Friction or hysteresis: of one kind, and where it yields does not tell.
     let undecided = |n: &Hypothesis| {
         let kin = n.kin.as_ref().is_some_and(|k| k.times < CERTAIN);
-        kin || n.may_slide || !n.inseparable.is_empty()
+        kin || n.may_be_friction || !n.inseparable.is_empty()
     };
     let sure = names.iter().filter(|n| n.rho >= CERTAIN && !n.is_void());
     let (open, sure): (Vec<Hypothesis>, Vec<Hypothesis>) = sure.cloned().partition(undecided);
@@ -120,7 +120,7 @@ pub fn conclude(
     let members = members(first);
     if members.len() < 2 {
         let left = library.cross_validated(set);
-        let explained = left.map_or(0.0, |left| 1.0 - library.fall(&left).exp());
+        let explained = left.map_or(0.0, |left| 1.0 - library.log_ratio(&left).exp());
         return Some(SpecimenOutcome::Unknown(first.name, explained.max(0.0)));
     }
     // The model is that of the likeliest that can be fitted.
@@ -150,12 +150,12 @@ fn members(first: &Hypothesis) -> Vec<(Effect, f64)> {
     let mut members = vec![(first.name, commonness(first.name))];
     for rival in first.rivals.iter().chain(&first.kin) {
         if rival.times < CERTAIN && members.iter().all(|m| m.0 != rival.name) {
-            let odds = rival.priced.max(LEAST_TIMES).powf(-WEIGHT);
+            let odds = rival.penalised.max(LEAST_TIMES).powf(-WEIGHT);
             members.push((rival.name, commonness(rival.name) * odds));
         }
     }
     // As probable as the hysteresis that the model has, whatever the exact shape of its knee.
-    if first.may_slide && members.iter().all(|m| m.0 != Effect::CoulombFriction) {
+    if first.may_be_friction && members.iter().all(|m| m.0 != Effect::CoulombFriction) {
         members.push((Effect::CoulombFriction, commonness(first.name)));
     }
     // What the motion cannot tell apart is equally probable, but for how common it is.
@@ -249,7 +249,7 @@ mod tests {
             name,
             kind,
             times,
-            priced: times,
+            penalised: times,
             steady: true,
         }
     }
@@ -261,10 +261,10 @@ mod tests {
             rms: 1.0,
             rho: rivals.first().map_or(f64::INFINITY, |r| r.times),
             beside: -1.0,
-            free: super::super::free::FreeFunctions::NONE,
+            free: super::super::free_functions::FreeFunctions::NONE,
             varies: false,
             timed: false,
-            may_slide: false,
+            may_be_friction: false,
             inseparable: Vec::new(),
             rivals,
             kin: None,
@@ -298,12 +298,12 @@ mod tests {
 
     #[test]
     fn rivals_that_fit_far_worse_are_no_members_and_a_set_has_at_most_five() {
-        let worse = rival(Effect::Hardening, ElementKind::Place, 1.01 * CERTAIN);
+        let worse = rival(Effect::Hardening, ElementKind::Displacement, 1.01 * CERTAIN);
         let alone = members(&candidate(Effect::CoulombFriction, vec![worse]));
         assert_eq!(alone.len(), 1);
         let all = [
-            (Effect::Hardening, ElementKind::Place),
-            (Effect::ViscousDamping, ElementKind::Speed),
+            (Effect::Hardening, ElementKind::Displacement),
+            (Effect::ViscousDamping, ElementKind::Velocity),
             (Effect::Offset, ElementKind::Parameter),
             (Effect::Backlash, ElementKind::Play),
             (Effect::MaxwellDamper, ElementKind::Linear),
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn what_the_motion_cannot_tell_apart_joins_whatever_fits() {
         let mut friction = candidate(Effect::CoulombFriction, Vec::new());
-        friction.inseparable = vec![(Effect::ViscousDamping, ElementKind::Speed)];
+        friction.inseparable = vec![(Effect::ViscousDamping, ElementKind::Velocity)];
         let both = members(&friction);
         assert_eq!(both.len(), 2);
         assert!((both[0].1 - both[1].1).abs() < 1e-9);
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn hysteresis_that_yields_early_may_be_friction_and_keeps_its_own_model() {
         let mut early = candidate(Effect::BoucWenHysteresis, Vec::new());
-        early.may_slide = true;
+        early.may_be_friction = true;
         let both = members(&early);
         assert_eq!(both[0].0, Effect::BoucWenHysteresis);
         assert_eq!(both[1].0, Effect::CoulombFriction);

@@ -47,7 +47,7 @@ pub fn polish(library: &Library, set: &ElementSet, score: f64) -> Polished {
         .map(|i| library.columns[i].clone())
         .collect();
     let sizes = library.sizes;
-    let price = library.price(set);
+    let penalty = library.penalty(set);
     let squares_of = |columns: &[Vec<f64>], elements: &[Element]| {
         let blocks = Blocks::new(columns, &library.force);
         let declared = (0..DECLARED).map(|i| (i, library.parameter(i, set.moved[i])));
@@ -59,7 +59,7 @@ pub fn polish(library: &Library, set: &ElementSet, score: f64) -> Polished {
     };
     let score_of = |columns: &[Vec<f64>], elements: &[Element]| {
         let costs = squares_of(columns, elements)?;
-        Some(library.fall(&costs) + price)
+        Some(library.log_ratio(&costs) + penalty)
     };
     let mut best = score;
     let mut step = FIRST;

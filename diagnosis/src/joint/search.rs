@@ -137,7 +137,7 @@ fn pairs(library: &Library) -> Vec<Vec<usize>> {
         .iter()
         .map(|e| e.bound().low == 0.0)
         .collect();
-    let price = |e: usize| library.elements[e].price();
+    let penalty = |e: usize| library.elements[e].penalty();
     let of_row = |i: usize| {
         let mut row = Vec::new();
         for j in i + 1..n {
@@ -148,7 +148,8 @@ fn pairs(library: &Library) -> Vec<Vec<usize>> {
                 continue;
             }
             let costs = left.costs(i, j, wi, wj);
-            let score = library.fall(&costs) + crate::criteria::PRICE * (price(i) + price(j));
+            let score =
+                library.log_ratio(&costs) + crate::criteria::PENALTY * (penalty(i) + penalty(j));
             row.push((score, i, j));
         }
         row.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -5,7 +5,7 @@ use super::dictionary;
 use super::element::Element;
 use super::track::{MotionScales, Track};
 use crate::base::Base;
-use crate::criteria::{BLOCKS, FLOOR, PRICE};
+use crate::criteria::{BLOCKS, FLOOR, PENALTY};
 use crate::linear::Bound;
 use rayon::prelude::*;
 
@@ -182,7 +182,7 @@ impl<'a> Library<'a> {
     }
 
     /// Mean logarithm of the squares over those of the declared model: blocks with large motion have one vote each.
-    pub fn fall(&self, costs: &[f64; BLOCKS]) -> f64 {
+    pub fn log_ratio(&self, costs: &[f64; BLOCKS]) -> f64 {
         let ratio = |(c, d): (&f64, &f64)| (c + self.floor) / (d + self.floor);
         // One logarithm of the product: this is asked often.
         let product: f64 = costs.iter().zip(&self.declared).map(ratio).product();
@@ -203,22 +203,26 @@ impl<'a> Library<'a> {
     }
 
     /// What a set costs.
-    pub fn price(&self, set: &ElementSet) -> f64 {
-        let elements: f64 = set.elements.iter().map(|&e| self.elements[e].price()).sum();
+    pub fn penalty(&self, set: &ElementSet) -> f64 {
+        let elements: f64 = set
+            .elements
+            .iter()
+            .map(|&e| self.elements[e].penalty())
+            .sum();
         let moved = set.moved.iter().filter(|m| **m).count() as f64;
-        PRICE * (elements + moved)
+        PENALTY * (elements + moved)
     }
 
     /// Fall of the cross-validated squares, and the price; the lower, the better. The declared model has 0.
     pub fn score(&self, set: &ElementSet) -> Option<f64> {
         let costs = self.cross_validated(set)?;
-        Some(self.fall(&costs) + self.price(set))
+        Some(self.log_ratio(&costs) + self.penalty(set))
     }
 
     /// The same on the data that it is fitted to: quicker, for a first choice.
     pub fn quick_score(&self, set: &ElementSet) -> Option<f64> {
         let costs = self.blocks.trained(&self.terms(set))?;
-        Some(self.fall(&costs) + self.price(set))
+        Some(self.log_ratio(&costs) + self.penalty(set))
     }
 
     /// Strengths, in the unit of the force; declared parameters in theirs.

@@ -18,7 +18,7 @@ const MOST_GROWTH: f64 = 1.0;
 
 impl Element {
     /// What it costs, in units of an element of one shape.
-    pub fn price(&self) -> f64 {
+    pub fn penalty(&self) -> f64 {
         match self.law {
             Law::BoucWen | Law::InSeries | Law::Worn | Law::Pinched => 1.6,
             Law::Stribeck | Law::SliderAway | Law::SliderAlong => 1.3,

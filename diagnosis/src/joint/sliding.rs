@@ -19,7 +19,7 @@ pub struct Sliding {
     /// Samples of the library that it comes from.
     pub sure: Vec<bool>,
     /// The way after a reversal that is left out, mm.
-    pub way_mm: f64,
+    pub travel_mm: f64,
     /// The way in which the friction builds up, mm, with its 90 % interval, where one slider is the friction.
     pub presliding_mm: Option<(f64, [f64; 2])>,
 }
@@ -33,10 +33,10 @@ pub fn read(
     named: &[(Effect, Vec<usize>)],
 ) -> Option<Sliding> {
     let own = named.iter().find(|n| n.0 == Effect::CoulombFriction)?;
-    let gives = own.1.iter().map(|&e| fit.elements[e].0.yields_at());
-    let give_mm = gives.fold(0.0, f64::max);
-    let reading = agreeing(give_mm, |way_mm| {
-        let sure = far_from_reversals(library, way_mm)?;
+    let yields = own.1.iter().map(|&e| fit.elements[e].0.yields_at());
+    let yield_mm = yields.fold(0.0, f64::max);
+    let reading = agreeing(yield_mm, |travel_mm| {
+        let sure = far_from_reversals(library, travel_mm)?;
         let fit = refitted(library, set, fit, &sure)?;
         let strength: f64 = own.1.iter().map(|&e| fit.elements[e].1).sum();
         let error = error_of(library, &fit, &sure, &own.1);
@@ -47,15 +47,15 @@ pub fn read(
     let mut best = Sliding {
         fit,
         sure,
-        way_mm: reading.way_mm,
+        travel_mm: reading.travel_mm,
         presliding_mm: None,
     };
     if let [e] = own.1[..]
         && matches!(best.fit.elements[e].0.law, Law::Slider | Law::Bristles)
     {
-        best.presliding_mm = builds_up(library, &best, e, relative);
-        if let Some((way, _)) = best.presliding_mm {
-            best.fit.elements[e].0.shape[0] = way;
+        best.presliding_mm = presliding(library, &best, e, relative);
+        if let Some((travel, _)) = best.presliding_mm {
+            best.fit.elements[e].0.shape[0] = travel;
         }
     }
     Some(best)
@@ -75,8 +75,8 @@ fn error_of(library: &Library, fit: &SpecimenFit, sure: &[bool], elements: &[usi
 }
 
 /// The samples that are so far from any reversal; `None` where they are too few.
-fn far_from_reversals(library: &Library, way_mm: f64) -> Option<Vec<bool>> {
-    let near = column(library.tracks, library.every, |t| near(&t.x, way_mm));
+fn far_from_reversals(library: &Library, travel_mm: f64) -> Option<Vec<bool>> {
+    let near = column(library.tracks, library.every, |t| near(&t.x, travel_mm));
     let sure: Vec<bool> = near.iter().map(|share| *share == 0.0).collect();
     let stay = sure.iter().filter(|s| **s).count() as f64;
     (stay >= STAYS * sure.len() as f64).then_some(sure)
@@ -113,7 +113,7 @@ const HALVINGS: usize = 40;
 
 /// The give of the slider with which the model takes as much work as was measured, mm, with its 90 % interval: any law by
 /// which friction builds up takes the work of one slider. `relative` is the standard error of the strength, of itself.
-fn builds_up(
+fn presliding(
     library: &Library,
     sliding: &Sliding,
     slider: usize,
@@ -140,22 +140,22 @@ fn builds_up(
     }
     // Near a reversal; elsewhere it slides, whatever its give.
     let speed = column(library.tracks, 1, |t| {
-        let near = near(&t.x, sliding.way_mm);
+        let near = near(&t.x, sliding.travel_mm);
         near.iter().zip(&t.v).map(|(near, v)| near * v).collect()
     });
     let force = fit.elements[slider].1;
     let law = fit.elements[slider].0.law;
-    let slid = |give: f64| {
-        let element = Element::new(law, [give]);
+    let slid = |yield_at: f64| {
+        let element = Element::new(law, [yield_at]);
         column(library.tracks, 1, |t| element.force(t, &fit.sizes))
     };
     // Work that the measured force takes beyond the model's, sample by sample.
-    let beyond = |give: f64| -> Vec<f64> {
-        let z = slid(give);
+    let beyond = |yield_at: f64| -> Vec<f64> {
+        let z = slid(yield_at);
         let all = left.iter().zip(&z).zip(&speed);
         all.map(|((f, z), v)| (f - force * z) * v).collect()
     };
-    let sum = |give: f64| beyond(give).iter().sum::<f64>();
+    let sum = |yield_at: f64| beyond(yield_at).iter().sum::<f64>();
     let x = fit.sizes.x;
     let (mut low, mut high) = (1e-4 * x, 0.2 * x);
     // A longer give takes less.
@@ -170,10 +170,10 @@ fn builds_up(
             high = middle;
         }
     }
-    let give = (low * high).sqrt();
-    let step = 0.05 * give;
-    let slope = (sum(give + step) - sum(give - step)) / (2.0 * step);
-    let work = beyond(give);
+    let yield_at = (low * high).sqrt();
+    let step = 0.05 * yield_at;
+    let slope = (sum(yield_at + step) - sum(yield_at - step)) / (2.0 * step);
+    let work = beyond(yield_at);
     let scatter = SANDWICH
         .iter()
         .map(|&blocks| {
@@ -182,7 +182,7 @@ fn builds_up(
             sums.map(|s| s * s).sum::<f64>().sqrt()
         })
         .fold(0.0, f64::max);
-    let by_force: f64 = slid(give)
+    let by_force: f64 = slid(yield_at)
         .iter()
         .zip(&speed)
         .map(|(z, v)| force * relative * z * v)
@@ -191,6 +191,6 @@ fn builds_up(
     let half = NINETY * error;
     // What the squares say of it is another reading: neither knows the law.
     let squares = fit.elements[slider].0.shape[0];
-    let interval = [give.min(squares) - half, give.max(squares) + half];
-    (slope > 0.0).then_some((give, interval))
+    let interval = [yield_at.min(squares) - half, yield_at.max(squares) + half];
+    (slope > 0.0).then_some((yield_at, interval))
 }

@@ -24,11 +24,11 @@ fn rest_columns(library: &Library) -> Vec<(ElementKind, Vec<f64>)> {
         let in_x = |x: &f64| hat((x - s.middle) / s.x);
         let in_v = |v: &f64| hat((v / s.v).clamp(-1.0, 1.0));
         all.push((
-            ElementKind::Place,
+            ElementKind::Displacement,
             column(t, library.every, |t| t.x.iter().map(in_x).collect()),
         ));
         all.push((
-            ElementKind::Speed,
+            ElementKind::Velocity,
             column(t, library.every, |t| t.v.iter().map(in_v).collect()),
         ));
     }
@@ -47,7 +47,7 @@ fn rest_columns(library: &Library) -> Vec<(ElementKind, Vec<f64>)> {
 }
 
 /// Logarithm of the squares with elements over those without, beside an unnamed rest of all other kinds.
-pub fn beside_the_rest(library: &Library, kind: ElementKind, elements: &[usize]) -> f64 {
+pub fn share_beside_unnamed(library: &Library, kind: ElementKind, elements: &[usize]) -> f64 {
     // What a play takes off a spring is a slider that pulls; and sliders of many gives and either sign remember the largest
     // displacement (a Preisach model keeps the extremes that nothing later has wiped out), so they draw any damage.
     let sliders = matches!(kind, ElementKind::Play | ElementKind::Damage);
@@ -63,7 +63,7 @@ pub fn beside_the_rest(library: &Library, kind: ElementKind, elements: &[usize])
     );
     let with = ridge_costs(&columns, &library.force);
     match (without, with) {
-        (Some(without), Some(with)) => library.fall(&with) - library.fall(&without),
+        (Some(without), Some(with)) => library.log_ratio(&with) - library.log_ratio(&without),
         _ => f64::NEG_INFINITY,
     }
 }

@@ -6,7 +6,7 @@ use super::candidate::{
 };
 use super::operators as op;
 use crate::drivetrain::part::{Part, PartKind, Shapes, shapes};
-use crate::drivetrain::way::Way;
+use crate::drivetrain::signal_path::SignalPath;
 use crate::linear::Bound;
 use crate::signals::{Scales, delayed, difference, lagged, resonant, unlagged};
 use plant::{Channel, Effect};
@@ -315,12 +315,12 @@ fn through_valve(y: &[f64], k: &Scales, kind: PartKind, shapes: Shapes) -> Vec<f
         .map(|y| (y - known.offset_mm) / known.gain)
         .collect();
     let input = unlagged(&plain, known.lag_s, k.step_s);
-    let way = Way {
+    let path = SignalPath {
         delay_s: 0.0,
         lag_s: known.lag_s,
         parts: vec![Part { kind, shapes }],
     };
-    let answer = way.valve(&input, k.step_s);
+    let answer = path.valve(&input, k.step_s);
     let whole = answer.iter().map(|y| known.gain * y + known.offset_mm);
     whole.collect()
 }

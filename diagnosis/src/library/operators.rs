@@ -21,10 +21,10 @@ pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// The way gone by each sample, from a first one on.
-pub fn way(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
-    v.iter().scan(before, move |way, v| {
-        *way += interval_s * v.abs();
-        Some(*way)
+pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
+    v.iter().scan(before, move |travel, v| {
+        *travel += interval_s * v.abs();
+        Some(*travel)
     })
 }
 
@@ -76,12 +76,12 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Ve
         .map(|&x| {
             let dx = x - last;
             let near = (z / yield_at).abs().powf(sharpness);
-            let way = if dx * z >= 0.0 {
+            let travel = if dx * z >= 0.0 {
                 1.0
             } else {
                 1.0 - 2.0 * loop_shape
             };
-            z = (z + dx * (1.0 - near * way)).clamp(-yield_at, yield_at);
+            z = (z + dx * (1.0 - near * travel)).clamp(-yield_at, yield_at);
             last = x;
             z
         })

@@ -84,13 +84,13 @@ pub const FATIGUE: Candidate = Candidate {
     effect: Effect::Degradation,
     shapes: |s| {
         // Back and forth at a third of the top speed.
-        let way = 0.3 * s.v * s.seconds;
-        vec![Shape::new(0.02 * way, 20.0 * way, 9)]
+        let travel = 0.3 * s.v * s.seconds;
+        vec![Shape::new(0.02 * travel, 20.0 * travel, 9)]
     },
     columns: |s, p, k| {
-        let way = op::way(&s.v, s.interval_s, s.travel_before_mm);
+        let travel = op::travel(&s.v, s.interval_s, s.travel_before_mm);
         // Of what the spring feels in the model, with the reading's noise, as a gain that changes with time has it.
-        let forces = s.reading.iter().zip(way);
+        let forces = s.reading.iter().zip(travel);
         vec![
             forces
                 .map(|(x, w)| -k.stiffness * x * w / (w + p[0]))

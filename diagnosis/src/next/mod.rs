@@ -1,18 +1,18 @@
 //! The next test: a command inside the rig's limits over which what is still possible differs most.
 //!
-//! The way of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`room`] (what the rig may do),
-//! [`phase`] (motions to choose from), [`view`] (what a motion tells: how far two models stay apart when each may still
+//! The way of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`test_limits`] (what the rig may do),
+//! [`phase`] (motions to choose from), [`design`] (what a motion tells: how far two models stay apart when each may still
 //! move its numbers as far as the records let it), and the choice below, phase by phase.
 
 mod causes;
-mod lever;
+mod design;
+mod numbers;
 mod phase;
 mod predict;
-mod room;
-mod view;
+mod test_limits;
 
 pub use phase::{Form, Phase};
-pub use room::{Origin, Room};
+pub use test_limits::{Origin, TestLimits};
 
 use crate::answer::{ChannelAnswer, Verdict};
 use crate::criteria::{CERTAIN, INSEPARABLE, NOISE};
@@ -22,12 +22,12 @@ use crate::model::Model;
 use crate::recording::Recording;
 use crate::refusal::Refusal;
 use crate::signals::{difference, peak, rms};
+use design::{ChannelDesign, Information};
 use phase::Played;
 use plant::{Channel, Effect};
 use predict::Planned;
 use rayon::prelude::*;
 use serde::Serialize;
-use view::{Told, View};
 
 /// What one of the possible causes predicts of the next test.
 #[derive(Clone, Debug, Serialize)]
@@ -94,7 +94,7 @@ pub struct Outlook {
 #[derive(Clone, Debug, Serialize)]
 pub struct Next {
     /// What it keeps inside.
-    pub limits: Room,
+    pub limits: TestLimits,
     /// Its phases, one after the other.
     pub phases: Vec<Phase>,
     /// Its length, s.
@@ -134,9 +134,9 @@ const WORTH: f64 = 0.02;
 const GOING: f64 = 0.2;
 
 /// What a phase tells of each channel.
-struct Offer {
+struct PhaseCandidate {
     played: Played,
-    told: Vec<Told>,
+    information: Vec<Information>,
 }
 
 /// Designs the test that tells most about what `diagnosis` of `train` with `model` has left open. `test` is the held-out
@@ -151,15 +151,18 @@ pub fn next(
     test: &[Recording],
 ) -> Result<Next, Refusal> {
     let all: Vec<&Recording> = train.iter().chain(test).collect();
-    let limits = Room::of(model, &all)?;
+    let limits = TestLimits::of(model, &all)?;
     let improved = &diagnosis.improved;
-    let views: Vec<(View, &ChannelAnswer)> = diagnosis
+    let views: Vec<(ChannelDesign, &ChannelAnswer)> = diagnosis
         .channels
         .iter()
         .filter_map(|a| {
             let causes = causes::causes(model, improved, a, train);
             let left = a.error_after.test_rms.max(a.noise_floor_rms);
-            Some((View::new(a.channel, causes, model, train, left)?, a))
+            Some((
+                ChannelDesign::new(a.channel, causes, model, train, left)?,
+                a,
+            ))
         })
         .collect();
     // Where something is open, only that counts.
@@ -170,7 +173,7 @@ pub fn next(
         )
     };
     let is_open = views.iter().any(|(v, a)| open(a) && v.causes.len() > 1);
-    let counts = |v: &View| !is_open || v.causes.len() > 1;
+    let counts = |v: &ChannelDesign| !is_open || v.causes.len() > 1;
     let record_h = train.first().map_or(1e-3, Recording::interval_s);
     let highest_hz = HIGHEST_HZ.min(0.05 / record_h);
     let interval_s = (1.0 / (A_CYCLE * highest_hz)).max(record_h);
@@ -181,7 +184,7 @@ pub fn next(
         n_per_mm: n_per_mm(train),
         interval_s,
     };
-    let offers: Vec<Offer> = phase::all(&limits, highest_hz, interval_s)
+    let offers: Vec<PhaseCandidate> = phase::all(&limits, highest_hz, interval_s)
         .into_par_iter()
         .filter_map(|played| stage.offer(played))
         .collect();
@@ -201,7 +204,7 @@ pub fn next(
         )));
     }
     let (phases, command_mm) = joined(&limits, &chosen, interval_s);
-    let channels = stage.outlook(&command_mm);
+    let channels = stage.expected(&command_mm);
     Ok(Next {
         seconds: command_mm.len() as f64 * interval_s,
         limits,
@@ -224,26 +227,33 @@ fn n_per_mm(records: &[Recording]) -> f64 {
 
 /// Phase by phase what adds most.
 fn choose(
-    views: &[(View, &ChannelAnswer)],
-    counts: impl Fn(&View) -> bool,
-    mut offers: Vec<Offer>,
+    views: &[(ChannelDesign, &ChannelAnswer)],
+    counts: impl Fn(&ChannelDesign) -> bool,
+    mut offers: Vec<PhaseCandidate>,
     most_s: f64,
     interval_s: f64,
 ) -> Vec<Played> {
     let samples = most_s / interval_s;
-    let worth = |told: &[Told]| -> f64 {
-        let each = views.iter().zip(told).filter(|((v, _), _)| counts(v));
+    let worth = |information: &[Information]| -> f64 {
+        let each = views
+            .iter()
+            .zip(information)
+            .filter(|((v, _), _)| counts(v));
         each.map(|((v, _), t)| v.worth(t, samples)).sum()
     };
     let mut chosen: Vec<Played> = Vec::new();
-    let mut sum: Option<Vec<Told>> = None;
+    let mut sum: Option<Vec<Information>> = None;
     let (mut reached, mut seconds) = (0.0, 0.0);
     while chosen.len() < PHASES {
-        let together = |o: &Offer| match &sum {
-            None => o.told.clone(),
-            Some(sum) => sum.iter().zip(&o.told).map(|(a, b)| a.and(b)).collect(),
+        let together = |o: &PhaseCandidate| match &sum {
+            None => o.information.clone(),
+            Some(sum) => sum
+                .iter()
+                .zip(&o.information)
+                .map(|(a, b)| a.and(b))
+                .collect(),
         };
-        let fits = |o: &Offer| seconds + o.played.0.seconds + BETWEEN_S <= most_s;
+        let fits = |o: &PhaseCandidate| seconds + o.played.0.seconds + BETWEEN_S <= most_s;
         let best = offers
             .iter()
             .enumerate()
@@ -263,7 +273,7 @@ fn choose(
 }
 
 /// Phases one after the other around the middle, from zero and back to it where zero is inside, with rests.
-fn joined(limits: &Room, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f64>) {
+fn joined(limits: &TestLimits, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f64>) {
     let middle = limits.middle_mm;
     let from = if middle.abs() <= limits.half_mm {
         0.0
@@ -306,8 +316,8 @@ fn joined(limits: &Room, chosen: &[Played], h: f64) -> (Vec<Phase>, Vec<f64>) {
 /// What a command is played on, as far as is known.
 struct SimulatedRig<'a> {
     improved: &'a Model,
-    views: &'a [(View, &'a ChannelAnswer)],
-    limits: &'a Room,
+    views: &'a [(ChannelDesign, &'a ChannelAnswer)],
+    limits: &'a TestLimits,
     n_per_mm: f64,
     interval_s: f64,
 }
@@ -335,49 +345,52 @@ impl SimulatedRig<'_> {
     }
 
     /// What a phase tells; `None` where a force would leave the limits.
-    fn offer(&self, played: Played) -> Option<Offer> {
+    fn offer(&self, played: Played) -> Option<PhaseCandidate> {
         let command: Vec<f64> = played.1.iter().map(|x| x + self.limits.middle_mm).collect();
         let (x, force) = self.played(&command);
         if !force.as_ref().is_none_or(|f| self.limits.holds(f)) {
             return None;
         }
-        let told = |(view, _): &(View, &ChannelAnswer)| {
-            let planned = match view.channel {
+        let information = |(design, _): &(ChannelDesign, &ChannelAnswer)| {
+            let planned = match design.channel {
                 Channel::Actuator => self.planned(&command, force.as_deref()),
                 Channel::Specimen => self.planned(&x, None),
             };
-            if view.channel == Channel::Specimen {
-                let answers = view.answers(&planned)?;
+            if design.channel == Channel::Specimen {
+                let answers = design.answers(&planned)?;
                 if !answers.iter().all(|a| self.limits.holds(a)) {
                     return None;
                 }
             }
-            view.told(&planned, 1)
+            design.information(&planned, 1)
         };
-        let told = self.views.iter().map(told).collect::<Option<_>>()?;
-        Some(Offer { played, told })
+        let information = self.views.iter().map(information).collect::<Option<_>>()?;
+        Some(PhaseCandidate {
+            played,
+            information,
+        })
     }
 
-    fn outlook(&self, command: &[f64]) -> Vec<Outlook> {
+    fn expected(&self, command: &[f64]) -> Vec<Outlook> {
         let (x, force) = self.played(command);
-        let of = |(view, answer): &(View, &ChannelAnswer)| {
-            let (input, planned) = match view.channel {
+        let of = |(design, answer): &(ChannelDesign, &ChannelAnswer)| {
+            let (input, planned) = match design.channel {
                 Channel::Actuator => (command, self.planned(command, force.as_deref())),
                 Channel::Specimen => (&x[..], self.planned(&x, None)),
             };
-            let answers = view.answers(&planned)?;
-            let told = view.told(&planned, 1)?;
-            let separations = view.separations(&told);
+            let answers = design.answers(&planned)?;
+            let information = design.information(&planned, 1)?;
+            let separations = design.separations(&information);
             let nearest = |i: usize| {
                 let own = separations.iter().filter(|s| s.0 == i || s.1 == i);
                 own.map(|s| s.2).reduce(f64::min)
             };
             let first = answers[0].clone();
             let least = separations.iter().map(|s| s.2).reduce(f64::min);
-            let variances = |s: f64| s * s * command.len() as f64 / view::COLOUR;
-            let noisy = view.left_rms <= NOISE * answer.noise_floor_rms;
+            let variances = |s: f64| s * s * command.len() as f64 / design::COLOUR;
+            let noisy = design.left_rms <= NOISE * answer.noise_floor_rms;
             let decided = |s: f64| 1.0 + s * s >= CERTAIN || noisy && variances(s) >= INSEPARABLE;
-            let candidates = view.causes.iter().zip(answers).enumerate();
+            let candidates = design.causes.iter().zip(answers).enumerate();
             let candidates = candidates.map(|(i, (cause, answer))| Prediction {
                 name: cause.name,
                 probability: cause.probability,
@@ -389,12 +402,15 @@ impl SimulatedRig<'_> {
                 separation: nearest(i),
                 answer,
             });
-            let (now, then) = (view.deviations(None), view.deviations(Some(&told)));
-            let numbers = view.levers[0].iter().zip(now.iter().zip(&then));
+            let (now, then) = (
+                design.deviations(None),
+                design.deviations(Some(&information)),
+            );
+            let numbers = design.numbers[0].iter().zip(now.iter().zip(&then));
             Some(Outlook {
-                channel: view.channel,
+                channel: design.channel,
                 unit: answer.unit.clone(),
-                left_rms: view.left_rms,
+                left_rms: design.left_rms,
                 noise_rms: answer.noise_floor_rms,
                 candidates: candidates.collect(),
                 squares_times: least.map(|s| 1.0 + s * s),

@@ -1,6 +1,6 @@
 //! What a test is put together from: motions around a middle that begin and end at rest there.
 
-use super::room::Room;
+use super::test_limits::TestLimits;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -90,8 +90,8 @@ pub fn passage(from_mm: f64, to_mm: f64, speed_mm_per_s: f64, interval_s: f64) -
 }
 
 /// Everything that fits into a room, none above a frequency.
-pub fn all(room: &Room, highest_hz: f64, interval_s: f64) -> Vec<Played> {
-    let (x, v) = (room.half_mm, room.velocity_mm_per_s);
+pub fn all(test_limits: &TestLimits, highest_hz: f64, interval_s: f64) -> Vec<Played> {
+    let (x, v) = (test_limits.half_mm, test_limits.velocity_mm_per_s);
     let mut all: Vec<Played> = Vec::new();
     let mut add = |form, hz: f64, command: Vec<f64>| {
         all.push((phase(form, hz, 0.0, &command, interval_s), command));
@@ -218,13 +218,13 @@ mod tests {
 
     #[test]
     fn every_phase_stays_inside_the_room_and_begins_and_ends_at_rest() {
-        let room = Room {
+        let test_limits = TestLimits {
             half_mm: 20.0,
             velocity_mm_per_s: 100.0,
-            ..Room::default()
+            ..TestLimits::default()
         };
         let h = 1e-3;
-        let all = all(&room, 10.0, h);
+        let all = all(&test_limits, 10.0, h);
         for form in [
             Form::Sine,
             Form::Ramps,

@@ -41,5 +41,5 @@ pub fn answer(model: &Model, channel: Channel, planned: &Planned<'_>) -> Option<
     let motion = [Some(input.to_vec())];
     // Nothing is planned above a tenth of the rate.
     let problem = Problem::new(&base, &[record], 0.2 / h, &motion)?;
-    problem.stretches.into_iter().next().map(|s| s.signals.base)
+    problem.segments.into_iter().next().map(|s| s.signals.base)
 }

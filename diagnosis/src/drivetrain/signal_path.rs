@@ -23,7 +23,7 @@ pub struct Run {
 
 /// The nonlinear parameters of a way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+pub struct SignalPath {
     /// Transport delay, s.
     pub delay_s: f64,
     /// First-order time constant, s.
@@ -37,7 +37,7 @@ const SUBSTEP: f64 = 0.25;
 /// No more substeps than these: a faster valve is over within a sample.
 const MOST_SUBSTEPS: f64 = 16.0;
 
-impl Way {
+impl SignalPath {
     /// Columns of the displacement behind the run-up: the answer at gain 1, then one of amplitude 1 for each part that has
     /// an amplitude.
     pub fn columns(&self, run: &Run, interval_s: f64) -> Vec<Vec<f64>> {
@@ -158,10 +158,10 @@ impl Seal {
         let seal = parts
             .iter()
             .find(|p| matches!(p.kind, PartKind::Seal | PartKind::StickySeal));
-        let [bend_mm, give_mm, at_rest, speed] = seal.map_or([0.0; 4], |p| p.shapes);
+        let [bend_mm, yield_mm, at_rest, speed] = seal.map_or([0.0; 4], |p| p.shapes);
         Self {
             bend_mm,
-            sticks_per_mm: 1.0 / (give_mm + bend_mm).max(f64::MIN_POSITIVE),
+            sticks_per_mm: 1.0 / (yield_mm + bend_mm).max(f64::MIN_POSITIVE),
             falls: [(at_rest - 1.0).max(0.0), 1.0 / speed.max(f64::MIN_POSITIVE)],
         }
     }
@@ -254,12 +254,12 @@ mod tests {
                 shapes: shapes([shape]),
             })
             .collect();
-        let way = Way {
+        let path = SignalPath {
             delay_s: 0.0,
             lag_s: 0.02,
             parts,
         };
-        way.columns(&run(command), 1e-3).swap_remove(0)
+        path.columns(&run(command), 1e-3).swap_remove(0)
     }
 
     #[test]
@@ -283,27 +283,27 @@ mod tests {
 
     #[test]
     fn a_ram_waits_until_the_oil_is_bent_by_its_friction_and_then_follows_as_without() {
-        let way = |kind, all| Way {
+        let path = |kind, all| SignalPath {
             delay_s: 0.0,
             lag_s: 0.02,
             parts: vec![Part { kind, shapes: all }],
         };
         let step = vec![1.0; 400];
-        let x = |way: Way| {
+        let x = |path: SignalPath| {
             let mut input = step.clone();
             input[0] = 0.0;
-            way.valve(&input, 1e-3)
+            path.valve(&input, 1e-3)
         };
         // The oil is let in at 1 mm in T: bent by b after b T.
         let b = 0.2;
-        let y = x(way(PartKind::Seal, shapes([b, 1e-4])));
+        let y = x(path(PartKind::Seal, shapes([b, 1e-4])));
         let begins_s = 0.5e-3 + b * 0.02;
         for (i, y) in y.iter().enumerate().skip(10).step_by(10) {
             let exact = 1.0 - (-(1e-3 * i as f64 - begins_s) / 0.02).exp();
             assert!((y - exact).abs() < 4e-3, "{i}: {y} {exact}");
         }
         // What sticks at rest waits longer.
-        let sticky = x(way(PartKind::StickySeal, shapes([b, 1e-4, 2.0, 10.0])));
+        let sticky = x(path(PartKind::StickySeal, shapes([b, 1e-4, 2.0, 10.0])));
         assert!(sticky[7] < 0.01 && y[7] > 0.1);
     }
 

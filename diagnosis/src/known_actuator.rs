@@ -9,7 +9,7 @@ use crate::spectrum;
 
 /// The actuator, where it is explained down to its noise.
 #[derive(Debug)]
-pub struct Drive {
+pub struct KnownActuator {
     /// Its declared model.
     pub base: Base,
     /// Where its displacement ends and noise begins, Hz.
@@ -18,7 +18,7 @@ pub struct Drive {
     pub solution: Solution,
 }
 
-impl Drive {
+impl KnownActuator {
     /// Whether it tells the motion of these records better than a low-pass of the readings does.
     pub fn tells(&self, records: &[Recording]) -> bool {
         records.iter().all(|r| {
@@ -34,10 +34,10 @@ impl Drive {
         let mut problem = Problem::new(&self.base, std::slice::from_ref(r), self.cutoff_hz, &[])?;
         problem.scales = s.problem.scales;
         problem.set(&self.base, s.problem.theta);
-        let stretch = problem.stretches.first()?;
-        let motion = problem.answer(stretch, &s.effects, &s.problem.scales);
+        let segment = problem.segments.first()?;
+        let motion = problem.answer(segment, &s.effects, &s.problem.scales);
         let reading = r.displacement_mm.as_ref()?;
-        begins_alike(&motion[stretch.lead..], reading, r.interval_s()).then_some(motion)
+        begins_alike(&motion[segment.lead..], reading, r.interval_s()).then_some(motion)
     }
 }
 

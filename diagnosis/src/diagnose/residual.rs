@@ -5,7 +5,7 @@ use crate::advice::four;
 use crate::answer::{ChannelAnswer, Errors, Line, Verdict};
 use crate::coherence::linear_share;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
-use crate::foretold::next_error;
+use crate::expected_error::next_error;
 use crate::recording::{Recording, range};
 use crate::remainder::{Moves, anatomy, clock, correction, lines, rms_with};
 use crate::rest;
@@ -85,7 +85,7 @@ impl ChannelDiagnosis<'_> {
 
     /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
     /// than its record: it lacks the first samples then.
-    pub(super) fn look_at_the_rest(
+    pub(super) fn analyse_residual(
         &self,
         answer: &mut ChannelAnswer,
         train: &[Vec<f64>],
@@ -163,7 +163,7 @@ impl ChannelDiagnosis<'_> {
 
     /// Lines that stand in the rest, too, are a disturbance whatever else is missing: they are said with frequency and
     /// amplitude.
-    pub(super) fn hear_disturbances(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn note_disturbances(&self, answer: &mut ChannelAnswer) {
         if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
             return;
         }
@@ -206,7 +206,7 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// What is left and has lines that are not the motion's is no noise, however little the motion has to do with it.
-    pub(super) fn hear_lines(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn note_lines(&self, answer: &mut ChannelAnswer) {
         if answer.verdict != Verdict::None || answer.error_before.test_nrmse < TRANSDUCER {
             return;
         }
@@ -238,7 +238,7 @@ impl ChannelDiagnosis<'_> {
             all.join(", ")
         )];
         let rests = [rest];
-        self.look_at_the_rest(answer, &rests, &rests);
+        self.analyse_residual(answer, &rests, &rests);
         if let Some(r) = &mut answer.remainder {
             r.lines = found;
         }
@@ -246,7 +246,7 @@ impl ChannelDiagnosis<'_> {
 
     /// Of what has no name it is said how much of the output is linear in its input at all: where that is little, no element
     /// of a model of this input will do.
-    pub(super) fn ask_for_other_inputs(&self, answer: &mut ChannelAnswer) {
+    pub(super) fn note_low_coherence(&self, answer: &mut ChannelAnswer) {
         if answer.verdict != Verdict::Unknown {
             return;
         }

@@ -8,7 +8,7 @@ use plant::Channel;
 
 /// A number of a model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lever {
+pub struct ModelNumber {
     which: Which,
     /// Its name, ending with its unit.
     pub name: String,
@@ -34,7 +34,7 @@ enum Which {
 const STEP: f64 = 0.02;
 
 /// The numbers of a channel; what `before` had with the same value and without a tolerance is not one of them.
-pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
+pub fn numbers(model: &Model, before: &Model, channel: Channel) -> Vec<ModelNumber> {
     let Some(own) = model.channel(channel) else {
         return Vec::new();
     };
@@ -72,7 +72,7 @@ pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
     }
     all.into_iter()
         .filter(|l| l.3 > 0.0)
-        .map(|(which, name, value, spread)| Lever {
+        .map(|(which, name, value, spread)| ModelNumber {
             which,
             name,
             value,
@@ -82,9 +82,9 @@ pub fn levers(model: &Model, before: &Model, channel: Channel) -> Vec<Lever> {
 }
 
 /// The model with one number moved.
-fn moved(model: &Model, channel: Channel, lever: &Lever, by: f64) -> Model {
+fn moved(model: &Model, channel: Channel, number: &ModelNumber, by: f64) -> Model {
     let mut model = model.clone();
-    match &lever.which {
+    match &number.which {
         Which::Declared(i) => {
             if let Some((places, _)) = model.channel_mut(channel)
                 && let Some(d) = places[*i].as_mut()
@@ -121,17 +121,17 @@ fn element(model: &mut Model, i: usize) -> Option<&mut crate::saved_element::Sav
 pub fn slopes(
     model: &Model,
     channel: Channel,
-    levers: &[Lever],
+    numbers: &[ModelNumber],
     planned: &Planned<'_>,
     here: &[f64],
 ) -> Vec<Vec<f64>> {
-    let column = |lever: &Lever| {
-        let by = STEP * lever.spread;
-        let there = answer(&moved(model, channel, lever, by), channel, planned)?;
+    let column = |number: &ModelNumber| {
+        let by = STEP * number.spread;
+        let there = answer(&moved(model, channel, number, by), channel, planned)?;
         Some(difference_quotient(&there, here, STEP))
     };
     let still = || vec![0.0; here.len()];
-    levers
+    numbers
         .iter()
         .map(|l| column(l).unwrap_or_else(still))
         .collect()

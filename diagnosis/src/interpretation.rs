@@ -11,7 +11,7 @@ const PROPORTIONAL: std::ops::Range<f64> = 0.85..1.15;
 const RINGS: f64 = 0.5;
 
 /// A law of another power, an oil column that does not ring, a transducer that bends, and what changes a force.
-pub fn covers(effects: &[FoundEffect]) -> Vec<String> {
+pub fn interpretations(effects: &[FoundEffect]) -> Vec<String> {
     effects
         .iter()
         .flat_map(|e| cause(e).into_iter().chain(shape(e)))
@@ -191,7 +191,7 @@ mod tests {
                 "4.4 % faster towards minus",
             ),
         ] {
-            let said = covers(&[effect]).join(" ");
+            let said = interpretations(&[effect]).join(" ");
             assert!(said.contains(words), "{said}");
         }
     }

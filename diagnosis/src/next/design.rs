@@ -2,7 +2,7 @@
 //! tell.
 
 use super::causes::Cause;
-use super::lever::{Lever, levers, slopes};
+use super::numbers::{ModelNumber, numbers, slopes};
 use super::predict::{Planned, answer};
 use crate::linear::{dot, gram};
 use crate::model::Model;
@@ -19,13 +19,13 @@ const SAMPLES: usize = 4000;
 
 /// A channel.
 #[derive(Debug)]
-pub struct View {
+pub struct ChannelDesign {
     /// Which.
     pub channel: Channel,
     /// What is possible, the preferred one first.
     pub causes: Vec<Cause>,
     /// Their numbers.
-    pub levers: Vec<Vec<Lever>>,
+    pub numbers: Vec<Vec<ModelNumber>>,
     /// How well those are known from the records: the inverse of their covariance, in spreads.
     known: Vec<DMatrix<f64>>,
     /// rms of what the model leaves.
@@ -34,7 +34,7 @@ pub struct View {
 
 /// What a motion tells of a channel: products of differences and slopes, which add up from phase to phase.
 #[derive(Clone, Debug)]
-pub struct Told {
+pub struct Information {
     samples: f64,
     /// Of each cause: slopes with slopes.
     grams: Vec<DMatrix<f64>>,
@@ -42,7 +42,7 @@ pub struct Told {
     pairs: Vec<(usize, usize, f64, DVector<f64>)>,
 }
 
-impl Told {
+impl Information {
     /// Both motions together.
     pub fn and(&self, other: &Self) -> Self {
         let mut sum = self.clone();
@@ -58,7 +58,7 @@ impl Told {
     }
 }
 
-impl View {
+impl ChannelDesign {
     /// With what `train` has told; `None` where a signal is missing.
     pub fn new(
         channel: Channel,
@@ -67,17 +67,17 @@ impl View {
         train: &[Recording],
         left_rms: f64,
     ) -> Option<Self> {
-        let levers: Vec<Vec<Lever>> = causes
+        let numbers: Vec<Vec<ModelNumber>> = causes
             .iter()
-            .map(|c| levers(&c.model, declared, channel))
+            .map(|c| numbers(&c.model, declared, channel))
             .collect();
-        let mut view = Self {
+        let mut design = Self {
             channel,
-            known: levers
+            known: numbers
                 .iter()
                 .map(|l| DMatrix::identity(l.len(), l.len()))
                 .collect(),
-            levers,
+            numbers,
             causes,
             left_rms,
         };
@@ -98,13 +98,13 @@ impl View {
                 n_per_mm: 0.0,
             };
             let every = (input.len() * train.len()).div_ceil(SAMPLES);
-            let told = view.told(&planned, every)?;
+            let information = design.information(&planned, every)?;
             let weight = every as f64 / (COLOUR * left_rms * left_rms).max(f64::MIN_POSITIVE);
-            for (known, gram) in view.known.iter_mut().zip(&told.grams) {
+            for (known, gram) in design.known.iter_mut().zip(&information.grams) {
                 *known += gram * weight;
             }
         }
-        Some(view)
+        Some(design)
     }
 
     /// What each cause answers to a motion.
@@ -114,7 +114,7 @@ impl View {
     }
 
     /// What a motion tells, of every `every`-th sample; `None` where an answer is missing or NaN.
-    pub fn told(&self, planned: &Planned<'_>, every: usize) -> Option<Told> {
+    pub fn information(&self, planned: &Planned<'_>, every: usize) -> Option<Information> {
         let answers = self.answers(planned)?;
         if answers.iter().flatten().any(|y| !y.is_finite()) {
             return None;
@@ -123,10 +123,10 @@ impl View {
         let columns: Vec<Vec<Vec<f64>>> = self
             .causes
             .iter()
-            .zip(&self.levers)
+            .zip(&self.numbers)
             .zip(&answers)
-            .map(|((cause, levers), here)| {
-                let slopes = slopes(&cause.model, self.channel, levers, planned, here);
+            .map(|((cause, numbers), here)| {
+                let slopes = slopes(&cause.model, self.channel, numbers, planned, here);
                 slopes.iter().map(|s| thin(s)).collect()
             })
             .collect();
@@ -140,7 +140,7 @@ impl View {
                 pairs.push((i, j, dot(&d, &d), along));
             }
         }
-        Some(Told {
+        Some(Information {
             samples: thinned.first().map_or(0, Vec::len) as f64,
             grams: columns.iter().map(|c| gram(c)).collect(),
             pairs,
@@ -149,13 +149,13 @@ impl View {
 
     /// The rms by which two causes differ where the second may move its numbers as far as the records let it, over what
     /// the model leaves: of each pair the smaller of both ways.
-    pub fn separations(&self, told: &Told) -> Vec<(usize, usize, f64)> {
+    pub fn separations(&self, information: &Information) -> Vec<(usize, usize, f64)> {
         let scale = COLOUR * self.left_rms * self.left_rms;
         let one_way = |i: usize, j: usize| {
-            let (.., square, along) = told.pairs.iter().find(|p| (p.0, p.1) == (i, j))?;
-            let whole = &told.grams[j] + &self.known[j] * scale;
+            let (.., square, along) = information.pairs.iter().find(|p| (p.0, p.1) == (i, j))?;
+            let whole = &information.grams[j] + &self.known[j] * scale;
             let taken = whole.cholesky().map_or(0.0, |c| along.dot(&c.solve(along)));
-            let rms = ((square - taken).max(0.0) / told.samples.max(1.0)).sqrt();
+            let rms = ((square - taken).max(0.0) / information.samples.max(1.0)).sqrt();
             Some(rms / self.left_rms.max(f64::MIN_POSITIVE))
         };
         let n = self.causes.len();
@@ -166,11 +166,11 @@ impl View {
     }
 
     /// Standard deviations of the preferred cause's numbers, in spreads, as the records leave them and with a motion more.
-    pub fn deviations(&self, told: Option<&Told>) -> Vec<f64> {
+    pub fn deviations(&self, information: Option<&Information>) -> Vec<f64> {
         let mut known = self.known[0].clone();
-        if let Some(told) = told {
+        if let Some(information) = information {
             let scale = (COLOUR * self.left_rms * self.left_rms).max(f64::MIN_POSITIVE);
-            known += &told.grams[0] / scale;
+            known += &information.grams[0] / scale;
         }
         let n = known.nrows();
         let inverse = known.cholesky().map(|c| c.inverse());
@@ -180,17 +180,17 @@ impl View {
     }
 
     /// How much a motion is worth in a test of `samples`: pairs come apart, or, where nothing rivals, numbers become known.
-    pub fn worth(&self, told: &Told, samples: f64) -> f64 {
+    pub fn worth(&self, information: &Information, samples: f64) -> f64 {
         if self.causes.len() < 2 {
-            let (before, after) = (self.deviations(None), self.deviations(Some(told)));
+            let (before, after) = (self.deviations(None), self.deviations(Some(information)));
             let each = before.iter().zip(&after).map(|(b, a)| (b / a).ln());
             return each.sum::<f64>() / before.len().max(1) as f64;
         }
         let probable = |i: usize| self.causes[i].probability.unwrap_or(1.0).max(0.05).sqrt();
-        let pairs = self.separations(told).into_iter();
+        let pairs = self.separations(information).into_iter();
         pairs
             .map(|(i, j, s)| {
-                let squares = s * s * told.samples / samples;
+                let squares = s * s * information.samples / samples;
                 probable(i) * probable(j) * squares.ln_1p()
             })
             .sum()

@@ -27,7 +27,12 @@ fn errors(fit: &ActuatorFit, train: &ActuatorData, test: &ActuatorData) -> (Erro
 
 impl ChannelDiagnosis<'_> {
     /// Whether an answer of the single effects stands: it leaves nothing but a noise that is known.
-    pub(super) fn stands(&self, answer: &ChannelAnswer, noise: &Noise, structured: f64) -> bool {
+    pub(super) fn leaves_noise_only(
+        &self,
+        answer: &ChannelAnswer,
+        noise: &Noise,
+        structured: f64,
+    ) -> bool {
         noise.from == NoiseSource::Rest
             && matches!(
                 answer.verdict,
@@ -37,7 +42,11 @@ impl ChannelDiagnosis<'_> {
     }
 
     /// The answer of the joint search; `None` where the equations have no solution.
-    pub(super) fn driven(&self, noise: &Noise, improved: &mut Model) -> Option<ChannelAnswer> {
+    pub(super) fn joint_actuator_search(
+        &self,
+        noise: &Noise,
+        improved: &mut Model,
+    ) -> Option<ChannelAnswer> {
         let found = drivetrain::find(&self.base, self.train)?;
         let train = drivetrain::data(&self.base, self.train, 1)?;
         let test = drivetrain::data(&self.base, self.test, 1)?;
@@ -145,11 +154,11 @@ impl ChannelDiagnosis<'_> {
         answer.notes = advice::notes(&answer, structured, noise, false);
         answer.notes.extend(advice::one_change(&answer, true));
         answer.notes.extend(noise.from.note().map(String::from));
-        not_above(&mut answer, rms(std::slice::from_ref(&kept.residual)));
+        limit_floor(&mut answer, rms(std::slice::from_ref(&kept.residual)));
         if answer.verdict != Verdict::None {
             let learned = train.by_record(&kept.residual);
             let judged = test.by_record(&test.residual(&kept));
-            self.look_at_the_rest(&mut answer, &learned, &judged);
+            self.analyse_residual(&mut answer, &learned, &judged);
         }
         Some(answer)
     }
@@ -199,7 +208,7 @@ impl ChannelDiagnosis<'_> {
 }
 
 /// A floor is not above what is reached: what was taken for noise then changes with the motion.
-pub(super) fn not_above(answer: &mut ChannelAnswer, trained: f64) {
+pub(super) fn limit_floor(answer: &mut ChannelAnswer, trained: f64) {
     let reached = trained.min(answer.error_after.test_rms);
     if answer.verdict == Verdict::NotAssessed || answer.noise_floor_rms <= reached {
         return;

@@ -8,7 +8,7 @@ use crate::criteria::CERTAIN;
 
 /// Looks again, if freeing what stands at an end takes as much off as a name must; the library measures by the finer scale
 /// from then on. `None` where it does not.
-pub fn look(
+pub fn refine(
     library: &mut Library,
     best: &Polished,
     search: impl Fn(&Library) -> Option<Polished>,
@@ -27,7 +27,7 @@ pub fn look(
         library.cross_validated(&freed)?,
     );
     let before = library.measure_by(&held);
-    if library.fall(&loose) > library.fall(&held) - CERTAIN.ln() {
+    if library.log_ratio(&loose) > library.log_ratio(&held) - CERTAIN.ln() {
         library.measure(before);
         return None;
     }

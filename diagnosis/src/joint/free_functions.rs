@@ -12,7 +12,7 @@ use super::kind::ElementKind;
 use super::set::{DECLARED, ElementSet, Library, column};
 use super::track::Track;
 use crate::criteria::{ACCOUNTS, BLOCKS, CERTAIN};
-use crate::library::operators::way;
+use crate::library::operators::travel;
 use plant::Family;
 
 /// Pieces of the record; each sixth of them is left out once.
@@ -61,7 +61,7 @@ impl FreeFunctions {
 }
 
 /// Tries free functions for the elements `own`, of one kind and family, of a set.
-pub fn tried(
+pub fn tested(
     library: &Library,
     set: &ElementSet,
     (kind, family): (ElementKind, Family),
@@ -70,18 +70,18 @@ pub fn tried(
     if own.is_empty() || kind == ElementKind::Time {
         return FreeFunctions::NONE;
     }
-    let dealt = Dealt::new(library);
-    let with = dealt.columns(set, &[]);
-    let rest = dealt.columns(set, own);
-    let here = dealt.left(&with, &[]);
-    let times = |base: &[Vec<f64>], free: &[Vec<f64>]| (dealt.left(base, free) - here).exp();
+    let interleaved = Interleaved::new(library);
+    let with = interleaved.columns(set, &[]);
+    let rest = interleaved.columns(set, own);
+    let here = interleaved.left(&with, &[]);
+    let times = |base: &[Vec<f64>], free: &[Vec<f64>]| (interleaved.left(base, free) - here).exp();
     let tires = own
         .iter()
         .any(|&e| library.elements[e].law == Law::Fatigued);
     let own_variable = match kind {
-        ElementKind::Place => dealt.places(OWN_PLACES),
-        ElementKind::Speed => dealt.speeds(SPEEDS),
-        ElementKind::Damage if tires => dealt.changing(&[|t| &t.x]),
+        ElementKind::Displacement => interleaved.places(OWN_PLACES),
+        ElementKind::Velocity => interleaved.speeds(SPEEDS),
+        ElementKind::Damage if tires => interleaved.changing(&[|t| &t.x]),
         _ => Vec::new(),
     };
     if !own_variable.is_empty() {
@@ -107,7 +107,7 @@ pub fn tried(
         || family == Family::Hysteresis
         || matches!(kind, ElementKind::Play | ElementKind::Linear);
     if remembers {
-        chance(&dealt.states(), CERTAIN, Doubt::Forgets);
+        chance(&interleaved.states(), CERTAIN, Doubt::Forgets);
     }
     // What cycles that grow take from a spring for good is a change along the way as well: there the law must only not be beaten.
     // What the way itself takes is that change.
@@ -117,7 +117,11 @@ pub fn tried(
         } else {
             CERTAIN
         };
-        chance(&dealt.changing(&[|t| &t.x, |t| &t.v]), most, Doubt::Changes);
+        chance(
+            &interleaved.changing(&[|t| &t.x, |t| &t.v]),
+            most,
+            Doubt::Changes,
+        );
     }
     free
 }
@@ -126,13 +130,13 @@ pub fn tried(
 type Signal = fn(&Track) -> &Vec<f64>;
 
 /// The data of a library in another order: the pieces that are left out together stand together.
-struct Dealt<'a> {
+struct Interleaved<'a> {
     library: &'a Library<'a>,
     order: Vec<usize>,
     force: Vec<f64>,
 }
 
-impl<'a> Dealt<'a> {
+impl<'a> Interleaved<'a> {
     fn new(library: &'a Library<'a>) -> Self {
         let n = library.force.len();
         let edge = |piece: usize| piece * n / PIECES;
@@ -148,12 +152,12 @@ impl<'a> Dealt<'a> {
         }
     }
 
-    fn dealt(&self, column: &[f64]) -> Vec<f64> {
+    fn interleaved(&self, column: &[f64]) -> Vec<f64> {
         self.order.iter().map(|&i| column[i]).collect()
     }
 
     fn of(&self, signal: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
-        self.dealt(&column(self.library.tracks, self.library.every, signal))
+        self.interleaved(&column(self.library.tracks, self.library.every, signal))
     }
 
     /// Columns of the declared parameters and of a set's elements but for some.
@@ -161,7 +165,7 @@ impl<'a> Dealt<'a> {
         let kept = set.elements.iter().filter(|e| !without.contains(e));
         (0..DECLARED)
             .chain(kept.map(|e| DECLARED + e))
-            .map(|i| self.dealt(&self.library.columns[i]))
+            .map(|i| self.interleaved(&self.library.columns[i]))
             .collect()
     }
 
@@ -198,10 +202,10 @@ impl<'a> Dealt<'a> {
     /// A spring, a damper or both that change along the way in any manner.
     fn changing(&self, of: &[Signal]) -> Vec<Vec<f64>> {
         let stage = |t: &Track, i: usize| -> Vec<f64> {
-            let ways: Vec<f64> = way(&t.v, t.interval_s, 0.0).collect();
-            let (first, last) = (ways[t.first], ways[ways.len() - 1]);
+            let travels: Vec<f64> = travel(&t.v, t.interval_s, 0.0).collect();
+            let (first, last) = (travels[t.first], travels[travels.len() - 1]);
             let at = |w: &f64| 2.0 * (w - first) / (last - first).max(f64::MIN_POSITIVE) - 1.0;
-            ways.iter().map(|w| hat(at(w), i, STAGES)).collect()
+            travels.iter().map(|w| hat(at(w), i, STAGES)).collect()
         };
         let times = |a: Vec<f64>, b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect();
         (0..STAGES)
@@ -265,7 +269,7 @@ mod tests {
             };
             let family = element.name(&library.sizes, 1.0).entry().family;
             let kind = element.kind(&library.sizes);
-            tried(library, &set, (kind, family), &[place])
+            tested(library, &set, (kind, family), &[place])
         })
     }
 
@@ -298,11 +302,11 @@ mod tests {
     #[test]
     fn a_spring_that_weakens_along_the_way_is_no_damage_by_the_largest_displacement() {
         let weakens = |x: &[f64]| {
-            let (mut way, mut last) = (0.0, x[0]);
+            let (mut travel, mut last) = (0.0, x[0]);
             let step = |x: &f64| {
-                way += (x - last).abs();
+                travel += (x - last).abs();
                 last = *x;
-                -50.0 * x * way / (way + 100.0)
+                -50.0 * x * travel / (travel + 100.0)
             };
             x.iter().map(step).collect()
         };

@@ -67,7 +67,7 @@ impl TrainAndTest<'_> {
 
 impl ChannelDiagnosis<'_> {
     /// What elements of free strength beside the declared specimen tell; `None` where a signal is missing.
-    pub(super) fn joined(
+    pub(super) fn joint_specimen_search(
         &self,
         noise: Option<&Noise>,
         improved: &mut Model,
@@ -117,9 +117,9 @@ impl ChannelDiagnosis<'_> {
                 if little || (certain && gain[0] <= 0.0) {
                     answer.verdict = Verdict::Unknown;
                     answer.nearest = Some(nearest(first, &before, after));
-                    answer.notes = advice::joined(&answer, &found);
-                    answer.traces = self.drawn(&before.test, &before.test);
-                    self.look_at_the_rest(&mut answer, &before.train, &before.test);
+                    answer.notes = advice::joint_search(&answer, &found);
+                    answer.traces = self.specimen_traces(&before.test, &before.test);
+                    self.analyse_residual(&mut answer, &before.train, &before.test);
                     return Some(answer);
                 }
                 answer.improvement_ci90 = gain;
@@ -165,7 +165,7 @@ impl ChannelDiagnosis<'_> {
             let own = self.own_noise(left, PASSES * fit.cutoff_hz);
             answer.noise_floor_rms = own.map_or(felt, |own| own.min(felt));
         }
-        answer.notes = advice::joined(&answer, &found);
+        answer.notes = advice::joint_search(&answer, &found);
         answer.notes.extend(advice::one_change(&answer, true));
         let told = noise.is_some_and(|n| n.from == NoiseSource::Rest);
         if answer.verdict == Verdict::Partial && !told && answer.noise_floor_rms >= lowest {
@@ -173,13 +173,13 @@ impl ChannelDiagnosis<'_> {
         }
         let after = after.as_ref().filter(|_| !answer.effects.is_empty());
         let left = after.unwrap_or(&before);
-        answer.traces = self.drawn(&before.test, &left.test);
-        self.look_at_the_rest(&mut answer, &left.train, &left.test);
+        answer.traces = self.specimen_traces(&before.test, &left.test);
+        self.analyse_residual(&mut answer, &left.train, &left.test);
         Some(answer)
     }
 
     /// The first held-out record, for pictures.
-    fn drawn(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
+    fn specimen_traces(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
         let Some(((r, before), after)) = self.test.iter().zip(before).zip(after).next() else {
             return Traces::default();
         };

@@ -19,7 +19,7 @@ pub enum Origin {
 
 /// Between which places, how fast and with which force a test may go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Room {
+pub struct TestLimits {
     /// Middle of the way, mm.
     pub middle_mm: f64,
     /// Half of the way, mm.
@@ -39,7 +39,7 @@ pub struct Room {
 /// The largest predicted force may be above that of the records by this: it is a prediction.
 const FORCE_ROOM: f64 = 1.05;
 
-impl Room {
+impl TestLimits {
     /// The declared limits, else what the records have shown that the rig can do.
     ///
     /// # Errors
