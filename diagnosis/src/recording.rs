@@ -22,6 +22,9 @@ pub struct Recording {
     pub remarks: Vec<String>,
 }
 
+/// One of a record's columns beside its time.
+type Column = fn(&Recording) -> &Option<Vec<f64>>;
+
 /// The shortest record that is judged, samples.
 pub const FEWEST_SAMPLES: usize = 50;
 /// A distance between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds.
@@ -142,33 +145,37 @@ impl Recording {
         Some(Box::new(earlier))
     }
 
+    /// Other columns of the same name and with the same remarks, each made of the one that it replaces.
+    fn with_columns(&self, time_s: Vec<f64>, of: impl Fn(Column) -> Option<Vec<f64>>) -> Self {
+        Self {
+            name: self.name.clone(),
+            time_s,
+            command_mm: of(|r| &r.command_mm),
+            displacement_mm: of(|r| &r.displacement_mm),
+            force_n: of(|r| &r.force_n),
+            before: None,
+            remarks: self.remarks.clone(),
+        }
+    }
+
     /// These samples and the first one of those that come after them.
     fn and_one_of(&self, next: &Self) -> Self {
-        let with = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| {
-            let (a, b) = (a.as_ref()?, b.as_ref()?);
+        let time_s = [self.time_s.as_slice(), &next.time_s[..1]].concat();
+        self.with_columns(time_s, |column| {
+            let (a, b) = (column(self).as_ref()?, column(next).as_ref()?);
             Some([a.as_slice(), &b[..1]].concat())
-        };
-        Self {
-            time_s: [self.time_s.as_slice(), &next.time_s[..1]].concat(),
-            command_mm: with(&self.command_mm, &next.command_mm),
-            displacement_mm: with(&self.displacement_mm, &next.displacement_mm),
-            force_n: with(&self.force_n, &next.force_n),
-            ..self.clone()
-        }
+        })
     }
 
     /// The channels at other times.
     fn at_times(&self, times: Vec<f64>) -> Self {
-        let at = |c: &Option<Vec<f64>>| {
-            let values = c.as_ref()?;
+        let at = |column: Column| {
+            let values = column(self).as_ref()?;
             Some(stamps::at_times(&self.time_s, values, &times))
         };
         Self {
-            command_mm: at(&self.command_mm),
-            displacement_mm: at(&self.displacement_mm),
-            force_n: at(&self.force_n),
-            time_s: times,
-            ..self.clone()
+            before: self.before.clone(),
+            ..self.with_columns(times.clone(), at)
         }
     }
 
@@ -201,7 +208,7 @@ impl Recording {
         if first == 0 {
             return self.before.clone();
         }
-        let here = |column: fn(&Self) -> &Option<Vec<f64>>| {
+        let here = |column: Column| {
             let now = &column(self).as_ref()?[..first];
             let earlier = self
                 .before
@@ -211,27 +218,19 @@ impl Recording {
             Some(earlier.chain(now).copied().collect())
         };
         let earlier = self.before.iter().flat_map(|b| &b.time_s);
+        let time_s = earlier.chain(&self.time_s[..first]).copied().collect();
         Some(Box::new(Self {
-            name: self.name.clone(),
-            time_s: earlier.chain(&self.time_s[..first]).copied().collect(),
-            command_mm: here(|r| &r.command_mm),
-            displacement_mm: here(|r| &r.displacement_mm),
-            force_n: here(|r| &r.force_n),
-            ..Self::default()
+            remarks: Vec::new(),
+            ..self.with_columns(time_s, here)
         }))
     }
 
     /// Samples `first..end`.
     pub(crate) fn slice(&self, first: usize, end: usize) -> Self {
-        let cut = |c: &Option<Vec<f64>>| c.as_ref().map(|c| c[first..end].to_vec());
+        let cut = |column: Column| column(self).as_ref().map(|c| c[first..end].to_vec());
         Self {
-            name: self.name.clone(),
-            time_s: self.time_s[first..end].to_vec(),
-            command_mm: cut(&self.command_mm),
-            displacement_mm: cut(&self.displacement_mm),
-            force_n: cut(&self.force_n),
             before: self.before_sample(first),
-            remarks: self.remarks.clone(),
+            ..self.with_columns(self.time_s[first..end].to_vec(), cut)
         }
     }
 
@@ -248,10 +247,6 @@ impl Recording {
     /// These samples behind those that the file holds before them, no more than they are themselves, and how many those are.
     /// None where the file has another channel there.
     pub fn behind_its_past(&self) -> (Self, usize) {
-        let join = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>, from: usize| match (a, b) {
-            (Some(a), Some(b)) => Some([&a[from..], b].concat()),
-            _ => None,
-        };
         let has = |b: &&Self| {
             let [own, past] = [self, b]
                 .map(|r| [&r.command_mm, &r.displacement_mm, &r.force_n].map(Option::is_some));
@@ -267,14 +262,14 @@ impl Recording {
             .fold(0, |from, bad| from.max(bad + 1));
         let from = finite.max(n.saturating_sub(self.time_s.len()));
         let lead = n - from;
+        let join = |column: Column| {
+            let earlier = &column(past).as_ref()?[from..];
+            Some([earlier, column(self).as_ref()?].concat())
+        };
+        let time_s = [&past.time_s[from..], &self.time_s].concat();
         let whole = Self {
-            name: self.name.clone(),
-            time_s: [&past.time_s[from..], &self.time_s].concat(),
-            command_mm: join(&past.command_mm, &self.command_mm, from),
-            displacement_mm: join(&past.displacement_mm, &self.displacement_mm, from),
-            force_n: join(&past.force_n, &self.force_n, from),
-            before: None,
             remarks: Vec::new(),
+            ..self.with_columns(time_s, join)
         };
         (whole, lead)
     }
@@ -294,21 +289,14 @@ impl Recording {
             return (self.clone(), 0);
         };
         let (n, h) = (run_up.time_s.len(), self.interval_s());
-        let join = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| match (a, b) {
-            (Some(a), Some(b)) => Some([a.as_slice(), b].concat()),
-            _ => None,
-        };
         let first = self.time_s[0];
         let times = (1..=n).rev().map(|i| first - i as f64 * h);
-        let joined = Self {
-            time_s: times.chain(self.time_s.iter().copied()).collect(),
-            command_mm: join(&run_up.command_mm, &self.command_mm),
-            displacement_mm: join(&run_up.displacement_mm, &self.displacement_mm),
-            force_n: join(&run_up.force_n, &self.force_n),
-            before: None,
-            ..self.clone()
+        let times = times.chain(self.time_s.iter().copied()).collect();
+        let join = |column: Column| {
+            let earlier = column(&run_up).as_ref()?;
+            Some([earlier.as_slice(), column(self).as_ref()?].concat())
         };
-        (joined, n)
+        (self.with_columns(times, join), n)
     }
 }
 

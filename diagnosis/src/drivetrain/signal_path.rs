@@ -1,7 +1,7 @@
 //! The way from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
 use super::part::{Part, PartKind};
-use crate::library::operators::{dead_zone, friction, play};
+use crate::library::operators::{dead_zone, play, slider};
 use crate::signals::{delayed, lagged, resonant};
 
 /// A record as the search sees it; what comes before its first judged sample only sets the state.
@@ -68,7 +68,7 @@ impl SignalPath {
             let growth = |i: usize| 1.0 - (-(run.from_s + i as f64 * interval_s) / a).exp();
             let judged = &y[run.lead..];
             Some(match part.kind {
-                PartKind::Friction => friction(&y, a)[run.lead..].iter().map(|z| -z).collect(),
+                PartKind::Friction => slider(&y, a)[run.lead..].iter().map(|z| -z).collect(),
                 PartKind::Compliance if run.force.is_empty() => vec![0.0; judged.len()],
                 PartKind::Compliance => run.force[run.lead..].iter().map(|f| -f).collect(),
                 PartKind::SideGain => judged.iter().map(|y| 0.5 * y.abs()).collect(),

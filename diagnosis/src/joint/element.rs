@@ -2,7 +2,7 @@
 
 use super::laws;
 use super::track::{MotionScales, Track};
-use crate::library::operators::travel;
+use crate::library::operators::{relaxed, slider, travel};
 use crate::linear::Bound;
 use serde::{Deserialize, Serialize};
 
@@ -97,15 +97,15 @@ impl Element {
             z.into_iter().zip(by).map(|(z, b)| z * f(*b)).collect()
         };
         match self.law {
-            Law::Slider => laws::slider(x, p),
+            Law::Slider => slider(x, p),
             Law::Bristles => laws::bristles(x, p),
-            Law::Stribeck => times(laws::slider(x, p), &t.v, &|v| (-(v / q).powi(2)).exp()),
+            Law::Stribeck => times(slider(x, p), &t.v, &|v| (-(v / q).powi(2)).exp()),
             Law::BoucWen => laws::bouc_wen(x, p, q, r, s),
             Law::Distributed => laws::distributed(x, p),
             Law::InSeries => laws::in_series(x, h, p, q, r),
             Law::PowerOfSpeed => of_v(&|v| (v / sizes.v).abs().powf(p).copysign(v)),
             Law::Saturating => of_v(&|v| (v / p).tanh()),
-            Law::Relaxing => laws::relaxing(x, h, p),
+            Law::Relaxing => relaxed(x, p, h),
             Law::PowerOfPlace => of_x(&|x| x * (x / sizes.x).abs().powf(p)),
             Law::Lessened => {
                 let mut largest = t.largest_before_mm;
@@ -124,15 +124,13 @@ impl Element {
             Law::Square => of_x(&|x| x * x / sizes.x),
             Law::Beyond if q == 0.0 => of_x(&|x| (x - r) - (x - r).clamp(-p, p)),
             Law::Beyond => of_x(&|x| q * (q * (x - p)).max(0.0)),
-            Law::Lost => laws::slider(x, p).into_iter().map(|z| -p * z).collect(),
-            Law::SliderAway => times(laws::slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
-            Law::SliderAlong => times(laws::slider(x, p), x, &|x| (x - q) / sizes.x),
+            Law::Lost => slider(x, p).into_iter().map(|z| -p * z).collect(),
+            Law::SliderAway => times(slider(x, p), x, &|x| ((x - q) / sizes.x).abs()),
+            Law::SliderAlong => times(slider(x, p), x, &|x| (x - q) / sizes.x),
             Law::SizeOfSpeed => of_v(&f64::abs),
             Law::Settling => settling(t, p),
-            Law::Worn => times(laws::slider(x, p), &travels(t), &|w| (-w / q).exp()),
-            Law::Pinched => times(laws::slider(x, p), x, &|x| {
-                1.0 - (-((x - r) / q).powi(2)).exp()
-            }),
+            Law::Worn => times(slider(x, p), &travels(t), &|w| (-w / q).exp()),
+            Law::Pinched => times(slider(x, p), x, &|x| 1.0 - (-((x - r) / q).powi(2)).exp()),
         }
     }
 

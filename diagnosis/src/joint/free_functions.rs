@@ -238,9 +238,9 @@ fn hat(u: f64, i: usize, n: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::element::Element;
-    use super::super::laws;
     use super::super::set::example::with_library;
     use super::*;
+    use crate::library::operators::slider;
 
     const H: f64 = 5e-3;
     const STIFFNESS: f64 = 100.0;
@@ -274,7 +274,7 @@ mod tests {
     }
 
     fn slides(x: &[f64]) -> Vec<f64> {
-        laws::slider(x, 1.5).iter().map(|z| 300.0 * z).collect()
+        slider(x, 1.5).iter().map(|z| 300.0 * z).collect()
     }
 
     #[test]

@@ -1,20 +1,10 @@
 //! Forces with a memory, over a whole motion. Each begins relaxed.
 
+use crate::library::operators::slider;
 use crate::signals::add_scaled;
 
-/// Elastic up to `yield_at`, then it slides with force 1.
-pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
-    let (mut z, mut last) = (0.0_f64, x[0]);
-    let step = |&x: &f64| {
-        z = (z + (x - last) / yield_at).clamp(-1.0, 1.0);
-        last = x;
-        z
-    };
-    x.iter().map(step).collect()
-}
-
-/// Gives of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
-/// round, they build up as `1 - 2 exp(-way / yield_at)`.
+/// Yield displacements of five sliders of equal force, of their mean: the middles of the fifths of a gamma distribution of order two. Turned
+/// round, they build up as `1 - 2 exp(-travel / yield_at)`.
 const BRISTLES: [f64; 5] = [0.276, 0.569, 0.871, 1.266, 2.018];
 
 /// Bristles that slip one after the other. Turned round they do as Dahl's (A solid friction model, 1968); unlike his they
@@ -53,8 +43,8 @@ const MOST: f64 = 50.0;
 pub fn bouc_wen(x: &[f64], yield_at: f64, n: f64, load: f64, unload: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     let rate = |z: f64, dx: f64| {
-        let way = if dx * z >= 0.0 { -load } else { unload };
-        dx / yield_at * (1.0 + way * power(z, n))
+        let sign = if dx * z >= 0.0 { -load } else { unload };
+        dx / yield_at * (1.0 + sign * power(z, n))
     };
     let step = |&x: &f64| {
         let dx = x - last;
@@ -87,22 +77,10 @@ pub fn in_series(x: &[f64], interval_s: f64, yield_at: f64, creep: f64, n: f64) 
     x.iter().map(step).collect()
 }
 
-/// Deflection of a spring behind a dashpot: `z' = v - z / tau`.
-pub fn relaxing(x: &[f64], interval_s: f64, tau_s: f64) -> Vec<f64> {
-    let decay = (-interval_s / tau_s).exp();
-    let passed = tau_s / interval_s * (1.0 - decay);
-    let (mut z, mut last) = (0.0, x[0]);
-    let step = |&x: &f64| {
-        z = z * decay + (x - last) * passed;
-        last = x;
-        z
-    };
-    x.iter().map(step).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library::operators::relaxed;
 
     fn sine(n: usize) -> Vec<f64> {
         (0..n).map(|i| (i as f64 * 0.01).sin()).collect()
@@ -126,7 +104,7 @@ mod tests {
             bouc_wen(&x, 0.2, 2.0, 1.0, 1.0),
             bouc_wen(&x, 1.0, 1.0, -0.3, 1.9),
             in_series(&x, 0.01, 0.05, 0.5, 5.0),
-            relaxing(&x, 0.01, 0.3),
+            relaxed(&x, 0.3, 0.01),
         ] {
             assert!(work(&x, &f) > 0.05, "{}", work(&x, &f));
         }

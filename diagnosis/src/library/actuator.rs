@@ -134,7 +134,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::CoulombFriction,
         shapes: |s| vec![Shape::new(0.001 * s.x, 0.3 * s.x, 8)],
-        columns: |s, p, _| vec![op::friction(&s.x, p[0]).iter().map(|z| -z).collect()],
+        columns: |s, p, _| vec![op::slider(&s.x, p[0]).iter().map(|z| -z).collect()],
         bounds: positive,
         parameters: |a, p, _| vec![("error_mm", "mm", a[0]), ("presliding_mm", "mm", p[0])],
         ..BASIS
@@ -148,7 +148,7 @@ pub const CANDIDATES: &[Candidate] = &[
             ]
         },
         columns: |s, p, _| {
-            let z: Vec<f64> = op::friction(&s.x, p[0]).iter().map(|z| -z).collect();
+            let z: Vec<f64> = op::slider(&s.x, p[0]).iter().map(|z| -z).collect();
             let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
             stribeck(z, s.v.iter().map(slow))
         },

@@ -45,12 +45,12 @@ pub fn slipped(x: &[f64], holds: f64, gap: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Friction of size 1 that takes `presliding` to build up: an elastic element that slips.
-pub fn friction(x: &[f64], presliding: f64) -> Vec<f64> {
+/// Elastic up to `yield_at`, then it slides with force 1.
+pub fn slider(x: &[f64], yield_at: f64) -> Vec<f64> {
     let (mut z, mut last) = (0.0_f64, x[0]);
     x.iter()
         .map(|&x| {
-            z = (z + (x - last) / presliding).clamp(-1.0, 1.0);
+            z = (z + (x - last) / yield_at).clamp(-1.0, 1.0);
             last = x;
             z
         })
@@ -76,12 +76,12 @@ pub fn bouc_wen(x: &[f64], yield_at: f64, sharpness: f64, loop_shape: f64) -> Ve
         .map(|&x| {
             let dx = x - last;
             let near = (z / yield_at).abs().powf(sharpness);
-            let travel = if dx * z >= 0.0 {
+            let loading = if dx * z >= 0.0 {
                 1.0
             } else {
                 1.0 - 2.0 * loop_shape
             };
-            z = (z + dx * (1.0 - near * travel)).clamp(-yield_at, yield_at);
+            z = (z + dx * (1.0 - near * loading)).clamp(-yield_at, yield_at);
             last = x;
             z
         })

@@ -190,7 +190,7 @@ pub const CANDIDATES: &[Candidate] = &[
     Candidate {
         effect: Effect::CoulombFriction,
         shapes: presliding,
-        columns: |s, p, _| vec![op::friction(&s.x, p[0])],
+        columns: |s, p, _| vec![op::slider(&s.x, p[0])],
         bounds: positive,
         parameters: |a, p, _| vec![("force_n", "N", a[0]), ("presliding_mm", "mm", p[0])],
         ..BASIS
@@ -204,7 +204,7 @@ pub const CANDIDATES: &[Candidate] = &[
             ]
         },
         columns: |s, p, _| {
-            let z = op::friction(&s.x, p[0]);
+            let z = op::slider(&s.x, p[0]);
             let slow = |v: &f64| (-(v / p[1]).powi(2)).exp();
             stribeck(z, s.v.iter().map(slow))
         },

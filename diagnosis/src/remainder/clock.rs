@@ -2,7 +2,7 @@
 //! right.
 
 use super::columns::Moves;
-use crate::library::operators::friction;
+use crate::library::operators::slider;
 use crate::linear::{dot, gram, stacked};
 use crate::recording::range;
 use crate::signals::add_columns;
@@ -51,7 +51,7 @@ fn slides(m: &Moves, since: Since) -> Vec<Vec<f64>> {
     let half = 0.5 * range(&m.other);
     let mut all = vec![m.v.clone(), m.x.clone()];
     for give in GIVES {
-        let force = friction(&m.other, give * half);
+        let force = slider(&m.other, give * half);
         let timed = force.iter().enumerate();
         all.push(timed.map(|(i, f)| (begin + i as f64 * h) * f).collect());
         all.push(force);
@@ -169,7 +169,7 @@ mod tests {
         let x = |t: f64| 10.0 * (2.1 * t).sin();
         let input: Vec<f64> = (0..15_000).map(|i| x(h * i as f64)).collect();
         let answer: Vec<f64> = input.iter().map(|x| 100.0 * x).collect();
-        let slides = friction(&input, 0.5);
+        let slides = slider(&input, 0.5);
         // Two spans of one run.
         let spans = |rest: &dyn Fn(usize) -> f64| {
             let span = |(from, end): (usize, usize)| {

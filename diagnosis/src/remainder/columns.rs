@@ -1,7 +1,7 @@
 //! What a rest may depend on: columns for each class, of no equation in particular.
 
 use crate::answer::{DependsOn, Range};
-use crate::library::operators::friction;
+use crate::library::operators::slider;
 use crate::signals::{derivative, lagged};
 
 /// The motion of one record beside its rest.
@@ -115,7 +115,7 @@ pub fn columns(class: DependsOn, m: &Moves, range: &Range) -> Vec<Vec<f64>> {
         }
         DependsOn::Memory => {
             let half = 0.5 * (range.x_mm[1] - range.x_mm[0]);
-            SLIDERS.iter().map(|d| friction(&m.x, d * half)).collect()
+            SLIDERS.iter().map(|d| slider(&m.x, d * half)).collect()
         }
         DependsOn::Frequency => {
             let slowest = SLOWEST * range.seconds;

@@ -314,7 +314,7 @@ mod tests {
             both.shares[0].share > 0.8 && both.shares[1..].iter().all(|s| s.share < 0.4),
             "{both:?}"
         );
-        let memory = leading(&|x, _| crate::library::operators::friction(x, 0.5));
+        let memory = leading(&|x, _| crate::library::operators::slider(x, 0.5));
         let first = memory.shares[0];
         assert_eq!(first.depends_on, DependsOn::Memory, "{memory:?}");
         let filtered = leading(&|x, _| crate::signals::resonant(x, 2.0, 0.3, H));
