@@ -132,7 +132,7 @@ pub const LINES: f64 = 0.3;
 /// Where a linear model of any order makes less than this share of an output's squares, most of it comes from elsewhere.
 pub const LITTLE: f64 = 0.5;
 /// What a declared model leaves below this share of the force is within the class of a good load cell (0.5, ISO 7500-1):
-/// where no element is worth its price nothing is missing that could be asked about.
+/// where no element is worth its penalty nothing is missing that could be asked about.
 pub const TRANSDUCER: f64 = 0.005;
 /// The same of a displacement (0.1, a good LVDT). A rest tells the noise of a transducer, not how straight it is.
 pub const DISPLACEMENT_TRANSDUCER: f64 = 0.001;

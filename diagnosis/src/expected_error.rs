@@ -2,7 +2,7 @@
 
 use crate::linear::dot;
 
-/// Blocks that it is foretold from.
+/// Blocks that it is predicted from.
 const BLOCKS: usize = 12;
 /// Student's t at 95 % for as many blocks.
 const T_95: f64 = 1.796;

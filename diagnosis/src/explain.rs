@@ -188,12 +188,12 @@ fn shaped(s: &Solution) -> Vec<Shaped> {
         .collect()
 }
 
-/// What a search works with: the records as they are, and thinned for a first look at every candidate.
+/// What a search works with: the records as they are, and thinned for a screening of every candidate.
 struct EffectSearch<'a> {
     base: &'a Base,
     noise: &'a Noise,
     thin_noise: Noise,
-    /// So many samples are averaged for the first look.
+    /// So many samples are averaged for the screening.
     thin: usize,
 }
 
@@ -210,7 +210,7 @@ impl<'a> EffectSearch<'a> {
     }
 
     /// Each candidate at its best beside `fixed`, whose shapes stay; the leading ones are fitted to all samples, the
-    /// others are as the first look left them.
+    /// others are as the screening left them.
     fn best_with(&self, fixed: &[Shaped], library: &[Candidate], from: &Solution) -> Vec<Solution> {
         // Around the declared values: without the effect the refitted ones have been pulled aside by it.
         let mut start = from.problem.clone();

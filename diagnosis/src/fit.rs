@@ -16,7 +16,7 @@ pub struct Frame<'a> {
     base: &'a Base,
     noise: &'a Noise,
     effects: &'a [(Candidate, Vec<f64>)],
-    /// What the effects see, stretch by stretch.
+    /// What the effects see, segment by segment.
     signals: Vec<Cow<'a, Signals>>,
     residual: Vec<f64>,
     fixed: Vec<Vec<f64>>,

@@ -2,7 +2,7 @@
 //!
 //! The answer `gain lag(delay(u)) + offset` is fitted to the displacement by least squares. What is left over is not
 //! white: the actuator is not quite of first order. The intervals are therefore not taken from the residual's size but
-//! from how far stretches of the record pull the result apart.
+//! from how far segments of the record pull the result apart.
 
 use crate::recording::Recording;
 use crate::refusal::Refusal;
@@ -16,7 +16,7 @@ const LONGEST_S: [f64; 2] = [0.1, 0.2];
 const COARSE: usize = 12;
 /// The begin of the record that only settles the model, s; at most a tenth of the record.
 const SETTLE_S: f64 = 0.5;
-/// Stretches that the intervals are formed from, and the 95 % point of Student's t for as many.
+/// Segments that the intervals are formed from, and the 95 % point of Student's t for as many.
 const SEGMENTS: usize = 30;
 const T_95: f64 = 1.699;
 /// A fit that leaves more of the displacement's standard deviation than this explains nothing.
@@ -235,7 +235,7 @@ impl TransferFit<'_> {
         (normal, slope)
     }
 
-    /// Half widths of the intervals: the stretches' pulls, each as a whole, in place of independent samples'.
+    /// Half widths of the intervals: the segments' pulls, each as a whole, in place of independent samples'.
     fn half_widths(&self, model: &Transfer, residual: &[f64]) -> [f64; 4] {
         let slopes = self.slopes(model);
         let normal: Matrix4<f64> = slopes.iter().map(|s| s * s.transpose()).sum();

@@ -36,7 +36,7 @@ pub struct Noise {
 /// What tells the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseSource {
-    /// A stretch in which nothing moves.
+    /// A segment in which nothing moves.
     Rest,
     /// The difference between one period of the motion and the next.
     Repeats,
@@ -101,7 +101,7 @@ impl Noise {
         }
     }
 
-    /// From what residuals have above the band of the motion that went in, stretch by stretch; `None` where they are too
+    /// From what residuals have above the band of the motion that went in, segment by segment; `None` where they are too
     /// short for a spectrum.
     pub fn without_rest(
         residuals: &[Vec<f64>],
@@ -152,7 +152,7 @@ impl Noise {
         let scale = 1.0 / self.innovation_rms;
         let start = out.len();
         out.extend(r[p..].iter().map(|r| r * scale));
-        // One coefficient after the other over the whole stretch, which the processor can do side by side.
+        // One coefficient after the other over the whole segment, which the processor can do side by side.
         for (i, a) in self.coefficients.iter().enumerate() {
             let before = &r[p - 1 - i..r.len() - 1 - i];
             add_scaled(&mut out[start..], before, -a * scale);

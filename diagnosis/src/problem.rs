@@ -261,7 +261,7 @@ impl Problem {
         }
     }
 
-    /// How the answer changes with the free parameters: a column each, stretch by stretch.
+    /// How the answer changes with the free parameters: a column each, segment by segment.
     pub fn base_columns(&self, base: &Base, segment: &Segment) -> Vec<Vec<f64>> {
         let s = &segment.signals;
         let scaled = |x: &[f64], factor: f64| x.iter().map(|x| factor * x).collect::<Vec<f64>>();
@@ -370,13 +370,13 @@ impl Problem {
         y
     }
 
-    /// Length of all stretches, s.
+    /// Length of all segments, s.
     pub fn seconds(&self) -> f64 {
         let samples: usize = self.segments.iter().map(|s| s.seen(&s.target).len()).sum();
         samples as f64 * self.scales.interval_s
     }
 
-    /// Measured less modelled, stretch by stretch, from the first sample on that is looked at.
+    /// Measured less modelled, segment by segment, from the first sample on that is looked at.
     pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {
             let y = self.answer(s, effects, scales);

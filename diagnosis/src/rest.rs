@@ -173,7 +173,7 @@ const PARTS: usize = 12;
 /// and a force that jumps shows it.
 const LOUD: f64 = 4.0;
 
-/// Of what one period differs by from the next, the stretches that are as quiet as most.
+/// Of what one period differs by from the next, the segments that are as quiet as most.
 pub fn quiet(changes: &[f64], period: usize) -> Vec<Vec<f64>> {
     let length = (period / PARTS).max(16).min(changes.len().max(1));
     let square = |c: &[f64]| c.iter().map(|x| x * x).sum::<f64>() / c.len() as f64;

@@ -1,6 +1,6 @@
-//! What effects are computed from: one stretch of a record in a channel's own terms.
+//! What effects are computed from: one segment of a record in a channel's own terms.
 
-/// A stretch of a record. `x` is what goes into the effects: the displacement of the specimen without its noise, or
+/// A segment of a record. `x` is what goes into the effects: the displacement of the specimen without its noise, or
 /// the actuator's answer as the model has it. `base` is what the model makes of it, `force` the measured force.
 #[derive(Clone, Debug)]
 pub struct Signals {
@@ -12,7 +12,7 @@ pub struct Signals {
     pub x: Vec<f64>,
     /// Largest displacement before, either way, mm.
     pub largest_before_mm: f64,
-    /// Way gone before, mm.
+    /// Travel before, mm.
     pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,

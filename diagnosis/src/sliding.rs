@@ -4,7 +4,7 @@
 //! grease): a fit over all samples takes what the assumed law is off there for less friction and more damping, by some
 //! percent and with narrow intervals. Near a reversal the noise of the displacement decides the sign of the speed, too.
 //! So strengths are those of the samples that are far enough from any reversal, and how far that is, is seen from the
-//! strength of the friction itself: it no longer changes when more of the way is left out.
+//! strength of the friction itself: it no longer changes when more of the travel is left out.
 
 use crate::base::Base;
 use crate::fit::{Solution, settle};
@@ -12,11 +12,11 @@ use crate::interval;
 use crate::noise::Noise;
 use plant::{Channel, Effect};
 
-/// The shortest way after a reversal that is left out, in gives: a slider that is turned round slides after two.
+/// The shortest travel after a reversal that is left out, in yield displacements: a slider that is turned round slides after two.
 const SHORTEST: f64 = 4.0;
 /// Each is so many times the one before.
 const LONGER: f64 = 1.5;
-/// Share of the way after a reversal that is left out before one, too: noise moves where it is seen.
+/// Share of the travel after a reversal that is left out before one, too: noise moves where it is seen.
 const BEFORE: f64 = 0.25;
 /// Share of the samples that stay at least.
 pub const STAYS: f64 = 0.5;
@@ -26,7 +26,7 @@ pub const STAYS: f64 = 0.5;
 pub struct Reading<T> {
     /// What was fitted.
     pub fit: T,
-    /// The way after a reversal that was left out, mm.
+    /// The travel after a reversal that was left out, mm.
     pub travel_mm: f64,
     /// The strength.
     pub strength: f64,
@@ -34,7 +34,7 @@ pub struct Reading<T> {
     pub error: f64,
 }
 
-/// The first reading, of those that leave out more and more of the way, that agrees with all later ones within the scatter of
+/// The first reading, of those that leave out more and more of the travel, that agrees with all later ones within the scatter of
 /// what lies between; `read` gives a fit, its strength and its error, and `None` where too little is left.
 pub fn agreeing<T>(
     yield_mm: f64,
@@ -68,7 +68,7 @@ const LEAST: f64 = 0.3;
 /// Readings at most: from a thousandth of the motion to all of it.
 const MOST: usize = 20;
 
-/// 1 where a motion is within a way after a reversal, or a part of it before one.
+/// 1 where a motion is within a travel after a reversal, or a part of it before one.
 pub fn near(x: &[f64], travel_mm: f64) -> Vec<f64> {
     let mut near = vec![0.0; x.len()];
     for (forth, travel_mm) in [(true, travel_mm), (false, BEFORE * travel_mm)] {

@@ -21,12 +21,12 @@ fn velocity(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
     Some(smooth(x, interval_s, (BAND * band_hz).min(MOST_RATE / interval_s)).v)
 }
 
-/// Way gone by each sample, mm; `None` where nothing moves.
+/// Travel up to each sample, mm; `None` where nothing moves.
 pub fn cumulative(x: &[f64], interval_s: f64) -> Option<Vec<f64>> {
     Some(travel(&velocity(x, interval_s)?, interval_s, 0.0).collect())
 }
 
-/// Way gone in what a file holds before a span, but for its `last` samples, mm: what fatigue remembers.
+/// Travel in what a file holds before a span, but for its `last` samples, mm: what fatigue remembers.
 pub fn before_mm(span: &Recording, last: usize) -> f64 {
     let past = span.before.as_deref();
     let x = past.and_then(|b| b.displacement_mm.as_deref());

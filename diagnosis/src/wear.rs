@@ -1,4 +1,4 @@
-//! Stiffness that is lost for good: by the largest displacement so far or by the way gone, and what cannot be told from it.
+//! Stiffness that is lost for good: by the largest displacement so far or by the travel, and what cannot be told from it.
 
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, FoundEffect};
@@ -69,7 +69,7 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     let both = train.iter().map(together).collect::<Option<Vec<f64>>>()?;
     let one = both.iter().all(|r| *r > TOGETHER);
     let which = match (half_mm, share) {
-        // The mean over the way of the records.
+        // The mean over the travel of the records.
         (Some(half_mm), Some(share)) => format!(
             "The stiffness falls with the way gone, by {} % per metre over the {} m of the training data",
             four(100.0 * share / (travel_mm + half_mm) * 1e3),
@@ -89,7 +89,7 @@ pub fn note(answer: &ChannelAnswer, train: &[Recording]) -> Option<String> {
     Some(format!("{which}{other}."))
 }
 
-/// How far the largest displacement so far goes along with the way gone, each moment with the weight of its force.
+/// How far the largest displacement so far goes along with the travel, each moment with the weight of its force.
 fn together(record: &Recording) -> Option<f64> {
     let x = record.displacement_mm.as_ref()?;
     let travel = travel::cumulative(x, record.interval_s())?;

@@ -25,7 +25,7 @@ pub const READING: f64 = 3e-5;
 pub const REMAINS: f64 = 0.3;
 /// A second effect must explain this share of the original structured rms.
 pub const SECOND: f64 = 0.2;
-/// Samples a second that a first look makes do with: a rig moves far below half of it.
+/// Samples a second that a screening makes do with: a rig moves far below half of it.
 pub const LOOK_HZ: f64 = 250.0;
 /// How many leading candidates are fitted to the records as they are.
 pub const LEADING: usize = 4;

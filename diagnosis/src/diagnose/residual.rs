@@ -56,7 +56,7 @@ const SAME_HZ: f64 = 1.0;
 /// within it: the next terms of a force's series are its square and its cube.
 const BEYOND: i32 = 2;
 
-/// How many times the foretold error may be larger since the planned answer goes further than those learned from. Where
+/// How many times the predicted error may be larger since the planned answer goes further than those learned from. Where
 /// names account for the record the model goes on as it is.
 fn beyond(verdict: Verdict, learned: &[Vec<f64>], planned: &[Vec<f64>]) -> f64 {
     if matches!(verdict, Verdict::None | Verdict::Effect) {

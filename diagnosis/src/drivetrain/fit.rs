@@ -1,4 +1,4 @@
-//! A way fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
+//! A signal path fitted to records by least squares on the simulated displacement, and how it does on data that were left out.
 
 use super::part::{ActuatorScales, Part, PartKind};
 use super::signal_path::{Run, SignalPath};
@@ -25,9 +25,9 @@ pub struct ActuatorData<'a> {
     pub interval_s: f64,
     pub sizes: ActuatorScales,
     pub base: &'a Base,
-    /// Block of each sample, stretch after stretch.
+    /// Block of each sample, segment after segment.
     edges: Vec<usize>,
-    /// Measured displacement, stretch after stretch.
+    /// Measured displacement, segment after segment.
     pub target: Vec<f64>,
 }
 
@@ -98,7 +98,7 @@ impl<'a> ActuatorData<'a> {
         self.runs.iter().all(|r| !r.force.is_empty())
     }
 
-    /// All columns, stretch after stretch: the answer at gain 1, one for each amplitude.
+    /// All columns, segment after segment: the answer at gain 1, one for each amplitude.
     fn columns(&self, path: &SignalPath) -> Vec<Vec<f64>> {
         stacked(
             self.runs
@@ -138,7 +138,7 @@ impl<'a> ActuatorData<'a> {
         })
     }
 
-    /// A way as it stands in a fit.
+    /// A signal path as it stands in a fit.
     pub fn path(&self, fit: &ActuatorFit) -> SignalPath {
         SignalPath {
             delay_s: fit.declared[1],

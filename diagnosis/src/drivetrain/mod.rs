@@ -1,7 +1,7 @@
 //! Parts between command and displacement, up to four together, searched jointly on the simulated displacement, and a
 //! certificate for each name.
 //!
-//! The way of a record: [`signal_path`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
+//! The steps of a record: [`signal_path`] (the simulation) of [`part`]s, [`fit`] (least squares, and the data left out block by
 //! block), [`search`], [`verdict`] (which of the names can be vouched for).
 
 mod fit;

@@ -2,7 +2,7 @@
 
 use plant::Effect;
 
-/// A part of the way from command to displacement.
+/// A part of the signal path from command to displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PartKind {
     /// A second first-order lag behind the first: its time constant, s.
@@ -114,7 +114,7 @@ impl PartKind {
         group(self) == group(other) && !beside(self, other) && !beside(other, self)
     }
 
-    /// Whether it adds a column with an amplitude of its own, else it acts inside the way.
+    /// Whether it adds a column with an amplitude of its own, else it acts inside the signal path.
     pub const fn is_column(self) -> bool {
         matches!(
             self,

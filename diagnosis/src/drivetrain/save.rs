@@ -10,7 +10,7 @@ use plant::{Channel, Effect, EffectSpec};
 /// A parameter by the catalogue: name, unit, value, standard deviation.
 pub type Figure = (&'static str, &'static str, f64, f64);
 
-/// Stretches whose pulls tell the scatter of what was fitted.
+/// Segments whose pulls tell the scatter of what was fitted.
 const SEGMENTS: usize = 24;
 
 /// The declared unit of a parameter in the unit here, where times are in s.
@@ -22,7 +22,7 @@ fn unit(which: usize) -> f64 {
 }
 
 impl ActuatorData<'_> {
-    /// Standard deviation of declared parameters, amplitudes and shapes, from how far stretches of the record pull the
+    /// Standard deviation of declared parameters, amplitudes and shapes, from how far segments of the record pull the
     /// fit apart.
     pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
         let n = fit.slopes.len();

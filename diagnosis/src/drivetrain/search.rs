@@ -1,4 +1,4 @@
-//! The search for the parts of an actuator: declared parameters free, all pairs at a glance, then one more, another one
+//! The search for the parts of an actuator: declared parameters free, all pairs by a screening, then one more, another one
 //! or one less, and what is left is held again where it can be.
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED, PartSet};
@@ -15,7 +15,7 @@ pub struct ScoredFit {
     pub score: f64,
 }
 
-/// Parts that are fitted after a glance, singles, pairs and additions.
+/// Parts that are fitted after a screening, singles, pairs and additions.
 const FITTED: usize = 6;
 /// Models that are carried on.
 const LEADING: usize = 3;

@@ -1,4 +1,4 @@
-//! The way from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
+//! The signal path from command to displacement, simulated: delay, valve and lag, second lag or oil column, dead band, play, stops.
 
 use super::part::{Part, PartKind};
 use crate::library::operators::{dead_zone, play, slider};
@@ -21,7 +21,7 @@ pub struct Run {
     pub from_s: f64,
 }
 
-/// The nonlinear parameters of a way.
+/// The nonlinear parameters of a signal path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalPath {
     /// Transport delay, s.

@@ -19,7 +19,7 @@ pub struct Name {
 /// What can be said.
 #[derive(Clone, Debug)]
 pub enum ActuatorOutcome {
-    /// No part and no parameter is worth its price.
+    /// No part and no parameter is worth its penalty.
     Nothing,
     /// Names that can be vouched for, and the model that has no others.
     Named {

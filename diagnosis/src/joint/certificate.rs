@@ -28,7 +28,7 @@ pub struct Hypothesis {
     pub rho: f64,
     /// Logarithm of the squares with it over those without it, beside an unnamed rest of all other kinds.
     pub beside: f64,
-    /// It has no part that is the same everywhere along the way.
+    /// It has no part that is the same everywhere along the motion.
     pub varies: bool,
     /// It depends on time alone, and no rest tells that it is there without the motion.
     pub timed: bool,
@@ -78,9 +78,9 @@ pub struct Rival {
     pub kind: ElementKind,
     /// How many times the squares it leaves.
     pub times: f64,
-    /// The same with its shapes' price on top: of two that fit equally well the simpler one is likelier.
+    /// The same with its shapes' penalty on top: of two that fit equally well the simpler one is likelier.
     pub penalised: f64,
-    /// Its model has a force that does not change along the way, as a name promises, and leaves little more than the best.
+    /// Its model has a force that does not change along the motion, as a name promises, and leaves little more than the best.
     pub steady: bool,
 }
 
@@ -302,7 +302,7 @@ fn in_place_of(
     found
 }
 
-/// Whether elements are nothing but friction that varies along the way: without a part that is the same everywhere it is no
+/// Whether elements are nothing but friction that varies along the motion: without a part that is the same everywhere it is no
 /// friction that a name could be given to, but some product of place and speed.
 fn varies(library: &Library, elements: &[usize]) -> bool {
     let along = |law| matches!(law, Law::SliderAway | Law::SliderAlong);

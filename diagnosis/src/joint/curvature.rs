@@ -4,16 +4,16 @@ use crate::converter_step;
 use crate::linear::{dot, gram};
 use nalgebra::DVector;
 
-/// Samples of the shortest stretch: fewer tell the noise of a reading too badly.
+/// Samples of the shortest segment: fewer tell the noise of a reading too badly.
 pub const SHORTEST: usize = 16;
-/// Degree of the polynomial through a stretch.
+/// Degree of the polynomial through a segment.
 const DEGREE: i32 = 3;
-/// The longest stretch, as a share of the record.
+/// The longest segment, as a share of the record.
 const LONGEST: f64 = 0.25;
-/// Standard deviations to either side of an estimate within which a longer stretch must agree.
+/// Standard deviations to either side of an estimate within which a longer segment must agree.
 const AGREE: f64 = 3.0;
 
-/// A polynomial through a stretch, by least squares.
+/// A polynomial through a segment, by least squares.
 struct LocalPolynomial {
     /// Second derivative at its first sample.
     curvature: f64,
@@ -49,7 +49,7 @@ impl LocalPolynomial {
     }
 }
 
-/// Second derivative of a reading at its first sample. Stretches from there get longer as long as each agrees with all
+/// Second derivative of a reading at its first sample. Segments from there get longer as long as each agrees with all
 /// shorter ones within their scatter (the rule of intersecting confidence intervals: Goldenshluger and Nemirovski, On
 /// spatially adaptive estimation of nonparametric regression, 1997): a short one is scattered by noise, one that is too
 /// long bends in more ways than a polynomial. As much of it is given as is no noise.

@@ -10,17 +10,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
-    /// Elastic, then it slides [give mm].
+    /// Elastic, then it slides [yield displacement mm].
     Slider,
-    /// Bristles: friction that builds up smoothly [give mm].
+    /// Bristles: friction that builds up smoothly [yield displacement mm].
     Bristles,
-    /// A slider whose force falls with speed [give mm, speed mm/s].
+    /// A slider whose force falls with speed [yield displacement mm, speed mm/s].
     Stribeck,
-    /// Bouc-Wen [give mm, exponent, load, unload].
+    /// Bouc-Wen [yield displacement mm, exponent, load, unload].
     BoucWen,
-    /// Five sliders [largest give mm].
+    /// Five sliders [largest yield displacement mm].
     Distributed,
-    /// Friction in series with a spring [give mm, creep mm/s, exponent].
+    /// Friction in series with a spring [yield displacement mm, creep mm/s, exponent].
     InSeries,
     /// `|v|^a sign v` [exponent].
     PowerOfSpeed,
@@ -32,7 +32,7 @@ pub enum Law {
     PowerOfPlace,
     /// What a spring has lost for good: `-|largest x so far|^p x` [exponent].
     Lessened,
-    /// What a spring loses along the way: `-travel / (travel + half) x` [half mm].
+    /// What a spring loses with travel: `-travel / (travel + half) x` [half mm].
     Fatigued,
     /// A spring that changes while something warms up: `(1 - exp(-t / T)) x` [time constant s].
     Warming,
@@ -44,17 +44,17 @@ pub enum Law {
     Beyond,
     /// What a play takes from a spring [half width mm].
     Lost,
-    /// A slider whose force grows with the distance from a place [give mm, place mm].
+    /// A slider whose force grows with the distance from a place [yield displacement mm, place mm].
     SliderAway,
-    /// A slider whose force grows along the way [give mm, place mm].
+    /// A slider whose force grows with travel [yield displacement mm, place mm].
     SliderAlong,
     /// `|v|`.
     SizeOfSpeed,
     /// Settling in time [time constant s].
     Settling,
-    /// A slider whose force is worn away [give mm, travel mm].
+    /// A slider whose force is worn away [yield displacement mm, travel mm].
     Worn,
-    /// A slider that is weak around a place [give mm, width mm, place mm].
+    /// A slider that is weak around a place [yield displacement mm, width mm, place mm].
     Pinched,
 }
 
@@ -168,7 +168,7 @@ impl Element {
     }
 }
 
-/// The way gone since the file's first sample, mm; what a span is put before itself with is no way.
+/// The travel since the file's first sample, mm; what a span is put before itself with is no travel.
 fn travels(t: &Track) -> Vec<f64> {
     let travels = travel(&t.v, t.interval_s, t.travel_before_mm);
     travels.map(|w| w.max(0.0)).collect()

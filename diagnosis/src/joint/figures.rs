@@ -10,7 +10,7 @@ use crate::library::candidate::NamedValue;
 use nalgebra::DMatrix;
 use plant::{Channel, Effect};
 
-/// The way in which friction builds up.
+/// The displacement over which friction builds up.
 pub const PRESLIDING: &str = "presliding_mm";
 /// What a friction gains with speed.
 pub const GAINED: &str = "force_gained_n";
@@ -152,7 +152,7 @@ fn level((element, strength): &(Element, f64)) -> f64 {
     let [_, n, load, _] = element.shape;
     match element.law {
         Law::BoucWen if load > 0.0 => strength * load.powf(-1.0 / n),
-        // They hold more and more along the way, or at one place, and have no force of their own.
+        // They hold more and more with travel, or at one place, and have no force of their own.
         Law::BoucWen | Law::SliderAway | Law::SliderAlong => 0.0,
         _ => *strength,
     }
@@ -177,7 +177,7 @@ fn yields(part: &[(Element, f64)], first: &Element, fit: &SpecimenFit) -> Vec<Na
     all
 }
 
-/// What changes the force of elements that slide: the way gone, the place, the speed; of the strongest of each law.
+/// What changes the force of elements that slide: the travel, the place, the speed; of the strongest of each law.
 fn changes(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     let mut all: Vec<NamedValue> = Vec::new();
     for law in [Law::Worn, Law::Pinched, Law::SliderAway, Law::SliderAlong] {

@@ -1,7 +1,7 @@
 //! Free functions in the place of a name: what has no equation is given every chance, too.
 //!
 //! A law that remembers is named only where any function of the present displacement and speed does clearly worse; every
-//! law only where a spring and a damper that change along the way do; and a law of one variable only where it is nearly all of what
+//! law only where a spring and a damper that change with travel do; and a law of one variable only where it is nearly all of what
 //! any function of that variable takes. A free function has more freedom than the law in whose place it stands, beside all that is not in
 //! doubt, and is judged on pieces of the record that are left out. The pieces are short and dealt in turn: a free function knows
 //! nothing of a place where it has not been.
@@ -29,7 +29,7 @@ const SPEEDS: usize = 17;
 const BOTH: usize = 7;
 /// Hats over the displacement where it is the law's own variable: a force that comes again every fifteenth of the range shows.
 const OWN_PLACES: usize = 41;
-/// Hats over the way.
+/// Hats over the travel.
 const STAGES: usize = 6;
 
 /// Why a name is not given although no other name comes near it.
@@ -37,7 +37,7 @@ const STAGES: usize = 6;
 pub enum Doubt {
     /// A function of displacement and speed does nearly as well: nothing shows that it remembers.
     Forgets,
-    /// A spring and a damper that change along the way do nearly as well.
+    /// A spring and a damper that change with travel do nearly as well.
     Changes,
     /// Another function of the same variable takes much more.
     OtherFunction,
@@ -109,7 +109,7 @@ pub fn tested(
     if remembers {
         chance(&interleaved.states(), CERTAIN, Doubt::Forgets);
     }
-    // What cycles that grow take from a spring for good is a change along the way as well: there the law must only not be beaten.
+    // What cycles that grow take from a spring for good is a change with travel as well: there the law must only not be beaten.
     // What the way itself takes is that change.
     if !tires {
         let most = if kind == ElementKind::Damage {
@@ -199,7 +199,7 @@ impl<'a> Interleaved<'a> {
         all
     }
 
-    /// A spring, a damper or both that change along the way in any manner.
+    /// A spring, a damper or both that change with travel in any manner.
     fn changing(&self, of: &[Signal]) -> Vec<Vec<f64>> {
         let stage = |t: &Track, i: usize| -> Vec<f64> {
             let travels: Vec<f64> = travel(&t.v, t.interval_s, 0.0).collect();

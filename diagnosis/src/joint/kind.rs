@@ -17,11 +17,11 @@ pub enum ElementKind {
     Displacement,
     /// A function of velocity.
     Velocity,
-    /// The way since the last reversals: friction and hysteresis.
+    /// The travel since the last reversals: friction and hysteresis.
     Memory,
     /// Lost motion.
     Play,
-    /// The largest displacement or the way so far.
+    /// The largest displacement or the travel so far.
     Damage,
     /// A linear filter.
     Linear,

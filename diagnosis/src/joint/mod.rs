@@ -1,7 +1,7 @@
 //! Elements beside the declared specimen, of free strength and up to four together: a joint search on data that leave
 //! one block out at a time, and a certificate for each name.
 //!
-//! The way of a record: [`band`] and [`cutoff`] (what is motion and what is noise), [`track`] (the motion before the span,
+//! The steps of a record: [`band`] and [`cutoff`] (what is motion and what is noise), [`track`] (the motion before the span,
 //! for what has a memory), [`dictionary`] of [`element`]s, [`blocks`] (all scalar products, after which the data are not
 //! needed any more), [`search`], [`polish`] (shapes), [`certificate`] (which of the names can be vouched for).
 

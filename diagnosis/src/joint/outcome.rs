@@ -35,7 +35,7 @@ type NamedElements = (Effect, Vec<usize>, Option<Certificate>);
 /// What the search came to.
 #[derive(Clone, Debug)]
 pub enum SpecimenOutcome {
-    /// No element and no parameter is worth its price.
+    /// No element and no parameter is worth its penalty.
     Nothing,
     /// Names that can be vouched for; whether something was left out that could not be.
     Named(Explained, bool),

@@ -1,4 +1,4 @@
-//! A closer look where a declared parameter stands at an end of its tolerances: it wants to go further, and next to a large
+//! A second search where a declared parameter stands at an end of its tolerances: it wants to go further, and next to a large
 //! element what it would take does not show. Squares are then measured by what the best model leaves, no longer by what the
 //! declared one did.
 
@@ -6,7 +6,7 @@ use super::polish::Polished;
 use super::set::{DECLARED, Library};
 use crate::criteria::CERTAIN;
 
-/// Looks again, if freeing what stands at an end takes as much off as a name must; the library measures by the finer scale
+/// Searches again, if freeing what stands at an end takes as much off as a name must; the library measures by the finer scale
 /// from then on. `None` where it does not.
 pub fn refine(
     library: &mut Library,

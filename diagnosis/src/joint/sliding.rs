@@ -18,9 +18,9 @@ pub struct Sliding {
     pub fit: SpecimenFit,
     /// Samples of the library that it comes from.
     pub sure: Vec<bool>,
-    /// The way after a reversal that is left out, mm.
+    /// The travel after a reversal that is left out, mm.
     pub travel_mm: f64,
-    /// The way in which the friction builds up, mm, with its 90 % interval, where one slider is the friction.
+    /// The displacement over which the friction builds up, mm, with its 90 % interval, where one slider is the friction.
     pub presliding_mm: Option<(f64, [f64; 2])>,
 }
 

@@ -33,7 +33,7 @@ pub struct Track {
     pub x: Vec<f64>,
     /// Largest displacement before, either way, mm.
     pub largest_before_mm: f64,
-    /// Way gone before the first of `x`, mm; below 0 where that is behind the first sample that is known.
+    /// Travel before the first of `x`, mm; below 0 where that is behind the first sample that is known.
     pub travel_before_mm: f64,
     /// Velocity, mm/s.
     pub v: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Operators with memory, over a whole stretch.
+//! Operators with memory, over a whole segment.
 
 /// Backlash of `width` in all.
 pub fn play(x: &[f64], width: f64) -> Vec<f64> {
@@ -20,7 +20,7 @@ pub fn largest(x: &[f64], before: f64) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// The way gone by each sample, from a first one on.
+/// The travel up to each sample, from a first one on.
 pub fn travel(v: &[f64], interval_s: f64, before: f64) -> impl Iterator<Item = f64> + '_ {
     v.iter().scan(before, move |travel, v| {
         *travel += interval_s * v.abs();
@@ -114,7 +114,7 @@ pub fn slew(x: &[f64], most: f64) -> Vec<f64> {
 }
 
 /// A first-order lag that acts only on the way down. Samples of `step_s` that are means of a record's, `interval_s` apart,
-/// come as late as the record's own do: the first look at a record sees the lag that is in it.
+/// come as late as the record's own do: the screening of a record sees the lag that is in it.
 pub fn retract_lag(x: &[f64], lag_s: f64, interval_s: f64, step_s: f64) -> Vec<f64> {
     // By how much the record's samples are late on a ramp.
     let late_s = interval_s / (interval_s / lag_s).exp_m1();

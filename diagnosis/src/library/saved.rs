@@ -44,7 +44,7 @@ pub fn form_names(channel: Channel, effect: &EffectSpec) -> &'static [&'static s
     form_of(channel, effect).map_or(&[], |i| FORMS[i].1)
 }
 
-/// Whether `effect` is a spring that tires along the way.
+/// Whether `effect` is a spring that tires with travel.
 pub fn tires(effect: &EffectSpec) -> bool {
     effect.name == Effect::Degradation && effect.parameter("travel_mm").is_some_and(|mm| mm > 0.0)
 }

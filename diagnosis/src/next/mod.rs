@@ -1,6 +1,6 @@
 //! The next test: a command inside the rig's limits over which what is still possible differs most.
 //!
-//! The way of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`test_limits`] (what the rig may do),
+//! The steps of a design: [`causes`] (what a diagnosis leaves open, each as a whole model), [`test_limits`] (what the rig may do),
 //! [`phase`] (motions to choose from), [`design`] (what a motion tells: how far two models stay apart when each may still
 //! move its numbers as far as the records let it), and the choice below, phase by phase.
 
@@ -215,7 +215,7 @@ pub fn next(
     })
 }
 
-/// Largest force over largest way, N/mm.
+/// Largest force over largest displacement, N/mm.
 fn n_per_mm(records: &[Recording]) -> f64 {
     let largest = |x: Option<&Vec<f64>>| peak(x.into_iter().flatten());
     let ratio = |r: &Recording| {
@@ -431,7 +431,7 @@ impl SimulatedRig<'_> {
     }
 }
 
-/// Integral of the answer over the way.
+/// Integral of the answer over the travel.
 fn area(x: &[f64], y: &[f64]) -> f64 {
     let steps = x.windows(2).zip(y.windows(2));
     steps
