@@ -21,11 +21,11 @@ const GAPS: [(u64, u64); 6] = [
 ];
 
 /// A driver on a chip whose gaps fail.
-pub(crate) struct Guarded<D>(D);
+pub(crate) struct Guarded(Box<dyn Driver<Nucleo>>);
 
-impl<D> Guarded<D> {
+impl Guarded {
     /// From now on every access to a gap fails.
-    pub(crate) fn new(session: &mut Session<Nucleo>, driver: D) -> Self {
+    pub(crate) fn new(session: &mut Session<Nucleo>, driver: Box<dyn Driver<Nucleo>>) -> Self {
         for (from, to) in GAPS {
             session.fail_next(from, to);
         }
@@ -33,7 +33,7 @@ impl<D> Guarded<D> {
     }
 }
 
-impl<D: Driver<Nucleo>> Driver<Nucleo> for Guarded<D> {
+impl Driver<Nucleo> for Guarded {
     fn on_settled(&mut self, session: &mut Session<Nucleo>, host: &mut dyn Host, settled: Settled) {
         if let Settled::Access { access, .. } = &settled {
             let is_hit = |(from, to): &&(u64, u64)| (*from..*to).contains(&access.address);

@@ -16,6 +16,16 @@ pub fn run(
     flashed: &[Image],
     driver: impl Driver<Nucleo> + 'static,
 ) -> Result<(), String> {
+    run_boxed(board, flashed, Box::new(driver))
+}
+
+/// The emulator's session is generic over its driver: with one of no particular type it is compiled here, and not again in
+/// each program and test that runs a board.
+fn run_boxed(
+    board: Nucleo,
+    flashed: &[Image],
+    driver: Box<dyn Driver<Nucleo>>,
+) -> Result<(), String> {
     let mut session =
         Session::new(Box::new(board), 0, VirtualNanos(1)).map_err(|e| e.to_string())?;
     let driver = Guarded::new(&mut session, driver);
