@@ -16,30 +16,3 @@ pub fn forward(n: usize) -> Arc<dyn Fft<f64>> {
 pub fn inverse(n: usize) -> Arc<dyn Fft<f64>> {
     FftPlanner::new().plan_fft_inverse(n)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::TAU;
-
-    /// Lengths of every kind: powers of two, composite, prime.
-    #[test]
-    fn a_tone_is_one_bin_and_comes_back() {
-        for n in [1, 2, 8, 30, 31, 97, 1000, 1024] {
-            let tone = |i: usize| Complex::from_polar(1.0, TAU * (i % n) as f64 / n as f64);
-            let mut bins: Vec<_> = (0..n).map(tone).collect();
-            forward(n).process(&mut bins);
-            for (k, bin) in bins.iter().enumerate() {
-                let expected = if k == 1 % n { n as f64 } else { 0.0 };
-                assert!((bin - expected).norm() < 1e-9 * n as f64, "{n}: {k}: {bin}");
-            }
-            inverse(n).process(&mut bins);
-            for (i, x) in bins.iter().enumerate() {
-                assert!(
-                    (x / n as f64 - tone(i)).norm() < 1e-12 * n as f64,
-                    "{n}: {i}"
-                );
-            }
-        }
-    }
-}
