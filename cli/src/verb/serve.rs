@@ -162,7 +162,7 @@ impl Serve {
         if self.json {
             let line = serde_json::to_string(&WithProvenance::seeded(summary, self.seed))
                 .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;
-            println!("{line}");
+            answer!("{line}");
         } else {
             println!("{}", summary.sentences());
         }

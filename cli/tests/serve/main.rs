@@ -190,7 +190,7 @@ fn passes_its_force_limit(server: &mut Server) {
 
 #[test]
 fn a_specimen_that_passes_its_force_limit_trips_and_answers_nothing_more() {
-    let mut server = Server::start(&["--once", "--set", "limits.force_n=1000"]);
+    let mut server = Server::start(&["--quiet", "--once", "--set", "limits.force_n=1000"]);
     passes_its_force_limit(&mut server);
     assert_eq!(
         server.child.wait().unwrap().code(),

@@ -293,6 +293,7 @@ fn the_bench_ranks_its_contestants_and_draws_them() {
         "--duration",
         "6",
         "--json",
+        "--quiet",
         "--out",
         &out,
     ];
