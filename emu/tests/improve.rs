@@ -223,11 +223,12 @@ fn a_load_cell_that_reads_too_much_is_divided_by_that() {
     );
 }
 
-/// The whole circle: an earthquake of 2 mm, read with 12 bits, does not tell a lag of 6 ms from a delay; a test that the
-/// diagnosis designs is played by the same board and does, and the next test is better.
+/// The whole circle: an earthquake of 1 mm, read with 12 bits, does not tell a lag of 6 ms from a delay; a test that the
+/// diagnosis designs is played by the same board and does, and the next test is better. The board's noise is another one each
+/// time; of 40 such tests on the simulated rig each took this way.
 #[test]
 fn what_a_small_earthquake_leaves_open_is_settled_by_a_test_designed_and_played_on_the_board() {
-    let small = TEST.replace("peak_response_mm = 20", "peak_response_mm = 2");
+    let small = TEST.replace("peak_response_mm = 20", "peak_response_mm = 1");
     let limits = "[limits]\ndisplacement_m = 0.03\nvelocity_m_per_s = 0.6\nforce_n = 8000";
     let lag = "[[plant.effects]]\nname = 'lag_error'\nchannel = 'actuator'\nlag_ms = 6";
     let story = story(&format!("{small}{limits}\n{lag}\n"));

@@ -168,6 +168,52 @@ fn what_a_small_earthquake_cannot_tell_apart_is_settled_by_a_designed_test() {
 }
 
 #[test]
+fn whatever_the_noise_of_a_small_test_its_lag_is_settled_by_a_designed_one() {
+    // 2 mm with 12 bits and no rest that the loop's own noise would leave: a delay and a lag fit to the same squares.
+    let text = "[structure]
+mass_kg = 1000
+stiffness_n_per_m = 158e3
+damping_ratio = 0.02
+[loop]
+rate_hz = 2000
+[compensation]
+window_steps = 10
+[excitation]
+peak_response_mm = 2
+duration_s = 8
+rest_s = 2
+[limits]
+displacement_m = 0.03
+velocity_m_per_s = 0.6
+force_n = 8000
+[plant.actuator]
+kind = 'delay'
+delay_ms = 4
+[plant.sensors]
+displacement_noise_mm = 0.02
+force_noise_n = 5
+bits = 12
+displacement_range_mm = 50
+force_range_n = 10000
+[[plant.effects]]
+name = 'lag_error'
+channel = 'actuator'
+lag_ms = 6
+";
+    let folder = tempfile::tempdir().unwrap();
+    let test = folder.path().join("small.toml");
+    std::fs::write(&test, text).unwrap();
+    for seed in ["3", "4", "6"] {
+        let rows = improve(&[&test.display().to_string(), "--seed", seed]);
+        let row = &rows[0];
+        let first = row["found_first"].as_str().unwrap();
+        assert!(first.ends_with("(or one like it)"), "{seed}: {row:#}");
+        assert_eq!(row["found"], "lag_error", "{seed}: {row:#}");
+        assert_eq!(row["outcome"], "better", "{seed}: {row:#}");
+    }
+}
+
+#[test]
 fn a_worse_second_test_is_called_worse_and_its_model_is_not_handed_on() {
     // The specimen is stiffer than was declared. The force channel cannot tell that from a load cell that reads too
     // much; the test that follows can.

@@ -121,13 +121,50 @@ pub fn conclude(search: &PartSearch, declared: &ScoredFit) -> ActuatorOutcome {
     };
     // The preferred member alone: what stands beside it cannot be vouched for either, and its rivals are those without it.
     let alone = search.scored(&only(&best.fit.model, &[*first]), best.fit.declared);
-    let set = alone.filter(|s| s.score < 0.0).and_then(|alone| {
-        let mut rivals = named(rivals(search, &alone, first.effect, declared));
-        rivals.extend(named(others(search, &alone, first.effect, &all)));
-        set(alone, first.effect, rivals)
+    let singles = single_names(search, declared);
+    let alone = alone.filter(|s| s.score < 0.0);
+    let with_others = alone.as_ref().and_then(|alone| {
+        let mut rivals = rivals(search, alone, first.effect, declared);
+        rivals.extend(others(search, alone, first.effect, &all));
+        // One name has any other that explains the record alone for a rival.
+        if names(&alone.fit.model).len() == 1 {
+            rivals.extend(others(search, alone, first.effect, &singles));
+        }
+        set(alone, first.effect, named(rivals))
     });
-    set.or_else(|| of_single_names(search, declared))
+    let with_parameters = || {
+        let alone = alone.as_ref()?;
+        let rivals = parameters_instead(search, alone, first.effect);
+        set(alone, first.effect, rivals)
+    };
+    with_others
+        .or_else(|| almost_all(search, declared, &singles))
+        .or_else(with_parameters)
         .unwrap_or_else(|| unknown(first.effect))
+}
+
+/// The declared parameters that do together what the one part of a model does: each is a rival of its name.
+fn parameters_instead(
+    search: &PartSearch,
+    alone: &ScoredFit,
+    effect: Effect,
+) -> Vec<(Effect, f64)> {
+    let free = PartSet {
+        parts: Vec::new(),
+        moved: [true; DECLARED],
+    };
+    if names(&alone.fit.model) != [effect] || alone.fit.model.parts.is_empty() {
+        return Vec::new();
+    }
+    let moved = search.scored(&free, alone.fit.declared);
+    let Some(needed) = moved.map(|moved| search.held(moved)) else {
+        return Vec::new();
+    };
+    let times = search.times(&needed.squares, &alone.squares);
+    names(&needed.fit.model)
+        .into_iter()
+        .map(|name| (name, times))
+        .collect()
 }
 
 /// Of a name whose best rival leaves this logarithm of the squares.
@@ -139,7 +176,7 @@ fn certificate(least: f64) -> Certificate {
 }
 
 /// A set of a name and its rivals; `None` where there is no rival or too many.
-fn set(own: ScoredFit, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<ActuatorOutcome> {
+fn set(own: &ScoredFit, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option<ActuatorOutcome> {
     rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut members: Vec<(Effect, f64)> = vec![(effect, 1.0)];
     for (rival, times) in rivals.into_iter().filter(|r| r.1 < CERTAIN.ln()) {
@@ -158,14 +195,13 @@ fn set(own: ScoredFit, effect: Effect, mut rivals: Vec<(Effect, f64)>) -> Option
     // The preferred one is the one that the model has.
     members[1..].sort_by(|a, b| b.1.total_cmp(&a.1));
     Some(ActuatorOutcome::Set {
-        fit: own.fit,
+        fit: own.fit.clone(),
         members,
     })
 }
 
-/// Where one name alone leaves next to nothing of the squares: the set of those that do, whatever small part of the rest
-/// could be had beside it.
-fn of_single_names(search: &PartSearch, declared: &ScoredFit) -> Option<ActuatorOutcome> {
+/// Models of one name each, best first.
+fn single_names(search: &PartSearch, declared: &ScoredFit) -> Vec<ScoredFit> {
     let mut singles: Vec<ScoredFit> = search.bare(declared);
     let held = [false; DECLARED];
     for screened_part in search.screened(declared, &[]).iter().take(RIVALS) {
@@ -177,6 +213,16 @@ fn of_single_names(search: &PartSearch, declared: &ScoredFit) -> Option<Actuator
     }
     singles.retain(|s| names(&s.fit.model).len() == 1);
     singles.sort_by(|a, b| a.score.total_cmp(&b.score));
+    singles
+}
+
+/// Where one name alone leaves next to nothing of the squares: the set of those that do, whatever small part of the rest
+/// could be had beside it.
+fn almost_all(
+    search: &PartSearch,
+    declared: &ScoredFit,
+    singles: &[ScoredFit],
+) -> Option<ActuatorOutcome> {
     let best = singles.first()?.clone();
     if search.times(&best.squares, &declared.squares) > ALMOST_ALL.ln() {
         return None;
@@ -202,7 +248,7 @@ fn of_single_names(search: &PartSearch, declared: &ScoredFit) -> Option<Actuator
             more: true,
         });
     }
-    set(best, effect, rivals)
+    set(&best, effect, rivals)
 }
 
 /// A rival: its name, if it has one, and the logarithm of how many times the squares it leaves.
@@ -267,8 +313,10 @@ fn rivals(
         let mut model = without.clone();
         model.parts.push(g.part);
         let scored = search.scored(&model, dropped.fit.declared)?;
+        // What is not worth its penalty beside the parameters that moved is not what explains.
+        let pays = scored.score < dropped.score;
         Some((
-            Some(g.part.kind.effect()),
+            pays.then(|| g.part.kind.effect()),
             search.times(&scored.squares, &best.squares),
         ))
     });
