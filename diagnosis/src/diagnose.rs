@@ -5,6 +5,7 @@ mod channel;
 mod corners;
 mod curve;
 mod found;
+mod held_out;
 mod obstacle;
 mod residual;
 mod specimen_search;
@@ -82,6 +83,7 @@ pub fn diagnose(
             known_actuator: known_actuator.take(),
         };
         let (mut answer, found) = channel.judge(&mut improved);
+        channel.doubt_none(&mut answer);
         channel.excuse_corners(&mut answer);
         actuator_search::limit_floor(&mut answer, f64::INFINITY);
         channel.add_rounded_rival(&mut answer);
