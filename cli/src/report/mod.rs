@@ -182,7 +182,7 @@ fn improvement_section(title: &str, s: &Improvement) -> String {
         .diagnosis
         .channels
         .iter()
-        .filter(|c| !c.effects.is_empty())
+        .filter(|c| !c.effects.is_empty() || c.verdict == ::diagnosis::Verdict::Unknown)
     {
         html += &diagnosis::channel(c);
     }
@@ -193,7 +193,11 @@ fn improvement_section(title: &str, s: &Improvement) -> String {
             let _ = write!(html, "<p>{}</p>", escape(&crate::wording::headline(c)));
         }
     }
-    html += "<h3>What was done about it</h3><ul>";
+    html += "<h3>What was done about it</h3>";
+    if s.changes.is_empty() {
+        html += "<p>Nothing: the second test is the first once more.</p>";
+    }
+    html += "<ul>";
     for change in &s.changes {
         let _ = write!(html, "<li>{}</li>", escape(change));
     }

@@ -7,7 +7,7 @@ use crate::improve::{Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal::{self, Progress};
-use diagnosis::{Diagnosis, Model};
+use diagnosis::{Diagnosis, Model, Verdict};
 use experiment::failure::Failure;
 use experiment::files::{model, output, record_csv};
 use serde::Serialize;
@@ -114,6 +114,10 @@ impl Improve {
             println!("{name}");
             for c in &story.first.channels {
                 println!("    {}", crate::wording::headline(c));
+                // Where nothing is near, the note says why.
+                if c.verdict == Verdict::Unknown && c.nearest.is_none() {
+                    c.notes.iter().for_each(|note| println!("    {note}"));
+                }
             }
             for d in &story.designed {
                 println!(
