@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 plants: 20,
                 seed,
             };
-            rows.extend(bench.rows(|_| ())?);
+            rows.extend(bench.rows(|_| std::ops::ControlFlow::Continue(()))?);
         }
         for (name, port) in WORST_DRAWN {
             let worst: Vec<String> = (1..=4)

@@ -54,7 +54,7 @@ pub fn rows(
         plants,
         seed: 1,
     };
-    bench.rows(|_| ())
+    bench.rows(|_| std::ops::ControlFlow::Continue(()))
 }
 
 /// A few sines, swelling and dying, for a first look without the problem's records.

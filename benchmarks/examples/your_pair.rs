@@ -68,7 +68,7 @@ pub fn rows(folder: &Path, record: &str, plants: usize) -> Result<Vec<MarthsRow>
         &contestants,
         plants,
         1,
-        || (),
+        |_| std::ops::ControlFlow::Continue(()),
     )?)
 }
 

@@ -51,7 +51,7 @@ fn published_controllers_have_the_figures_that_others_found() {
             &[contestant],
             0,
             1,
-            || (),
+            |_| std::ops::ControlFlow::Continue(()),
         )
         .unwrap()
         .remove(0)
@@ -85,7 +85,7 @@ fn a_pair_of_coupled_actuators_is_tracked_on_drawn_plants() {
         &contestants,
         8,
         1,
-        || (),
+        |_| std::ops::ControlFlow::Continue(()),
     )
     .unwrap();
     let [fixed, raw, coupled] = &all[..] else {

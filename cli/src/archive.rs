@@ -8,9 +8,11 @@
 use crate::orders::OperatorOrder;
 use crate::provenance::{Provenance, hash};
 use crate::verb::rig_arguments::RigKind;
+use experiment::compensation::Compensation;
+use experiment::coupled::part::CoupledPart;
 use experiment::failure::Failure;
-use experiment::files::channels;
 use experiment::files::test::TestFile;
+use experiment::files::{channels, look_ahead};
 use experiment::summary::Summary;
 use experiment::trace::Trace;
 use experiment::{Experiment, Shaking};
@@ -38,6 +40,9 @@ pub struct RepeatSettings {
     pub config: Config,
     /// The simulated rig.
     pub plant: RigSpec,
+    /// What only a test of two coupled actuators has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupled: Option<Box<CoupledPart>>,
     /// Name of the ground motion.
     pub record: String,
     /// Length, s of model time.
@@ -60,7 +65,7 @@ pub struct FinishedTest<'a> {
     /// What was tested.
     pub experiment: &'a Experiment,
     /// With which compensation.
-    pub method: Method,
+    pub compensation: Compensation,
     /// Where.
     pub place: RigKind,
     /// With which seed.
@@ -79,13 +84,25 @@ pub struct FinishedTest<'a> {
 /// A test whose numbers a file cannot hold.
 pub fn to_bytes(ran: &FinishedTest<'_>) -> Result<Vec<u8>, Failure> {
     let shaking = ran.experiment.shaking();
+    let test = &ran.experiment.test;
+    let mut coupled = test.coupled.clone();
+    let method = match ran.compensation {
+        Compensation::Method(method) => method,
+        Compensation::Coupled(kind) => {
+            if let Some(part) = &mut coupled {
+                part.declared.compensation = kind;
+            }
+            test.config.compensation.kind
+        }
+    };
     let repeat = RepeatSettings {
         format: FORMAT,
         place: ran.place,
         seed: ran.seed,
-        method: ran.method,
-        config: ran.experiment.test.config.clone(),
-        plant: ran.experiment.test.plant.clone(),
+        method,
+        config: test.config.clone(),
+        plant: test.plant.clone(),
+        coupled,
         record: ran.experiment.record.clone(),
         seconds: ran.experiment.seconds,
         scale: ran.experiment.scale,
@@ -209,6 +226,31 @@ pub struct ArchivedTest {
     pub version: String,
 }
 
+/// That a file is no archive of a test on a board, which cannot be made again.
+///
+/// # Errors
+/// One that is, without `--force`.
+pub fn refuse_to_replace(file: &Path) -> Result<(), Failure> {
+    let of_board = |archived: ArchivedTest| archived.repeat.place != RigKind::Simulated;
+    if file.is_file() && !look_ahead::is_forced() && load(file).is_ok_and(of_board) {
+        return Err(Failure::input(format!(
+            "{}: holds a test on a board, which cannot be made again: accepted is the name of a new file, or --force",
+            file.display()
+        )));
+    }
+    Ok(())
+}
+
+impl ArchivedTest {
+    /// What it ran under.
+    pub fn compensation(&self) -> Compensation {
+        match &self.repeat.coupled {
+            None => self.repeat.method.into(),
+            Some(part) => part.declared.compensation.into(),
+        }
+    }
+}
+
 /// Reads an archive, or the `record.h5` of a folder that `run --out` wrote.
 ///
 /// # Errors
@@ -253,6 +295,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<ArchivedTest, String> {
     let test = TestFile {
         config: repeat.config.clone(),
         plant: repeat.plant.clone(),
+        coupled: repeat.coupled.clone(),
         ..test
     };
     let numbers = |name: &str| -> Result<Vec<u32>, String> {
@@ -261,10 +304,7 @@ fn read(bytes: Vec<u8>, file: &str) -> Result<ArchivedTest, String> {
             .map_err(|e| format!("{name}: {e}"))
     };
     let summary = serde_json::from_str(&text("summary")?).map_err(|e| format!("summary: {e}"))?;
-    let trace = Trace::new(
-        repeat.config.degrees_of_freedom(),
-        repeat.config.timing.rate_hz,
-    );
+    let trace = test.trace();
     let names: Vec<String> = channels::of(&trace).into_iter().map(|c| c.name).collect();
     let channels = names
         .into_iter()

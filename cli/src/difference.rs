@@ -7,7 +7,6 @@
 use crate::archive::ArchivedTest;
 use experiment::files::channels;
 use experiment::numbers::{length, percent, si};
-use experiment::trace::Trace;
 use outerloop_core::flag;
 use serde::Serialize;
 use serde_json::Value;
@@ -87,8 +86,7 @@ impl Difference {
     pub fn of(first: &ArchivedTest, second: &ArchivedTest) -> Self {
         let (before, after) = (ComparedMotion::of(first), ComparedMotion::of(second));
         let times: Vec<f64> = before.times().take_while(|t| after.reaches(*t)).collect();
-        let timing = &first.repeat.config.timing;
-        let none = Trace::new(first.repeat.config.degrees_of_freedom(), timing.rate_hz);
+        let none = first.experiment.test.trace();
         let channels = channels::of(&none);
         let apart = |c: &channels::Channel<'_>| {
             before.channel_difference(&after, (&c.name, c.unit), &times)

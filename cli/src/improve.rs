@@ -1,19 +1,21 @@
 //! From a test on a rig with something undeclared in it to the next, better one.
 
 use crate::terminal::progress::Progress;
-use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, RigLimits, Verdict};
+use diagnosis::{ChannelAnswer, Diagnosis, Model, Next, Recording, Refitted, RigLimits, Verdict};
 use experiment::Experiment;
 use experiment::bench::Played;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::measured::in_mm_of;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
+use experiment::numbers::percent;
 use experiment::rig::{declared, improvement};
-use experiment::summary;
+use experiment::summary::{self, GOOD_EPS_RMS};
 use experiment::trace::{Response, TestObserver};
+use outerloop_core::Config;
 use outerloop_core::config::Filter;
-use outerloop_core::{Config, Method};
 use plant::Channel;
 use serde::Serialize;
 
@@ -56,7 +58,7 @@ pub trait TestSite {
     fn run(
         &self,
         experiment: &Experiment,
-        method: Method,
+        compensation: impl Into<Compensation>,
         ideal: &Response,
         seed: u64,
         keep: bool,
@@ -122,7 +124,8 @@ impl Improvement {
     ) -> Result<Self, Failure> {
         let method = experiment.test.config.compensation.kind;
         let ideal = experiment.ideal()?;
-        let before = site.run(&experiment, method, &ideal, seed, true, progress.observer())?;
+        let before =
+            ran(site.run(&experiment, method, &ideal, seed, true, progress.observer())?)?;
         let (train, held_out) = split_record(&experiment, &before)?;
         let (mut train, held_out) = (vec![train], vec![held_out]);
         let ask = |train: &[Recording]| {
@@ -162,16 +165,18 @@ impl Improvement {
         }
         let found = designed.last().map_or(&first, |d| &d.diagnosis).clone();
         let mut improved = experiment.clone();
-        if found.channels.iter().any(|c| !c.effects.is_empty()) {
+        let (known, left) = worth_acting_on(&found, model, before.summary.eps_rms);
+        changes.extend(left);
+        if let Some(known) = known {
             let config = &mut improved.test.config;
             set_displacement_noise(&found, config);
-            changes.extend(improvement::apply(&found.improved, config));
+            changes.extend(improvement::apply(&known, config));
         }
         improved.test.config.check().map_err(|e| {
             Failure::test(format!("what was found cannot be put into the test: {e}"))
         })?;
         let better = improved.test.config.compensation.kind;
-        let after = site.run(&improved, better, &ideal, seed, true, progress.observer())?;
+        let after = ran(site.run(&improved, better, &ideal, seed, true, progress.observer())?)?;
         let (train, held_out) = split_record(&improved, &after)?;
         let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
         let remains = remains.map_err(Failure::input)?;
@@ -244,11 +249,63 @@ impl Improvement {
     }
 }
 
+/// A test that nobody stopped.
+fn ran(run: JudgedRun) -> Result<JudgedRun, Failure> {
+    match run.summary.verdict {
+        summary::TestVerdict::Stopped => Err(Failure::test("was stopped by hand")),
+        _ => Ok(run),
+    }
+}
+
 /// What the simulated rig of a test has and nobody declares.
 fn undeclared(experiment: &Experiment) -> Vec<&'static str> {
     let test = &experiment.test;
     declared::undeclared(&test.config, &test.plant, test.declared.as_ref())
 }
+
+/// A declared parameter that is off by more than so many tolerances is put right, also where nothing else was found.
+const PUT_RIGHT: f64 = 1.0;
+
+/// The declared model with what the next test is to know of each channel, where there is anything, and why something is left out: a
+/// name that is likelier false than the first test was bad is not acted on.
+fn worth_acting_on(
+    found: &Diagnosis,
+    declared: &Model,
+    eps_rms: f64,
+) -> (Option<Model>, Vec<String>) {
+    // Up to `GOOD_EPS_RMS` a result is as good as other uncertainties, the better the less is to be won; beyond it it is bad.
+    let bad = (eps_rms / GOOD_EPS_RMS).clamp(LEAST_BAD, 1.0);
+    let mut known = found.improved.clone();
+    let (mut anything, mut left) = (false, Vec::new());
+    for c in &found.channels {
+        let doubts = c.effects.iter().map(|e| (e, 1.0 - e.p.unwrap_or(0.0)));
+        let doubtful = doubts
+            .filter(|(_, doubt)| *doubt > bad)
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((effect, doubt)) = doubtful else {
+            let off = |r: &Refitted| r.tolerances().abs() > PUT_RIGHT;
+            let refitted = c.verdict == Verdict::None && c.refitted.iter().any(off);
+            anything |= refitted || !c.effects.is_empty();
+            continue;
+        };
+        left.push(format!(
+            "{} of the {} is not acted on: with {} it is false, and the first test, {} off, is not that bad; --next settles it \
+             (outerloop diagnose)",
+            effect.name,
+            c.channel.name(),
+            percent(doubt),
+            percent(eps_rms)
+        ));
+        match c.channel {
+            Channel::Actuator => known.actuator.clone_from(&declared.actuator),
+            Channel::Specimen => known.specimen.clone_from(&declared.specimen),
+        }
+    }
+    (anything.then_some(known), left)
+}
+
+/// No test is so good that a name with the least doubt that is ever given is not acted on.
+const LEAST_BAD: f64 = 0.15;
 
 /// What a correction has to know of the displacement's noise, which comes from the record; a filter has its own setting already.
 fn set_displacement_noise(found: &Diagnosis, config: &mut Config) {
@@ -271,7 +328,7 @@ fn or_nothing(names: &[&str]) -> String {
 }
 
 /// Designed tests at most: what two do not settle is not settled by motion.
-const DESIGNED: usize = 2;
+pub const DESIGNED: usize = 2;
 /// True if a diagnosis has left something open.
 fn is_open(a: &ChannelAnswer) -> bool {
     matches!(

@@ -11,6 +11,9 @@ struct Arguments {
     /// Print no tables, sentences or progress, only JSON where it is asked for and errors
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Replace also records of tests that cannot be made again: on a board, emulated or not, or stopped by hand
+    #[arg(long, global = true)]
+    force: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -81,7 +84,11 @@ fn main() -> ExitCode {
     let arguments = match arguments() {
         Ok(arguments) => arguments,
         Err(said) => {
-            if let Some(sentence) = terminal::misspelt::sentence(&said) {
+            let verbs: Vec<String> = Arguments::command()
+                .get_subcommands()
+                .map(|verb| verb.get_name().to_owned())
+                .collect();
+            if let Some(sentence) = terminal::misspelt::sentence(&said, &verbs) {
                 return ended(Err(Failure::input(sentence)));
             }
             return match said.print() {
@@ -95,6 +102,9 @@ fn main() -> ExitCode {
     };
     if arguments.quiet {
         terminal::output::set_quiet();
+    }
+    if arguments.force {
+        experiment::files::look_ahead::set_force();
     }
     let outcome = match arguments.verb {
         Verb::Demo(v) => v.run(),

@@ -236,11 +236,78 @@ fn is_kept(out: &Path) -> Value {
     summary
 }
 
-/// Ctrl-C, on the flashed image: every step until then is there. What the board does meanwhile: `emu/tests/rig/stopped.rs`.
+/// `kill`, a closed terminal and Ctrl-C stop a simulated test as the button does, and it can be replayed.
+#[test]
+#[cfg(unix)]
+fn signals_stop_a_simulated_test_and_its_record_is_kept() {
+    for signal in ["-TERM", "-HUP", "-INT"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut running =
+            Running::start_with(&["--duration", "60", "--out", out.to_str().unwrap()]);
+        let mut socket = running.own_socket();
+        while next(&mut socket).expect("the test goes on")["mode"] != "running" {}
+        common::send_signal(&running.child, signal);
+        while next(&mut socket).is_some() {}
+        assert_eq!(running.child.wait().unwrap().code(), Some(1), "{signal}");
+        let summary = is_kept(&out);
+        let archive = out.join("record.h5");
+        let found = common::json(&["replay", archive.to_str().unwrap(), "--json"]);
+        assert_eq!(found["values_different"], 0, "{signal}: {found}");
+        assert_eq!(found["steps"], summary["steps"], "{signal}");
+    }
+}
+
+/// Verbs that run many tests say how many were done and report them.
+#[test]
+#[cfg(unix)]
+fn a_signal_leaves_the_tests_that_are_done() {
+    let test = "examples/table1.toml";
+    let sweep = "plant.actuator.delay_ms=0..3/1000";
+    for (verb, file) in [
+        (
+            &["monte-carlo", test, "--tests", "1000000"][..],
+            "tests.csv",
+        ),
+        (
+            &[
+                "sweep",
+                test,
+                "--over",
+                sweep,
+                "--compensations",
+                "paper,none,afp,ats,tangent",
+            ],
+            "sweep.csv",
+        ),
+        (&["compare", test, "--bench"], "bench.json"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = command(verb);
+        command.args(["--quiet", "--out", folder.path().to_str().unwrap()]);
+        let child = command
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_secs(4));
+        common::send_signal(&child, "-TERM");
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{verb:?}: {said}");
+        assert!(
+            said.contains("tests ran, and only they are reported"),
+            "{said}"
+        );
+        let kept = std::fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(kept.lines().count() > 2, "{verb:?}: {kept}");
+    }
+}
+
+/// SIGTERM, on the flashed image: every step until then is there. What the board does meanwhile: `emu/tests/rig/stopped.rs`.
 #[test]
 #[cfg(unix)]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
-fn ctrl_c_stops_the_emulated_board_and_keeps_the_record() {
+fn a_signal_stops_the_emulated_board_and_keeps_the_record() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let more = [
@@ -253,10 +320,7 @@ fn ctrl_c_stops_the_emulated_board_and_keeps_the_record() {
     let mut running = Running::start_with(&more);
     let mut socket = running.own_socket();
     while next(&mut socket).expect("the test goes on")["mode"] != "running" {}
-    let interrupt = std::process::Command::new("kill")
-        .args(["-INT", &running.child.id().to_string()])
-        .status();
-    assert!(interrupt.unwrap().success());
+    common::send_signal(&running.child, "-TERM");
     while next(&mut socket).is_some() {}
     assert_eq!(running.child.wait().unwrap().code(), Some(1));
     let board = &is_kept(&out)["board"];
@@ -267,7 +331,7 @@ fn ctrl_c_stops_the_emulated_board_and_keeps_the_record() {
     let archive = out.join("record.h5");
     common::refused(
         &["replay", archive.to_str().unwrap()],
-        &["by hand on an emulated board"],
+        &["ran on an emulated board"],
     );
 }
 

@@ -9,19 +9,19 @@ use crate::method::Prediction;
 use crate::newmark;
 use crate::predict::Predictor;
 use crate::refusal::{Refusal, accept};
-use crate::rig;
+use crate::rig::{CommandMap, DirectRig, Rig};
 use crate::signal;
 use crate::structure::{Structure, storey_stiffness};
 use crate::supervise;
 
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
-pub struct Design<const N: usize> {
+pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
     pub(crate) step: StepConstants<N>,
     pub(crate) law: Law<N>,
     pub(crate) predictor: Predictor<N>,
     pub(crate) estimation: estimate::EstimatorConstants<N>,
-    pub(crate) rig: Option<rig::RigConstants<N>>,
+    pub(crate) rig: R::Constants,
 }
 
 /// What every step uses, whatever the compensation.
@@ -35,11 +35,12 @@ pub(crate) struct StepConstants<const N: usize> {
     /// corrected.
     pub(crate) predicts: bool,
     /// From command to true displacement.
-    pub(crate) command: [rig::CommandMap; N],
+    pub(crate) command: [CommandMap; N],
     /// True if samples are corrected before they are used.
     pub(crate) corrects: bool,
     pub(crate) limits: supervise::InterlockLimits,
     pub(crate) frozen_m: f32,
+    pub(crate) standing_steps: u16,
     /// Declared stiffness of the specimen, N/m.
     pub(crate) specimen_stiffness: [[f32; N]; N],
     pub(crate) window_steps: u16,
@@ -87,6 +88,26 @@ impl<const N: usize> Design<N> {
     /// The first parameter that cannot be accepted.
     pub fn with_structure(config: &Config, structure: &Structure<N>) -> Result<Self, Refusal> {
         config.check()?;
+        let noise_m = config.estimation.displacement_noise_m;
+        let rig = config.rig.constants(config.timing.rate_hz, noise_m);
+        // Handed through as it comes: a design that is changed here would lie on a board's stack twice.
+        let corrects = [rig.is_some(), config.rig.moves_commands()];
+        Self::on_rig(config, structure, rig, corrects)
+    }
+}
+
+impl<const N: usize, R: Rig<N>> Design<N, R> {
+    /// As [`Design::with_structure`], of a configuration that has been checked, on any rig. `corrects`: whether the rig changes
+    /// readings, and whether it changes commands.
+    ///
+    /// # Errors
+    /// The first parameter that cannot be accepted.
+    pub(crate) fn on_rig(
+        config: &Config,
+        structure: &Structure<N>,
+        rig: R::Constants,
+        corrects: [bool; 2],
+    ) -> Result<Self, Refusal> {
         let (t, c) = (&config.timing, &config.compensation);
         let dt_s = config.model_step_s();
         let control_step_s = 1.0 / t.rate_hz;
@@ -104,8 +125,6 @@ impl<const N: usize> Design<N> {
             time_scale: t.time_scale,
             model_step_s: dt_s,
         };
-        let noise_m = config.estimation.displacement_noise_m;
-        let rig = config.rig.constants(t.rate_hz, noise_m);
         let step = StepConstants {
             newmark: newmark::Coefficients::new(
                 structure,
@@ -119,13 +138,12 @@ impl<const N: usize> Design<N> {
                 per_substep: (1.0 / f64::from(t.substeps)) as f32,
             },
             lead_steps: c.lead_steps as f32,
-            predicts: c.kind.predictor != Prediction::None
-                || c.lead_steps != 0.0
-                || config.rig.moves_commands(),
+            predicts: corrects[1] || c.kind.predictor != Prediction::None || c.lead_steps != 0.0,
             command: config.rig.command(),
-            corrects: rig.is_some(),
+            corrects: corrects[0],
             limits: limits(config),
             frozen_m: config.limits.hidden_motion_m() as f32,
+            standing_steps: (config.standing_s() * t.rate_hz) as u16 + 1,
             specimen_stiffness: specimen.map(|row| row.map(|x| x as f32)),
             window_steps: c.window_steps,
             energy_floor_j: config.limits.energy_floor_j.unwrap_or(floor) as f32,

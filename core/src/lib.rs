@@ -22,8 +22,8 @@
 //! Start reading at `outer_loop/step.rs`. Equation numbers are those of the paper (see the README). Time is that of the
 //! model in `newmark.rs`, `energy.rs` and the force laws, that of the laboratory elsewhere; the time scale is between them.
 //!
-//! What a test needs is here at the root. [`config`] has what a test file says, [`linear`] the methods as linear systems
-//! for reports, [`coupled`] the loop for two actuators on one coupler.
+//! What a test needs is here at the root. [`config`] has what a test file says, [`coupled`] the rig of two actuators on one
+//! coupler.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -42,7 +42,6 @@ mod follower;
 mod force;
 mod ground_motion;
 mod ideal;
-pub mod linear;
 mod matrix;
 mod method;
 mod newmark;
@@ -55,6 +54,7 @@ mod signal;
 mod structure;
 mod sum;
 mod supervise;
+pub mod watch;
 
 pub use config::Config;
 pub use design::Design;
@@ -67,5 +67,6 @@ pub use newmark::{Coefficients, Newmark};
 pub use outer_loop::{OuterLoop, Pace, Sample, Step};
 pub use record::{EnergyWords, Record, flag};
 pub use refusal::Refusal;
+pub use rig::{DirectRig, Rig};
 pub use structure::Structure;
 pub use supervise::{Event, Fault, HISTORY, Mode, Rejected, Trip};

@@ -5,9 +5,13 @@
 //! time. Every force law goes with every predictor.
 //!
 //! # To add a method
-//! Write `force/NAME.rs` or `predict/NAME.rs` and add its line to [`for_each_method`] below. The line has the variant,
-//! the name in test files, the type and its file; a force law also says behind which predictor it stands where its name
-//! is given alone.
+//! Write `force/NAME.rs` or `predict/NAME.rs` and append its line to [`for_each_method`] below. The line has a number,
+//! the variant, the name in test files, the type and its file; a force law also says behind which predictor it stands
+//! where its name is given alone.
+//!
+//! The number is what travels to a board and stays in its flash. Take the next free one, and never give one again, not
+//! even after a method has gone: a board with another firmware would run another method. `link/tests/golden.txt` pins
+//! them all.
 
 /// Calls a macro with all methods.
 macro_rules! for_each_method {
@@ -15,65 +19,70 @@ macro_rules! for_each_method {
         $then! {
             forces {
                 /// The measured force goes into the equation of motion as it is.
-                None "none" behind None = measured::Measured, file measured;
+                0 None "none" behind None = measured::Measured, file measured;
                 /// Eq 14 as the paper published it: hold on a change of sign only.
-                Eq14Unguarded "eq14-unguarded" behind None = damping::VariableDamping<N, damping::Unguarded>, file damping;
+                1 Eq14Unguarded "eq14-unguarded" behind None = damping::VariableDamping<N, damping::Unguarded>, file damping;
                 /// Eq 14 with the hold rule, the clamp and the effective-mass guard.
-                Eq14 "eq14" behind None = damping::VariableDamping<N, damping::Guarded>;
+                2 Eq14 "eq14" behind None = damping::VariableDamping<N, damping::Guarded>;
                 /// Eq 20 with the sech gain of Eq 19, and the guards.
-                Paper "paper" behind None = damping::VariableDamping<N, damping::Gained>;
+                3 Paper "paper" behind None = damping::VariableDamping<N, damping::Gained>;
                 /// Force at the time the target was reached (Ahmadizadeh).
-                Ahmadizadeh "ahmadizadeh" behind Afp = Corrected<fit::FittedForce<N>, N>, file fit;
-                /// Measured force and tangent stiffness times the way that is left.
-                Tangent "tangent" behind Afp = Corrected<tangent::TangentForce<N>, N>, file tangent;
+                4 Ahmadizadeh "ahmadizadeh" behind Afp = Corrected<fit::FittedForce<N>, N>, file fit;
+                /// Measured force, and tangent stiffness times the remaining displacement.
+                5 Tangent "tangent" behind Afp = Corrected<tangent::TangentForce<N>, N>, file tangent;
             }
             predictors {
                 /// Polynomial extrapolation of the command (Horiuchi).
-                Lagrange "lagrange" = Axes<lagrange::Lagrange, N>, file lagrange;
+                1 Lagrange "lagrange" = Axes<lagrange::Lagrange, N>, file lagrange;
                 /// The same with the delay estimated on line (Darby).
-                Darby "darby" = Axes<darby::Darby, N>, file darby;
+                2 Darby "darby" = Axes<darby::Darby, N>, file darby;
                 /// Prediction by the structure's own model (Carrion and Spencer).
-                ModelPrediction "model-prediction" = model::ModelPrediction, file model;
+                3 ModelPrediction "model-prediction" = model::ModelPrediction, file model;
                 /// First-order phase lead (Zhao).
-                PhaseLead "phase-lead" = Axes<phase_lead::PhaseLead, N>, file phase_lead;
+                4 PhaseLead "phase-lead" = Axes<phase_lead::PhaseLead, N>, file phase_lead;
                 /// Minimal control synthesis with modified demand (Bonnet).
-                Mcs "mcs" = Axes<mcs::Mcs, N>, file mcs;
+                5 Mcs "mcs" = Axes<mcs::Mcs, N>, file mcs;
                 /// Inverse model and feedback of the error (Carrion).
-                FeedforwardFeedback "feedforward-feedback" = Axes<feedforward_feedback::FeedforwardFeedback, N>, file feedforward_feedback;
+                6 FeedforwardFeedback "feedforward-feedback" = Axes<feedforward_feedback::FeedforwardFeedback, N>, file feedforward_feedback;
                 /// Adaptive forward prediction (Wallace).
-                Afp "afp" = Axes<afp::Afp, N>, file afp;
+                7 Afp "afp" = Axes<afp::Afp, N>, file afp;
                 /// Inverse compensation (Chen and Ricles).
-                Inverse "inverse" = Axes<inverse::Inverse, N>, file inverse;
+                8 Inverse "inverse" = Axes<inverse::Inverse, N>, file inverse;
                 /// The same, adaptive.
-                AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse;
+                9 AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse;
                 /// Adaptive time series (Chae).
-                Ats "ats" = Axes<ats::Ats, N>, file ats;
+                10 Ats "ats" = Axes<ats::Ats, N>, file ats;
                 /// Adaptive model-based compensation (Galmez and Fermandois).
-                Amb "amb" = Axes<amb::Amb, N>, file amb;
+                11 Amb "amb" = Axes<amb::Amb, N>, file amb;
                 /// Inverse of a servo-hydraulic actuator whose parameters are estimated from the noise-free command.
-                Hydraulic "hydraulic" = Axes<hydraulic::Hydraulic, N>, file hydraulic;
+                12 Hydraulic "hydraulic" = Axes<hydraulic::Hydraulic, N>, file hydraulic;
             }
         }
     };
 }
 pub(crate) use for_each_method;
 
-/// The names of one force law with every predictor.
-macro_rules! with_predictors {
-    ($force:literal {$($(#[$doc:meta])* $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*}) => {
-        [concat!($force, "+none"), $(concat!($force, "+", $name)),*]
+/// The name of one force law with the predictor `$behind`.
+macro_rules! with_predictor {
+    ($behind:expr, $force:literal {$($(#[$doc:meta])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*}) => {
+        match $behind {
+            Prediction::None => concat!($force, "+none"),
+            $(Prediction::$P => concat!($force, "+", $name),)*
+        }
     };
 }
 
 macro_rules! predictor_names {
-    ($($(#[$doc:meta])* $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*) => {
+    ($($(#[doc = $doc:literal])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*) => {
         /// What stands between the target and the command that is sent; each is a method of the same name.
+        ///
+        /// The numbers are on the link and in flash: they never change, and none is given again.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[repr(u8)]
         pub enum Prediction {
             /// The target is sent as it is.
-            None,
-            $($(#[$doc])* $P,)*
+            None = 0,
+            $($(#[doc = $doc])* $P = $number,)*
         }
 
         impl Prediction {
@@ -87,29 +96,49 @@ macro_rules! predictor_names {
                     $(Self::$P => $name,)*
                 }
             }
+
+            /// What it does, in a sentence.
+            pub const fn meaning(self) -> &'static str {
+                match self {
+                    Self::None => "The target is sent as it is.",
+                    $(Self::$P => concat!($($doc),*).trim_ascii_start(),)*
+                }
+            }
+
+            /// The number on the link and in flash.
+            pub const fn code(self) -> u8 {
+                self as u8
+            }
+
+            /// The predictor with this number.
+            pub fn from_code(code: u8) -> Option<Self> {
+                Self::ALL.iter().copied().find(|p| p.code() == code)
+            }
         }
 
         #[allow(non_upper_case_globals)] // They are read as what they name: `Method::Lagrange`.
         impl Method {
-            $($(#[$doc])* pub const $P: Self = Self { force: Force::None, predictor: Prediction::$P };)*
+            $($(#[doc = $doc])* pub const $P: Self = Self { force: Force::None, predictor: Prediction::$P };)*
         }
     };
 }
 
 macro_rules! names {
     (
-        forces {$($(#[$doc:meta])* $F:ident $name:literal behind $own:ident = $stage:ty $(, file $file:ident)?;)*}
+        forces {$($(#[doc = $doc:literal])* $number:literal $F:ident $name:literal behind $own:ident = $stage:ty $(, file $file:ident)?;)*}
         predictors {$($predictors:tt)*}
     ) => {
-        names!(@ [$($(#[$doc])* $F $name $own;)*] {$($predictors)*});
+        names!(@ [$($(#[doc = $doc])* $number $F $name $own;)*] {$($predictors)*});
         predictor_names!{$($predictors)*}
     };
-    (@ [$($(#[$doc:meta])* $F:ident $name:literal $own:ident;)*] $predictors:tt) => {
+    (@ [$($(#[doc = $doc:literal])* $number:literal $F:ident $name:literal $own:ident;)*] $predictors:tt) => {
         /// How the restoring force enters the equation of motion.
+        ///
+        /// The numbers are on the link and in flash: they never change, and none is given again.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[repr(u8)]
         pub enum Force {
-            $($(#[$doc])* $F,)*
+            $($(#[doc = $doc])* $F = $number,)*
         }
 
         impl Force {
@@ -123,6 +152,23 @@ macro_rules! names {
                 }
             }
 
+            /// What it does, in a sentence.
+            pub const fn meaning(self) -> &'static str {
+                match self {
+                    $(Self::$F => concat!($($doc),*).trim_ascii_start(),)*
+                }
+            }
+
+            /// The number on the link and in flash.
+            pub const fn code(self) -> u8 {
+                self as u8
+            }
+
+            /// The force law with this number.
+            pub fn from_code(code: u8) -> Option<Self> {
+                Self::ALL.iter().copied().find(|f| f.code() == code)
+            }
+
             /// The predictor behind which it stands where it is named alone.
             pub const fn own_predictor(self) -> Prediction {
                 match self {
@@ -133,12 +179,15 @@ macro_rules! names {
 
         #[allow(non_upper_case_globals)] // They are read as what they name: `Method::Paper`.
         impl Method {
-            $($(#[$doc])* pub const $F: Self = Self { force: Force::$F, predictor: Prediction::$own };)*
+            $($(#[doc = $doc])* pub const $F: Self = Self { force: Force::$F, predictor: Prediction::$own };)*
         }
 
-        /// `force+predictor`, by force law and predictor.
-        const PAIRS: [[&str; Prediction::ALL.len()]; Force::ALL.len()] =
-            [$(with_predictors!($name $predictors)),*];
+        /// `force+predictor`.
+        const fn pair(force: Force, predictor: Prediction) -> &'static str {
+            match force {
+                $(Force::$F => with_predictor!(predictor, $name $predictors),)*
+            }
+        }
     };
 }
 
@@ -218,7 +267,16 @@ impl Method {
         } else if matches!(self.force, Force::None) {
             self.predictor.name()
         } else {
-            PAIRS[self.force as usize][self.predictor as usize]
+            pair(self.force, self.predictor)
+        }
+    }
+
+    /// What it does, in a sentence: of its predictor where it has the predictor's name, else of its force law.
+    pub const fn meaning(self) -> &'static str {
+        if matches!(self.force, Force::None) && !matches!(self.predictor, Prediction::None) {
+            self.predictor.meaning()
+        } else {
+            self.force.meaning()
         }
     }
 
@@ -269,7 +327,7 @@ mod travel {
             if serializer.is_human_readable() {
                 serializer.serialize_str(self.name())
             } else {
-                (self.force, self.predictor).serialize(serializer)
+                (self.force.code(), self.predictor.code()).serialize(serializer)
             }
         }
     }
@@ -297,8 +355,12 @@ mod travel {
             if deserializer.is_human_readable() {
                 deserializer.deserialize_str(Name)
             } else {
-                <(Force, Prediction)>::deserialize(deserializer)
-                    .map(|(force, predictor)| Self { force, predictor })
+                let (force, predictor) = <(u8, u8)>::deserialize(deserializer)?;
+                let unknown = || D::Error::custom("a compensation of another firmware");
+                Ok(Self {
+                    force: Force::from_code(force).ok_or_else(unknown)?,
+                    predictor: Prediction::from_code(predictor).ok_or_else(unknown)?,
+                })
             }
         }
     }
@@ -321,14 +383,12 @@ mod tests {
 
     #[test]
     fn every_pair_has_one_name_and_is_found_by_it() {
-        for (i, &force) in Force::ALL.iter().enumerate() {
-            assert_eq!(force as usize, i, "PAIRS goes by number");
-            for (j, &predictor) in Prediction::ALL.iter().enumerate() {
-                assert_eq!(predictor as usize, j, "PAIRS goes by number");
+        for &force in Force::ALL {
+            for &predictor in Prediction::ALL {
                 let method = Method { force, predictor };
                 assert_eq!(Method::from_name(method.name()), Some(method));
                 // Both names are understood even where one says it.
-                assert_eq!(Method::from_name(PAIRS[i][j]), Some(method));
+                assert_eq!(Method::from_name(pair(force, predictor)), Some(method));
             }
         }
         let names = [

@@ -25,7 +25,7 @@ use crate::force::{Correction, Law};
 use crate::newmark::Newmark;
 use crate::predict::Predictor;
 use crate::record::Record;
-use crate::rig::RigCorrection;
+use crate::rig::{DirectRig, Rig};
 use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
 
@@ -38,6 +38,8 @@ pub struct Sample<const N: usize> {
     pub force_n: [f32; N],
     /// Taken in this control period; a sample that is not is not integrated with.
     pub fresh: bool,
+    /// The contact behind PERMIT is open: nothing approaches yet.
+    pub chain_open: bool,
     /// What the board has to report: a rail, a missed deadline, a lost link, the emergency stop.
     pub fault: Option<Fault>,
 }
@@ -49,6 +51,7 @@ impl<const N: usize> Sample<N> {
             displacement_m,
             force_n,
             fresh: true,
+            chain_open: false,
             fault: None,
         }
     }
@@ -79,7 +82,8 @@ pub enum Pace {
     Continuous,
 }
 
-/// The outer loop of a test with `N` degrees of freedom.
+/// The outer loop of a test with `N` degrees of freedom on a rig `R`: actuators that each move a floor of their own where
+/// it is not named, or [`CoupledRig`](crate::coupled::CoupledRig).
 ///
 /// # Timing
 /// [`OuterLoop::step`] is called once a control period with what was sampled while the last command was in force, and
@@ -89,7 +93,7 @@ pub enum Pace {
 // what only some compensations use behind them.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub struct OuterLoop<const N: usize> {
+pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     design: StepConstants<N>,
     mode: Mode,
     tick: u32,
@@ -117,7 +121,7 @@ pub struct OuterLoop<const N: usize> {
     estimator: Estimator<N>,
     history: History<N>,
     predictor: Predictor<N>,
-    rig: RigCorrection<N>,
+    rig: R,
     /// Last change of where the actuator was sent, m per control step, where there is a predictor.
     aimed_step_m: [f32; N],
     /// By how much the last target was led, m.
@@ -130,9 +134,9 @@ pub struct OuterLoop<const N: usize> {
     answer_n: [f32; N],
 }
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// An idle loop.
-    pub fn new(design: Design<N>) -> Self {
+    pub fn new(design: Design<N, R>) -> Self {
         let Design {
             step: design,
             law,
@@ -161,11 +165,11 @@ impl<const N: usize> OuterLoop<N> {
             monitor: Monitor::new(diagonal, design.energy_floor_j),
             law,
             predictor,
-            rig: RigCorrection::new(rig),
+            rig: R::at_rest(rig),
             correction: Correction::NONE,
             newmark: Newmark::at_rest(),
             signal: SignalGenerator::standing_at([0.0; N]),
-            stale: StaleWatch::new(design.frozen_m),
+            stale: StaleWatch::new(design.frozen_m, design.standing_steps),
             lock: LockWatch::default(),
             flags: 0,
             ground_m_per_s2: 0.0,

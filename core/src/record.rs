@@ -88,6 +88,8 @@ pub mod flag {
     pub const MODEL_DOUBT: u32 = 1 << 22;
     /// The sample was stale.
     pub const STALE: u32 = 1 << 23;
+    /// The approach waits for the contact behind PERMIT.
+    pub const CHAIN_OPEN: u32 = 1 << 24;
 }
 
 impl<const N: usize> Record<N> {

@@ -226,14 +226,14 @@ impl<const N: usize> SignalGenerator<N> {
         self.command_m = command_m;
     }
 
-    /// A step of the ramp to hold: the speed falls by `by_m` a control step until the command stands.
-    pub fn decelerate(&mut self, by_m: f32) {
+    /// A step of the ramp to hold: the speed of each axis falls by `by_m` a control step until the command stands.
+    pub fn decelerate(&mut self, by_m: [f32; N]) {
         for j in 0..N {
-            let v = self.velocity_m[j];
-            self.velocity_m[j] = if v.abs() <= by_m {
+            let (v, by) = (self.velocity_m[j], by_m[j]);
+            self.velocity_m[j] = if v.abs() <= by {
                 0.0
             } else {
-                v - by_m.copysign(v)
+                v - by.copysign(v)
             };
             self.command_m[j] += self.velocity_m[j];
         }

@@ -18,6 +18,7 @@ pub fn refitted(base: &Base, theta: &[f64; 4]) -> Vec<Refitted> {
             value: theta[f.index],
             declared: base.values[f.index],
             tolerance: f.tolerance,
+            ci90: [f64::NAN; 2],
         })
         .collect()
 }
@@ -49,7 +50,7 @@ pub fn notes(
         }
         Verdict::Unknown => notes.push(format!(
             "Something is missing in the {name} model ({:.4} {unit} rms beyond the noise), and no effect of the library \
-             explains enough of it; the model is left as it was.",
+             accounts for it; nothing is added to the model.",
             structured[0]
         )),
         _ => {}
@@ -154,6 +155,35 @@ pub fn one_change(answer: &ChannelAnswer, held: bool) -> Vec<String> {
     answer.effects.iter().filter_map(of).collect()
 }
 
+/// Sentences on what the one engine came to.
+pub fn engine(answer: &ChannelAnswer) -> Vec<String> {
+    let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
+    let unit = &answer.unit;
+    let said = match answer.verdict {
+        Verdict::None => format!(
+            "No law of the table and no parameter outside its tolerance is worth its price: what is left is {before:.4} {unit} \
+             rms."
+        ),
+        Verdict::Unknown => format!(
+            "What the declared model leaves ({before:.4} {unit} rms) has no name that is probable enough; the model is left as \
+             it was."
+        ),
+        _ => format!(
+            "With what was found the held-out error falls from {before:.4} to {after:.4} {unit} rms."
+        ),
+    };
+    let mut notes = vec![said];
+    if answer.verdict == Verdict::Ambiguous
+        && let Some(first) = answer.effects.first()
+    {
+        notes.push(
+            "These data do not tell which member of the set it is. The model has the first.".into(),
+        );
+        notes.push(experiment(first.name).to_owned());
+    }
+    notes
+}
+
 /// Sentences on what a joint search came to.
 pub fn joint_search(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<String> {
     let (before, after) = (answer.error_before.test_rms, answer.error_after.test_rms);
@@ -166,7 +196,7 @@ pub fn joint_search(answer: &ChannelAnswer, found: &SpecimenResult) -> Vec<Strin
         )),
         Verdict::Unknown => notes.push(format!(
             "What the declared specimen leaves ({before:.4} {unit} rms) has no name that can be vouched for on data that \
-             took no part; the model is left as it was."
+             took no part; nothing is added to the model."
         )),
         _ => notes.push(format!(
             "Beside the declared specimen, elements of free strength lower the held-out error from {before:.4} to \

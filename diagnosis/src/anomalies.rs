@@ -3,6 +3,7 @@
 use crate::criteria::records::{BACK, DEAD_S, FAR, FEWEST_OUTLIERS, FOLLOWS, LEAVES, MOVES, NEAR};
 use crate::model::Model;
 use crate::recording::{Recording, correlation, range};
+use crate::signals::{deviation, mean};
 
 /// What a unit is mistaken for another by, and how that is called.
 const UNITS: [(f64, &str); 4] = [
@@ -55,7 +56,10 @@ fn unit(
     if !ratio.is_finite() || correlation(input, output).abs() < FOLLOWS {
         return None;
     }
-    let near = |factor: f64| (ratio / factor - 1.0).abs() < NEAR;
+    // A unit is the same for small motions: what has cracked or yielded was as declared before.
+    let early = early_slope(input, output) / declared.abs();
+    let near =
+        |factor: f64| (ratio / factor - 1.0).abs() < NEAR && (early / factor - 1.0).abs() < EARLY;
     let (_, why) = UNITS.iter().find(|(f, _)| near(*f) || near(1.0 / f))?;
     Some(format!(
         "{}: {what} is {ratio:.4} times what the model says, and {why}. Are the columns in the units of their headers?",
@@ -63,7 +67,30 @@ fn unit(
     ))
 }
 
-/// Single samples that jump away and back: a loose contact, a lost packet.
+/// Share of its range that a motion's beginning goes through.
+const BEGINNING: f64 = 0.1;
+/// How near the slope there must be to a factor between two units: noise and friction are in it.
+const EARLY: f64 = 0.3;
+
+/// The slope of an output over its input up to where that has gone through its first tenth.
+fn early_slope(input: &[f64], output: &[f64]) -> f64 {
+    let far = BEGINNING * range(input);
+    let end = input.iter().position(|x| (x - input[0]).abs() > far);
+    let end = end.unwrap_or(input.len()).max(3);
+    let about = |x: &[f64]| {
+        let mean = mean(x);
+        x.iter().map(|x| x - mean).collect::<Vec<f64>>()
+    };
+    let [x, y] = [input, output].map(|s| about(&s[..end.min(s.len())]));
+    let square: f64 = x.iter().map(|x| x * x).sum();
+    let both: f64 = x.iter().zip(&y).map(|(x, y)| x * y).sum();
+    both.abs() / square.max(f64::MIN_POSITIVE)
+}
+
+/// A force stands near zero below this share of its rms.
+const NEAR_ZERO: f64 = 0.2;
+
+/// Single samples that jump away and back: a loose contact, a lost packet; of a force that passes zero there, a part that hits.
 fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
     let off = |i: usize| (x[i] - 0.5 * (x[i - 1] + x[i + 1])).abs();
     let mut usual: Vec<f64> = (1..x.len() - 1).map(off).collect();
@@ -80,6 +107,24 @@ fn spikes(r: &Recording, what: &str, unit: &str, x: &[f64]) -> Option<String> {
         return None;
     }
     let first = found[0];
+    let whole = deviation(x);
+    let mut sides: Vec<f64> = found
+        .iter()
+        .map(|i| 0.5 * (x[i - 1] + x[i + 1]).abs())
+        .collect();
+    let middle = sides.len() / 2;
+    let beside = *sides.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let passes_zero = |i: &usize| x[i - 1].abs().min(x[i + 1].abs()) < NEAR_ZERO * whole;
+    let often = found.iter().filter(|i| passes_zero(i)).count();
+    if what == "force" && beside < NEAR_ZERO * whole && 4 * often > 3 * found.len() {
+        return Some(format!(
+            "{}: the force jumps for one sample {} times, each time where it passes zero, the first at {:.3} s: that is where lost \
+             motion is crossed and a loose clevis, pin or joint hits. It is no dropout, and those samples are the evidence of it.",
+            r.name,
+            found.len(),
+            r.time_s[first]
+        ));
+    }
     let same = found.iter().all(|i| x[*i] == x[first]);
     let reads = if same {
         format!("read {} {unit}", x[first])
@@ -178,6 +223,17 @@ mod tests {
         );
         let pound = said(|r| scale(&mut r.force_n, 1.0 / 4.448));
         assert!(pound.len() == 1 && pound[0].contains("pound"), "{pound:?}");
+        // A column that has cracked: less of the stiffness, but not from the beginning on.
+        let cracked = said(|r| {
+            let mut largest = 0.0_f64;
+            let x = r.displacement_mm.clone().unwrap();
+            let force = x.iter().map(|x| {
+                largest = largest.max((x - 4.0).abs());
+                101.0 * (x - 4.0) / (1.0 + largest / 4.0)
+            });
+            r.force_n = Some(force.collect());
+        });
+        assert_eq!(cracked, Vec::<String>::new());
         // Another specimen, not another unit.
         assert_eq!(said(|r| scale(&mut r.force_n, 1.7)), Vec::<String>::new());
     }
@@ -219,6 +275,31 @@ mod tests {
             r.force_n = Some((0..10_000).map(|i| 101.0 * saw(i)).collect());
         });
         assert_eq!(turns, Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_loose_clevis_that_hits_is_no_dropout() {
+        let hits = said(|r| {
+            let f = r.force_n.as_mut().unwrap();
+            let crossings: Vec<usize> = (1..f.len() - 1)
+                .filter(|i| f[i - 1] < 0.0 && f[*i] >= 0.0)
+                .collect();
+            crossings.iter().for_each(|i| f[*i] += 700.0);
+        });
+        assert!(
+            hits.len() == 1 && hits[0].contains("loose clevis"),
+            "{hits:?}"
+        );
+        assert!(!hits[0].contains("leave them out"));
+        // Samples that drop out anywhere are dropouts.
+        let dropped = said(|r| {
+            let f = r.force_n.as_mut().unwrap();
+            (0..40).for_each(|i| f[517 + 211 * i] += 700.0);
+        });
+        assert!(
+            dropped.iter().any(|s| s.contains("dropouts")),
+            "{dropped:?}"
+        );
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub struct FoundEffect {
     /// Expected share of false names among all names given with this confidence or more; none in a set, whose members
     /// have probabilities.
     pub q: Option<f64>,
+    /// How probable it is that the rig has it: `1 - q` of a name, of the preferred member of a set its share.
+    pub p: Option<f64>,
     /// What `q` was read off.
     pub certificate: Option<Certificate>,
     /// Its parameters.
@@ -79,6 +81,7 @@ impl FoundEffect {
             name,
             family: name.entry().family,
             q: None,
+            p: None,
             certificate: None,
             parameters: parameters.into_iter().map(parameter).collect(),
         }
@@ -103,6 +106,7 @@ pub struct Member {
     /// Its name.
     pub name: Effect,
     /// How probable it is that this one is in the rig.
+    #[serde(rename = "p")]
     pub probability: f64,
 }
 
@@ -202,6 +206,8 @@ pub struct Refitted {
     pub declared: f64,
     /// One declared tolerance.
     pub tolerance: f64,
+    /// 90 % interval of the value, from the record and the tolerance together.
+    pub ci90: [f64; 2],
 }
 
 impl Refitted {
@@ -292,13 +298,17 @@ pub struct ChannelAnswer {
     pub alternatives: Vec<Effect>,
     /// Where it is ambiguous, how probable each member of the set is, the preferred one first.
     pub members: Vec<Member>,
+    /// How probable it is that something is missing that has no name here; none where there is no verdict.
+    pub unnamed: Option<f64>,
     /// What comes nearest, where nothing is near enough.
     pub nearest: Option<Nearest>,
     /// rms of the noise.
     pub noise_floor_rms: f64,
     /// Unit of the channel.
     pub unit: String,
-    /// Errors of the declared model.
+    /// Errors of the model as declared, nothing moved.
+    pub error_declared: Errors,
+    /// Errors of the declared model, its parameters at their best inside their tolerances.
     pub error_before: Errors,
     /// Errors of the improved one.
     pub error_after: Errors,
@@ -323,4 +333,8 @@ pub struct ChannelAnswer {
     /// Held-out data, for pictures.
     #[serde(skip)]
     pub traces: Traces,
+    /// What the answer's model leaves of training and held-out data, record by record; a record's first samples may not be
+    /// looked at.
+    #[serde(skip)]
+    pub(crate) residuals: [Vec<Vec<f64>>; 2],
 }

@@ -55,7 +55,7 @@ impl Base {
                     tolerance: tolerance(index),
                 })
                 .collect(),
-            known: effects.to_vec(),
+            known: effects.iter().filter(|e| e.enabled).cloned().collect(),
             elements: elements.to_vec(),
         })
     }

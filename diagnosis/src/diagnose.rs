@@ -1,33 +1,36 @@
 //! From a model and records to an answer.
 
 mod actuator_search;
+mod by_engine;
 mod channel;
 mod corners;
 mod curve;
 mod found;
 mod held_out;
+mod hum;
+mod noise_floor;
 mod obstacle;
+mod refit;
 mod residual;
 mod specimen_search;
 mod unassessed;
 
 use crate::answer::*;
 use crate::base::Base;
-use crate::criteria::single::{IN_STEPS, KNOWN, WITHIN};
-use crate::criteria::{ACCOUNTS, BLOCKS, JOINT_LEAVES, LOUD_REST, NOISE, REACH, SAME_NAME_LEAVES};
+use crate::criteria::single::KNOWN;
+use crate::criteria::{ACCOUNTS, BLOCKS, JOINT_LEAVES, NOISE, REACH, SAME_NAME_LEAVES};
+use crate::engine::Engine;
 use crate::explain::{Explanation, explain};
 use crate::fit::{Solution, settle};
 use crate::known_actuator::KnownActuator;
 use crate::model::Model;
-use crate::noise::hum::without_hum;
 use crate::noise::{Noise, NoiseSource};
 use crate::problem::{FittedEffect, Problem};
-use crate::recording::{Recording, range};
+use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::{end_of, rms};
+use crate::signals::rms;
 use crate::{
-    advice, anomalies, converter_step, input, interpretation, joint, noise, plausible, remainder,
-    rest, spectrum, wear,
+    advice, anomalies, input, interpretation, joint, plausible, remainder, rest, spectrum, wear,
 };
 use channel::ChannelDiagnosis;
 use plant::{Channel, Effect, Family};
@@ -59,6 +62,20 @@ pub fn diagnose(
     test: &[Recording],
     rest: &[Recording],
 ) -> Result<Diagnosis, Refusal> {
+    diagnose_by(Engine::default(), model, train, test, rest)
+}
+
+/// The same by one of the engines.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_by(
+    engine: Engine,
+    model: &Model,
+    train: &[Recording],
+    test: &[Recording],
+    rest: &[Recording],
+) -> Result<Diagnosis, Refusal> {
     let begin = Instant::now();
     model.check()?;
     if model.coupled.is_some() {
@@ -76,6 +93,7 @@ pub fn diagnose(
     let mut known_actuator = None;
     for base in Channel::ALL.iter().filter_map(|c| Base::of(model, *c)) {
         let channel = ChannelDiagnosis {
+            engine,
             base,
             train,
             test,
@@ -87,13 +105,18 @@ pub fn diagnose(
         channel.excuse_corners(&mut answer);
         actuator_search::limit_floor(&mut answer, f64::INFINITY);
         channel.add_rounded_rival(&mut answer);
-        channel.note_lines(&mut answer);
+        let lines = channel.lines_in_place_of_noise(&mut answer);
+        channel.analyse_residual(&mut answer, lines);
         channel.note_disturbances(&mut answer);
         channel.note_low_coherence(&mut answer);
+        channel.note_moving_rest(&mut answer);
         let mut deficiencies = input::deficiencies(&channel.base, train);
         deficiencies.extend(input::damages(&answer, train));
         deficiencies.extend(wear::deficiency(&answer, train));
         input::widen(&mut answer, &deficiencies);
+        refit::state_probabilities(&mut answer);
+        channel.state_refit(&mut answer, &mut improved);
+        channel.save_nearest(&answer, &mut improved);
         channels.push(answer);
         let known = found.map(|solution| KnownActuator {
             cutoff_hz: channel.cutoff_hz(),
@@ -141,6 +164,7 @@ impl ChannelDiagnosis<'_> {
             effects: Vec::new(),
             alternatives: Vec::new(),
             members: Vec::new(),
+            unnamed: None,
             nearest: None,
             noise_floor_rms: 0.0,
             unit: if self.base.channel == Channel::Actuator {
@@ -149,6 +173,7 @@ impl ChannelDiagnosis<'_> {
                 "N"
             }
             .into(),
+            error_declared: Errors::default(),
             error_before: Errors::default(),
             error_after: Errors::default(),
             improvement_ci90: [0.0; 2],
@@ -160,6 +185,7 @@ impl ChannelDiagnosis<'_> {
             tried: Vec::new(),
             refitted: Vec::new(),
             traces: Traces::default(),
+            residuals: Default::default(),
         }
     }
 
@@ -173,7 +199,11 @@ impl ChannelDiagnosis<'_> {
     /// As [`assess`](Self::assess), unless a rail of the output passes for another effect there.
     fn judge(&self, improved: &mut Model) -> (ChannelAnswer, Option<Solution>) {
         let mut with = improved.clone();
-        let (answer, found) = self.assess(&mut with);
+        let (mut answer, mut found) = self.assess(&mut with);
+        let mut quiet = improved.clone();
+        if let Some(beside) = self.beside_hum(&answer, &mut quiet) {
+            (answer, found, with) = (beside, None, quiet);
+        }
         if let Some(why) = self.rail(&answer) {
             return (self.not_assessed(why), None);
         }
@@ -192,6 +222,12 @@ impl ChannelDiagnosis<'_> {
         };
         let noise = self.noise(cutoff_hz);
         let specimen = self.base.channel == Channel::Specimen;
+        if specimen
+            && self.engine == Engine::One
+            && let Some(answer) = self.specimen_by_engine(improved)
+        {
+            return (answer, None);
+        }
         // Where nothing tells how near an effect is to the noise, rivals have to.
         // Repeats tell it, but a motion that repeats itself is poor: everything that it brings about repeats, too.
         let told = |n: &Noise| n.from == NoiseSource::Rest;
@@ -346,154 +382,5 @@ impl ChannelDiagnosis<'_> {
             return whole;
         }
         (votes.iter().sum::<f64>() / votes.len() as f64).exp()
-    }
-
-    /// Where the displacement ends and its noise begins.
-    fn cutoff_hz(&self) -> f64 {
-        let r = &self.train[0];
-        let Some(x) = &r.displacement_mm else {
-            return 0.0;
-        };
-        let h = r.interval_s();
-        let x = &without_hum(x, r);
-        let noise = match rest::spans(r).first() {
-            Some(&(a, b)) => Noise::at_rest(&[x[a..b].to_vec()], h, 0.0).rms,
-            None => 1e-3 * range(x),
-        };
-        let steps = converter_step::step(x).unwrap_or(0.0) / 12.0_f64.sqrt();
-        spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
-    }
-
-    /// The noise floor: from rest, else from the difference of one period to the next, else from above the motion.
-    fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
-        let least = self
-            .output_step()
-            .hypot(self.step_in_force_with_derivatives(cutoff_hz))
-            / 12.0_f64.sqrt();
-        let residuals = |records: &[Recording]| {
-            let problem = self.problem(records, cutoff_hz)?;
-            Some(problem.residuals(&[], &problem.scales))
-        };
-        let h = self.train[0].interval_s();
-        let given = residuals(self.rest).filter(|_| !self.rest.is_empty());
-        let mut segments = given.unwrap_or_default();
-        if segments.is_empty() {
-            for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
-                // Its first samples may not be looked at.
-                let skipped = r.time_s.len() - residual.len();
-                let spans = rest::spans(r).into_iter().filter(|s| s.1 > skipped);
-                segments.extend(
-                    spans.map(|(a, b)| residual[a.saturating_sub(skipped)..b - skipped].to_vec()),
-                );
-            }
-        }
-        let moving = residuals(self.train)?;
-        if !segments.is_empty() {
-            let noise = Noise::at_rest(&segments, h, least);
-            if !self.rest.is_empty() || !self.is_louder_than_the_motion(&noise, &moving) {
-                return Some(noise);
-            }
-            segments.clear();
-        }
-        for (r, residual) in self.train.iter().zip(&moving) {
-            let input = end_of(self.input_of(r)?, residual.len());
-            if let Some(motion) = rest::periodic(input) {
-                let before = |i: usize| residual[i - motion.period];
-                let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
-                let mut changes: Vec<f64> = (motion.from..motion.end).map(change).collect();
-                // A tone that keeps another time than the motion is no noise.
-                let tones = remainder::lines(&changes, &vec![0.0; changes.len()], h);
-                let square = rms(std::slice::from_ref(&changes)).powi(2);
-                let held = tones.iter().map(|l| l.rms * l.rms).sum::<f64>() / square;
-                let by = (1.0 - held.min(1.0)).max(1e-6).sqrt();
-                changes.iter_mut().for_each(|c| *c *= by);
-                segments.extend(rest::quiet(&changes, motion.period));
-            }
-        }
-        if !segments.is_empty() {
-            return Some(Noise::at_rest(&segments, h, least).with_source(NoiseSource::Repeats));
-        }
-        // The displacement moves as a whole in both channels; a command may jitter far above it.
-        let moves = self.train.iter().zip(&moving);
-        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
-        let inputs: Option<Vec<&[f64]>> = moves.collect();
-        // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
-        let least = least.max(1e-6 * rms(&moving));
-        Noise::without_rest(&moving, &inputs?, h, least)
-    }
-
-    /// The output's own noise in what a model leaves of the training data, at quiet times and above `free_hz`, rms: the better
-    /// the model, the less else is in it.
-    fn own_noise(&self, left: &[Vec<f64>], free_hz: f64) -> Option<f64> {
-        let moves = self.train.iter().zip(left);
-        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
-        let inputs: Option<Vec<&[f64]>> = moves.collect();
-        let rms = noise::at_quiet_times(left, &inputs?, self.train[0].interval_s(), free_hz)?;
-        Some(rms.max(self.output_step() / 12.0_f64.sqrt()))
-    }
-
-    /// Whether what was taken for a rest, since the input stands still there, is more than samples of the same motion differ
-    /// by: a pause in which something else moves.
-    fn is_louder_than_the_motion(&self, noise: &Noise, moving: &[Vec<f64>]) -> bool {
-        let longest = (0..moving.len()).max_by_key(|i| moving[*i].len());
-        longest.is_some_and(|i| {
-            let r = &self.train[i];
-            let x = r.displacement_mm.as_ref();
-            let most = x.and_then(|x| {
-                let x = end_of(x, moving[i].len());
-                noise::neighbours::rms(&moving[i], x, r.interval_s())
-            });
-            most.is_some_and(|most| noise.rms > LOUD_REST * most)
-        })
-    }
-
-    /// The converter's step in the output, where it shows.
-    fn output_step(&self) -> f64 {
-        let steps = self.train.iter();
-        steps
-            .filter_map(|r| converter_step::step(self.target_of(r)?))
-            .fold(0.0, f64::max)
-    }
-
-    /// What the converter's step in the displacement makes of the force, N; in the actuator the command has none.
-    fn step_in_force(&self) -> f64 {
-        if self.base.channel == Channel::Actuator {
-            return 0.0;
-        }
-        let steps = self
-            .train
-            .iter()
-            .filter_map(|r| converter_step::step(self.input_of(r)?));
-        self.base.values[0].abs() * steps.fold(0.0, f64::max)
-    }
-
-    /// The same with what damping and mass make of the step's derivatives below a cut-off: a rest on one level of the
-    /// converter does not show it.
-    fn step_in_force_with_derivatives(&self, cutoff_hz: f64) -> f64 {
-        let stiff = self.step_in_force();
-        let [k, c, m, _] = self.base.values;
-        if stiff == 0.0 || k == 0.0 {
-            return stiff;
-        }
-        let step = stiff / k.abs();
-        // White noise below a share of half the rate: its n-th derivative has omega^2n / (2 n + 1) of the power.
-        let share = (2.0 * cutoff_hz * self.train[0].interval_s()).min(1.0);
-        let omega = std::f64::consts::TAU * cutoff_hz;
-        let speed = step * omega * (share / 3.0).sqrt();
-        let acceleration = step * omega * omega * (share / 5.0).sqrt();
-        stiff.hypot(c * speed).hypot(1e-3 * m * acceleration)
-    }
-
-    /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
-    /// nothing else can be seen.
-    fn is_quantisation_only(&self, settled: &Solution, noise: &Noise) -> bool {
-        let steps = self.output_step() + self.step_in_force();
-        if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
-            return false;
-        }
-        let residuals = settled.problem.residuals(&[], &settled.problem.scales);
-        let all: Vec<f64> = residuals.concat();
-        let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
-        (beyond as f64) < 0.01 * all.len() as f64
     }
 }

@@ -56,7 +56,9 @@ pub fn improve(base: &Base, s: &Solution, effects: &[FoundEffect], improved: &mu
     let Some((places, effects)) = improved.channel_mut(base.channel) else {
         return;
     };
-    *effects = known;
+    // What is switched off stays so.
+    effects.retain(|e| !e.enabled);
+    effects.extend(known);
     for (i, place) in places.into_iter().enumerate() {
         if let Some(tolerance) = tolerances[i] {
             *place = Some(Declared {

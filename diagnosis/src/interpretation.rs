@@ -135,6 +135,7 @@ mod tests {
             name,
             family: name.entry().family,
             q: None,
+            p: None,
             certificate: None,
             parameters: parameters.iter().map(parameter).collect(),
         }

@@ -19,9 +19,11 @@ mod criteria;
 mod declared;
 mod diagnose;
 mod drivetrain;
+mod engine;
 mod expected_error;
 mod explain;
 mod fit;
+mod hunting;
 mod identify;
 mod improved;
 mod input;
@@ -62,10 +64,12 @@ pub use coupled::{
     CoupledVerdict, MATRICES, WrongEntry, diagnose_coupled,
 };
 pub use declared::Declared;
-pub use diagnose::{Diagnosis, diagnose};
+pub use diagnose::{Diagnosis, diagnose, diagnose_by};
+pub use engine::Engine;
 pub use identify::{Identified, identify};
 pub use model::{ActuatorModel, ForceUnit, Model, RigLimits, SpecimenModel};
 pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLimits, next};
 pub use recording::{FEWEST_SAMPLES, Recording};
 pub use refusal::Refusal;
 pub use saved_element::SavedElement;
+pub use stamps::{gaps, usual_interval_s};

@@ -19,6 +19,13 @@ fn check_effect(channel: Channel, effect: &EffectSpec) -> Result<(), Refusal> {
              without it: leave it out"
         )));
     }
+    if !effect.is_of_the_whole_test() || effect.frozen {
+        return Err(Refusal::new(format!(
+            "{place}: from_s, sensor and frozen of {} are refused: accepted is what acts from the start; they are keys of a \
+             simulated rig, plant.effects",
+            effect.name
+        )));
+    }
     if !library::candidates(channel)
         .iter()
         .any(|c| c.effect == effect.name)
@@ -119,13 +126,13 @@ impl ForceUnit {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenModel {
-    /// What the N in the names of the parameters are.
+    /// What the N in the names of the parameters are: newtons, or 1 for a recorded force without a unit.
     #[serde(default, skip_serializing_if = "ForceUnit::is_newton")]
     pub force_unit: ForceUnit,
-    /// Stiffness, N/mm.
+    /// Stiffness, N/mm; `structure.stiffness_n_per_m` of a test file is in N/m: 158 N/mm are 158000 N/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness_n_per_mm: Option<Declared>,
-    /// Viscous damping, N s/mm.
+    /// Viscous damping, N s/mm: 1 N s/mm is 1000 N s/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping_n_s_per_mm: Option<Declared>,
     /// Mass that hangs on the load cell, kg.
@@ -184,7 +191,8 @@ impl RigLimits {
     }
 }
 
-/// The declared model; a channel that is left out is not looked at.
+/// The declared model; a channel that is left out is not looked at. A file of its own, as `diagnose --model` takes it, has the same
+/// tables without `declared.`; `outerloop new --model FILE` writes one with every key explained.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {

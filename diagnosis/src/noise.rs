@@ -118,6 +118,22 @@ impl Noise {
         Some(Self::at_rest(&[sample], interval_s, least_rms).with_source(from))
     }
 
+    /// Variance of means of so many samples of the record.
+    pub fn variance_of_means(&self, of: usize) -> f64 {
+        let whole = self.rms * self.rms;
+        if of <= 1 {
+            return whole;
+        }
+        let more = (of as f64 / self.every as f64).round().max(1.0) as usize;
+        let means: Vec<Vec<f64>> = self.at_rest.iter().map(|s| averaged(s, more)).collect();
+        let own = rms(&means).powi(2);
+        // Between two rates the variance of means is a power of their number.
+        let known = (self.every * more) as f64;
+        let exponent = (own / whole).ln() / known.ln().max(f64::MIN_POSITIVE);
+        let at = whole * (of as f64).powf(exponent.clamp(-1.0, 0.0));
+        if own > 0.0 && known > 1.0 { at } else { whole }
+    }
+
     /// The same noise, told by something else than a rest.
     pub fn with_source(self, from: NoiseSource) -> Self {
         Self { from, ..self }

@@ -27,8 +27,10 @@ type Column = fn(&Recording) -> &Option<Vec<f64>>;
 
 /// The shortest record that is judged, samples.
 pub const FEWEST_SAMPLES: usize = 50;
-/// A distance between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds.
+/// Distances between samples that a rig's logger hardly has, s: milliseconds under a header that says seconds, and the other
+/// way round.
 const SLOW_S: f64 = 0.5;
+const FAST_S: f64 = 1.9e-5;
 
 impl Recording {
     /// The sampling interval, s.
@@ -114,13 +116,27 @@ impl Recording {
             ));
         }
         self.before = self.even_before(h);
+        // Of a part that was even already it has been said.
+        let question = self.odd_rate().filter(|q| !self.remarks.contains(q));
+        self.remarks.extend(question);
+        Ok(self)
+    }
+
+    /// What to ask where the samples come at a rate that a rig's logger hardly has.
+    pub fn odd_rate(&self) -> Option<String> {
+        let (name, h) = (&self.name, self.interval_s());
         if h >= SLOW_S {
-            self.remarks.push(format!(
-                "{}: samples lie {h:.4} s apart. Is the time in milliseconds? Then its column is time_ms.",
-                self.name
+            return Some(format!(
+                "{name}: samples lie {h:.4} s apart. Is the time in milliseconds? Then its column is time_ms."
             ));
         }
-        Ok(self)
+        (h <= FAST_S).then(|| {
+            format!(
+                "{name}: samples lie {:.3e} s apart, {:.3e} a second. Is the time in seconds? Then its column is time_s.",
+                h,
+                1.0 / h
+            )
+        })
     }
 
     /// What lies before on the grid of these samples, from the last gap or step backward on.
@@ -440,6 +456,10 @@ mod tests {
         r.time_s.iter_mut().for_each(|t| *t *= 1e3);
         let r = r.made_even().unwrap();
         assert!(r.remarks[0].contains("Is the time in milliseconds?"));
+        let mut r = even(1000);
+        r.time_s.iter_mut().for_each(|t| *t *= 1e-3);
+        let r = r.made_even().unwrap();
+        assert!(r.remarks[0].contains("Is the time in seconds?"));
     }
 
     #[test]

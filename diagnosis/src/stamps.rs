@@ -6,6 +6,11 @@ use crate::refusal::Refusal;
 const JITTER: f64 = 0.05;
 /// Samples over which the number of digits is read off.
 const BLOCK: usize = 100;
+/// So many rows in a row may be missing and are no gap: a logger that is late now and then. They lie on the line between their
+/// neighbours, which is said with the grid.
+const BRIDGED: f64 = 20.0;
+/// Share of the steps by which their scatter is judged.
+const MOST_REGULAR: f64 = 0.9;
 /// A gap is longer than so many mean intervals and than this share of the record.
 const GAP: (f64, f64) = (20.0, 0.05);
 
@@ -34,6 +39,46 @@ pub fn backward_at(time_s: &[f64]) -> Option<usize> {
         .windows(2)
         .position(|pair| !later(pair))
         .map(|i| i + 1)
+}
+
+/// The samples before which rows are missing: steps that are longer than the usual one by more than their own scatter, and
+/// by more than the digits that time is written with can make of an even one. Up to twenty rows that are missing are no gap.
+/// Empty where time is even.
+pub fn gaps(time_s: &[f64]) -> Vec<usize> {
+    if time_s.len() < 2 || uneven_at(time_s).is_none() {
+        return Vec::new();
+    }
+    let coarse = (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| {
+        time_s
+            .iter()
+            .all(|t| (t / u - (t / u).round()).abs() < 1e-6)
+    });
+    let usual = usual_interval_s(time_s);
+    let mut apart: Vec<f64> = time_s
+        .windows(2)
+        .map(|t| (t[1] - t[0] - usual).abs())
+        .collect();
+    let most = (MOST_REGULAR * (apart.len() - 1) as f64) as usize;
+    let scatter = *apart.select_nth_unstable_by(most, f64::total_cmp).1;
+    let doubt = (BRIDGED * usual).max(1.1 * coarse.unwrap_or(0.0));
+    let limit = usual + doubt.max(4.0 * scatter);
+    let long = time_s
+        .windows(2)
+        .enumerate()
+        .filter(|(_, t)| t[1] - t[0] > limit);
+    long.map(|(i, _)| i + 1).collect()
+}
+
+/// The usual distance of two samples, s: the median, which missing rows do not change.
+pub fn usual_interval_s(time_s: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
+    let middle = steps.len() / 2;
+    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
+    match *median {
+        // Times of few digits stand still for some samples and then take a step of the last digit.
+        median if median > 0.0 => median,
+        _ => interval_s(time_s),
+    }
 }
 
 /// Where nothing was recorded for too long to be bridged: the sample after it.
@@ -136,6 +181,24 @@ mod tests {
         assert_eq!(uneven_at(&time_s), None);
         time_s[2000] += 0.01;
         assert!(uneven_at(&time_s).is_some());
+    }
+
+    #[test]
+    fn missing_rows_are_found_in_even_rounded_and_scattered_time() {
+        let lost = |i: &usize| !(500..700).contains(i) && *i != 1500;
+        let rows = || (0..3000).filter(lost);
+        let even: Vec<f64> = rows().map(|i| i as f64 * 1.003e-3).collect();
+        assert_eq!(gaps(&even), [500], "a single row is bridged");
+        assert!((usual_interval_s(&even) - 1.003e-3).abs() < 1e-12);
+        // 970 Hz in milliseconds takes two of them now and then.
+        let rounded: Vec<f64> = rows().map(|i| (i as f64 / 0.97).round() * 1e-3).collect();
+        assert_eq!(gaps(&rounded), [500]);
+        let scattered: Vec<f64> = rows()
+            .map(|i| 1e-3 * (i as f64 + 0.4 * (i as f64 * 1.7).sin()))
+            .collect();
+        assert_eq!(gaps(&scattered), [500]);
+        let whole: Vec<f64> = (0..3000).map(|i| f64::from(i) * 1e-3).collect();
+        assert!(gaps(&whole).is_empty());
     }
 
     #[test]

@@ -64,6 +64,9 @@ pub struct Laboratory {
     /// Where each actuator stands while the rig is blocked, m, and how fast it sinks then, m/s.
     stands_at_m: [f64; MAX_ACTUATORS],
     sinks_m_per_s: f64,
+    /// Where the valve of each has let its actuator go, m, and how fast it lets it, m/s.
+    spool_m: [f64; MAX_ACTUATORS],
+    valve_m_per_s: f64,
     /// The actuator whose sensors and servo go wrong.
     victim: usize,
     /// Where the first one was in the last two steps, m.
@@ -106,6 +109,8 @@ impl Laboratory {
             servos: Default::default(),
             stands_at_m: [0.0; MAX_ACTUATORS],
             sinks_m_per_s: 0.0,
+            spool_m: [0.0; MAX_ACTUATORS],
+            valve_m_per_s: f64::INFINITY,
             victim: 0,
             was_at_m: [0.0; 2],
             last_trigger_ns: 0,
@@ -161,6 +166,12 @@ impl Laboratory {
     /// With a rig that sinks while nothing permits it to move, m/s, to six tenths of its stroke.
     pub fn sinking(mut self, m_per_s: f64) -> Self {
         self.sinks_m_per_s = m_per_s;
+        self
+    }
+
+    /// With valves that let their actuators go no faster than this, m/s.
+    pub fn with_valves(mut self, m_per_s: f64) -> Self {
+        self.valve_m_per_s = m_per_s;
         self
     }
 

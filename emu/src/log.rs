@@ -25,6 +25,46 @@ pub enum InjectedFault {
     Chain(Contact),
     /// An external output converter stays where it is, whatever is commanded.
     DeadOutput,
+    /// The supply of the external output converter goes and comes back: it is as after power-up. The chip's own: its channel
+    /// is switched off.
+    OutputDips,
+    /// The supply of the external input converter goes and comes back: nobody resets it again.
+    InputDips,
+    /// The data line of the external input converter is stuck, high or low.
+    StuckData {
+        /// Its level.
+        high: bool,
+    },
+    /// A word of the external input converter comes after its frame was given up.
+    LateWord,
+    /// The displacement transducer is dead, and the converter has its noise: its middle code, one more, one less.
+    DeadSensor,
+    /// The displacement transducer stands where it is, and the converter has its noise.
+    StandingSensor,
+    /// The load cell is dead, and the converter has its noise.
+    DeadForce,
+    /// The load cell stands where it is.
+    FrozenForce,
+    /// The load cell's wire breaks: the converter stands at its upper end.
+    ForceAtRail,
+    /// The load cell's polarity turns over.
+    ReversedForce,
+    /// The displacement transducer slips by so many micrometres.
+    Slip {
+        /// Micrometres.
+        um: i32,
+    },
+    /// The displacement reads so many hundredths of what it is.
+    ReadingGain {
+        /// Hundredths.
+        percent: u32,
+    },
+    /// The second displacement is dead.
+    DeadSecondSensor,
+    /// The known voltage on the external input converter's spare input is gone.
+    NoKnownVoltage,
+    /// The wire that reads the command back is broken.
+    ReadBackOpen,
     /// The servo valve sticks: the rig stays where it is, whatever is commanded.
     DeadValve,
     /// The servo goes to so many hundredths of where it is sent, by and by within 100 control steps.
@@ -43,7 +83,7 @@ pub enum InjectedFault {
     Drill(u32),
 }
 
-/// A fault, and for how long PERMIT has been high when it comes.
+/// A fault, and for how long PERMIT has been high when it comes: with 0 it is there from the first sample on.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedFault {
     /// Control steps with PERMIT high.
@@ -86,4 +126,6 @@ pub struct Log {
     pub other_pins: Vec<[Option<u16>; MAX_ACTUATORS - 1]>,
     /// Where the first actuator stood, period by period, m.
     pub position_m: Vec<f64>,
+    /// PERMIT's level, period by period.
+    pub permitted: Vec<bool>,
 }

@@ -3,6 +3,7 @@
 
 use experiment::Experiment;
 use experiment::bench::Played;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
 use experiment::files::signal::SignalPoints;
@@ -14,7 +15,7 @@ use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, Trajectory, calibrate};
 use outerloop_cli::improve::{Improvement, ImprovementOutcome, TestSite};
 use outerloop_cli::terminal::Progress;
-use outerloop_core::{Config, Method};
+use outerloop_core::Config;
 use plant::RigSpec;
 use std::cell::{Cell, RefCell};
 use std::path::Path;
@@ -54,7 +55,7 @@ struct Boards {
 struct Reference {
     config: Config,
     rig: RigSpec,
-    method: Method,
+    compensation: Compensation,
     ideal: Response,
     seed: u64,
     run: JudgedRun,
@@ -81,7 +82,7 @@ fn board(
 /// The same test on the rig without the effect, on a board of its own.
 fn reference(
     experiment: &Experiment,
-    method: Method,
+    compensation: Compensation,
     ideal: &Response,
     seed: u64,
 ) -> Result<JudgedRun, Failure> {
@@ -89,17 +90,17 @@ fn reference(
     let mut references = REFERENCES.lock().unwrap_or_else(PoisonError::into_inner);
     let same = |r: &&Reference| {
         let of_test = (&r.config, &r.rig) == (&test.config, &test.plant);
-        of_test && (r.method, &r.ideal, r.seed) == (method, ideal, seed)
+        of_test && (r.compensation, &r.ideal, r.seed) == (compensation, ideal, seed)
     };
     if let Some(known) = references.iter().find(same) {
         return Ok(known.run.clone());
     }
     let bench = board(experiment, ideal, seed)?;
-    let run = experiment.run_on(&bench, method, ideal, false, None::<Trace>)?;
+    let run = experiment.run_on(&bench, compensation, ideal, false, None::<Trace>)?;
     references.push(Reference {
         config: test.config.clone(),
         rig: test.plant.clone(),
-        method,
+        compensation,
         ideal: ideal.clone(),
         seed,
         run: run.clone(),
@@ -111,12 +112,13 @@ impl TestSite for Boards {
     fn run(
         &self,
         experiment: &Experiment,
-        method: Method,
+        compensation: impl Into<Compensation>,
         ideal: &Response,
         seed: u64,
         keep: bool,
         observer: impl TestObserver,
     ) -> Result<JudgedRun, Failure> {
+        let compensation = compensation.into();
         let rig = &experiment.test.plant;
         let mut first = self.first.borrow_mut();
         let (theirs, bench) = match first.take() {
@@ -125,9 +127,9 @@ impl TestSite for Boards {
         };
         if theirs != rig {
             self.others.set(self.others.get() + 1);
-            return reference(experiment, method, ideal, seed);
+            return reference(experiment, compensation, ideal, seed);
         }
-        experiment.run_on(bench, method, ideal, keep, observer)
+        experiment.run_on(bench, compensation, ideal, keep, observer)
     }
 
     fn play(&self, test: &TestFile, signal: &SignalPoints, _: u64) -> Result<Played, Failure> {

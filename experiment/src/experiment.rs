@@ -1,17 +1,21 @@
 //! A test on a ground motion: how strong, how long, on which bench, and the ideal that it is compared with.
 
 use crate::bench::ideal;
-use crate::bench::interface::with_floors;
 use crate::bench::interface::{Bench, Ending, PreparedTest};
+use crate::coupled::ideal::response as coupled_response;
+use crate::coupled::part::CoupledPart;
+use crate::coupled::settings;
 use crate::failure::Failure;
 use crate::files::ground_motion::GroundMotionFile;
 use crate::files::test::{Excitation, TestFile};
+use crate::floors::with_floors;
 use crate::memory;
 use crate::numbers::{percent, si, three};
-use crate::stability::rig::Variation;
+use crate::stability::variation::Variation;
 use crate::trace::{Response, TestObserver};
-use outerloop_core::{Config, Design, GroundMotion, Method, Structure, config::Filter};
+use outerloop_core::{Config, Design, GroundMotion, Method, Rig, Structure, config::Filter};
 use plant::RigSpec;
+use plant::coupled::CoupledRigSpec;
 use std::f64::consts::TAU;
 
 /// A test and what shakes it.
@@ -162,11 +166,22 @@ impl Experiment {
         let Some(peak_mm) = wanted.peak_response_mm else {
             return Ok(wanted.scale);
         };
-        let mut rig = self.test.plant.ideal();
-        rig.specimen = rig.specimen.elastic();
-        let peaks = self.response(&rig)?.peaks_m();
+        let peak_m = match &self.test.coupled {
+            None => {
+                let mut rig = self.test.plant.ideal();
+                rig.specimen = rig.specimen.elastic();
+                let peaks = self.response(&rig)?.peaks_m();
+                peaks.into_iter().fold(0.0, f64::max)
+            }
+            // Of x: the others have units of their own.
+            Some(part) => {
+                let mut rig = part.rig.clone();
+                rig.specimen.springs.clear();
+                self.on_coupled_rig(rig)?.ideal()?.peaks_m()[0]
+            }
+        };
         // Linear, without noise: the peak is proportional to the factor.
-        Ok(peak_mm * 1e-3 / peaks.into_iter().fold(0.0, f64::max))
+        Ok(peak_mm * 1e-3 / peak_m)
     }
 
     /// The same integration with an ideal actuator and ideal sensors, without compensation, filter or limits: what
@@ -175,7 +190,28 @@ impl Experiment {
     /// # Errors
     /// A parameter that is refused, with its name and value.
     pub fn ideal(&self) -> Result<Response, Failure> {
-        self.response(&self.test.plant.ideal())
+        let Some(part) = &self.test.coupled else {
+            return self.response(&self.test.plant.ideal());
+        };
+        self.check_memory(self.response_bytes())?;
+        let config = &self.test.config;
+        let ground = self.ground(config)?;
+        let ideal = with_floors!(part.coordinates(), N => {
+            coupled_response::<N>(part, config, &ground, self.control_steps())
+        })?;
+        self.require_motion(&ideal)?;
+        Ok(ideal)
+    }
+
+    /// The same test of two coupled actuators on another rig.
+    ///
+    /// # Errors
+    /// A test of another kind.
+    pub fn on_coupled_rig(&self, rig: CoupledRigSpec) -> Result<Self, Failure> {
+        let declared = self.test.coupled_part()?.declared.clone();
+        let mut own = self.clone();
+        own.test.coupled = Some(Box::new(CoupledPart { declared, rig }));
+        Ok(own)
     }
 
     /// The ideals of tests that differ from this one in their rigs only, in turn: faster than one by one, with the same
@@ -208,19 +244,33 @@ impl Experiment {
             ideal::responses(rigs, &config, &design, &ground, self.control_steps())
         })?;
         for response in &responses {
-            let peaks = response.peaks_m();
-            if let Some(floor) = peaks.iter().position(|p| !(*p > 0.0 && p.is_finite())) {
-                return Err(Failure::input(format!(
-                    "{}: floor {} of the ideal structure moves by {} m in {} s: accepted are tests in which every floor \
-                     moves, by a finite displacement",
-                    self.record,
-                    floor + 1,
-                    peaks[floor],
-                    self.seconds
-                )));
-            }
+            self.require_motion(response)?;
         }
         Ok(responses)
+    }
+
+    /// That every floor, or coordinate, moves, and by a finite displacement.
+    fn require_motion(&self, ideal: &Response) -> Result<(), Failure> {
+        let peaks = ideal.peaks_m();
+        let Some(still) = peaks.iter().position(|p| !(*p > 0.0 && p.is_finite())) else {
+            return Ok(());
+        };
+        let (peak, seconds, record) = (peaks[still], self.seconds, &self.record);
+        let said = match &self.test.coupled {
+            None => format!(
+                "floor {} of the ideal structure moves by {peak} m in {seconds} s: accepted are tests in which every floor \
+                 moves",
+                still + 1
+            ),
+            Some(part) => format!(
+                "coordinate {} of the ideal structure moves by {peak} in {seconds} s: accepted are tests in which every \
+                 coordinate moves",
+                part.declared.structure.coordinates[still]
+            ),
+        };
+        Err(Failure::input(format!(
+            "{record}: {said}, by a finite displacement"
+        )))
     }
 
     /// Runs `config` on any bench.
@@ -236,21 +286,36 @@ impl Experiment {
         let ground = self.ground(config)?;
         let steps = self.control_steps();
         with_floors!(config.degrees_of_freedom(), N => {
-            let design = Design::<N>::new(config).map_err(Failure::input)?;
-            let assignment = PreparedTest {
-                config,
-                design,
-                ground,
-                points_m_per_s2: &self.acc_m_per_s2,
-                interval_s: self.interval_s,
-                steps,
+            let Some(part) = &self.test.coupled else {
+                let design = Design::<N>::new(config).map_err(Failure::input)?;
+                return bench.run(&self.prepared(config, design, ground, steps), observer);
             };
-            bench.run(&assignment, observer)
+            let kind = part.declared.compensation;
+            let settings = settings::of::<N>(&part.declared, config, kind)?;
+            let design = Design::coupled(&settings).map_err(Failure::input)?;
+            bench.run_coupled(part, &self.prepared(config, design, ground, steps), observer)
         })
     }
 
+    fn prepared<'a, const N: usize, R: Rig<N>>(
+        &'a self,
+        config: &'a Config,
+        design: Design<N, R>,
+        ground: GroundMotion<'a>,
+        steps: usize,
+    ) -> PreparedTest<'a, N, R> {
+        PreparedTest {
+            config,
+            design,
+            ground,
+            points_m_per_s2: &self.acc_m_per_s2,
+            interval_s: self.interval_s,
+            steps,
+        }
+    }
+
     /// What shakes the structure, step by step.
-    fn ground(&self, config: &Config) -> Result<GroundMotion<'_>, Failure> {
+    pub(crate) fn ground(&self, config: &Config) -> Result<GroundMotion<'_>, Failure> {
         let step_s = config.model_step_s();
         GroundMotion::new(&self.acc_m_per_s2, self.interval_s, step_s).ok_or_else(|| {
             Failure::input(format!(
@@ -317,6 +382,14 @@ impl Experiment {
         )
     }
 
+    /// How many of the coordinates, from the first, are displacements that can be compared: of two coupled actuators x alone.
+    pub fn floors_in_m(&self) -> usize {
+        match self.test.coupled {
+            None => self.test.config.degrees_of_freedom(),
+            Some(_) => 1,
+        }
+    }
+
     /// 1 / (2 M_1 omega_1): turns the C_cor of the first floor into a ratio of critical.
     pub fn per_critical(&self) -> f64 {
         // A configuration that was refused never comes here.
@@ -327,6 +400,9 @@ impl Experiment {
     /// Natural frequencies of the structure as it is declared, Hz, from the lowest; empty for a structure that is
     /// refused.
     pub fn natural_frequencies_hz(&self) -> Vec<f64> {
+        if let Some(part) = &self.test.coupled {
+            return settings::natural_frequencies_hz(&part.declared).unwrap_or_default();
+        }
         fn all<const N: usize>(config: &Config) -> Result<Vec<f64>, Failure> {
             let s = &config.structure;
             let list = |x: &[f64]| core::array::from_fn(|j| x.get(j).copied().unwrap_or(0.0));

@@ -1,5 +1,6 @@
 //! One clear sentence and an exit status.
 
+use crate::nearest::with_nearest;
 use std::fmt;
 use std::process::ExitCode;
 
@@ -20,9 +21,9 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Bad input.
+    /// Bad input. Where the sentence refuses a name, the accepted name that is nearest to it is added.
     pub fn input(sentence: impl fmt::Display) -> Self {
-        Self::Input(sentence.to_string())
+        Self::Input(with_nearest(sentence.to_string()))
     }
 
     /// A test that failed.

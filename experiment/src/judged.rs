@@ -1,12 +1,13 @@
 //! A test that is run and judged.
 
 use crate::bench::{Bench, PlantBench};
+use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::score::Score;
 use crate::summary::Summary;
 use crate::trace::{Response, TestObserver, Trace};
-use outerloop_core::Method;
+use crate::watch::TestWatch;
 
 /// A test that has run.
 #[derive(Clone, Debug)]
@@ -18,25 +19,39 @@ pub struct JudgedRun {
 }
 
 impl Experiment {
-    /// Runs the test with `method` on its simulated rig and judges it against `ideal`. `keep`: every step is kept.
+    /// Runs the test under a compensation on its simulated rig and judges it against `ideal`. `keep`: every step is kept.
     ///
     /// # Errors
     /// A parameter that is refused, with its name and value.
     pub fn run(
         &self,
-        method: Method,
+        compensation: impl Into<Compensation>,
         ideal: &Response,
         seed: u64,
         keep: bool,
         mut observer: impl TestObserver,
     ) -> Result<JudgedRun, Failure> {
-        self.simulated(method, ideal, seed, keep, &mut observer)
+        self.simulated(compensation.into(), ideal, seed, keep, &mut observer)
+    }
+
+    /// The same test under this compensation.
+    fn under(&self, compensation: Compensation) -> Result<Self, Failure> {
+        let mut own = self.clone();
+        match (compensation, &mut own.test.coupled) {
+            (Compensation::Method(method), None) => own.test.config.compensation.kind = method,
+            (Compensation::Coupled(kind), Some(part)) => part.declared.compensation = kind,
+            (Compensation::Method(_), Some(_)) | (Compensation::Coupled(_), None) => {
+                // By its name it would have been found among those of this test, or refused.
+                Compensation::named(compensation.name(), self.test.coupled.is_some())?;
+            }
+        }
+        Ok(own)
     }
 
     /// As [`run`](Self::run), compiled here and once.
     fn simulated(
         &self,
-        method: Method,
+        compensation: Compensation,
         ideal: &Response,
         seed: u64,
         keep: bool,
@@ -48,32 +63,38 @@ impl Experiment {
             stop_beyond_m: ideal.runaway_m(),
             breaks: None,
         };
-        self.run_on(&bench, method, ideal, keep, observer)
+        self.run_on(&bench, compensation, ideal, keep, observer)
     }
 
-    /// Runs the test with `method` on `bench` and judges it against `ideal`. `keep`: every step is kept.
+    /// Runs the test under a compensation on `bench` and judges it against `ideal`. `keep`: every step is kept.
     ///
     /// # Errors
     /// A parameter that is refused, with its name and value; a bench that cannot be set up.
     pub fn run_on(
         &self,
         bench: &impl Bench,
-        method: Method,
+        compensation: impl Into<Compensation>,
         ideal: &Response,
         keep: bool,
         observer: impl TestObserver,
     ) -> Result<JudgedRun, Failure> {
-        let mut config = self.test.config.clone();
-        config.compensation.kind = method;
+        let compensation = compensation.into();
+        let own = self.under(compensation)?;
+        let config = &own.test.config;
         if keep {
             self.check_memory(self.memory_bytes(keep))?;
         }
-        let trace = keep.then(|| Trace::new(config.degrees_of_freedom(), config.timing.rate_hz));
-        let mut observers = (Score::against(ideal), (trace, observer));
-        let ending = self.run_config(bench, &config, &mut observers)?;
-        let (score, (trace, _)) = observers;
+        let trace = keep.then(|| self.test.trace());
+        let hz = self.natural_frequencies_hz().first().copied();
+        let watch = TestWatch::of(&self.test, &ideal.peaks_m(), hz.unwrap_or_default())?;
+        let mut observers = (Score::against(ideal), (watch, (trace, observer)));
+        let ending = own.run_config(bench, config, &mut observers)?;
+        let (score, (watch, (trace, _))) = observers;
         Ok(JudgedRun {
-            summary: Summary::of(self, method, &score, &ending),
+            summary: Summary {
+                watch: watch.map(TestWatch::report),
+                ..Summary::of(self, compensation, &score, &ending)
+            },
             trace,
         })
     }

@@ -19,8 +19,8 @@ pub struct Score<'a> {
     largest_m: [f64; MAX_DOF],
     largest_late_m: [f64; MAX_DOF],
     square_m2: [f64; MAX_DOF],
-    /// Largest displacement of any floor, m.
-    pub peak_m: f64,
+    /// Largest displacement of each floor, m.
+    peak_m: [f64; MAX_DOF],
     damping_sum: f64,
     /// Largest |C_cor| of the first floor, N s/m.
     pub largest_damping: f64,
@@ -46,7 +46,7 @@ impl<'a> Score<'a> {
             largest_m: [0.0; MAX_DOF],
             largest_late_m: [0.0; MAX_DOF],
             square_m2: [0.0; MAX_DOF],
-            peak_m: 0.0,
+            peak_m: [0.0; MAX_DOF],
             damping_sum: 0.0,
             largest_damping: 0.0,
             locked: 0,
@@ -70,8 +70,13 @@ impl<'a> Score<'a> {
     /// True if, towards its end, the error of some floor was larger than its largest ideal displacement, or the test went
     /// so far that a simulation of it is stopped.
     pub fn ran_away(&self) -> bool {
-        self.peak_m > self.ideal.runaway_m()
+        self.peak_m(MAX_DOF) > self.ideal.runaway_m()
             || self.relative(&self.largest_late_m).iter().any(|e| *e > 1.0)
+    }
+
+    /// Largest displacement of the first `floors`, m.
+    pub fn peak_m(&self, floors: usize) -> f64 {
+        self.peak_m.iter().take(floors).copied().fold(0.0, f64::max)
     }
 
     /// Mean C_cor of the first floor, N s/m.
@@ -105,7 +110,7 @@ impl TestObserver for Score<'_> {
             if step >= self.late_from {
                 self.largest_late_m[j] = self.largest_late_m[j].max(error);
             }
-            self.peak_m = self.peak_m.max(f64::from(r.command_m[j]).abs());
+            self.peak_m[j] = self.peak_m[j].max(f64::from(r.command_m[j]).abs());
         }
         let damping = f64::from(r.added_damping_n_s_per_m[0]);
         self.damping_sum += damping;
@@ -142,7 +147,7 @@ mod tests {
         }
         assert_eq!(score.eps_max(), [2.0 / 4.0]);
         assert_eq!(score.eps_rms(), [(5.0_f64 / 5.0).sqrt() / 4.0]);
-        assert_eq!(score.peak_m, 4.0);
+        assert_eq!(score.peak_m(1), 4.0);
         assert_eq!(score.mean_damping(), 4.0);
         assert_eq!(score.largest_damping, 40.0);
         assert!(!score.ran_away());

@@ -1,11 +1,14 @@
 //! What a test is judged by, in figures and in words.
 
 use crate::bench::{Ending, OnBoard};
+use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{percent, si};
 use crate::score::Score;
-use outerloop_core::{Fault, Method, Mode, Trip};
+use crate::watch::WatchReport;
+use outerloop_core::coupled::Plant;
+use outerloop_core::{Fault, Mode, Trip};
 use serde::Serialize;
 
 /// From this eps_rms on, a result is not the structure's, however stable the test was.
@@ -111,6 +114,8 @@ pub struct Summary {
     pub natural_frequencies_hz: Vec<f64>,
     /// Factor on the ground motion.
     pub record_scale: f64,
+    /// What the rig watch had to say; none where it was off.
+    pub watch: Option<WatchReport>,
     /// Seconds on the wall clock.
     pub wall_s: f64,
     /// What a board reports.
@@ -119,6 +124,9 @@ pub struct Summary {
     /// The fault with its value and limit.
     #[serde(skip)]
     pub trip_detail: Option<Trip>,
+    /// Two coupled actuators as the loop has them in the end.
+    #[serde(skip)]
+    pub actuators: Option<Plant>,
 }
 
 /// A fault that has no value: it is there or it is not.
@@ -150,14 +158,19 @@ pub fn against_limit(t: Trip) -> String {
 
 impl Summary {
     /// Judges a test that ended with `ending`.
-    pub fn of(e: &Experiment, method: Method, score: &Score<'_>, ending: &Ending) -> Self {
+    pub fn of(
+        e: &Experiment,
+        compensation: Compensation,
+        score: &Score<'_>,
+        ending: &Ending,
+    ) -> Self {
         let worst = |floors: &[f64]| floors.iter().copied().fold(0.0, f64::max);
         let (eps_max_by_floor, eps_rms_by_floor) = (score.eps_max(), score.eps_rms());
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
         let per_critical = e.per_critical();
         Self {
             record: e.record.clone(),
-            compensation: method.name(),
+            compensation: compensation.name(),
             steps: score.control_steps,
             rate_hz: e.test.config.timing.rate_hz,
             verdict: match ending.state {
@@ -171,7 +184,7 @@ impl Summary {
             eps_rms: worst(&eps_rms_by_floor),
             eps_max_by_floor,
             eps_rms_by_floor,
-            peak_displacement_m: score.peak_m,
+            peak_displacement_m: score.peak_m(e.floors_in_m()),
             mean_added_damping_ratio: score.mean_damping() * per_critical,
             peak_added_damping_ratio: score.largest_damping * per_critical,
             energy_error_j: f64::from(score.energy.modified_j),
@@ -186,9 +199,11 @@ impl Summary {
             .then(|| score.control_steps as f64 / e.test.config.timing.rate_hz),
             natural_frequencies_hz: e.natural_frequencies_hz(),
             record_scale: e.scale,
+            watch: None,
             wall_s: ending.wall_s,
             board: ending.board.clone(),
             trip_detail: ending.trip,
+            actuators: ending.actuators,
         }
     }
 

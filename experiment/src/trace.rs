@@ -1,6 +1,7 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
 use outerloop_core::{EnergyWords, Event, Mode, Record, flag};
+use plant::coupled::CoupledReading;
 
 /// The record of a loop of any size: whoever looks at it is compiled once, and the loop once for each size.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +40,8 @@ pub struct AnyRecord<'a> {
     pub energy_input_j: f32,
     /// Energy error relative to the energy in the test.
     pub energy_ratio: f32,
+    /// Of two coupled actuators on a simulated rig: what was read of it, and what is true.
+    pub coupled: Option<&'a CoupledReading>,
 }
 
 impl AnyRecord<'_> {
@@ -74,6 +77,7 @@ impl<'a, const N: usize> From<&'a Record<N>> for AnyRecord<'a> {
             energy_sum: r.energy_sum,
             energy_input_j: r.energy_input_j,
             energy_ratio: r.energy_ratio,
+            coupled: None,
         }
     }
 }
@@ -281,6 +285,9 @@ pub struct Trace {
     pub energy_ratio: Vec<f32>,
     /// Floors from the ground up.
     pub floors: Vec<FloorTrace>,
+    /// Of two coupled actuators: the coordinates by name, each with its unit. Readings and sent commands of the first two
+    /// floors are then those of the actuators.
+    pub coordinates: Option<Vec<String>>,
 }
 
 impl Trace {
@@ -290,6 +297,14 @@ impl Trace {
             rate_hz,
             floors: vec![FloorTrace::default(); floors],
             ..Self::default()
+        }
+    }
+
+    /// The same of two coupled actuators.
+    pub fn of_coupled(coordinates: &[String], rate_hz: f64) -> Self {
+        Self {
+            coordinates: Some(coordinates.to_vec()),
+            ..Self::new(coordinates.len(), rate_hz)
         }
     }
 

@@ -7,7 +7,7 @@
 use outerloop_core::Refusal;
 use outerloop_core::coupled::{
     Coupler, EstimatorSettings, Forward, MAX_PARAMETERS, ObserverSettings, Pair, Parameter, Plant,
-    Spreads, Tracked, Tracker, TrackerConstants, TrackerSettings, VibrationMode,
+    Spreads, Tracker, TrackerConstants, TrackerSettings, VibrationMode,
 };
 
 const TURN: f32 = core::f32::consts::TAU;
@@ -43,10 +43,18 @@ pub struct Input {
     pub ground_m_per_s2: f32,
 }
 
+/// What the tracker answers.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracked {
+    /// Commands for the next period, m.
+    pub command_m: Pair,
+    /// Where the interface is, m and rad.
+    pub interface: Pair,
+}
+
 /// The scenario in motion.
 pub struct Scenario {
-    /// What is timed.
-    pub tracker: Tracker,
+    tracker: Tracker,
     rig: Forward,
     truth: Plant,
     sent_m: Pair,
@@ -93,8 +101,6 @@ impl Scenario {
             target: [target(SHOWN[0], 2e-8), target(SHOWN[1], 1.2e-7)],
             ahead_s: 0.0,
             trust_reading_hz: 5.0,
-            stroke_limit_m: 0.028,
-            interface_limit: [0.02, 0.1],
         })?;
         Ok(Self {
             tracker: Tracker::at_rest(constants),
@@ -131,6 +137,17 @@ impl Scenario {
         self.mode[1] = v + PERIOD_S * (ground_m_per_s2 - pull);
         self.mode[0] = q + PERIOD_S * self.mode[1];
         Some(input)
+    }
+
+    /// A sample of the tracker.
+    #[inline(never)]
+    pub fn track(&mut self, input: &Input) -> Tracked {
+        let (_, interface) = self.tracker.observe(&self.sent_m, &input.measured_m);
+        let command_m = self.tracker.command(&input.target, input.ground_m_per_s2);
+        Tracked {
+            command_m,
+            interface,
+        }
     }
 
     /// Takes what the tracker answered.

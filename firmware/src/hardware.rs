@@ -13,6 +13,10 @@ pub trait Hardware<const A: usize = 1> {
     /// What is recorded beside displacements and forces, at most [`MAX_INPUTS`].
     const INPUTS: &'static [Input];
 
+    /// By how much a [command read back](Input::CommandReadBack) may be off, in codes of the command: the errors of both
+    /// converters and of what is between them.
+    const READ_BACK_OFF: u16;
+
     /// Volts at the ends of their codes.
     const INPUT_SPAN_V: [f32; 2];
 
@@ -26,6 +30,10 @@ pub trait Hardware<const A: usize = 1> {
     /// The codes of [`INPUTS`](Self::INPUTS), sampled at the same instant as displacement and force; asked after those,
     /// when the commands are out.
     fn inputs(&self) -> [u16; MAX_INPUTS];
+
+    /// The converters, asked now, say that they are set up as they should be. Takes longer than a step's deadline: for
+    /// when its command is out.
+    fn is_set_up(&mut self) -> bool;
 
     /// This step began later after its sample than anything that runs on the board explains.
     fn began_late(&self) -> bool;

@@ -10,6 +10,7 @@ pub mod loopback;
 pub mod outside;
 pub mod qemu;
 pub mod simulated;
+pub mod surveys;
 
 use outerloop_core::{
     Config, Design, Event, GroundMotion, Method, Mode, OuterLoop, Record, Sample, config::Filter,

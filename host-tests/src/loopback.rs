@@ -86,7 +86,8 @@ impl<const A: usize> Loopback<A> {
         let _ = self.batch.steps.push(report.step);
         if self.batch.steps.len() == STEPS {
             let batch = std::mem::take(&mut self.batch);
-            self.send(FrameKind::Telemetry, &batch.encode(A, A));
+            // The second displacement, and each command read back.
+            self.send(FrameKind::Telemetry, &batch.encode(A, 1 + A));
         }
         self.serve();
         if self
@@ -158,14 +159,14 @@ impl<const A: usize> Port for Loopback<A> {
             let Some(frame) = self.decoder.push(byte) else {
                 continue;
             };
-            let (request, command) = (frame.sequence, Command::decode(&frame));
+            let (request, command) = (frame.sequence, Command::received(&frame));
             self.board.heartbeats.beat(Heartbeat::Pc);
             match command {
-                Some(command) => self.commands.push_back((request, command)),
-                None => {
-                    let answer = self.board.service.not_understood(request);
-                    self.answer(&answer);
-                }
+                Ok(command) => self.commands.push_back((request, command)),
+                Err(why) => self.answer(&NumberedReply {
+                    request,
+                    reply: why.into(),
+                }),
             }
         }
         Ok(())

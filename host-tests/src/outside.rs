@@ -1,10 +1,11 @@
 //! Records that other people made, with known causes: `outside/cases.toml` in the folder of the data.
 
-use diagnosis::{ChannelAnswer, Verdict};
+use diagnosis::{ChannelAnswer, Engine, Verdict};
 use experiment::files::measured::{FilePart, RecordFiles};
 use experiment::files::model;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// A published parameter.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -27,6 +28,12 @@ pub struct Reference {
 /// A record with its cause.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Case {
+    /// The folder of its files.
+    #[serde(skip)]
+    folder: PathBuf,
+    /// Which searches are asked.
+    #[serde(skip)]
+    pub engine: Engine,
     /// Short name.
     pub id: String,
     /// `actuator` or `specimen`.
@@ -59,11 +66,20 @@ struct Cases {
     case: Vec<Case>,
 }
 
-/// All cases; `None` where the data are missing, which is counted.
+/// All cases of the first lot; `None` where the data are missing, which is counted.
 pub fn cases() -> Option<Vec<Case>> {
-    let path = test_data::file("outside/cases.toml")?;
-    let text = std::fs::read_to_string(path).ok()?;
-    let cases: Cases = toml::from_str(&text).unwrap_or_else(|e| panic!("cases.toml: {e}"));
+    lot("outside")
+}
+
+/// All cases of a folder of the data.
+pub fn lot(folder: &str) -> Option<Vec<Case>> {
+    let path = test_data::file(&format!("{folder}/cases.toml"))?;
+    let text = std::fs::read_to_string(&path).ok()?;
+    let mut cases: Cases = toml::from_str(&text).unwrap_or_else(|e| panic!("cases.toml: {e}"));
+    let folder = path.parent()?;
+    for case in &mut cases.case {
+        case.folder = folder.to_path_buf();
+    }
     Some(cases.case)
 }
 
@@ -81,7 +97,7 @@ impl Case {
     /// # Errors
     /// The sentence of a refusal.
     pub fn held_out(&self) -> Result<(diagnosis::Recording, f64), String> {
-        let folder = test_data::file("outside").ok_or("no data")?;
+        let folder = &self.folder;
         let first = self.test.first().ok_or("nothing is held out")?;
         let (file, span) = first.split_once('@').unwrap_or((first, "0.."));
         let from_s = span.split_once("..").and_then(|s| s.0.parse().ok());
@@ -107,7 +123,7 @@ impl Case {
         train: &[String],
         test: &[String],
     ) -> Result<(ChannelAnswer, f64), String> {
-        let folder = test_data::file("outside").ok_or("no data")?;
+        let folder = &self.folder;
         let mut library = RecordFiles::default();
         let mut parts = |spans: &[String]| {
             let parse = |s: &String| {
@@ -124,8 +140,8 @@ impl Case {
         };
         let (train, test, rest) = (parts(train)?, parts(test)?, parts(&self.rest)?);
         let declared = model::load(&folder.join(&self.model)).map_err(|e| e.to_string())?;
-        let found =
-            diagnosis::diagnose(&declared, &train, &test, &rest).map_err(|e| e.to_string())?;
+        let found = diagnosis::diagnose_by(self.engine, &declared, &train, &test, &rest)
+            .map_err(|e| e.to_string())?;
         let own = found
             .channels
             .into_iter()

@@ -2,9 +2,11 @@
 
 use crate::command::Command;
 use crate::frame::{Frame, FrameKind, MAX_BODY, MAX_WIRE, TooLong};
-use crate::reply::NumberedReply;
+use crate::reply::{NumberedReply, RefusedParameter, Reply};
 use heapless::Vec;
-use serde::{Serialize, de::DeserializeOwned};
+use outerloop_core::config::{StructureConfig, Timing};
+use outerloop_core::{Force, Prediction};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// The body of a frame of its kind.
 pub trait Message: Serialize + DeserializeOwned {
@@ -42,6 +44,77 @@ impl Message for Command {
     const KIND: FrameKind = FrameKind::Command;
 }
 
+impl Command {
+    /// What a board does with a frame of commands.
+    ///
+    /// # Errors
+    /// Why it holds no command of this build; that is also what is to be answered.
+    pub fn received(frame: &Frame<'_>) -> Result<Self, NotUnderstood> {
+        Self::decode(frame).ok_or_else(|| NotUnderstood::by(frame))
+    }
+}
+
+/// Why a good frame holds no command of this build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotUnderstood {
+    /// A test asks for a force law of this number, which this build does not know.
+    Force(u8),
+    /// A test asks for a predictor of this number, which this build does not know.
+    Predictor(u8),
+    /// Everything else: another version of this crate.
+    Other,
+}
+
+impl NotUnderstood {
+    /// Looks into a [`Command::Configure`] as far as its compensation.
+    fn by(frame: &Frame<'_>) -> Self {
+        let Ok((head, _)) = postcard::take_from_bytes::<ConfigureHead>(frame.body) else {
+            return Self::Other;
+        };
+        let (force, predictor) = head.method;
+        if head.command != CONFIGURE {
+            Self::Other
+        } else if Force::from_code(force).is_none() {
+            Self::Force(force)
+        } else if Prediction::from_code(predictor).is_none() {
+            Self::Predictor(predictor)
+        } else {
+            Self::Other
+        }
+    }
+}
+
+impl From<NotUnderstood> for Reply {
+    fn from(why: NotUnderstood) -> Self {
+        let (name, code, accepted) = match why {
+            NotUnderstood::Force(code) => (
+                "force law of compensation.kind, by number",
+                code,
+                "the force laws of its own firmware; flash that of the program",
+            ),
+            NotUnderstood::Predictor(code) => (
+                "predictor of compensation.kind, by number",
+                code,
+                "the predictors of its own firmware; flash that of the program",
+            ),
+            NotUnderstood::Other => return Self::Unknown,
+        };
+        Self::Refused(RefusedParameter::new(name, code.into(), accepted))
+    }
+}
+
+/// The number of [`Command::Configure`] on the link.
+const CONFIGURE: u8 = 2;
+
+/// How a [`Command::Configure`] begins: the [`Config`](outerloop_core::Config) up to the first of its compensation.
+#[derive(Deserialize)]
+struct ConfigureHead {
+    command: u8,
+    _structure: StructureConfig,
+    _timing: Timing,
+    method: (u8, u8),
+}
+
 impl Message for NumberedReply {
     const KIND: FrameKind = FrameKind::Reply;
 }
@@ -53,15 +126,13 @@ mod tests {
     use crate::channel::{Calibration, TWELVE_BITS};
     use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
-    use crate::reply::{Identity, Obstacle, RefusedParameter, Reply, cut};
+    use crate::reply::{Identity, Obstacle, cut};
     use crate::status::{CrashCause, CrashReport, StartCause, Status, Timing};
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
     use outerloop_core::{
-        Config, Event, Fault, Mode, Pace, Trip,
-        config::{
-            ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig, StructureConfig,
-        },
+        Config, Event, Fault, Method, Mode, Pace, Trip,
+        config::{ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig},
     };
     use proptest::prelude::*;
 
@@ -106,6 +177,8 @@ mod tests {
                 energy_floor_j: limit,
                 stale_steps: Some(u16::MAX),
                 frozen_m: limit,
+                disagree_m: limit,
+                force_stands_m: limit,
                 locked_damping_ratio: limit,
             },
             rig: RigConfig {
@@ -129,6 +202,64 @@ mod tests {
         config.timing.substeps = u16::MAX;
         config.timing.late_limit_steps = u16::MAX;
         config
+    }
+
+    /// The body of a test with the numbers of force law and predictor that another build knows.
+    fn configure_by_number(force: u8, predictor: u8) -> std::vec::Vec<u8> {
+        let known = |kind| {
+            let mut config = largest_config();
+            config.compensation.kind = kind;
+            let mut body = [0; MAX_BODY];
+            postcard::to_slice(&Command::Configure(config), &mut body)
+                .unwrap()
+                .to_vec()
+        };
+        // Where two methods differ stand their numbers.
+        let (mut body, other) = (
+            known(Method::Lagrange),
+            known(Method::Tangent.behind(Prediction::Ats)),
+        );
+        let places: std::vec::Vec<_> = (0..body.len()).filter(|&i| body[i] != other[i]).collect();
+        assert_eq!(places.len(), 2);
+        (body[places[0]], body[places[1]]) = (force, predictor);
+        body
+    }
+
+    #[test]
+    fn a_method_that_a_board_does_not_have_is_refused_in_a_sentence() {
+        let answer = |body: &[u8]| {
+            let frame = Frame {
+                kind: FrameKind::Command,
+                sequence: 1,
+                body,
+            };
+            Command::received(&frame)
+        };
+        let (law, predictor) = (Force::Paper.code(), Prediction::Ats.code());
+        assert!(answer(&configure_by_number(law, predictor)).is_ok());
+        for (force, behind, wrong) in [(law, 200, "predictor"), (100, predictor, "force law")] {
+            let why = answer(&configure_by_number(force, behind)).unwrap_err();
+            let Reply::Refused(refused) = Reply::from(why) else {
+                panic!("{force} {behind} is not refused");
+            };
+            let said = std::format!("{refused}");
+            let number = if force == law { behind } else { force };
+            assert!(
+                said.contains(wrong)
+                    && said.contains(&std::format!("= {number} "))
+                    && said.ends_with("of the program"),
+                "{said}"
+            );
+        }
+        // What is no test is not refused by its compensation.
+        let mut cut_short = configure_by_number(law, 200);
+        cut_short[0] = 200;
+        assert_eq!(answer(&cut_short), Err(NotUnderstood::Other));
+        assert_eq!(Reply::from(NotUnderstood::Other), Reply::Unknown);
+        assert_eq!(
+            answer(&configure_by_number(law, predictor)[..20]),
+            Err(NotUnderstood::Other)
+        );
     }
 
     #[test]

@@ -26,6 +26,11 @@ impl DelayLine {
         line
     }
 
+    /// As if `value` had gone in for ever.
+    pub(crate) fn fill(&mut self, value: f64) {
+        self.past.fill(value);
+    }
+
     /// From the next sample on, delays by `delay` periods, at most the longest that the line was made for.
     pub fn set_delay(&mut self, delay: f64) {
         // 4 ms at 2 kHz is 8 periods, whatever the rounding of the product was.

@@ -3,6 +3,7 @@
 mod floor;
 mod give_way;
 
+use crate::effect::Additions;
 pub(crate) use floor::Floor;
 
 /// All floors.
@@ -20,6 +21,12 @@ impl Floors {
             gives_way: floors.iter().any(|floor| floor.gives_m_per_n > 0.0),
             floors,
         }
+    }
+
+    /// What begins to act on floor `j`, in the next period.
+    pub(crate) fn begin(&mut self, j: usize, added: Additions) {
+        self.floors[j].begin(added);
+        self.gives_way = self.floors.iter().any(|floor| floor.gives_m_per_n > 0.0);
     }
 
     #[inline]

@@ -88,6 +88,11 @@ impl SecondOrder {
         self.transition = [[c + z * w * s, s], [-w * w * s, c - z * w * s]];
     }
 
+    /// At rest there.
+    pub(crate) fn move_to(&mut self, position: f64) {
+        (self.position, self.velocity) = (position, 0.0);
+    }
+
     /// Where the lag is after one period at the command `input`.
     #[inline]
     pub fn step(&mut self, input: f64) -> f64 {

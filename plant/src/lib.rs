@@ -47,7 +47,7 @@ pub mod sensor;
 pub mod specimen;
 mod stage;
 
-pub use effect::{Channel, Effect, EffectSpec, Family, catalogue};
+pub use effect::{Channel, Effect, EffectSpec, Family, Sensor, catalogue};
 pub use error::{Accept, RigError};
 pub use parameters::ChannelParameter;
 pub use per_axis::PerAxis;

@@ -117,6 +117,13 @@ impl Channel {
         self.pass(quantity)
     }
 
+    /// What begins in the next period.
+    pub(crate) fn begin(&mut self, added: ChannelAdditions) {
+        self.before_sampling.begin(added.before_sampling);
+        self.after_sensor.begin(added.after_sensor);
+        self.exact &= self.before_sampling.is_empty() && self.after_sensor.is_empty();
+    }
+
     /// Not inlined: most channels are exact, and what the others need in registers is dear.
     #[inline(never)]
     fn pass(&mut self, quantity: f64) -> (f64, bool) {

@@ -15,6 +15,8 @@ pub enum Purpose {
     ForceNoise = 3,
     /// The draw of a plant with uncertain parameters.
     DrawnPlant = 4,
+    /// Noise that is an effect of its own.
+    AddedNoise = 5,
 }
 
 /// Random numbers, normal unless said otherwise.

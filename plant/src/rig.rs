@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::actuator::{Actuator, ActuatorSpec, Load};
-use crate::effect::{Effect, EffectSpec, additions};
+use crate::effect::{Effect, EffectSpec, Later, additions};
 use crate::error::{Accept, RigError};
 use crate::frame::{Floor, Floors};
 use crate::measurement::{Channels, SensorsSpec};
@@ -19,7 +19,9 @@ pub struct RigSpec {
     pub specimen: SpecimenSpec,
     /// What is read of both.
     pub sensors: SensorsSpec,
-    /// Whatever else is wrong with it, in the order in which it acts.
+    /// Whatever else is wrong with it, in the order in which it acts; `from_s`: from this second of the model on;
+    /// `sensor = "displacement"` or `"force"`: an error of what is read; `frozen = true` beside it: that sensor stands still
+    /// with its noise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSpec>,
 }
@@ -99,6 +101,11 @@ pub struct Rig {
     axes: Vec<Axis>,
     frame: Floors,
     reading: Reading,
+    /// What has not begun yet, the last to begin first.
+    later: Vec<Later>,
+    /// Control periods a second of the model, and those since the start of the test, once it has begun.
+    clock: Option<[f64; 2]>,
+    rate_hz: f64,
 }
 
 /// What one floor is moved and measured by.
@@ -136,7 +143,7 @@ impl Rig {
         }
         let axes = storey_stiffness_n_per_m.len();
         let stiffness = spec.specimen.stiffness(storey_stiffness_n_per_m)?;
-        let additions = additions(&spec.effects, &stiffness, rate_hz)?;
+        let (additions, mut later) = additions(&spec.effects, &stiffness, rate_hz, seed)?;
         let mut mass = spec.specimen.mass(axes)?;
         for (mass, added) in mass.iter_mut().zip(&additions) {
             *mass += added.mass_kg;
@@ -148,7 +155,7 @@ impl Rig {
             .collect();
         let actuators = spec
             .actuator
-            .build(&held, &mass, &additions, rate_hz, seed)?;
+            .build(&held, &mass, &additions, &later, rate_hz, seed)?;
         let channels = spec
             .sensors
             .build(storey_stiffness_n_per_m, &additions, rate_hz, seed)?;
@@ -173,8 +180,12 @@ impl Rig {
             })
             .collect();
         let zeros = vec![0.0; mass.len()];
+        later.reverse();
         Ok(Self {
             axes,
+            later,
+            clock: None,
+            rate_hz,
             frame: Floors::new(frame),
             reading: Reading {
                 displacement_m: zeros.clone(),
@@ -191,6 +202,38 @@ impl Rig {
         self.axes.len()
     }
 
+    /// The test begins with the next period, of which `rate_hz * time_scale` make a second of the model: what begins in
+    /// mid-test is counted from here. Without this call the first period counts in which a command has moved, and a second
+    /// of the model is one of the laboratory.
+    pub fn begin_test(&mut self, time_scale: f64) {
+        if self.clock.is_none() {
+            self.clock = Some([self.rate_hz * time_scale, 0.0]);
+        }
+    }
+
+    /// Counts the period, and puts to work what begins in it.
+    #[cold]
+    fn begin_later_effects(&mut self, command_m: &[f64]) {
+        if self.clock.is_none() && command_m.iter().any(|c| *c != 0.0) {
+            self.begin_test(1.0);
+        }
+        let Some([per_s, periods]) = &mut self.clock else {
+            return;
+        };
+        while let Some(next) = self.later.pop_if(|l| l.from_s * *per_s <= *periods + 1e-6) {
+            let axis = &mut self.axes[next.axis];
+            let mut added = next.added;
+            axis.channels
+                .displacement
+                .begin(std::mem::take(&mut added.displacement));
+            axis.channels.force.begin(std::mem::take(&mut added.force));
+            axis.compliance_m_per_n += added.compliance_m_per_n;
+            axis.actuator.begin(added.clone());
+            self.frame.begin(next.axis, added);
+        }
+        *periods += 1.0;
+    }
+
     /// One control period: the actuators are given `command_m` (m, one an axis), and the sensors are sampled at its end.
     /// An axis whose command is not finite keeps the one before.
     ///
@@ -202,6 +245,9 @@ impl Rig {
             self.axes.len(),
             "one command for each axis"
         );
+        if !self.later.is_empty() {
+            self.begin_later_effects(command_m);
+        }
         let loads = self.frame.floors().iter().map(Floor::restoring_n);
         for (((axis, &command), force_n), to) in self
             .axes

@@ -11,9 +11,9 @@ from typing import Any, Union
 import numpy as np
 
 from . import _native
-from ._native import Refused
+from ._native import Refused, __version__
 
-__all__ = ["Refused", "compare", "diagnose", "identify", "model", "read_record", "run"]
+__all__ = ["Refused", "__version__", "compare", "diagnose", "identify", "model", "read_record", "run"]
 
 Path = Union[str, "os.PathLike[str]"]
 #: A file, or the times in s and the accelerations in g.

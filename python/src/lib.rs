@@ -5,6 +5,7 @@
 
 use diagnosis::Recording;
 use experiment::Experiment;
+use experiment::actuator_doubt::doubt;
 use experiment::failure::Failure;
 use experiment::files::any_table;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
@@ -16,7 +17,6 @@ use experiment::files::{channels, model};
 use experiment::judged::JudgedRun;
 use experiment::trace::Trace;
 use numpy::{PyArray1, PyReadonlyArray1};
-use outerloop_cli::verb;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -65,11 +65,10 @@ fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
     let mut library = RecordFiles::default();
     let (mut parts, mut has_unit) = (Vec::new(), true);
     for each in all {
-        parts.push(match each {
+        parts.extend(match each {
             Recorded::FilePart(text) => {
                 let part: FilePart = text.parse().map_err(|e: String| Refused::new_err(e))?;
-                let mut part = library.parts(&[part]).map_err(refused)?;
-                part.remove(0)
+                library.parts(&[part]).map_err(refused)?
             }
             Recorded::Columns(columns) => {
                 let (names, values): (Vec<String>, Vec<Vec<f64>>) = columns
@@ -79,7 +78,7 @@ fn recordings(all: &[Recorded<'_>]) -> PyResult<(Vec<Recording>, bool)> {
                 let whole = recording::SiRecording::of_columns("the recording", &names, values)
                     .map_err(refused)?;
                 has_unit &= whole.force().is_none() || whole.force_has_unit();
-                measured::part_of(&whole, None).map_err(refused)?
+                measured::parts_of(&whole, None).map_err(refused)?
             }
         });
     }
@@ -118,7 +117,7 @@ fn run<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Option<Bound<'py, PyDict>>)> {
     let test = TestFile::load(&test, &overrides).map_err(refused)?;
     let method = match compensation {
-        Some(name) => verb::method(name).map_err(refused)?,
+        Some(name) => ::experiment::method(name).map_err(refused)?,
         None => test.config.compensation.kind,
     };
     let experiment = experiment(&test, record.as_ref(), duration)?;
@@ -164,7 +163,7 @@ fn compare<'py>(
     duration: Option<f64>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let test = TestFile::load(&test, &overrides).map_err(refused)?;
-    let methods: Result<Vec<_>, Failure> = compensations.iter().map(|n| verb::method(n)).collect();
+    let methods: Result<Vec<_>, Failure> = compensations.iter().map(|n| ::experiment::method(n)).collect();
     let methods = methods.map_err(refused)?;
     let mut experiments = Vec::new();
     for record in &records {
@@ -192,10 +191,13 @@ fn identify<'py>(
     recording: Recorded<'py>,
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
     let (parts, _) = recordings(std::slice::from_ref(&recording))?;
-    let found = py.detach(|| diagnosis::identify(&parts[0]));
+    // Of a record with gaps the longest piece.
+    let longest = parts.iter().max_by_key(|p| p.time_s.len());
+    let longest = longest.ok_or_else(|| Refused::new_err("no record"))?;
+    let found = py.detach(|| diagnosis::identify(longest));
     let found = found.map_err(|e| Refused::new_err(e.to_string()))?;
-    let doubt = verb::identify::doubt(&parts[0], &found);
-    Ok((pythonize::pythonize(py, &found)?, doubt))
+    let doubts = doubt(longest, &found);
+    Ok((pythonize::pythonize(py, &found)?, doubts))
 }
 
 /// What a declared model, as TOML, lacks.
@@ -218,7 +220,7 @@ fn diagnose<'py>(
         channel.error_with_remainder = None;
     }
     if !(in_newtons && also) {
-        verb::diagnose::without_unit(&mut found);
+        measured::without_force_unit(&mut found);
     }
     let improved = model::to_toml(&found.improved).map_err(refused)?;
     Ok((pythonize::pythonize(py, &found)?, improved))
@@ -240,6 +242,7 @@ fn read_record(py: Python<'_>, file: PathBuf) -> PyResult<Bound<'_, PyDict>> {
 /// The module.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Refused", module.py().get_type::<Refused>())?;
     module.add_function(wrap_pyfunction!(run, module)?)?;
     module.add_function(wrap_pyfunction!(compare, module)?)?;

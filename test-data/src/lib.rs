@@ -28,7 +28,7 @@ pub fn file(path: &str) -> Option<PathBuf> {
     let found = folder().map(|f| f.join(path)).filter(|f| f.exists());
     if found.is_none() {
         not_run(&format!(
-            "{path} is missing (set OUTERLOOP_DATA to the folder of the data)"
+            "{path} is missing (docs/data.md says where it is published; OUTERLOOP_DATA names the folder of the data)"
         ));
     }
     found

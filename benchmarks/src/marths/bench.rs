@@ -9,6 +9,7 @@ use super::trial::{self, MarthsTrace};
 use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// The problem, ready to run.
 pub struct Problem {
@@ -193,7 +194,8 @@ pub struct Worst {
     pub lost: usize,
 }
 
-/// All rows: by record, then by controller. `done` is called after every trial.
+/// All rows: by record, then by controller. `tell` is called after every trial, and says whether
+/// to go on; where it does not, the rows that have not begun are left out.
 ///
 /// # Errors
 /// A numerical part that cannot be integrated.
@@ -203,7 +205,7 @@ pub fn rows(
     contestants: &[PairContestant],
     plants: usize,
     draw: u64,
-    tell: impl Fn() + Sync,
+    tell: impl Fn(usize) -> ControlFlow<()> + Sync,
 ) -> Result<Vec<MarthsRow>, Refused> {
     let pairs: Vec<(&MarthsRecord, PairContestant)> = records
         .iter()
@@ -211,10 +213,11 @@ pub fn rows(
         .collect();
     pairs
         .par_iter()
+        .filter(|_| tell(0).is_continue())
         .map(|&(record, contestant)| {
             let judge = |plant: &ActuatorParameters, draw: u64| {
                 let trace = problem.trial(contestant, record, plant, draw)?;
-                tell();
+                let _ = tell(1);
                 Ok::<_, Refused>(
                     trace
                         .is_whole(&record.ground)

@@ -130,8 +130,6 @@ impl Calibration {
                 target: [target(reference, X, 0), target(reference, ROTATION, 1)],
                 ahead_s: 0.0,
                 trust_reading_hz: TRUST_READING_HZ as f32,
-                stroke_limit_m: 28e-3,
-                interface_limit: [20e-3, 0.1],
             })
             .map_err(|e| Refused::new(format!("marths: {e}")))
         };
@@ -146,6 +144,7 @@ impl Calibration {
         let coupled = |k: &TrackerConstants, estimated| {
             Box::new(CoreTracker {
                 tracker: Tracker::at_rest(k.clone()),
+                sent_m: [0.0; 2],
                 estimated,
             })
         };
@@ -217,12 +216,15 @@ fn target(reference: &FrameMatrices, at: usize, coordinate: usize) -> ObserverSe
 /// Core's tracker.
 struct CoreTracker {
     tracker: Tracker,
+    sent_m: [f32; 2],
     estimated: bool,
 }
 
 impl PairController for CoreTracker {
     fn observe(&mut self, read_m: [f64; 2]) -> [f64; 2] {
-        let (stroke_m, _) = self.tracker.observe(&read_m.map(|x| x as f32));
+        let (stroke_m, _) = self
+            .tracker
+            .observe(&self.sent_m, &read_m.map(|x| x as f32));
         if self.estimated {
             stroke_m.map(f64::from)
         } else {
@@ -232,9 +234,9 @@ impl PairController for CoreTracker {
 
     fn command(&mut self, target: &TargetSample) -> [f64; 2] {
         let interface = target.interface.map(|x| x as f32);
-        let (command_m, _) = self
+        self.sent_m = self
             .tracker
             .command(&interface, target.ground_m_per_s2 as f32);
-        command_m.map(f64::from)
+        self.sent_m.map(f64::from)
     }
 }

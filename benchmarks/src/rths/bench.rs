@@ -12,9 +12,13 @@ use crate::Refused;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
+use std::ops::ControlFlow;
 
 /// J4 from which on a trial counts as lost, per cent.
 pub const LOST_PERCENT: f64 = 100.0;
+
+/// Is told of trials that are done, and says whether to go on.
+type Tell<'a> = dyn Fn(usize) -> ControlFlow<()> + Sync + 'a;
 
 /// Trials that run side by side.
 const LANES: usize = 4;
@@ -101,16 +105,20 @@ struct Task<'a> {
 }
 
 impl Benchmark<'_> {
-    /// All rows: by record, then by case, then by controller. `done` is called with the number of trials that are done.
+    /// All rows: by record, then by case, then by controller. `tell` is called with the number of trials that are done, and
+    /// says whether to go on; where it does not, the cases that are not whole are left out.
     ///
     /// # Errors
     /// What core refuses of a controller.
-    pub fn rows(&self, tell: impl Fn(usize) + Sync) -> Result<Vec<RthsRow>, Refused> {
+    pub fn rows(
+        &self,
+        tell: impl Fn(usize) -> ControlFlow<()> + Sync,
+    ) -> Result<Vec<RthsRow>, Refused> {
         self.rows_told(&tell)
     }
 
     /// As [`rows`](Self::rows), compiled here: what calls it may be built with less optimisation.
-    fn rows_told(&self, tell: &(dyn Fn(usize) + Sync)) -> Result<Vec<RthsRow>, Refused> {
+    fn rows_told(&self, tell: &Tell<'_>) -> Result<Vec<RthsRow>, Refused> {
         let samples = self
             .records
             .iter()
@@ -134,9 +142,12 @@ impl Benchmark<'_> {
                 })
             })
             .collect();
-        let found: Vec<Vec<Vec<TrialVerdict>>> = tasks
+        let found: Vec<Option<Vec<Vec<TrialVerdict>>>> = tasks
             .par_iter()
-            .map(|task| self.verdicts(task, &noise, tell))
+            .map(|task| match tell(0) {
+                ControlFlow::Continue(()) => self.verdicts(task, &noise, tell).map(Some),
+                ControlFlow::Break(()) => Ok(None),
+            })
             .collect::<Result<_, _>>()?;
         let about_mean = self.about_mean();
         let mut rows = Vec::new();
@@ -144,6 +155,13 @@ impl Benchmark<'_> {
         for (record, found) in self.records.iter().zip(found.chunks(batches * CASES.len())) {
             let floors = record.floors(&noise[0], about_mean);
             for (place, found) in found.chunks(batches).enumerate() {
+                let Some(found) = found
+                    .iter()
+                    .map(Option::as_ref)
+                    .collect::<Option<Vec<&Vec<Vec<TrialVerdict>>>>>()
+                else {
+                    continue;
+                };
                 for (i, contestant) in self.contestants.iter().enumerate() {
                     let verdicts = found.iter().flat_map(|batch| &batch[i]);
                     rows.push(row(record, place, contestant, floors[place], verdicts));
@@ -174,7 +192,7 @@ impl Benchmark<'_> {
         &self,
         task: &Task<'_>,
         noise: &[Noise],
-        tell: &(dyn Fn(usize) + Sync),
+        tell: &Tell<'_>,
     ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         match 1 + self.plants - task.first {
             1 => self.batch::<1>(task, noise, tell),
@@ -188,7 +206,7 @@ impl Benchmark<'_> {
         &self,
         task: &Task<'_>,
         noise: &[Noise],
-        tell: &(dyn Fn(usize) + Sync),
+        tell: &Tell<'_>,
     ) -> Result<Vec<Vec<TrialVerdict>>, Refused> {
         let case = &CASES[task.place];
         let index: [usize; L] = std::array::from_fn(|l| task.first + l);
@@ -208,7 +226,7 @@ impl Benchmark<'_> {
                 if let (Some(trace), Some(first)) = (trace, verdicts.first_mut()) {
                     first.j[0] = delay_ms(&trace.target_m, &trace.read_m);
                 }
-                tell(L);
+                let _ = tell(L);
                 Ok(verdicts)
             })
             .collect()

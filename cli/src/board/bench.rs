@@ -5,12 +5,13 @@ use super::configured_test::ConfiguredTest;
 use super::connection::Connection;
 use super::limits::PlannedMotion;
 use super::mirror::Mirror;
-use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
+use super::operator::Operator;
 use super::orders::{clear, done, status};
 use super::port::Port;
 use super::setup::ready;
 use super::trajectory::Trajectory;
 use super::upload::load;
+use crate::terminal::interrupt;
 use experiment::bench::Played;
 use experiment::bench::interface::{Bench, Ending, PreparedTest};
 use experiment::failure::Failure;
@@ -81,20 +82,20 @@ impl<P: Port> BoardBench<P> {
 impl<P: Port> Bench for BoardBench<P> {
     fn run<const N: usize>(
         &self,
-        assignment: &PreparedTest<'_, N>,
+        test: &PreparedTest<'_, N>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
-        let points = points(assignment)?;
+        let points = points(test)?;
         let board = &mut *self.connection.borrow_mut();
         let wanted = (self.calibration.as_deref(), self.bits);
-        let (identity, config) = ready(board, assignment.config, &self.plan, wanted)?;
+        let (identity, config) = ready(board, test.config, &self.plan, wanted)?;
         let design = Design::new(&config).map_err(Failure::input)?;
         let since = done(board, "configure", &Command::Configure(config.clone()))?;
-        load(board, points, assignment.interval_s)?;
+        load(board, points, test.interval_s)?;
         done(board, "signal", &Command::Signal(None))?;
 
         let step_s = config.model_step_s();
-        let ground = GroundMotion::new(points, assignment.interval_s, step_s).ok_or_else(|| {
+        let ground = GroundMotion::new(points, test.interval_s, step_s).ok_or_else(|| {
             Failure::input("the ground motion cannot be laid over the integration steps")
         })?;
         let mirror = Mirror::new(
@@ -104,28 +105,28 @@ impl<P: Port> Bench for BoardBench<P> {
             &identity,
             since,
         );
-        catch_ctrl_c();
+        interrupt::watch_rig();
         let mut in_force = ConfiguredTest::<N>::new(board, mirror, since, &identity);
-        in_force.arm(board)?;
+        in_force.arm(board, &identity, &self.operator)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
         in_force.send(board, Event::Start)?;
-        let test = Test {
+        let running = Test {
             board,
             in_force,
             identity: &identity,
             operator: &self.operator,
         };
-        test.run(assignment.steps, observer, began)
+        running.run(test.steps, observer, began)
     }
 }
 
 /// The points of the ground motion that the test needs.
-fn points<'a, const N: usize>(assignment: &PreparedTest<'a, N>) -> Result<&'a [f32], Failure> {
-    let config = assignment.config;
-    let seconds = assignment.steps as f64 / config.timing.rate_hz / config.timing.time_scale;
-    let needed = (seconds / assignment.interval_s).ceil() as usize + 2;
-    let all = assignment.points_m_per_s2;
+fn points<'a, const N: usize>(test: &PreparedTest<'a, N>) -> Result<&'a [f32], Failure> {
+    let config = test.config;
+    let seconds = test.steps as f64 / config.timing.rate_hz / config.timing.time_scale;
+    let needed = (seconds / test.interval_s).ceil() as usize + 2;
+    let all = test.points_m_per_s2;
     let points = all.get(..needed).unwrap_or(all);
     if points.len() > MAX_POINTS {
         return Err(Failure::input(format!(
@@ -204,7 +205,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             if matches!(state, Mode::Finished | Mode::Tripped) {
                 break state;
             }
-            if stop_is_asked() && !stopped {
+            if interrupt::asked() && !stopped {
                 stopped = true;
                 self.in_force.end(self.board, Event::Stop)?;
                 by_hand = true;
@@ -252,6 +253,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
                 self.in_force
                     .account(board, self.identity, board_status, lost, fault),
             ),
+            actuators: None,
         })
     }
 }

@@ -1,13 +1,15 @@
 //! A commissioning signal on a board: what was commanded, what moved, what pushed back.
 
+use super::configured_test::before_arming;
 use super::connection::Connection;
 use super::cross_readings::CrossReadings;
 use super::limits::PlannedMotion;
-use super::operator::{Operator, catch_ctrl_c, stop_is_asked};
+use super::operator::Operator;
 use super::orders::{clear, done, event, status};
 use super::port::Port;
 use super::setup::ready;
 use super::trajectory::Trajectory;
+use crate::terminal::interrupt;
 use experiment::bench::Played;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
@@ -61,7 +63,7 @@ pub fn commission<P: Port>(
         readings: CrossReadings::new(&identity, actuator, rate_hz, shown.frozen_m),
         identity,
     };
-    alone.arm(board)?;
+    alone.arm(board, operator)?;
     alone.wait_for_go(board, operator)?;
     let mut played = alone.play(board, observer)?;
     played.stiffness_n_per_m = alone.readings.stiffness_n_per_m();
@@ -90,15 +92,39 @@ impl SingleActuator {
         Ok(step)
     }
 
-    fn arm<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+    fn arm<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        operator: &Operator,
+    ) -> Result<(), Failure> {
+        interrupt::watch_rig();
         board.forget_steps();
-        let mut idle = 0;
+        let (mut idle, mut latest) = (0, None);
         while idle < IDLE_STEPS {
-            idle += usize::from(self.step(board)?.is_some());
+            if let Some((_, step)) = self.step(board)? {
+                (idle, latest) = (idle + 1, Some(step));
+            }
+        }
+        if let Some(step) = &latest {
+            operator.ask(&before_arming(&self.identity, step));
+        }
+        while !operator.agrees() {
+            if interrupt::asked() {
+                return Err(Failure::test(
+                    "the signal was given up before anything moved",
+                ));
+            }
+            self.step(board)?;
         }
         event(board, Event::Arm)?;
         board.forget_steps();
         loop {
+            if interrupt::asked() {
+                event(board, Event::Stop)?;
+                return Err(Failure::test(
+                    "the approach to zero was given up, and the board is idle",
+                ));
+            }
             match self.step(board)?.map(|(_, s)| (s.state(), s.command_m)) {
                 Some((Some(Mode::Armed), 0.0)) => return Ok(()),
                 Some((Some(Mode::Tripped), _)) => {
@@ -118,7 +144,6 @@ impl SingleActuator {
         board: &mut Connection<P>,
         operator: &Operator,
     ) -> Result<(), Failure> {
-        catch_ctrl_c();
         let which = match self.identity.actuators() {
             1 => String::new(),
             all => format!(
@@ -130,7 +155,7 @@ impl SingleActuator {
             "the rig stands at zero, armed: Enter starts the signal{which}; Ctrl-C gives it up"
         ));
         while !operator.agrees() {
-            if stop_is_asked() {
+            if interrupt::asked() {
                 event(board, Event::Stop)?;
                 return Err(Failure::test("the signal was given up before its start"));
             }
@@ -156,7 +181,7 @@ impl SingleActuator {
         let mut played = Played::new();
         let mut begin = None;
         let early = loop {
-            if stop_is_asked() && !std::mem::replace(&mut stopped, true) {
+            if interrupt::asked() && !std::mem::replace(&mut stopped, true) {
                 event(board, Event::Stop)?;
             }
             let (tick, step) = match self.step(board) {

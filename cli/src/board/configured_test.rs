@@ -3,9 +3,10 @@
 
 use super::connection::Connection;
 use super::mirror::Mirror;
-use super::operator::{Operator, stop_is_asked};
+use super::operator::Operator;
 use super::orders::{clear, done, event, status};
 use super::port::Port;
+use crate::terminal::interrupt;
 use experiment::bench::FurtherInputs;
 use experiment::bench::interface::OnBoard;
 use experiment::failure::Failure;
@@ -21,6 +22,27 @@ const IDLE_STEPS: u64 = 256;
 
 /// Steps for which the command has to stand after the end.
 const REST_STEPS: u32 = 40;
+
+/// What a person is asked before anything moves: a transducer that is dead or displaced is seen by nobody else where there is
+/// no second one.
+pub fn before_arming(identity: &Identity, step: &StepReport) -> String {
+    let read: Vec<String> = identity
+        .calibrations()
+        .enumerate()
+        .filter_map(|(actuator, lines)| {
+            let [displacement, force] = step.codes(actuator)?;
+            Some(format!(
+                "{:.2} mm with {:.2} kN",
+                f64::from(lines.displacement.quantity(displacement)) * 1e3,
+                f64::from(lines.force.quantity(force)) * 1e-3
+            ))
+        })
+        .collect();
+    format!(
+        "the board reads {}: Enter, if that is where it stands on the piston, arms it and lets it go slowly to zero; Ctrl-C gives it up",
+        read.join(", ")
+    )
+}
 
 /// A test from its configuration to its end.
 pub struct ConfiguredTest<'a, const N: usize> {
@@ -183,17 +205,38 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         Some(record)
     }
 
-    /// Idle, arming, and the way to the start position.
+    /// Idle; the person's word that the rig stands where it is read; arming, and the way to the start position, which Ctrl-C
+    /// ends.
     ///
     /// # Errors
-    /// A board that does not arm, that trips on its way, or whose button has ended it.
-    pub fn arm<P: Port>(&mut self, board: &mut Connection<P>) -> Result<(), Failure> {
+    /// A person who gives it up; a board that does not arm, that trips on its way, or whose button has ended it.
+    pub fn arm<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        identity: &Identity,
+        operator: &Operator,
+    ) -> Result<(), Failure> {
         while self.steps < IDLE_STEPS {
+            self.next(board)?;
+        }
+        if let Some((_, step)) = &self.latest {
+            operator.ask(&before_arming(identity, step));
+        }
+        while !operator.agrees() {
+            if interrupt::asked() {
+                return Err(Failure::test("the test was given up before anything moved"));
+            }
             self.next(board)?;
         }
         self.send(board, Event::Arm)?;
         loop {
             self.next(board)?;
+            if interrupt::asked() {
+                self.ask_for(board, Event::Stop)?;
+                return Err(Failure::test(
+                    "the approach to the start was given up, and the board is idle",
+                ));
+            }
             match self.state {
                 Mode::Armed if self.command_m == 0.0 => return Ok(()),
                 // Telemetry of the steps before arming is behind us: the board's button has ended the approach.
@@ -226,7 +269,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         operator
             .ask("the rig stands at the start, armed: Enter starts the test, Ctrl-C gives it up");
         while !operator.agrees() {
-            if stop_is_asked() {
+            if interrupt::asked() {
                 self.send(board, Event::Stop)?;
                 self.until_still(board)?;
                 return Err(Failure::test("the test was given up before its start"));

@@ -57,6 +57,8 @@ pub struct Connection<P> {
     ticks: Ticks,
     sequence: u16,
     answers: VecDeque<NumberedReply>,
+    /// A reply came that this program cannot read: of the same version of the link, and of newer firmware.
+    foreign: bool,
     steps: VecDeque<(u32, StepReport)>,
     heard: Instant,
     last_heartbeat: Instant,
@@ -79,6 +81,7 @@ impl<P: Port> Connection<P> {
             // The number of an earlier session's last command must not come again: the board would only repeat itself.
             sequence: rand_start(),
             answers: VecDeque::new(),
+            foreign: false,
             steps: VecDeque::new(),
             heard: now,
             last_heartbeat: now,
@@ -123,6 +126,12 @@ impl<P: Port> Connection<P> {
                     return Err(other_version(version));
                 }
             }
+        }
+        if self.foreign {
+            return Err(Failure::input(
+                "the board answers with something that this program does not know, a fault with a new number for one: \
+                 accepted is firmware of the same release, to be flashed with `cargo run -p firmware --release`",
+            ));
         }
         Err(Failure::test(
             "the board does not answer: is this its port, has it power, and is the firmware flashed?",
@@ -218,7 +227,10 @@ impl<P: Port> Connection<P> {
                         self.steps_since_heartbeat += 1;
                     }
                 }
-                FrameKind::Reply => self.answers.extend(NumberedReply::decode(&frame)),
+                FrameKind::Reply => match NumberedReply::decode(&frame) {
+                    Some(answer) => self.answers.push_back(answer),
+                    None => self.foreign = true,
+                },
                 FrameKind::Command => {}
             }
         }

@@ -172,7 +172,11 @@ impl Emulated {
         let file = tempfile::NamedTempFile::new().map_err(|e| cannot("a temporary file", &e))?;
         let text = toml::to_string(laboratory).map_err(|e| cannot("the rig", &e))?;
         std::fs::write(file.path(), text).map_err(|e| cannot("the rig", &e))?;
-        let mut child = Command::new(emulator)
+        let mut command = Command::new(emulator);
+        // Ctrl-C in the terminal is for this program, which ends the test first.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command
             .arg(built_image(laboratory.image)?)
             .arg(file.path())
             .stdin(Stdio::piped())

@@ -7,7 +7,9 @@
 //! | `force_n` | 1.5 times the largest force of the elastic storeys on an actuator, and 7 standard deviations of the noise |
 //! | `tracking_m` | twice the way at the largest velocity within the declared delay, a tenth of the largest displacement, and 7 standard deviations |
 //! | `stale_steps` | the declared delay and 20 ms |
-//! | `frozen_m` | 8 codes of the board's displacement |
+//! | `frozen_m` | 8 codes of the board's displacement, or 16 standard deviations of its noise |
+//! | `energy_trip` | 3: no sound test of `check --monitor` comes to it |
+//! | `force_stands_m` | a quarter of the largest displacement, where that is a test's |
 //!
 //! Seven standard deviations: a test of a million steps passes one by chance once in 400 000.
 
@@ -25,6 +27,13 @@ const MARGIN: f64 = 1.5;
 const VELOCITY_MARGIN: f64 = 3.0;
 /// Standard deviations of noise that are no fault.
 const DEVIATIONS: f64 = 7.0;
+/// Standard deviations of the displacement that a frozen reading may hide: a dead transducer's noise then stays within three
+/// eighths of it, six deviations.
+const FROZEN_DEVIATIONS: f64 = 16.0;
+/// Of the planned motion: a force that stands at zero for longer is none.
+const FORCE_STANDS: f64 = 0.25;
+/// Of the energy in a test: the threshold of `check --monitor`.
+const ENERGY_TRIP: f64 = 3.0;
 /// Over the declared delay, s.
 const STALE_S: f64 = 0.02;
 
@@ -47,6 +56,8 @@ pub struct PlannedMotion {
     pub approach_m_per_s: f64,
     /// Control rate, Hz.
     pub rate_hz: f64,
+    /// Motion over which a force that stands is a dead load cell, m; none where no force is known beforehand.
+    pub force_stands_m: Option<f64>,
 }
 
 impl PlannedMotion {
@@ -70,12 +81,11 @@ impl PlannedMotion {
             .filter_map(|step| ideal.at(step))
             .flat_map(|floors_m| forces_n(storeys, floors_m))
             .fold(0.0, f64::max);
-        Self::with(
-            &experiment.test,
-            peaks_m.fold(0.0, f64::max),
-            fastest,
-            force_n,
-        )
+        let peak_m = peaks_m.fold(0.0, f64::max);
+        Self {
+            force_stands_m: (peak_m > 0.0).then_some(FORCE_STANDS * peak_m),
+            ..Self::with(&experiment.test, peak_m, fastest, force_n)
+        }
     }
 
     fn with(test: &TestFile, displacement_m: f64, velocity_m_per_s: f64, force_n: f64) -> Self {
@@ -90,6 +100,7 @@ impl PlannedMotion {
             delay_s: config.compensation.delay_ms.longest() * 1e-3,
             approach_m_per_s: config.timing.approach_m_per_s,
             rate_hz: config.timing.rate_hz,
+            force_stands_m: None,
         }
     }
 
@@ -129,7 +140,8 @@ impl PlannedMotion {
     /// All limits; what `stated` says stands. `shown` is the board's calibrated range.
     pub fn limits(&self, stated: &Limits, shown: &CalibratedRange) -> Limits {
         let mut limits = self.without_board(stated);
-        limits.frozen_m = stated.frozen_m.or(Some(shown.frozen_m));
+        let noisy_m = FROZEN_DEVIATIONS * self.noise_m;
+        limits.frozen_m = stated.frozen_m.or(Some(shown.frozen_m.max(noisy_m)));
         limits
     }
 
@@ -154,6 +166,8 @@ impl PlannedMotion {
             stale_steps: stated
                 .stale_steps
                 .or(Some(stale.ceil().min(f64::from(u16::MAX)) as u16)),
+            force_stands_m: stated.force_stands_m.or(self.force_stands_m),
+            energy_trip: stated.energy_trip.or(Some(ENERGY_TRIP)),
             ..stated.clone()
         }
     }
@@ -189,7 +203,7 @@ fn alone_n(test: &TestFile, actuator: usize, displacement_m: f64) -> f64 {
 /// The limits in force, a line each, with a mark at those that were worked out.
 pub fn describe(stated: &Limits, limits: &Limits) -> String {
     type Row = (&'static str, f64, &'static str, fn(&Limits) -> Option<f64>);
-    let rows: [Row; 7] = [
+    let rows: [Row; 10] = [
         ("displacement_m", 1e3, "mm", |l| l.displacement_m),
         ("velocity_m_per_s", 1e3, "mm/s", |l| l.velocity_m_per_s),
         ("increment_m", 1e3, "mm", |l| l.increment_m),
@@ -199,6 +213,9 @@ pub fn describe(stated: &Limits, limits: &Limits) -> String {
             l.stale_steps.map(f64::from)
         }),
         ("frozen_m", 1e3, "mm", |l| l.frozen_m),
+        ("energy_trip", 1.0, "", |l| l.energy_trip),
+        ("disagree_m", 1e3, "mm", |l| l.disagree_m),
+        ("force_stands_m", 1e3, "mm", |l| l.force_stands_m),
     ];
     let line = |(name, per_unit, unit, of): Row| {
         let value = of(limits)? * per_unit;
@@ -226,6 +243,7 @@ mod tests {
         delay_s: 0.004,
         approach_m_per_s: 0.01,
         rate_hz: 2000.0,
+        force_stands_m: None,
     };
 
     const SHOWN: CalibratedRange = CalibratedRange {
@@ -256,7 +274,9 @@ mod tests {
         assert!((limits.velocity_m_per_s.unwrap() - 0.3).abs() < 1e-12);
         assert!((limits.tracking_m.unwrap() - 0.00287).abs() < 1e-12);
         assert_eq!(limits.stale_steps, Some(48));
-        assert_eq!(limits.frozen_m, Some(1e-4));
+        // 16 standard deviations of 10 um.
+        assert!((limits.frozen_m.unwrap() - 1.6e-4).abs() < 1e-12);
+        assert_eq!(limits.energy_trip, Some(3.0));
         let shown = describe(&stated, &limits);
         assert!(
             shown.contains("displacement_m      30.0700 mm     worked out"),

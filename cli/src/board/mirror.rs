@@ -196,6 +196,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let (displacement_m, force_n) = self.read(report);
         let mut sample = Sample::new(displacement_m, force_n);
         sample.fault = self.fault(report, after);
+        sample.chain_open = report.flags & flag::CHAIN_OPEN != 0;
         // A stale sample is one that did not come or one that stands still; the record's digest tells which.
         let before = (report.flags & flag::STALE != 0).then(|| self.outer.clone());
         let mut step = self.outer.step(&sample, &self.ground);
@@ -241,7 +242,13 @@ impl<'a, const N: usize> Mirror<'a, N> {
         match latched {
             // The board's own knowledge; nothing in its codes shows it.
             Some(
-                Fault::EmergencyStop | Fault::LinkLost | Fault::DeadlineMissed | Fault::PermitChain,
+                Fault::EmergencyStop
+                | Fault::LinkLost
+                | Fault::DeadlineMissed
+                | Fault::PermitChain
+                | Fault::Output
+                | Fault::Disagree
+                | Fault::ForceStands,
             ) if report.state() != Some(Mode::Tripped) => latched,
             _ if rail => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),

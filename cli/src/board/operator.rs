@@ -2,12 +2,7 @@
 
 use experiment::failure::Failure;
 use std::io::{BufRead, IsTerminal};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::mpsc::{Receiver, channel};
-
-/// Set by Ctrl-C while a test runs on a board.
-static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Who decides, between the approach and the start, that the test may begin.
 pub struct Operator {
@@ -65,28 +60,4 @@ impl Operator {
     pub fn agrees(&self) -> bool {
         self.go.as_ref().is_none_or(|go| go.try_recv().is_ok())
     }
-}
-
-/// From now on Ctrl-C does not end the program but asks the test to stop; a second one ends the program.
-pub fn catch_ctrl_c() {
-    static CAUGHT: OnceLock<()> = OnceLock::new();
-    STOP.store(false, SeqCst);
-    CAUGHT.get_or_init(|| {
-        let caught = ctrlc::set_handler(|| {
-            if STOP.swap(true, SeqCst) {
-                std::process::exit(130);
-            }
-            eprintln!(
-                "\nouterloop: stopping on the deceleration ramp; Ctrl-C again gives up the link, and a board trips"
-            );
-        });
-        if let Err(e) = caught {
-            eprintln!("outerloop: note: Ctrl-C cannot be caught ({e}): it ends the program, and a board trips by itself");
-        }
-    });
-}
-
-/// Ctrl-C was pressed.
-pub fn stop_is_asked() -> bool {
-    STOP.load(SeqCst)
 }

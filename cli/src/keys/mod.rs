@@ -3,11 +3,13 @@
 //! Names and meanings are those of the structures and their documentation, defaults are those that the structures have,
 //! and what is accepted is what the refusal of a wrong value says. So this list cannot say anything else than the code.
 
+mod declared_model;
 mod key;
 mod probe;
 mod render;
 mod source;
 
+pub use declared_model::declared_model;
 pub use key::{Group, Key};
 pub use render::{markdown, schema};
 
@@ -15,6 +17,7 @@ use experiment::coupled::table::{CoupledCompensation, ObserverTable, SpreadTable
 use experiment::files::serve::Settings;
 use experiment::files::test::Excitation;
 use experiment::files::units;
+use experiment::files::watch::WatchSettings;
 use outerloop_core::Config;
 use plant::RigSpec;
 use serde_json::{Value, json};
@@ -22,13 +25,14 @@ use source::{SourceStruct, ValueKind};
 use std::collections::HashMap;
 
 /// The tables at the top, and the structures behind them.
-const TOP: [(&str, &str); 8] = [
+const TOP: [(&str, &str); 9] = [
     ("", "Config"),
     ("excitation", "Excitation"),
     ("plant", "RigSpec"),
     ("declared", "Model"),
     ("board", "BoardWanted"),
     ("serve", "Settings"),
+    ("watch", "WatchSettings"),
     ("coupled", "CoupledTable"),
     ("plant.coupled", "CoupledRigSpec"),
 ];
@@ -41,6 +45,7 @@ pub fn all() -> Vec<Group> {
         serde_json::to_value(Config::shear_frame([1.0], [1.0], [0.0])).unwrap_or(Value::Null);
     defaults["excitation"] = serde_json::to_value(Excitation::default()).unwrap_or(Value::Null);
     defaults["serve"] = serde_json::to_value(Settings::default()).unwrap_or(Value::Null);
+    defaults["watch"] = serde_json::to_value(WatchSettings::default()).unwrap_or(Value::Null);
     defaults["plant"] = serde_json::to_value(RigSpec::default()).unwrap_or(Value::Null);
     defaults["coupled"] = coupled_defaults();
     // What a test file has to say has no default.

@@ -1,7 +1,6 @@
 //! What a key accepts: a wrong value is given to the code that reads it, and its refusal says it.
 
 use super::source::ValueKind;
-use experiment::coupled::load;
 use experiment::files::test::TestFile;
 use std::path::Path;
 
@@ -86,7 +85,7 @@ fn refusal(overrides: &[&str]) -> Option<String> {
         .collect();
     let coupled = |o: &&String| o.starts_with("coupled") || o.starts_with("plant.coupled");
     let refused = if overrides.iter().any(|o| coupled(&o)) {
-        load::parse(COUPLED, "test", Path::new(""), &overrides).err()
+        TestFile::parse(COUPLED, "test", Path::new(""), &overrides).err()
     } else {
         TestFile::parse(PLAIN, "test", Path::new(""), &overrides).err()
     };

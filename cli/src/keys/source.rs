@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use syn::{Attribute, Expr, Fields, GenericArgument, Item, Lit, Meta, PathArguments, Type};
 
 /// The files that define what a test file holds.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 17] = [
     include_str!("../../../core/src/config/mod.rs"),
     include_str!("../../../core/src/config/compensation.rs"),
     include_str!("../../../core/src/config/rig.rs"),
@@ -21,6 +21,7 @@ const SOURCES: [&str; 16] = [
     include_str!("../../../diagnosis/src/model.rs"),
     include_str!("../../../experiment/src/files/test.rs"),
     include_str!("../../../experiment/src/files/serve.rs"),
+    include_str!("../../../experiment/src/files/watch.rs"),
 ];
 
 /// What a key holds.

@@ -7,8 +7,8 @@ use super::rths::table;
 use experiment::numbers::{length, percent, percent_or_lost, three};
 use experiment::soundness::{Judgement, SoundnessVerdict};
 use experiment::stability::Stability;
+use experiment::stability::growth::SmallMotions;
 use experiment::stability::limits::StabilityLimit;
-use experiment::stability::linear_verdict::LinearVerdict;
 use std::fmt::Write as _;
 
 /// A check as the report shows it.
@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 pub struct CheckSection<'a> {
     /// The verdict.
     pub judgement: &'a Judgement,
-    /// What the eigenvalues say.
+    /// What its small motions say.
     pub answer: &'a Stability,
     /// The fastest growing motion over the delay: ms of the laboratory, 1/s of model time.
     pub over_delay: &'a [(f64, f64)],
@@ -37,10 +37,9 @@ pub fn of_check(c: &CheckSection<'_>) -> String {
     .concat();
     let title = format!("May this test be run? {}", c.planned.summary.record);
     let lead = format!(
-        "The planned motion on the simulated rig, with compensation <b>{}</b>, and the eigenvalues of the closed loop: {} \
-         states over an integration step of {} ms. What is not in the test file is in no verdict.",
+        "The planned motion on the simulated rig, with compensation <b>{}</b>, and small motions of the same loop after a \
+         blow; integration steps of {} ms. What is not in the test file is in no verdict.",
         c.answer.row.compensation,
-        c.answer.states,
         three(c.answer.step_s * 1e3)
     );
     page(&title, &lead, &body)
@@ -65,7 +64,13 @@ fn tiles(c: &CheckSection<'_>) -> String {
     let delay = &a.limits.delay;
     let limit = delay.limit.map_or_else(
         || "; no limit was found".into(),
-        |limit| format!("; unstable from {} ms on", three(limit)),
+        |limit| {
+            format!(
+                "; with {} as it is configured small motions grow from {} ms on",
+                a.row.compensation,
+                three(limit)
+            )
+        },
     );
     let delay_meaning = format!("delay at the first natural frequency{limit}");
     let tiles = [
@@ -84,13 +89,13 @@ fn tiles(c: &CheckSection<'_>) -> String {
         (format!("{} ms", three(delay.present)), &delay_meaning),
         (
             format!("{} of {}", a.perturbed.unstable, a.perturbed.spread.plants),
-            "drawn rigs with an eigenvalue that grows",
+            "drawn rigs on which small motions grow",
         ),
     ];
     page::tiles(&tiles)
 }
 
-/// Growth over the delay and over the drawn rigs, with the notes on what eigenvalues cannot say.
+/// Growth over the delay and over the drawn rigs, with the notes on what small motions cannot say.
 fn how_near(c: &CheckSection<'_>) -> String {
     let a = c.answer;
     let mut html = String::from("<h2>How near it is to running away</h2>");
@@ -106,8 +111,11 @@ fn how_near(c: &CheckSection<'_>) -> String {
         "delay [ms]",
         c.over_delay.to_vec(),
         Some((here, "this test")),
-        "The fastest growing motion of the linear loop over the delay at the first natural frequency, with the \
-         compensation told nothing of it. Above the line the test runs away.",
+        &format!(
+            "The fastest growing small motion over the delay at the first natural frequency, with compensation {} as it is \
+             configured: it is not told of the delay. Above the line small motions grow.",
+            a.row.compensation
+        ),
     );
     let p = &a.perturbed;
     let share = |i: usize| 100.0 * (i as f64 + 0.5) / p.growths_per_s.len() as f64;
@@ -195,11 +203,15 @@ fn tables(a: &Stability) -> String {
             p.from.to_owned(),
         ]
     });
-    let row = |r: &LinearVerdict, here: &str| {
+    let row = |r: &SmallMotions, here: &str| {
         vec![
             format!("{}{here}", r.compensation),
-            if r.stable { "decays" } else { "grows" }.to_owned(),
-            format!("{} 1/s", three(r.growth_per_s)),
+            r.word().to_owned(),
+            if r.growth_per_s.is_finite() {
+                format!("{} 1/s", three(r.growth_per_s))
+            } else {
+                "-".into()
+            },
             if r.damping_ratio.is_nan() {
                 "-".into()
             } else {
@@ -218,11 +230,11 @@ fn tables(a: &Stability) -> String {
         table(&["", "structure", "in the loop", "damping in the loop"], modes),
         "<h2>Where the delay comes from</h2>".into(),
         table(&["part", "delay", "from"], budget),
-        "<h2>Other compensations on the same rig</h2><p>By their eigenvalues alone, which do not decide over variable \
-         damping and over predictors that learn.</p>"
+        "<h2>Other compensations on the same rig</h2><p>By their small motions alone, which do not decide over variable \
+         damping, corrected forces and predictors that learn.</p>"
             .into(),
         table(
-            &["compensation", "response", "growth", "damping, mode 1"],
+            &["compensation", "small motions", "growth", "damping, mode 1"],
             compensations,
         ),
     ]

@@ -11,13 +11,13 @@ use super::rths::table;
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
-use experiment::coupled::experiment::CoupledExperiment;
+use experiment::Experiment;
 use experiment::coupled::planned::CoupledCheck;
 use experiment::coupled::summary::CoupledSummary;
 use experiment::coupled::trace::CoupledTrace;
-use experiment::coupled::trial::Ideal;
 use experiment::numbers::{joule, length, percent, three};
 use experiment::summary::{TestVerdict, Validity};
+use experiment::trace::Response;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -25,13 +25,13 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub struct CoupledSection<'a> {
     /// What was tested.
-    pub experiment: &'a CoupledExperiment,
+    pub experiment: &'a Experiment,
     /// Its figures.
     pub summary: &'a CoupledSummary,
     /// Its record.
     pub record: &'a CoupledTrace,
     /// The ideal that it is compared with.
-    pub ideal: &'a Ideal,
+    pub ideal: &'a Response,
 }
 
 /// The page of one test.
@@ -124,7 +124,7 @@ fn setting(s: &CoupledSection<'_>) -> String {
          {}{}",
         s.summary.coordinates.len(),
         s.summary.rate_hz,
-        s.experiment.shaken.seconds,
+        s.experiment.seconds,
         escape(&s.summary.record),
         match s.summary.record_scale {
             1.0 => String::new(),
@@ -170,7 +170,7 @@ const SHOWN_BEYOND: f64 = 3.0;
 
 /// The samples around the largest ideal displacement in x.
 fn strongest_part(s: &CoupledSection<'_>) -> Range<usize> {
-    let x = &s.ideal.motion[0];
+    let x: Vec<f32> = s.ideal.floor(0).collect();
     let peak = (0..x.len())
         .max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs()))
         .unwrap_or(0);
@@ -201,7 +201,7 @@ fn axis(name: &str) -> (String, &'static str) {
 fn shape(s: &CoupledSection<'_>, shape: PlotShape, j: usize) -> PlotShape {
     match s.summary.verdict {
         TestVerdict::Diverged | TestVerdict::Tripped => {
-            shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peak(j))
+            shape.within(SHOWN_BEYOND * 1e3 * s.ideal.peaks_m()[j])
         }
         TestVerdict::Completed | TestVerdict::Stopped => shape,
     }
@@ -213,7 +213,8 @@ fn motion(s: &CoupledSection<'_>) -> String {
     let whole = 0..s.record.len();
     for (j, name) in s.summary.coordinates.iter().enumerate() {
         let (name, unit) = axis(name);
-        let (target, ideal) = (&s.record.target[j], &s.ideal.motion[j]);
+        let target = &s.record.target[j];
+        let ideal: Vec<f32> = s.ideal.floor(j).collect();
         let both = |range: Range<usize>| {
             [
                 Curve::new(IDEAL, over(s, range.clone(), |i| f64::from(ideal[i])))
@@ -319,7 +320,7 @@ fn overlay(group: &[CoupledSection<'_>]) -> String {
     );
     for j in 0..2 {
         let (name, unit) = axis(&best.summary.coordinates[j]);
-        let ideal = &best.ideal.motion[j];
+        let ideal: Vec<f32> = best.ideal.floor(j).collect();
         let mut curves = vec![
             Curve::new(
                 IDEAL,
@@ -336,7 +337,7 @@ fn overlay(group: &[CoupledSection<'_>]) -> String {
             let points = over(s, range, |i| f64::from(target[i]));
             curves.push(Curve::new(colour, points).named(s.summary.compensation));
         }
-        let within = WIDE.within(SHOWN_BEYOND * 1e3 * best.ideal.peak(j));
+        let within = WIDE.within(SHOWN_BEYOND * 1e3 * best.ideal.peaks_m()[j]);
         let caption = format!("{name}: three seconds around the largest displacement.");
         html += &time_plot(within, &format!("{name} [{unit}]"), &curves, &caption);
     }

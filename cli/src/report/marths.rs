@@ -5,10 +5,9 @@ use super::page::{escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TESTED, WIDE, WRONG, history};
-use super::rths::{goal_boxes, goal_table, table};
+use super::rths::table;
 use crate::physical_part::PhysicalPartEstimate;
 use crate::terminal::coupled::{WRONG_HEAD, headline, wrong_rows};
-use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
@@ -30,10 +29,9 @@ pub fn of_marths(
     problem: &Problem,
     parts: &[DeclaredPart<'_>],
     rows: &[MarthsRow],
-    goals: &[Goal],
     (plants, seed): (usize, u64),
 ) -> Result<String, Failure> {
-    let mut body = goal_boxes(goals);
+    let mut body = String::new();
     for (name, group) in by_record(rows) {
         let _ = write!(body, "<h2>{}</h2>{}", escape(name), verdict(group));
         if let Some((record, ..)) = parts.iter().find(|(r, ..)| r.name == name) {
@@ -48,7 +46,6 @@ pub fn of_marths(
     }
     let meaning = MEANING.map(escape).join("<br>");
     let _ = write!(body, "<p>{}<br>{meaning}</p>", escape(LEGEND));
-    body += &goal_table(goals);
     body += "<h2>What the controllers know</h2><ul>";
     for (_, name, knows) in ALL {
         if rows.iter().any(|r| r.controller == name) {

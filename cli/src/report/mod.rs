@@ -7,6 +7,7 @@ mod coupled_test;
 mod diagnosis;
 mod difference;
 mod figures;
+mod frequency_response;
 mod marths;
 mod monte_carlo;
 mod next;
@@ -22,6 +23,7 @@ pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
 pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};
 pub use difference::of_difference;
+pub use frequency_response::of_identify;
 pub use marths::{DeclaredPart, of_marths};
 pub use monte_carlo::{ManyTests, of_monte_carlo};
 pub use page::TestSection;
@@ -244,8 +246,11 @@ fn verdict(s: &Summary) -> String {
     } else {
         String::new()
     };
+    let watched = s.watch.as_ref().map_or_else(String::new, |watch| {
+        format!("<p>{}</p>", escape(&watch.sentence()))
+    });
     format!(
-        "<p class=\"verdict {}\">{}{doubt}</p>",
+        "<p class=\"verdict {}\">{}{doubt}</p>{watched}",
         s.validity().class(),
         escape(&s.sentence())
     )

@@ -6,7 +6,7 @@ use super::plot::{self, Colour, Curve, HALF, TALL, TESTED, WRONG};
 use super::rths::table;
 use experiment::numbers::{percent, percent_or_lost, three};
 use experiment::stability::perturbed::Spread;
-use experiment::stability::rig::Variation;
+use experiment::stability::variation::Variation;
 use experiment::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, Summary, TestVerdict};
 
 /// The tests as the report shows them.

@@ -183,7 +183,7 @@ pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) ->
         0.0
     };
     let x = PlotAxis::new(span(&finite, |p| p.0, margin), LEFT..width - RIGHT);
-    let mut tall = span(&finite, |p| p.1, 0.06);
+    let mut tall = no_less(span(&finite, |p| p.1, 0.06), shape);
     if let Some(reach) = shape.reach {
         tall = tall.start.max(-reach)..tall.end.min(reach);
     }
@@ -277,11 +277,12 @@ fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: PlotShape) {
             scale::tick(v)
         );
     }
-    let steps = scale::round_ticks(&y.range, 6);
-    for v in steps
-        .into_iter()
-        .filter(|v| !shape.percent || v.fract() == 0.0)
-    {
+    let steps = if shape.percent {
+        scale::logarithmic_ticks(&y.range)
+    } else {
+        scale::round_ticks(&y.range, 6)
+    };
+    for v in steps {
         let at = y.place(v);
         let label = if shape.percent {
             scale::tick(10_f64.powf(v) * 100.0)
@@ -362,6 +363,21 @@ fn packed(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> String {
 }
 
 /// What the curves span, with a margin.
+/// Least height of a plot, of the largest value in it: below it the picture would be of rounding.
+const LEAST_SPAN: f64 = 0.05;
+/// The same of a logarithmic one, as a factor.
+const LEAST_FACTOR: f64 = 1.1;
+
+/// A range that is widened around its middle where it is too small to be drawn as a result.
+fn no_less(range: Range<f64>, shape: PlotShape) -> Range<f64> {
+    let least = match shape.percent {
+        true => LEAST_FACTOR.log10(),
+        false => LEAST_SPAN * range.start.abs().max(range.end.abs()),
+    };
+    let more = 0.5 * (least - (range.end - range.start)).max(0.0);
+    range.start - more..range.end + more
+}
+
 fn span(curves: &[Curve], pick: fn(&(f64, f64)) -> f64, margin: f64) -> Range<f64> {
     let values = curves.iter().flat_map(|c| c.points.iter().map(pick));
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
@@ -393,6 +409,35 @@ mod tests {
         assert!(points.contains(&(123_457.0, 50.0)));
         assert!(points.windows(2).all(|w| w[0].0 <= w[1].0));
         assert_eq!(history(3, |i| (i as f64, 1.0)).len(), 3);
+    }
+
+    #[test]
+    fn rounding_is_no_result_and_an_axis_has_two_labels() {
+        let heights = |shape: PlotShape, values: [f64; 3]| {
+            let points = values.iter().enumerate().map(|(i, y)| (i as f64, *y));
+            let svg = plot(shape, "x", "y", &[Curve::new(IDEAL, points.collect())]);
+            let curve = svg.split("data-points=").nth(1).unwrap();
+            let drawn = curve.split(" d=\"M").nth(1).unwrap();
+            let drawn = drawn.split('"').next().unwrap();
+            let y = |p: &str| p.split(' ').nth(1).unwrap().parse::<f64>().unwrap();
+            let heights: Vec<f64> = drawn.split('L').map(y).collect();
+            (heights, svg.matches("class=\"y\"").count())
+        };
+        // The error of a sweep that is constant to seven digits.
+        let errors = [0.009_508_502_2_f64, 0.009_508_506_1, 0.009_508_502_2].map(f64::log10);
+        for (shape, values) in [
+            (WIDE.of_percent(), errors),
+            (WIDE, [100.000_01, 100.0, 100.000_02]),
+        ] {
+            let (heights, labels) = heights(shape, values);
+            assert!(
+                heights.iter().all(|y| (y - heights[0]).abs() < 1.0),
+                "{heights:?}"
+            );
+            assert!(labels >= 2, "{labels}");
+        }
+        // A factor of three has labels, too.
+        assert!(heights(WIDE.of_percent(), [0.02_f64, 0.05, 0.03].map(f64::log10)).1 >= 2);
     }
 
     #[test]

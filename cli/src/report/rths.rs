@@ -5,7 +5,6 @@ use super::page::{escape, page};
 use super::plot;
 use super::plot::GROUND;
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history};
-use benchmarks::goal::{GOAL_HEAD, Goal};
 use benchmarks::rths::case::{CASES, Case};
 use benchmarks::rths::criteria::MEANING;
 use benchmarks::rths::table::{
@@ -21,7 +20,7 @@ use std::fmt::Write as _;
 /// The published controller, for the pictures.
 const BASELINE: &str = "pi-phase-lead";
 
-/// The benchmark: verdict, a closer look at case 4, a summary of each ground motion, all criteria.
+/// The benchmark: the standings, a summary of each ground motion, a closer look at case 4, all criteria.
 ///
 /// # Errors
 /// A controller that core refuses.
@@ -29,17 +28,15 @@ pub fn of_rths(
     bench: &Benchmark<'_>,
     rows: &[RthsRow],
     yielding: &[Vec<RthsRow>],
-    goals: &[Goal],
 ) -> Result<String, Failure> {
-    let mut body = verdict(rows, goals);
-    for record in bench.records {
-        body += &close_up_section(bench, record)?;
-    }
-    body += &goal_table(goals);
+    let mut body = verdict(rows);
     let _ = write!(body, "<h2>Summary</h2><p>{}.</p>", escape(SUMMARY_LEGEND));
     for (name, group) in by_record(rows) {
         let table = table(&summary_head(group), summary(group).into_iter());
         let _ = write!(body, "<h3>{}</h3>{table}", escape(name));
+    }
+    for record in bench.records {
+        body += &close_up_section(bench, record)?;
     }
     if let [degrading, pinched] = yielding {
         let _ = write!(
@@ -86,48 +83,14 @@ pub fn of_rths(
     ))
 }
 
-/// How many of the figures that were asked for are reached, green where all are, and a box for each that is missed.
-pub(super) fn goal_boxes(goals: &[Goal]) -> String {
-    let missed: Vec<&Goal> = goals.iter().filter(|t| !t.reached()).collect();
-    let (all, reached) = (goals.len(), goals.len() - missed.len());
-    let mut html = match (all, missed.len()) {
-        (0, _) => String::new(),
-        (_, 0) => format!(
-            "<p class=\"verdict\">All {all} figures that were asked for are <b>reached</b>.</p>"
-        ),
-        (_, n) => format!(
-            "<p class=\"verdict fair\">Of {all} figures that were asked for {reached} are reached and <b>{n} missed</b>.</p>"
-        ),
-    };
-    for target in missed {
-        let _ = write!(
-            html,
-            "<p class=\"verdict fair\">{}</p>",
-            escape(&target.sentence())
-        );
-    }
-    html
-}
-
-/// What was asked for, a row each.
-pub(super) fn goal_table(goals: &[Goal]) -> String {
-    if goals.is_empty() {
-        return String::new();
-    }
-    let table = table(&GOAL_HEAD, goals.iter().map(Goal::cells));
-    format!("<h2>What was asked for</h2>{table}")
-}
-
-fn verdict(rows: &[RthsRow], goals: &[Goal]) -> String {
-    let mut html = goal_boxes(goals);
+/// Who stands first.
+fn verdict(rows: &[RthsRow]) -> String {
     let names = best(rows).join(", ");
-    let _ = write!(
-        html,
+    format!(
         "<p>Least J4 as read, mean of all cases and ground motions (more than one name is a tie): <b>{}</b>. \
          {CAUTION}</p>",
         escape(&names)
-    );
-    html
+    )
 }
 
 fn close_up_section(bench: &Benchmark<'_>, record: &GroundRecord) -> Result<String, Failure> {

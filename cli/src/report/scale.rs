@@ -41,6 +41,24 @@ pub fn round_ticks(range: &Range<f64>, most: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
+/// Logarithms of round values in a range of logarithms: whole decades, else 1, 2 and 5 of each, else round values, so that
+/// there are always two.
+pub fn logarithmic_ticks(range: &Range<f64>) -> Vec<f64> {
+    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
+    for of_decade in [&[1.0][..], &[1.0, 2.0, 5.0]] {
+        let all = decades
+            .clone()
+            .flat_map(|d| of_decade.iter().map(move |m| f64::from(d) + f64::log10(*m)));
+        let inside: Vec<f64> = all.filter(|v| range.contains(v)).collect();
+        if inside.len() >= 2 {
+            return inside;
+        }
+    }
+    let values = 10_f64.powf(range.start)..10_f64.powf(range.end);
+    let round = round_ticks(&values, 8).into_iter();
+    round.filter(|v| *v > 0.0).map(f64::log10).collect()
+}
+
 /// A tick label without needless zeros.
 pub fn tick(v: f64) -> String {
     match v.abs() {

@@ -217,7 +217,7 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
         );
         mirror.take_targets(self.pace);
         let mut in_force = ConfiguredTest::new(board, mirror, since, &identity);
-        in_force.arm(board)?;
+        in_force.arm(board, &identity, &self.operator)?;
         in_force.wait_for_go(board, &self.operator)?;
         self.permit = true;
         self.calibrated = identity.calibrations().copied().collect();

@@ -4,7 +4,7 @@ use super::ledger::{Ledger, SessionSummary, SessionVerdict};
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::travel::shear_frame;
 use super::wire::{Action, ClientConnection, ClientGone, TrialResponse};
-use crate::board::operator::stop_is_asked;
+use crate::terminal::interrupt;
 use experiment::failure::Failure;
 use experiment::files::serve::Settings;
 use experiment::files::test::TestFile;
@@ -407,7 +407,7 @@ impl Session<'_> {
 
 /// True if the operator has stopped it.
 fn operator() -> Result<(), End> {
-    if stop_is_asked() {
+    if interrupt::asked() {
         return Err(Stop::Operator.into());
     }
     Ok(())

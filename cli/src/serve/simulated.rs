@@ -4,9 +4,9 @@ use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
 use super::travel::Travel;
 use crate::scope::Scope;
-use experiment::bench::with_floors;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
+use experiment::floors::with_floors;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Pace, Sample};
 use std::time::{Duration, Instant};
 

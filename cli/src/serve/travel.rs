@@ -3,8 +3,8 @@
 use super::ledger::Ledger;
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::served_rig::{ServedRig, ServedStep};
-use crate::board::operator::stop_is_asked;
 use crate::scope::Scope;
+use crate::terminal::interrupt;
 use experiment::bench::OnBoard;
 use experiment::failure::Failure;
 use experiment::files::serve::Settings;
@@ -48,7 +48,7 @@ impl<const N: usize, R: ServedRig<N>> Travel<N, R> {
     }
 
     fn step(&mut self) -> Result<ServedStep<N>, Stop> {
-        if stop_is_asked() {
+        if interrupt::asked() {
             return Err(Stop::Operator);
         }
         let seen = self.rig.step()?;

@@ -9,8 +9,8 @@ pub use range::Range;
 
 use crate::terminal::{Progress, interrupt};
 use experiment::Experiment;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
-use outerloop_core::Method;
 use rayon::prelude::*;
 use serde::Serialize;
 use swept_test::SweptTest;
@@ -36,27 +36,27 @@ pub struct SweepResult<'a> {
 /// A test that cannot be laid out.
 pub fn run(
     experiments: &[(f64, Experiment)],
-    methods: &[Method],
+    compensations: &[Compensation],
     seed: u64,
 ) -> Result<Vec<SweptTest>, Failure> {
     let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
-    let progress = Progress::over("sweep", (steps * methods.len()) as u64);
-    interrupt::watch();
+    let progress = Progress::over("sweep", (steps * compensations.len()) as u64);
     let parts: Vec<Vec<SweptTest>> = experiments
         .par_iter()
         .filter(|_| !interrupt::asked())
         .map(|(value, e)| {
             let ideal = e.ideal()?;
-            let ideal_peak_m = ideal.peaks_m().into_iter().fold(0.0, f64::max);
-            let row = |method: &Method| {
-                let run = e.run(*method, &ideal, seed, false, progress.observer())?;
+            let peaks_m = ideal.peaks_m().into_iter().take(e.floors_in_m());
+            let ideal_peak_m = peaks_m.fold(0.0, f64::max);
+            let row = |compensation: &Compensation| {
+                let run = e.run(*compensation, &ideal, seed, false, progress.observer())?;
                 Ok(SweptTest {
                     value: *value,
                     ideal_peak_m,
                     summary: run.summary,
                 })
             };
-            methods.iter().map(row).collect()
+            compensations.iter().map(row).collect()
         })
         .collect::<Result<_, Failure>>()?;
     Ok(parts.into_iter().flatten().collect())

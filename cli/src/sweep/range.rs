@@ -1,6 +1,7 @@
 //! `PATH=VALUES` of a sweep.
 
 use experiment::failure::Failure;
+use experiment::files::units;
 
 /// A key and the values that it takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +16,7 @@ pub struct Range {
 const MOST: usize = 1000;
 
 impl Range {
-    /// Reads `PATH=A,B,C` or `PATH=FROM..TO/N`, N values at equal distances with both ends.
+    /// Reads `PATH=A,B,C` or `PATH=FROM..TO/N`, N values at equal distances with both ends. A value may say its unit.
     ///
     /// # Errors
     /// A sentence: no path, no numbers, fewer than two, more than 1000, one twice.
@@ -29,15 +30,12 @@ impl Range {
         let (path, values) = text
             .split_once('=')
             .ok_or_else(|| refuse("has no `=`".into()))?;
-        let number = |text: &str| match text.trim().parse::<f64>() {
-            Ok(x) if x.is_finite() => Ok(x),
-            _ => Err(refuse(format!("`{}` is not a number", text.trim()))),
-        };
+        let number = |text: &str| units::value_at(path, text).map_err(refuse);
         let mut values: Vec<f64> = match values.split_once("..") {
             None => values.split(',').map(number).collect::<Result<_, _>>()?,
             Some((from, rest)) => {
                 let (to, n) = rest
-                    .split_once('/')
+                    .rsplit_once('/')
                     .ok_or_else(|| refuse("has no `/N` behind its range".into()))?;
                 let (from, to) = (number(from)?, number(to)?);
                 let n: usize = n
@@ -84,7 +82,12 @@ mod tests {
         assert_eq!(of("a.b=3,1, 2").unwrap().values, [1.0, 2.0, 3.0]);
         assert_eq!(of("a=0..0.3/4").unwrap().values, [0.0, 0.1, 0.2, 0.3]);
         assert_eq!(of("a=-2..-1/2").unwrap().values, [-2.0, -1.0]);
+        let with_units = of("plant.actuator.delay_ms=1 ms,0.002 s").unwrap();
+        assert_eq!(with_units.values, [1.0, 2.0]);
+        let stiffness = of("structure.stiffness_n_per_m.0=1 kN/m..2 kN/m/3").unwrap();
+        assert_eq!(stiffness.values, [1000.0, 1500.0, 2000.0]);
         for (text, said) in [
+            ("a_ms=1,2 N", "N is a force"),
             ("a", "has no `=`"),
             ("a=1..2", "no `/N`"),
             ("a=1..2/1", "has 1 values"),

@@ -2,9 +2,10 @@
 
 use clap::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use experiment::nearest::nearest;
 
-/// The sentence; `None` for what is no mistake, such as `--help`.
-pub fn sentence(error: &Error) -> Option<String> {
+/// The sentence; `None` for what is no mistake, such as `--help`. `verbs` are all there are.
+pub fn sentence(error: &Error, verbs: &[String]) -> Option<String> {
     let context = ErrorContext(error);
     let argument = context.text(ContextKind::InvalidArg);
     let value = context.text(ContextKind::InvalidValue);
@@ -20,10 +21,8 @@ pub fn sentence(error: &Error) -> Option<String> {
             };
             match value.is_empty() {
                 true => format!("{argument} has no value: accepted are {accepted}"),
-                false => format!(
-                    "{argument}: `{value}` is unknown{}: accepted are {accepted}",
-                    context.near(ContextKind::SuggestedValue)
-                ),
+                // The nearest of them is added to every refusal of a name.
+                false => format!("{argument}: `{value}` is unknown: accepted are {accepted}"),
             }
         }
         ErrorKind::ValueValidation => match std::error::Error::source(error) {
@@ -36,15 +35,18 @@ pub fn sentence(error: &Error) -> Option<String> {
         },
         ErrorKind::UnknownArgument => format!(
             "`{argument}` is unknown here{}: accepted is {}, and `--help` explains each part",
-            context.near(ContextKind::SuggestedArg),
+            in_question(&context.text(ContextKind::SuggestedArg)),
             context.usage()
         ),
-        ErrorKind::InvalidSubcommand => format!(
-            "`{}` is no verb{}: accepted is {}, and `--help` lists the verbs",
-            context.text(ContextKind::InvalidSubcommand),
-            context.near(ContextKind::SuggestedSubcommand),
-            context.usage()
-        ),
+        ErrorKind::InvalidSubcommand => {
+            let verb = context.text(ContextKind::InvalidSubcommand);
+            let meant = nearest(&verb, verbs.iter().map(String::as_str)).unwrap_or_default();
+            format!(
+                "`{verb}` is no verb{}: accepted is {}, and `--help` lists the verbs",
+                in_question(meant),
+                context.usage()
+            )
+        }
         ErrorKind::MissingRequiredArgument => {
             format!("{argument} is missing: accepted is {}", context.usage())
         }
@@ -63,6 +65,14 @@ pub fn sentence(error: &Error) -> Option<String> {
     })
 }
 
+/// A name that may have been meant.
+fn in_question(name: &str) -> String {
+    match name.is_empty() {
+        true => String::new(),
+        false => format!(" (`{name}`?)"),
+    }
+}
+
 /// The parser's error.
 struct ErrorContext<'a>(&'a Error);
 
@@ -73,18 +83,6 @@ impl ErrorContext<'_> {
             Some(ContextValue::Strings(texts)) => texts.join(", "),
             Some(ContextValue::StyledStr(text)) => text.to_string(),
             _ => String::new(),
-        }
-    }
-
-    fn near(&self, kind: ContextKind) -> String {
-        let near = match self.0.get(kind) {
-            // The nearest comes last.
-            Some(ContextValue::Strings(names)) => names.last().cloned().unwrap_or_default(),
-            _ => self.text(kind),
-        };
-        match near.is_empty() {
-            true => near,
-            false => format!(" (`{near}`?)"),
         }
     }
 

@@ -1,55 +1,43 @@
-//! `outerloop check`: whether a test may be run, before the oil is on.
-
-mod surveys;
+//! `outerloop check`: whether a test may be run, before it is.
 
 use super::coupled::CoupledCheckRequest;
-use super::{MotionArguments, hand_over, json, method};
+use super::{MethodName, MotionArguments, hand_over, json};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, CheckSection, TestSection};
 use crate::terminal::{Progress, table};
 use experiment::Experiment;
-use experiment::coupled::load;
 use experiment::failure::Failure;
-use experiment::files::output;
+use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
+use experiment::method;
 use experiment::numbers::{percent, percent_or_lost};
-use experiment::soundness::{self, Eigenvalues, Judgement, SoundnessVerdict};
-use experiment::stability::linear_verdict::LinearVerdict;
+use experiment::soundness::{self, Judgement, SoundnessVerdict};
+use experiment::stability::growth::SmallMotions;
 use experiment::stability::perturbed::Spread;
+use experiment::stability::small_motion::Learning;
 use experiment::stability::{self, Stability};
 use experiment::summary::GOOD_EPS_RMS;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Check whether a test may be run, before the oil is on: exit status 0 stable, 1 doubtful, 2 unstable
+/// Check whether a test may be run: exit status 0 stable, 1 doubtful, 2 unstable
+///
+/// Bad input has exit status 2, too, and writes nothing on standard output: there an unstable test has its verdict, with
+/// --json as `"verdict": "unstable"`, and on standard error `unstable:` behind the name of its file.
 #[derive(clap::Args, Debug)]
 pub struct Check {
     /// The test file
-    #[arg(required_unless_present_any = ["survey", "monitor"])]
-    test: Option<PathBuf>,
+    test: PathBuf,
     /// The ground motion: CSV, AT2, or one acceleration a line
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     #[command(flatten)]
     motion: MotionArguments,
-    /// Instead of a test: compare the verdicts with what the tests then do, over this many drawn rigs
-    #[arg(long, value_name = "RIGS", num_args = 0..=1, default_missing_value = "1000", conflicts_with = "test")]
-    survey: Option<usize>,
-    /// Instead of a test: try the energy monitor on this many sound tests, and on a quarter as many in which something
-    /// breaks
-    #[arg(
-        long,
-        value_name = "TESTS",
-        num_args = 0..=1,
-        default_missing_value = "10000",
-        conflicts_with_all = ["test", "survey"]
-    )]
-    monitor: Option<usize>,
     /// Override a value of the test file, e.g. plant.actuator.delay_ms=8
     #[arg(long = "set", value_name = "PATH=VALUE")]
     overrides: Vec<String>,
     /// The compensation, instead of the test file's
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
     /// How many perturbed rigs
     #[arg(long, default_value_t = 200)]
@@ -70,7 +58,7 @@ pub struct Check {
     #[arg(long, default_value_t = 20.0, value_name = "PERCENT")]
     damping_spread: f64,
     /// Write report.html and check.json there
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["survey", "monitor"])]
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// One JSON object on standard output and nothing else
     #[arg(long)]
@@ -83,64 +71,55 @@ impl Check {
     /// # Errors
     /// Bad input; a test that cannot be stable.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
-        if let Some(rigs) = self.survey {
-            return self.survey(rigs);
-        }
-        if let Some(tests) = self.monitor {
-            return self.monitor(tests);
-        }
-        // Clap has seen to it that there is one.
-        let path = self.test.as_deref().unwrap_or(Path::new(""));
+        let out = look_ahead::folder(self.out.as_deref(), &["report.html", "check.json"])?;
+        let out = out.as_deref();
+        let path = self.test.as_path();
         let spread = self.spread()?;
         note_seed(self.seed);
-        if let Some(test) = load::test(path, &self.overrides)? {
+        let mut test = TestFile::load_any(path, &self.overrides)?;
+        if test.coupled.is_some() {
             let asked = CoupledCheckRequest {
                 shaking: self
                     .motion
                     .shaking(self.record.as_deref(), &test.excitation)?,
                 compensation: self.compensation.as_deref(),
                 spread,
-                out: self.out.as_deref(),
+                out,
                 json: self.json,
             };
             return super::coupled::check(&test, &asked);
         }
-        let mut test = TestFile::load(path, &self.overrides)?;
         if let Some(name) = &self.compensation {
             test.config.compensation.kind = method(name)?;
         }
-        let answer = {
-            let progress = Progress::over("rigs", spread.plants as u64);
-            stability::answer(&test, &spread, || progress.add(1))?
-        };
         let experiment = self.experiment(&test)?;
+        let answer = {
+            let question = experiment.small_motions(Learning::On)?;
+            let progress = Progress::over("rigs", spread.plants as u64);
+            stability::answer(&question, &spread, || progress.add(1))?
+        };
         let judgement = judge(&experiment, &spread, &answer)?;
         let whole = Whole {
             judgement: &judgement,
             answer: &answer,
         };
         let tell = || {
-            print(&answer);
-            // Why a test is not stable is said once, at the end.
-            let why = match judgement.verdict {
-                SoundnessVerdict::Stable => format!(": {}", judgement.reason),
-                _ => String::new(),
-            };
             println!(
-                "\n{}{why}.\nExpected error: {}.",
+                "{}: {}.\nExpected error: {}.\n",
                 judgement.verdict.name().to_uppercase(),
+                judgement.reason,
                 expected(&judgement),
             );
+            print(&answer);
         };
         hand_over(
-            (self.out.as_deref(), self.json),
+            (out, self.json),
             ("check.json", &json(&WithProvenance::of(&whole))?),
             || Ok(vec![("report.html", page(&experiment, &whole)?)]),
             tell,
         )?;
-        let said = format!("{}: {}", path.display(), judgement.reason);
-        judgement.verdict.outcome(said)
+        let (verdict, reason) = (judgement.verdict, &judgement.reason);
+        verdict.outcome(format!("{}: {}: {reason}", path.display(), verdict.name()))
     }
 
     /// The planned motion.
@@ -186,9 +165,8 @@ fn judge(
     answer: &Stability,
 ) -> Result<Judgement, Failure> {
     let test = &experiment.test;
-    let eigenvalues = Eigenvalues::of(test)?;
     let progress = Progress::over("tests", 3);
-    let mut judgement = soundness::judge(experiment, &eigenvalues, spread, || progress.add(1))?;
+    let mut judgement = soundness::judge(experiment, spread, || progress.add(1))?;
     if judgement.verdict == SoundnessVerdict::Stable {
         return Ok(judgement);
     }
@@ -230,7 +208,10 @@ fn page(experiment: &Experiment, whole: &Whole<'_>) -> Result<String, Failure> {
     Ok(report::of_check(&CheckSection {
         judgement: whole.judgement,
         answer: whole.answer,
-        over_delay: &stability::limits::over_delay(&experiment.test, &whole.answer.limits)?,
+        over_delay: &stability::limits::over_delay(
+            &experiment.small_motions(Learning::On)?,
+            &whole.answer.limits,
+        )?,
         planned: TestSection {
             experiment,
             summary: &run.summary,
@@ -258,28 +239,25 @@ fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
 
 fn print(a: &Stability) {
     println!(
-        "{} states over an integration step of {:.4} ms.\n",
-        a.states,
+        "Small motions of the loop after a blow, integration steps of {:.4} ms:\n",
         a.step_s * 1e3
     );
     let mut t = table(&[
         "compensation",
-        "stable",
-        "largest |z|",
+        "small motions",
         "growth a second",
         "damping, mode 1",
     ]);
-    let mut row = |r: &LinearVerdict, here: &str| {
+    let or_dash = |value: f64| match value.is_finite() {
+        true => percent(value),
+        false => "-".into(),
+    };
+    let mut row = |r: &SmallMotions, here: &str| {
         t.add_row([
             format!("{}{here}", r.compensation),
-            if r.stable { "yes" } else { "no" }.to_owned(),
-            format!("{:.7}", r.spectral_radius),
-            percent(r.growth_per_s.exp_m1()),
-            if r.damping_ratio.is_nan() {
-                "-".into()
-            } else {
-                percent(r.damping_ratio)
-            },
+            r.word().to_owned(),
+            or_dash(r.growth_per_s.exp_m1()),
+            or_dash(r.damping_ratio),
         ]);
     };
     row(&a.row, "  <- this test");
@@ -344,7 +322,7 @@ fn print(a: &Stability) {
 
     let p = &a.perturbed;
     println!(
-        "{} of {} perturbed rigs are unstable (standard deviations: times {}, gain {}, stiffness {}, damping {}).\n\
+        "On {} of {} perturbed rigs small motions grow (standard deviations: times {}, gain {}, stiffness {}, damping {}).\n\
          Worst: {} a second, least damping of mode 1 {}.",
         p.unstable,
         p.spread.plants,
@@ -352,8 +330,8 @@ fn print(a: &Stability) {
         percent(p.spread.gain),
         percent(p.spread.stiffness),
         percent(p.spread.damping),
-        percent(p.worst_growth_per_s.exp_m1()),
-        percent(p.least_damping_ratio),
+        or_dash(p.worst_growth_per_s.exp_m1()),
+        or_dash(p.least_damping_ratio),
     );
     for note in &a.notes {
         println!("Note: {note}.");

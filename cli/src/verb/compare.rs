@@ -1,6 +1,6 @@
 //! `outerloop compare`: the same test under several compensations, one row each.
 
-use super::{CommonArguments, each_record, hand_over, json, method};
+use super::{CommonArguments, MethodName, each_record, hand_over, json, require_all_ran};
 use crate::comparison::condition::{Condition, yielding};
 use crate::comparison::{self, standing};
 use crate::provenance::WithProvenance;
@@ -8,13 +8,14 @@ use crate::report::{self, TestSection};
 use crate::terminal::{self, Progress, interrupt};
 use experiment::Experiment;
 use experiment::failure::Failure;
-use experiment::files::output;
+use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
+use experiment::method;
 use experiment::summary::{Summary, Validity};
 use outerloop_core::Method;
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Run the same test under several compensations
@@ -26,7 +27,7 @@ pub struct Compare {
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
     /// Compensations, separated by commas; left out: all
-    #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
     compensations: Vec<String>,
     /// The same on the bench: delays of 1 to 60 ms, several actuators and specimens, noise, and wrong declarations to
     /// the compensation, in place of the test file's rig
@@ -43,15 +44,22 @@ impl Compare {
     /// # Errors
     /// Bad input; no row that is the structure's response.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
-        if let Some(test) = self.common.coupled()? {
+        interrupt::watch();
+        let name = if self.bench {
+            "bench.json"
+        } else {
+            "compare.json"
+        };
+        let out = look_ahead::folder(self.out.as_deref(), &["report.html", name])?;
+        let out = out.as_deref();
+        let test = self.common.load_any()?;
+        if test.coupled.is_some() {
             super::coupled::refuse(&[("--bench", self.bench)])?;
             let asked = (&self.record[..], &self.compensations[..]);
-            return super::coupled::compare(&test, &self.common, asked, self.out.as_deref());
+            return super::coupled::compare(&test, &self.common, asked, out);
         }
-        let test = self.common.load()?;
         if self.bench {
-            return self.compare_conditions();
+            return self.compare_conditions(out);
         }
         let methods = match &self.compensations[..] {
             [] => Method::ALL.to_vec(),
@@ -59,7 +67,6 @@ impl Compare {
         };
         let experiments = self.experiments(&test)?;
         let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
-        interrupt::watch();
         let ideals = experiments
             .par_iter()
             .map(Experiment::ideal)
@@ -69,7 +76,7 @@ impl Compare {
             let tests: Vec<(usize, Method)> = (0..experiments.len())
                 .flat_map(|e| methods.iter().map(move |m| (e, *m)))
                 .collect();
-            let keep = self.out.is_some();
+            let keep = out.is_some();
             tests
                 .into_par_iter()
                 .filter(|_| !interrupt::asked())
@@ -97,7 +104,7 @@ impl Compare {
             Ok(vec![("report.html", report::of_compare(&sections))])
         };
         hand_over(
-            (self.out.as_deref(), self.common.json),
+            (out, self.common.json),
             (
                 "compare.json",
                 &json(&WithProvenance::seeded(&all, self.common.seed))?,
@@ -124,7 +131,7 @@ impl Compare {
     }
 
     /// Every contestant under every condition of the bench.
-    fn compare_conditions(&self) -> Result<(), Failure> {
+    fn compare_conditions(&self, out: Option<&Path>) -> Result<(), Failure> {
         let test = self.common.load()?;
         let contestants = match &self.compensations[..] {
             [] => comparison::contestants(),
@@ -132,7 +139,6 @@ impl Compare {
         };
         let experiments = self.experiments(&test)?;
         let conditions = Condition::all(&test.config, &yielding(&test.plant.specimen));
-        interrupt::watch();
         let began = Instant::now();
         let rows = comparison::run(&experiments, &conditions, &contestants, self.common.seed)?;
         let lead = format!(
@@ -151,7 +157,7 @@ impl Compare {
         let standings = standing::of(&rows);
         let all = serde_json::json!({ "rows": rows, "standings": standings });
         hand_over(
-            (self.out.as_deref(), self.common.json),
+            (out, self.common.json),
             ("bench.json", &json(&WithProvenance::of(&all))?),
             || Ok(vec![("report.html", report::of_comparison(&rows, &lead))]),
             || {
@@ -164,14 +170,4 @@ impl Compare {
             experiments.len() * conditions.len() * contestants.len(),
         )
     }
-}
-
-/// That all tests ran; Ctrl-C leaves a part of them.
-fn require_all_ran(done: usize, asked: usize) -> Result<(), Failure> {
-    if done == asked {
-        return Ok(());
-    }
-    Err(Failure::test(format!(
-        "interrupted: {done} of {asked} tests ran, and only they are reported"
-    )))
 }

@@ -1,46 +1,31 @@
 //! `run`, `compare` and `check` of a test of two coupled actuators.
 
+use super::rig_arguments::RigKind;
 use super::{CommonArguments, each_record, hand_over, json};
-use crate::provenance::{WithProvenance, note_seed};
+use crate::archive::{self, FinishedTest};
+use crate::provenance::WithProvenance;
 use crate::report::{self, CoupledSection};
 use crate::terminal::coupled_test::{
     FOUND_HEAD, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
 };
 use crate::terminal::{self, Progress, plot, table};
-use experiment::coupled::experiment::CoupledExperiment;
-use experiment::coupled::file::CoupledTest;
-use experiment::coupled::load;
+use experiment::Experiment;
+use experiment::compensation::Compensation;
 use experiment::coupled::planned::{self, CoupledCheck};
 use experiment::coupled::summary::CoupledSummary;
 use experiment::coupled::table::CoupledCompensation;
 use experiment::coupled::trace::CoupledTrace;
-use experiment::coupled::trial::{self, Ideal, Trial};
+use experiment::coupled::trial::{self, Trial};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
+use experiment::files::output;
+use experiment::files::test::TestFile;
 use experiment::numbers::{percent, si};
-use experiment::soundness::SoundnessVerdict;
 use experiment::stability::perturbed::Spread;
 use experiment::summary::Validity;
 use experiment::trace::Response;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-
-impl CommonArguments {
-    /// The test, where it is one of two coupled actuators.
-    pub(super) fn coupled(&self) -> Result<Option<CoupledTest>, Failure> {
-        note_seed(self.seed);
-        load::test(&self.test, &self.overrides)
-    }
-
-    fn coupled_on(
-        &self,
-        test: &CoupledTest,
-        named: Option<&Path>,
-    ) -> Result<CoupledExperiment, Failure> {
-        let shaking = self.motion.shaking(named, &test.excitation)?;
-        load::experiment(test.clone(), &shaking, self.duration)
-    }
-}
 
 /// That nothing was asked for that such a test does not have.
 ///
@@ -50,21 +35,22 @@ pub(super) fn refuse(asked: &[(&str, bool)]) -> Result<(), Failure> {
     match asked.iter().find(|(_, given)| *given) {
         None => Ok(()),
         Some((option, _)) => Err(Failure::input(format!(
-            "{option} has no meaning for a test of two coupled actuators, [coupled]: accepted are run, compare and check on the \
-             simulated rig; no board has their loop yet, and no archive keeps them"
+            "{option} has no meaning for a test of two coupled actuators, [coupled]: accepted are run, compare, \
+             check, sweep, replay and diff, on the simulated rig; no board has their loop yet"
         ))),
     }
 }
 
-/// A compensation by its name.
-fn kind(name: &str) -> Result<CoupledCompensation, Failure> {
-    CoupledCompensation::named(name).ok_or_else(|| {
-        let names: Vec<&str> = CoupledCompensation::ALL.iter().map(|c| c.name()).collect();
-        Failure::input(format!(
-            "the compensation `{name}` is unknown to coupled actuators: accepted are {}",
-            names.join(", ")
-        ))
-    })
+/// A compensation by its name; left out: the test's own.
+fn kind(test: &TestFile, name: Option<&str>) -> Result<CoupledCompensation, Failure> {
+    let asked = match name {
+        Some(name) => test.compensation_named(name)?,
+        None => test.compensation(),
+    };
+    match asked {
+        Compensation::Coupled(kind) => Ok(kind),
+        Compensation::Method(_) => Ok(test.coupled_part()?.declared.compensation),
+    }
 }
 
 /// What is asked of one test.
@@ -77,6 +63,8 @@ pub(super) struct CoupledRequest<'a> {
     pub compensation: Option<&'a str>,
     /// Where results go.
     pub out: Option<&'a Path>,
+    /// The archive.
+    pub archive: Option<&'a Path>,
     /// True if the picture is wanted, terminal or not.
     pub plot: bool,
 }
@@ -85,18 +73,32 @@ pub(super) struct CoupledRequest<'a> {
 ///
 /// # Errors
 /// Bad input, or a test that tripped, ran away, or is not the structure's response.
-pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), Failure> {
-    let kind = asked
-        .compensation
-        .map_or(Ok(test.coupled.compensation), kind)?;
+pub(super) fn run(test: &TestFile, asked: &CoupledRequest<'_>) -> Result<(), Failure> {
+    let kind = kind(test, asked.compensation)?;
     let common = asked.common;
-    let experiment = common.coupled_on(test, asked.record)?;
+    let experiment = common.experiment(test, asked.record)?;
+    let keep = asked.out.is_some() || asked.archive.is_some();
     let (ideal, trial) = terminal::while_waiting(&experiment.record, || {
-        let ideal = trial::ideal(&experiment)?;
-        let trial = trial::run(&experiment, kind, &ideal, common.seed)?;
+        let ideal = experiment.ideal()?;
+        let trial = trial::run(&experiment, kind, &ideal, common.seed, keep)?;
         Ok::<_, Failure>((ideal, trial))
     })?;
-    let summary = CoupledSummary::of(&experiment, kind, &ideal, &trial)?;
+    let summary = CoupledSummary::of(&experiment, kind, &trial)?;
+    let archived = match &trial.run.trace {
+        None => Vec::new(),
+        Some(trace) => archive::to_bytes(&FinishedTest {
+            experiment: &experiment,
+            compensation: kind.into(),
+            place: RigKind::Simulated,
+            seed: common.seed,
+            orders: &[],
+            summary: &trial.run.summary,
+            trace,
+        })?,
+    };
+    if let Some(file) = asked.archive {
+        output::write(file, &archived)?;
+    }
     let files = || {
         let page = report::of_coupled_run(&CoupledSection {
             experiment: &experiment,
@@ -105,8 +107,9 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
             ideal: &ideal,
         });
         Ok(vec![
-            ("report.html", page),
-            ("record.csv", trial.record.to_csv()),
+            ("report.html", page.into_bytes()),
+            ("record.csv", trial.record.to_csv().into_bytes()),
+            ("record.h5", archived.clone()),
         ])
     };
     let print = || {
@@ -134,7 +137,7 @@ pub(super) fn run(test: &CoupledTest, asked: &CoupledRequest<'_>) -> Result<(), 
     summary.outcome()
 }
 
-fn in_words(e: &CoupledExperiment, s: &CoupledSummary) -> String {
+fn in_words(e: &Experiment, s: &CoupledSummary) -> String {
     let hz: Vec<String> = s
         .natural_frequencies_hz
         .iter()
@@ -142,7 +145,7 @@ fn in_words(e: &CoupledExperiment, s: &CoupledSummary) -> String {
         .collect();
     format!(
         "{} of {}, on a structure of {} Hz that two coupled actuators move in x and in rotation (a simulated rig).",
-        si(e.shaken.seconds, "s"),
+        si(e.seconds, "s"),
         e.record,
         hz.join(", ")
     )
@@ -161,16 +164,16 @@ fn print(rows: &[CoupledSummary]) {
 }
 
 /// x of the interface in the terminal.
-fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledTrace) -> String {
+fn picture(e: &Experiment, ideal: &Response, record: &CoupledTrace) -> String {
     let of = |x: &[f32]| {
         let mut response = Response::new(1);
         x.iter().for_each(|u| response.push(&[*u]));
         response
     };
     plot::response(
-        &of(&ideal.motion[0]),
+        &of(&ideal.floor(0).collect::<Vec<_>>()),
         &of(&record.target[0]),
-        e.test.period_s(),
+        e.test.config.model_step_s(),
     )
 }
 
@@ -179,22 +182,25 @@ fn picture(e: &CoupledExperiment, ideal: &Ideal, record: &CoupledTrace) -> Strin
 /// # Errors
 /// Bad input; no row that is the structure's response.
 pub(super) fn compare(
-    test: &CoupledTest,
+    test: &TestFile,
     common: &CommonArguments,
     (records, names): (&[PathBuf], &[String]),
     out: Option<&Path>,
 ) -> Result<(), Failure> {
     let kinds = match names {
         [] => CoupledCompensation::ALL.to_vec(),
-        names => names.iter().map(|n| kind(n)).collect::<Result<_, _>>()?,
+        names => names
+            .iter()
+            .map(|n| kind(test, Some(n)))
+            .collect::<Result<_, _>>()?,
     };
     let experiments = each_record(records)
         .into_iter()
-        .map(|file| common.coupled_on(test, file))
+        .map(|file| common.experiment(test, file))
         .collect::<Result<Vec<_>, _>>()?;
     let ideals = experiments
         .iter()
-        .map(trial::ideal)
+        .map(Experiment::ideal)
         .collect::<Result<Vec<_>, _>>()?;
     let pairs: Vec<(usize, CoupledCompensation)> = (0..experiments.len())
         .flat_map(|e| kinds.iter().map(move |k| (e, *k)))
@@ -203,8 +209,8 @@ pub(super) fn compare(
     let runs: Vec<(usize, CoupledSummary, Trial)> = pairs
         .into_par_iter()
         .map(|(e, kind)| {
-            let trial = trial::run(&experiments[e], kind, &ideals[e], common.seed)?;
-            let summary = CoupledSummary::of(&experiments[e], kind, &ideals[e], &trial)?;
+            let trial = trial::run(&experiments[e], kind, &ideals[e], common.seed, false)?;
+            let summary = CoupledSummary::of(&experiments[e], kind, &trial)?;
             progress.add(1);
             Ok((e, summary, trial))
         })
@@ -254,11 +260,9 @@ pub(super) struct CoupledCheckRequest<'a> {
 ///
 /// # Errors
 /// Bad input; a test that may not be run.
-pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Result<(), Failure> {
-    let kind = asked
-        .compensation
-        .map_or(Ok(test.coupled.compensation), kind)?;
-    let experiment = load::experiment(test.clone(), &asked.shaking, None)?;
+pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<(), Failure> {
+    let kind = kind(test, asked.compensation)?;
+    let experiment = Experiment::new(test.clone(), &asked.shaking, None)?;
     let (check, ideal, trial) = {
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
@@ -277,24 +281,23 @@ pub(super) fn check(test: &CoupledTest, asked: &CoupledCheckRequest<'_>) -> Resu
     hand_over((asked.out, asked.json), ("check.json", &text), page, || {
         print_check(&experiment, &check);
     })?;
-    check.verdict.outcome(check.reason)
+    let said = format!("{}: {}", check.verdict.name(), check.reason);
+    check.verdict.outcome(said)
 }
 
-fn print_check(experiment: &CoupledExperiment, check: &CoupledCheck) {
+fn print_check(experiment: &Experiment, check: &CoupledCheck) {
+    println!(
+        "{}: {}.\nExpected error: {} rms; at worst {} on a rig that differs.\n",
+        check.verdict.name().to_uppercase(),
+        check.reason.trim_end_matches('.'),
+        percent(check.expected_eps_rms),
+        percent(check.expected_eps_rms_differing),
+    );
     println!("{}", in_words(experiment, &check.planned));
     let mut limits = table(&LIMIT_HEAD);
     limits.add_rows(check.limits.iter().map(limit_row));
-    // Why a test is not stable is said once, at the end.
-    let why = match check.verdict {
-        SoundnessVerdict::Stable => format!(": {}", check.reason.trim_end_matches('.')),
-        _ => String::new(),
-    };
     println!(
-        "{limits}\n\n{} of {} rigs that differ are lost.\n{}{why}.\nExpected error: {} rms; at worst {} on a rig that differs.",
-        check.lost,
-        check.plants,
-        check.verdict.name().to_uppercase(),
-        percent(check.expected_eps_rms),
-        percent(check.expected_eps_rms_differing),
+        "{limits}\n\n{} of {} rigs that differ are lost.",
+        check.lost, check.plants,
     );
 }

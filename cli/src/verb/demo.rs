@@ -8,8 +8,8 @@ use crate::wording::headline;
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
-use experiment::files::output;
 use experiment::files::test::TestFile;
+use experiment::files::{look_ahead, output};
 use experiment::summary::Summary;
 use outerloop_core::Method;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,9 @@ impl Demo {
     /// # Errors
     /// A folder that cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(Some(&self.out))?;
+        let names = ["report.html"];
+        let out = look_ahead::folder(Some(&self.out), &names)?;
+        let out = out.as_deref().unwrap_or(&self.out);
         let test = TestFile::parse(TEST, "examples/table1.toml", Path::new(""), &[])?;
         let experiment = Experiment::new(test, &near_fault(), None)?;
         let structure = &experiment.test.config.structure;
@@ -110,8 +112,8 @@ impl Demo {
         );
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
             let page = report::of_demo(&none, &paper, &rows, &story);
-            output::write_all(&self.out, &[("report.html", page)])?;
-            println!("\nLook at {}", self.out.join("report.html").display());
+            output::write_all(out, &[("report.html", page)])?;
+            println!("\nLook at {}", out.join("report.html").display());
         }
         Ok(())
     }

@@ -10,8 +10,8 @@ use crate::terminal;
 use diagnosis::{Diagnosis, ForceUnit, Next};
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
-use experiment::files::measured::{FilePart, RecordFiles};
-use experiment::files::{model, output};
+use experiment::files::measured::{FilePart, RecordFiles, without_force_unit};
+use experiment::files::{look_ahead, model, output};
 use plant::Channel;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -45,6 +45,9 @@ pub struct Diagnose {
     /// Write report.html, diagnosis.json and model.toml there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Which searches name what is missing: `votes` or `one`, the engine that is to replace them
+    #[arg(long, value_name = "ENGINE", default_value = "votes", hide = true)]
+    engine: diagnosis::Engine,
     #[command(flatten)]
     columns: Columns,
     /// One JSON object on standard output and nothing else
@@ -58,20 +61,16 @@ impl Diagnose {
     /// # Errors
     /// Data or a model that cannot be judged.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
-        output::look_ahead_of_file(self.save_model.as_deref())?;
-        output::look_ahead_of_file(self.next.as_deref())?;
+        let out = look_ahead::folder(
+            self.out.as_deref(),
+            &["report.html", "diagnosis.json", "model.toml"],
+        )?;
+        let out = out.as_deref();
+        look_ahead::file(self.save_model.as_deref())?;
+        look_ahead::file(self.next.as_deref())?;
         let declared = model::load(&self.model)?;
-        if let Some(path) = &self.save_model
-            && same_file(path, &self.model)
-        {
-            return Err(Failure::input(format!(
-                "--save-model {}: is the declared model itself, which would be lost: accepted is another file",
-                path.display()
-            )));
-        }
         if let Some(specimen) = &declared.coupled {
-            return self.several(specimen);
+            return self.several(specimen, out);
         }
         let mut library = RecordFiles::with(&self.columns);
         let train = library.parts(&self.train)?;
@@ -88,7 +87,7 @@ impl Diagnose {
             )));
         }
         let mut diagnosis = terminal::while_waiting("diagnosing", || {
-            diagnosis::diagnose(&declared, &train, &test, &rest)
+            diagnosis::diagnose_by(self.engine, &declared, &train, &test, &rest)
         })
         .map_err(Failure::input)?;
         if self.remainder {
@@ -98,7 +97,7 @@ impl Diagnose {
             channels.for_each(|c| c.error_with_remainder = None);
         }
         if !library.force_has_unit() {
-            without_unit(&mut diagnosis);
+            without_force_unit(&mut diagnosis);
         }
         let next = match &self.next {
             None => None,
@@ -122,7 +121,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
-        if let Some(folder) = &self.out {
+        if let Some(folder) = out {
             let stated = model::to_toml(&declared)?;
             let title = format!(
                 "What {} says about {}",
@@ -158,7 +157,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             println!("{} is in {}", saved(&diagnosis), path.display());
         }
-        look_at_report(self.out.as_deref());
+        look_at_report(out);
         Ok(())
     }
 }
@@ -223,26 +222,8 @@ fn saved(diagnosis: &Diagnosis) -> &'static str {
     }
 }
 
-/// True if two paths lead to one file.
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
-}
-
 /// The last part of a path.
 fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
-}
-
-/// The force has no unit in the file: nothing that is said of it may have one.
-pub fn without_unit(diagnosis: &mut Diagnosis) {
-    if let Some(specimen) = &mut diagnosis.improved.specimen {
-        specimen.force_unit = ForceUnit::Without;
-    }
-    for channel in diagnosis.channels.iter_mut().filter(|c| c.unit == "N") {
-        channel.unit = "1".into();
-        for p in channel.effects.iter_mut().flat_map(|e| &mut e.parameters) {
-            p.unit = p.unit.replace('N', "1");
-        }
-    }
 }

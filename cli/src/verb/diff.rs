@@ -7,6 +7,7 @@ use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal;
 use experiment::failure::Failure;
+use experiment::files::look_ahead;
 use experiment::numbers::percent;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -35,6 +36,8 @@ impl Diff {
     /// # Errors
     /// No archive; tests of structures with other floors; motions further apart than `--within`.
     pub fn run(&self) -> Result<(), Failure> {
+        let names = ["report.html", "difference.json"];
+        let out = look_ahead::folder(self.out.as_deref(), &names)?;
         if let Some(share) = self.within.filter(|s| !(*s >= 0.0 && s.is_finite())) {
             return Err(Failure::input(format!(
                 "--within {share}: accepted is a share of the peak from 0, such as 0.01 for 1 %"
@@ -67,7 +70,7 @@ impl Diff {
             Ok(vec![("report.html", page)])
         };
         hand_over(
-            (self.out.as_deref(), self.json),
+            (out.as_deref(), self.json),
             ("difference.json", &json_text),
             page,
             || print(&difference),

@@ -1,5 +1,6 @@
 //! What `--help` lists beside the options: every compensation and every effect, a line each.
 
+use outerloop_core::Method;
 use plant::effect::catalogue;
 
 /// The compensations, from the one list that `core` makes its methods from.
@@ -8,8 +9,8 @@ pub fn compensations() -> String {
         "Compensations, for --compensation and compensation.kind; force law and predictor may be joined, as tangent+ats:"
             .to_owned(),
     ];
-    for (name, meaning) in listed(include_str!("../../../core/src/method.rs")) {
-        lines.push(format!("  {name:21}{meaning}"));
+    for method in Method::ALL {
+        lines.push(format!("  {method:21}{}", method.meaning()));
     }
     lines.join("\n")
 }
@@ -23,35 +24,9 @@ pub fn effects() -> String {
     lines.join("\n")
 }
 
-/// Names with the sentence that stands above each: `/// Sentence.` and below it `Variant "name" ...;`.
-fn listed(source: &str) -> Vec<(&str, String)> {
-    let mut sentence = String::new();
-    let mut all = Vec::new();
-    for line in source.lines().map(str::trim) {
-        if let Some(text) = line.strip_prefix("/// ") {
-            sentence = if sentence.is_empty() {
-                text.to_owned()
-            } else {
-                format!("{sentence} {text}")
-            };
-            continue;
-        }
-        if let Some((variant, rest)) = line.split_once(" \"")
-            && variant.chars().all(char::is_alphanumeric)
-            && let Some((name, _)) = rest.split_once('"')
-            && line.ends_with(';')
-        {
-            all.push((name, sentence.clone()));
-        }
-        sentence.clear();
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use outerloop_core::Method;
 
     #[test]
     fn every_method_and_effect_has_its_line() {

@@ -1,15 +1,17 @@
 //! `outerloop identify`: gain, delay, lag and offset of the actuator from a record of its motion.
 
-use super::json;
+use super::{json, look_at_report};
 use crate::provenance::WithProvenance;
+use crate::report;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
+use experiment::actuator_doubt::doubt;
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles};
 use experiment::files::test::TestFile;
-use experiment::files::{output, read};
-use experiment::numbers::{percent, three};
+use experiment::files::{decode, look_ahead, output};
+use experiment::frequency_response::{FrequencyResponse, frequency_response};
 use experiment::rig::Quantity;
 use experiment::rig::declared::configured_times;
 use std::path::{Path, PathBuf};
@@ -24,6 +26,9 @@ pub struct Identify {
     /// Write the actuator into this test file: plant.actuator, and the delays that compensation and estimation begin with
     #[arg(long, value_name = "TEST.toml")]
     write: Option<PathBuf>,
+    /// Write a page into this folder: gain, phase, coherence, distortion and noise over frequency
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,
     /// One JSON object on standard output and nothing else
@@ -37,9 +42,9 @@ impl Identify {
     /// # Errors
     /// A record or a test file that cannot be used.
     pub fn run(&self) -> Result<(), Failure> {
-        let recording = RecordFiles::with(&self.columns)
-            .parts(std::slice::from_ref(&self.record))?
-            .remove(0);
+        look_ahead::file(self.write.as_deref())?;
+        let out = look_ahead::folder(self.out.as_deref(), &["report.html", "response.json"])?;
+        let recording = RecordFiles::with(&self.columns).longest(&self.record)?;
         for remark in &recording.remarks {
             eprintln!("outerloop: note: {remark}");
         }
@@ -56,8 +61,18 @@ impl Identify {
                 None => write_into(path, &found)?,
             }
         }
+        let response = match &out {
+            Some(folder) => Some(self.write_page(folder, &recording, &found, doubt.as_deref())?),
+            None => None,
+        };
         if self.json {
-            answer!("{}", json(&WithProvenance::of(&found))?);
+            answer!(
+                "{}",
+                json(&WithProvenance::of(&IdentifiedOverFrequency {
+                    found,
+                    response
+                }))?
+            );
             return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
         }
         for (name, unit, value, [low, high]) in [
@@ -79,96 +94,43 @@ impl Identify {
                 path.display()
             );
         }
+        look_at_report(out.as_deref());
         doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)))
     }
 }
 
-/// A model of an actuator leaves less than this share of a displacement that follows its command.
-const GOOD_NRMSE: f64 = 0.25;
-/// Delay and lag of an actuator, ms: beyond it no test can be run.
-const LONGEST_MS: f64 = 1000.0;
-/// Gains that a rig has whose channels are what their names say.
-const USUAL_GAINS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
-
-/// What a commissioning engineer fears most: a wrong sign, exchanged channels, a displacement before its command.
-pub fn doubt(recording: &Recording, found: &Identified) -> Option<String> {
-    let file = &recording.name;
-    if found.gain < 0.0 {
-        return Some(format!(
-            "{file}: the polarity is reversed: the displacement moves against its command (gain {}); exchange the wires \
-             of one of them, or its sign, before anything else",
-            three(found.gain)
-        ));
-    }
-    if recording.command_mm.is_some() && recording.command_mm == recording.displacement_mm {
-        return Some(format!(
-            "{file}: the displacement is the command to the last bit: no transducer reads that; was the command recorded \
-             twice?"
-        ));
-    }
-    let late_ms = found.delay_ms + found.lag_ms;
-    if late_ms > LONGEST_MS {
-        return Some(format!(
-            "{file}: delay and lag are {} ms together, and actuators have up to {LONGEST_MS} ms: is the time in \
-             milliseconds under a name that says seconds?",
-            three(late_ms)
-        ));
-    }
-    if let Some(lead_ms) = lead_ms(recording) {
-        return Some(format!(
-            "{file}: the displacement comes {} ms before its command: are the two columns exchanged, or their clocks \
-             apart?",
-            three(lead_ms)
-        ));
-    }
-    if found.nrmse > GOOD_NRMSE {
-        return Some(format!(
-            "{file}: gain, delay and lag leave {} of the displacement: this actuator does something else as well, or \
-             the record is not of one motion; `outerloop diagnose` looks for what",
-            percent(found.nrmse)
-        ));
-    }
-    (!USUAL_GAINS.contains(&found.gain)).then(|| {
-        format!(
-            "{file}: the displacement is {} times its command: is the unit of one of them another one?",
-            three(found.gain)
-        )
-    })
+/// What `--json` says.
+#[derive(serde::Serialize)]
+struct IdentifiedOverFrequency {
+    #[serde(flatten)]
+    found: Identified,
+    /// With `--out` alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response: Option<FrequencyResponse>,
 }
 
-/// By how much the displacement fits its command better when it is taken as the earlier of the two.
-fn lead_ms(recording: &Recording) -> Option<f64> {
-    let (command, moved) = (
-        recording.command_mm.as_ref()?,
-        recording.displacement_mm.as_ref()?,
-    );
-    let n = command.len().min(moved.len());
-    let most = (n / 4).min((LONGEST_LEAD_S / recording.interval_s()) as usize);
-    // Least squares needs no full resolution: the mean square difference over some hundred shifts.
-    let stride = (most / 200).max(1);
-    let apart = |shift: usize, first: &[f64], second: &[f64]| {
-        let pairs = first[..n - shift].iter().zip(&second[shift..n]);
-        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>() / (n - shift) as f64
-    };
-    let (mut best, mut lead) = (f64::INFINITY, 0);
-    let mut late = f64::INFINITY;
-    for shift in (0..most).step_by(stride) {
-        let early = apart(shift, moved, command);
-        if early < best {
-            (best, lead) = (early, shift);
-        }
-        late = late.min(apart(shift, command, moved));
+impl Identify {
+    /// The page, and beside it the figures as JSON.
+    fn write_page(
+        &self,
+        folder: &Path,
+        recording: &Recording,
+        found: &Identified,
+        doubt: Option<&str>,
+    ) -> Result<FrequencyResponse, Failure> {
+        let response = frequency_response(recording)?;
+        let page = report::of_identify(&recording.name, found, doubt, &response);
+        let figures = json(&WithProvenance::of(&response))?;
+        output::write_all(folder, &[("report.html", page), ("response.json", figures)])?;
+        Ok(response)
     }
-    (lead > 0 && best < 0.5 * late).then(|| lead as f64 * recording.interval_s() * 1e3)
 }
-
-/// Longest lead that is looked for, s.
-const LONGEST_LEAD_S: f64 = 0.5;
 
 /// Sets the actuator in a test file; every other line of it stays as it is.
 fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     let file = path.display();
-    let mut text: DocumentMut = read(path)?
+    let text = decode::text(&file.to_string(), decode::bytes_to_edit(path)?)?;
+    let mut text: DocumentMut = text
         .parse()
         .map_err(|e: toml_edit::TomlError| Failure::input(format!("{file}: {}", e.message())))?;
     // A thousandth of a millisecond is finer than any rig.
@@ -209,7 +171,7 @@ fn write_into(path: &Path, found: &Identified) -> Result<(), Failure> {
     let text = text.to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
     TestFile::parse(&text, &file.to_string(), folder, &[])?;
-    output::write(path, &text)
+    output::write_back(path, &text)
 }
 
 /// A table of a table, made where it is missing.
@@ -232,41 +194,4 @@ fn set(table: &mut Table, key: &str, mut new: Item) {
         *new.decor_mut() = old.decor().clone();
     }
     table[key] = new;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(delay_ms: f64, copied: bool) -> Option<String> {
-        let moved = |at: usize| (at as f64 * 0.01).sin();
-        let command: Vec<f64> = (0..2000).map(|i| moved(i + 4)).collect();
-        let recording = Recording {
-            name: "r.csv".into(),
-            time_s: (0..2000).map(|i| f64::from(i) * 1e-3).collect(),
-            displacement_mm: Some(if copied {
-                command.clone()
-            } else {
-                (0..2000).map(moved).collect()
-            }),
-            command_mm: Some(command),
-            ..Recording::default()
-        };
-        let found = Identified {
-            delay_ms,
-            ..diagnosis::identify(&recording).unwrap()
-        };
-        doubt(&recording, &found)
-    }
-
-    #[test]
-    fn what_no_actuator_does_is_asked_about() {
-        assert_eq!(of(4.0, false), None);
-        assert!(
-            of(5068.0, false)
-                .unwrap()
-                .contains("is the time in milliseconds")
-        );
-        assert!(of(0.0, true).unwrap().contains("to the last bit"));
-    }
 }

@@ -1,15 +1,15 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
-use super::rig_arguments::RigArguments;
-use super::{CommonArguments, json, look_at_report};
+use super::rig_arguments::{RigArguments, RigKind};
+use super::{CommonArguments, json, look_at_report, require_all_ran};
 use crate::designed_test;
-use crate::improve::{Improvement, ImprovementOutcome};
+use crate::improve::{DESIGNED, Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
 use crate::report;
-use crate::terminal::{self, Progress};
-use diagnosis::{Diagnosis, Model, Verdict};
+use crate::terminal::{self, Progress, interrupt};
+use diagnosis::{ChannelAnswer, Diagnosis, Model, Verdict};
 use experiment::failure::Failure;
-use experiment::files::{model, output, record_csv};
+use experiment::files::{look_ahead, model, output, record_csv};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -28,7 +28,7 @@ pub struct Improve {
     /// The declared model; left out: what the test file declares of its rig
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Write report.html, and record.csv and model.toml of each test, there
+    /// Write report.html, summary.json, and record.csv and model.toml of each test, there
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -38,6 +38,7 @@ pub struct Improve {
 /// All rows as JSON.
 #[derive(Serialize)]
 struct Rows<'a> {
+    place: RigKind,
     rows: Vec<JsonRow<'a>>,
 }
 
@@ -66,33 +67,42 @@ impl Improve {
     /// # Errors
     /// Bad input, or a test that cannot be diagnosed.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
         let files: Vec<PathBuf> = self.common.files(&self.more);
+        let out = look_ahead::folder(self.out.as_deref(), &written(&files))?;
+        let out = out.as_deref();
         let mut stories = Vec::new();
+        interrupt::watch();
         for file in &files {
-            stories.push(self.improve_test(file)?);
+            match self.improve_test(file) {
+                Ok(story) => stories.push(story),
+                // What the tests before have left is kept.
+                Err(stopped) if interrupt::asked() => {
+                    eprintln!("outerloop: {}: {stopped}", file.display());
+                }
+                Err(failure) => return Err(failure),
+            }
+            if interrupt::asked() {
+                break;
+            }
         }
-        let named: Vec<(String, &Improvement)> = files
-            .iter()
-            .map(|f| {
-                f.file_stem()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into_owned()
-            })
-            .zip(&stories)
-            .collect();
-        if let Some(folder) = &self.out {
-            write(folder, &named)?;
+        if stories.is_empty() {
+            return require_all_ran(0, files.len());
+        }
+        let named: Vec<(String, &Improvement)> =
+            files.iter().map(|f| stem(f)).zip(&stories).collect();
+        let rows = Rows {
+            place: self.place.kind(),
+            rows: named.iter().map(|(name, s)| row(name, s)).collect(),
+        };
+        let summary = json(&WithProvenance::seeded(&rows, self.common.seed))?;
+        if let Some(folder) = out {
+            write(folder, &named, summary.clone())?;
         }
         if self.common.json {
-            let rows = named.iter().map(|(name, s)| row(name, s)).collect();
-            answer!(
-                "{}",
-                json(&WithProvenance::seeded(&Rows { rows }, self.common.seed))?
-            );
+            answer!("{summary}");
         } else {
-            self.print(&named);
+            print(&named);
+            look_at_report(out);
         }
         let worse: Vec<&str> = named
             .iter()
@@ -100,41 +110,13 @@ impl Improve {
             .map(|(name, _)| name.as_str())
             .collect();
         if worse.is_empty() {
-            Ok(())
+            require_all_ran(stories.len(), files.len())
         } else {
             Err(Failure::test(format!(
                 "{}: the second test is worse than the first; do not use what was found (its model is not written)",
                 worse.join(", ")
             )))
         }
-    }
-
-    fn print(&self, named: &[(String, &Improvement)]) {
-        for (name, story) in named {
-            println!("{name}");
-            for c in &story.first.channels {
-                println!("    {}", crate::wording::headline(c));
-                // Where nothing is near, the note says why.
-                if c.verdict == Verdict::Unknown && c.nearest.is_none() {
-                    c.notes.iter().for_each(|note| println!("    {note}"));
-                }
-            }
-            for d in &story.designed {
-                println!(
-                    "    Not settled: {}",
-                    crate::wording::plan::summary(&d.next)
-                );
-                println!("    {}", crate::wording::plan::limits(&d.next));
-                for c in &d.diagnosis.channels {
-                    println!("    {}", crate::wording::headline(c));
-                }
-            }
-            for change in &story.changes {
-                println!("    -> {change}");
-            }
-        }
-        println!("\n{}", terminal::improvements(named));
-        look_at_report(self.out.as_deref());
     }
 
     fn improve_test(&self, file: &std::path::Path) -> Result<Improvement, Failure> {
@@ -161,6 +143,39 @@ impl Improve {
     }
 }
 
+fn print(named: &[(String, &Improvement)]) {
+    for (name, story) in named {
+        println!("{name}");
+        for c in &story.first.channels {
+            print_channel(c);
+            // Where nothing is near, the note says why.
+            if c.verdict == Verdict::Unknown && c.nearest.is_none() {
+                c.notes.iter().for_each(|note| println!("    {note}"));
+            }
+        }
+        for d in &story.designed {
+            println!(
+                "    Not settled: {}",
+                crate::wording::plan::summary(&d.next)
+            );
+            println!("    {}", crate::wording::plan::limits(&d.next));
+            d.diagnosis.channels.iter().for_each(print_channel);
+        }
+        for change in &story.changes {
+            println!("    -> {change}");
+        }
+    }
+    println!("\n{}", terminal::improvements(named));
+}
+
+/// A verdict, and how sure it is.
+fn print_channel(c: &ChannelAnswer) {
+    println!("    {}", crate::wording::headline(c));
+    if let Some(sure) = crate::wording::sureness(c) {
+        println!("    {sure}");
+    }
+}
+
 fn row<'a>(name: &str, s: &'a Improvement) -> JsonRow<'a> {
     JsonRow {
         test: name.to_owned(),
@@ -180,8 +195,41 @@ fn row<'a>(name: &str, s: &'a Improvement) -> JsonRow<'a> {
     }
 }
 
-fn write(folder: &std::path::Path, stories: &[(String, &Improvement)]) -> Result<(), Failure> {
-    let mut files = vec![("report.html".to_owned(), report::of_improvements(stories))];
+/// The files of tests.
+fn written(tests: &[PathBuf]) -> Vec<String> {
+    let designed =
+        (1..=DESIGNED).flat_map(|n| [format!("designed-{n}.csv"), format!("next-{n}.csv")]);
+    let endings: Vec<String> = ["model.toml", "record.csv"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(designed)
+        .collect();
+    let of_tests = tests.iter().flat_map(|test| {
+        let name = stem(test);
+        endings.iter().map(move |ending| format!("{name}-{ending}"))
+    });
+    ["report.html", "summary.json"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(of_tests)
+        .collect()
+}
+
+/// What the files of a test begin with.
+fn stem(test: &std::path::Path) -> String {
+    let stem = test.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+fn write(
+    folder: &std::path::Path,
+    stories: &[(String, &Improvement)],
+    summary: String,
+) -> Result<(), Failure> {
+    let mut files = vec![
+        ("report.html".to_owned(), report::of_improvements(stories)),
+        ("summary.json".to_owned(), summary),
+    ];
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
         // A model with which the test became worse is not handed on.

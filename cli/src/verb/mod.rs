@@ -23,14 +23,16 @@ pub mod shell;
 pub mod sweep;
 
 use crate::provenance::note_seed;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{AccelerationUnit, ColumnChoice, GroundMotionFile};
 use experiment::files::near_fault::near_fault;
 use experiment::files::output;
 use experiment::files::test::{Excitation, TestFile};
-use outerloop_core::{Accepted, Method};
+use outerloop_core::Method;
 use serde::Serialize;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// What is said on the command line of a ground motion that does not say it itself.
@@ -93,12 +95,18 @@ impl CommonArguments {
         self.load_other(&self.test)
     }
 
-    /// The test file with one value more.
+    /// The test file, of either kind.
+    fn load_any(&self) -> Result<TestFile, Failure> {
+        note_seed(self.seed);
+        TestFile::load_any(&self.test, &self.overrides)
+    }
+
+    /// The test file, of either kind, with one value more.
     fn load_with(&self, assignment: &str) -> Result<TestFile, Failure> {
         note_seed(self.seed);
         let mut overrides = self.overrides.clone();
         overrides.push(assignment.to_owned());
-        TestFile::load(&self.test, &overrides)
+        TestFile::load_any(&self.test, &overrides)
     }
 
     /// Another test file, with the same overrides.
@@ -126,16 +134,27 @@ fn each_record(named: &[PathBuf]) -> Vec<Option<&Path>> {
     }
 }
 
-/// A compensation by its name.
-///
-/// # Errors
-/// A name that no compensation has.
-pub fn method(name: &str) -> Result<Method, Failure> {
-    Method::from_name(name).ok_or_else(|| {
-        Failure::input(format!(
-            "the compensation `{name}` is unknown: accepted are {Accepted}"
-        ))
-    })
+/// Reads the name of a compensation and tells the shell which there are. A force and a predictor may be joined, so the
+/// name is looked up by [`experiment::method`] and not here.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodName;
+
+impl TypedValueParser for MethodName {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let names = Method::ALL.iter().map(|method| method.name());
+        Some(Box::new(names.map(PossibleValue::new)))
+    }
 }
 
 /// Says where the report is, if one was written.
@@ -147,16 +166,17 @@ fn look_at_report(folder: Option<&Path>) {
 
 /// Hands over what a verb found out: with `--out` its `files` and the JSON, `named` with its text, in a folder; then with
 /// `--json` that text alone, else what `print` says, and where the report is.
-fn hand_over(
+fn hand_over<T: Into<Vec<u8>>>(
     (out, json): (Option<&Path>, bool),
     named: (&'static str, &str),
-    files: impl FnOnce() -> Result<Vec<(&'static str, String)>, Failure>,
+    files: impl FnOnce() -> Result<Vec<(&'static str, T)>, Failure>,
     print: impl FnOnce(),
 ) -> Result<(), Failure> {
     if let Some(folder) = out {
-        let mut files = files()?;
-        files.push((named.0, named.1.to_owned()));
-        output::write_all(folder, &files)?;
+        let files = files()?.into_iter().map(|(name, file)| (name, file.into()));
+        let text: (&str, Vec<u8>) = (named.0, named.1.into());
+        let all: Vec<(&str, Vec<u8>)> = files.chain([text]).collect();
+        output::write_all(folder, &all)?;
     }
     if json {
         answer!("{}", named.1);
@@ -165,6 +185,16 @@ fn hand_over(
         look_at_report(out);
     }
     Ok(())
+}
+
+/// That all tests ran; Ctrl-C leaves a part of them.
+fn require_all_ran(done: usize, asked: usize) -> Result<(), Failure> {
+    if done == asked {
+        return Ok(());
+    }
+    Err(Failure::test(format!(
+        "interrupted: {done} of {asked} tests ran, and only they are reported"
+    )))
 }
 
 /// The JSON of a result.

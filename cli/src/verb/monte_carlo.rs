@@ -1,13 +1,14 @@
 //! `outerloop monte-carlo`: the same test on many rigs that are not quite the declared one.
 
-use super::{CommonArguments, hand_over, json, method};
+use super::{CommonArguments, MethodName, hand_over, json, require_all_ran};
 use crate::provenance::WithProvenance;
 use crate::report::{self, ManyTests, TestSection};
-use crate::terminal::{Progress, percent, table};
+use crate::terminal::{Progress, interrupt, percent, table};
 use experiment::Experiment;
 use experiment::failure::Failure;
-use experiment::files::output;
+use experiment::files::look_ahead;
 use experiment::judged::JudgedRun;
+use experiment::method;
 use experiment::stability::perturbed::Spread;
 use experiment::summary::Summary;
 use experiment::trace::Response;
@@ -27,7 +28,7 @@ pub struct MonteCarlo {
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// The compensation, instead of the test file's
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
     /// How many tests
     #[arg(long, default_value_t = 10_000)]
@@ -70,7 +71,11 @@ impl MonteCarlo {
     /// # Errors
     /// Bad input.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
+        let out = look_ahead::folder(
+            self.out.as_deref(),
+            &["report.html", "tests.csv", "monte-carlo.json"],
+        )?;
+        let out = out.as_deref();
         if !(1..=1_000_000).contains(&self.tests) {
             return Err(Failure::input(format!(
                 "--tests {}: accepted are 1 to 1000000",
@@ -92,9 +97,11 @@ impl MonteCarlo {
         let steps = experiment.control_steps();
         let progress = Progress::over("tests", (steps * self.tests) as u64);
         let began = Instant::now();
-        let parts: Vec<Vec<Summary>> = rigs
+        interrupt::watch();
+        let parts: Vec<Vec<(usize, Summary)>> = rigs
             .par_chunks(TOGETHER)
             .enumerate()
+            .filter(|_| !interrupt::asked())
             .map(|(part, rigs)| {
                 let own: Vec<Experiment> = rigs.iter().map(|rig| experiment.on_rig(rig)).collect();
                 let plants: Vec<_> = own.iter().map(|o| o.test.plant.clone()).collect();
@@ -102,13 +109,18 @@ impl MonteCarlo {
                 let pairs = own.into_iter().zip(ideals).enumerate();
                 pairs
                     .map(|(i, pair)| {
-                        let one = self.one_rig(pair, kind, part * TOGETHER + i, Some(&progress))?;
-                        Ok(one.run.summary)
+                        let number = part * TOGETHER + i;
+                        let one = self.one_rig(pair, kind, number, Some(&progress))?;
+                        Ok((number, one.run.summary))
                     })
                     .collect()
             })
             .collect::<Result<_, Failure>>()?;
-        let summaries: Vec<Summary> = parts.into_iter().flatten().collect();
+        let (numbers, summaries): (Vec<usize>, Vec<Summary>) = parts.into_iter().flatten().unzip();
+        let rigs: Vec<_> = numbers.iter().map(|i| rigs[*i]).collect();
+        if summaries.is_empty() {
+            return require_all_ran(0, self.tests);
+        }
         let wall_s = began.elapsed().as_secs_f64();
         drop(progress);
         let outcome = outcome(&summaries, wall_s);
@@ -119,7 +131,7 @@ impl MonteCarlo {
                 .unwrap_or(0);
             let own = experiment.on_rig(&rigs[worst]);
             let ideal = own.ideal()?;
-            let one = self.one_rig((own, ideal), kind, worst, None)?;
+            let one = self.one_rig((own, ideal), kind, numbers[worst], None)?;
             let many = ManyTests {
                 spread: &spread,
                 rigs: &rigs,
@@ -129,19 +141,21 @@ impl MonteCarlo {
             };
             Ok(vec![
                 ("report.html", report::of_monte_carlo(&many)),
-                ("tests.csv", csv(&many)),
+                ("tests.csv", csv(&numbers, &many)),
             ])
         };
         let text = json(&WithProvenance::seeded(&outcome, self.common.seed))?;
         hand_over(
-            (self.out.as_deref(), self.common.json),
+            (out, self.common.json),
             ("monte-carlo.json", &text),
             files,
             || print(&outcome, kind.name()),
-        )
+        )?;
+        require_all_ran(summaries.len(), self.tests)
     }
 
-    /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step is kept where no progress is json_text.
+    /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step
+    /// is kept where no progress is shown.
     fn one_rig(
         &self,
         (own, ideal): (Experiment, Response),
@@ -181,11 +195,11 @@ impl One {
 }
 
 /// Each test in a line.
-fn csv(many: &ManyTests<'_>) -> String {
+fn csv(numbers: &[usize], many: &ManyTests<'_>) -> String {
     let mut tests = String::from(
         "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
     );
-    for (i, (rig, s)) in many.rigs.iter().zip(many.summaries).enumerate() {
+    for (i, (rig, s)) in numbers.iter().zip(many.rigs.iter().zip(many.summaries)) {
         let _ = writeln!(
             tests,
             "{i},{},{},{},{},{},{}",

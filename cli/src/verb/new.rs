@@ -1,8 +1,10 @@
-//! `outerloop new`: a commented test file to begin with.
+//! `outerloop new`: a commented test file, a declared model, or a signal, to begin with.
 
+use crate::keys;
 use experiment::failure::Failure;
-use experiment::files::output;
+use experiment::files::signal::{SignalPoints, SignalShape};
 use experiment::files::test::TestFile;
+use experiment::files::{look_ahead, output, units};
 use experiment::numbers::three;
 use std::f64::consts::TAU;
 use std::io::{BufRead, stdin};
@@ -17,6 +19,39 @@ pub struct New {
     /// Begin with this example instead of asking
     #[arg(long, value_name = "EXAMPLE")]
     from: Option<Example>,
+    /// Write a declared model for `outerloop diagnose` instead, with every key explained
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["file", "from"])]
+    model: Option<PathBuf>,
+    /// Write a signal that tells an actuator over frequency instead, for `run --signal` and `board commission --signal`
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["file", "from", "model"])]
+    signal: Option<PathBuf>,
+    #[command(flatten)]
+    shape: SignalArguments,
+}
+
+/// What the signal is.
+#[derive(clap::Args, Debug)]
+struct SignalArguments {
+    /// Shape of the signal
+    #[arg(long, default_value = "chirp", requires = "signal")]
+    shape: SignalShape,
+    /// Its largest displacement, mm
+    #[arg(long, value_name = "MM", default_value_t = 5.0, requires = "signal")]
+    peak_mm: f64,
+    /// Its lowest and its highest frequency, Hz
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 2, default_values_t = [0.2, 10.0], requires = "signal")]
+    band_hz: Vec<f64>,
+    /// Its length, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, requires = "signal")]
+    seconds: f64,
+}
+
+impl SignalArguments {
+    fn text(&self) -> Result<String, Failure> {
+        let band_hz = [self.band_hz[0], self.band_hz[1]];
+        let made = SignalPoints::made(self.shape, 1e-3 * self.peak_mm, band_hz, self.seconds);
+        Ok(made.map_err(Failure::input)?.to_csv())
+    }
 }
 
 /// The examples of the repository.
@@ -52,25 +87,48 @@ impl New {
     /// # Errors
     /// A file that is there already; an answer that cannot be used.
     pub fn run(&self) -> Result<(), Failure> {
-        let file = self.file.display();
-        if self.file.exists() {
+        let path = self
+            .model
+            .as_ref()
+            .or(self.signal.as_ref())
+            .unwrap_or(&self.file);
+        let file = path.display();
+        look_ahead::file(Some(path))?;
+        if path.exists() && !look_ahead::is_forced() {
             return Err(Failure::input(format!(
-                "{file}: is there already: accepted is the name of a new file"
+                "{file}: is there already: accepted is the name of a new file, or --force"
             )));
         }
-        let text = match self.from {
-            Some(example) => example.text().to_owned(),
-            None => {
-                let text = asked(&mut stdin().lock())?;
-                TestFile::parse(&text, &file.to_string(), Path::new(""), &[])?;
-                text
+        let (text, next) = match (&self.model, &self.signal, self.from) {
+            (_, Some(_), _) => (
+                self.shape.text()?,
+                format!(
+                    "outerloop run TEST.toml --signal {file} --out out; outerloop identify out/record.csv --out out/actuator"
+                ),
+            ),
+            (Some(_), ..) => (
+                keys::declared_model(&keys::all()),
+                format!(
+                    "write your numbers into it; outerloop diagnose --model {file} --train RECORD@T0..T1 --test RECORD@T1..T2"
+                ),
+            ),
+            (None, None, example) => {
+                let text = match example {
+                    Some(example) => example.text().to_owned(),
+                    None => {
+                        let text = asked(&mut stdin().lock())?;
+                        TestFile::parse(&text, &file.to_string(), Path::new(""), &[])?;
+                        text
+                    }
+                };
+                let next = format!(
+                    "outerloop check {file}; outerloop run {file} --out out; outerloop keys lists all that it can say."
+                );
+                (text, next)
             }
         };
-        output::write(&self.file, &text)?;
-        println!(
-            "{file} is written. Next: outerloop check {file}; outerloop run {file} --out out; outerloop keys lists all \
-             that it can say."
-        );
+        output::write(path, &text)?;
+        println!("{file} is written. Next: {next}");
         Ok(())
     }
 }
@@ -89,66 +147,55 @@ struct RigInWords {
 }
 
 fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
-    println!("An empty answer takes the value in brackets.");
-    let number = |question: &str, usual: f64, from: &mut dyn BufRead, low: f64, high: f64| {
-        let answer = line(&format!("{question} [{usual}]"), from)?;
-        if answer.is_empty() {
-            return Ok(usual);
-        }
-        let read = answer.replace(',', ".").parse().ok();
-        read.filter(|x| (low..=high).contains(x)).ok_or_else(|| {
-            Failure::input(format!(
-                "`{answer}` is no answer to `{question}`: accepted are numbers from {low} to {high}"
-            ))
-        })
+    println!(
+        "An empty answer takes the value in brackets; a value may say another unit, as in `1 t` or `158 N/mm`."
+    );
+    let mut number = |question: &str, unit: &'static str, usual: f64, range| {
+        answered(question, unit, usual, range, from)
     };
-    let storeys = number(
-        "Storeys, all of them in the laboratory",
-        1.0,
-        from,
-        1.0,
-        8.0,
-    )?;
-    let mass_kg = number("Mass of a floor, kg", 1000.0, from, 1e-3, 1e9)?;
-    let stiffness = number("Stiffness of a storey, kN/m", 158.0, from, 1e-6, 1e9)?;
-    let damping = number("Damping ratio, per cent of critical", 2.0, from, 0.0, 50.0)?;
+    let storeys = loop {
+        let n = number(
+            "Storeys, all of them in the laboratory",
+            "",
+            1.0,
+            [1.0, 8.0],
+        )?;
+        if n.fract() == 0.0 {
+            break n;
+        }
+        println!("{n} is no whole number. Once more:");
+    };
+    let mass_kg = number("Mass of a floor", "kg", 1000.0, [1e-3, 1e9])?;
+    let stiffness = number("Stiffness of a storey", "kN/m", 158.0, [1e-6, 1e9])?;
+    let damping = number("Damping ratio, of critical", "%", 2.0, [0.0, 50.0])?;
     println!(
         "`outerloop identify` finds the next two from a record of the actuator; guesses will do for now."
     );
-    let delay_ms = number(
-        "Transport delay of the actuator, ms",
-        4.0,
-        from,
-        0.0,
-        1000.0,
-    )?;
+    let delay_ms = number("Transport delay of the actuator", "ms", 4.0, [0.0, 1000.0])?;
     let lag_ms = number(
-        "Lag (time constant) of the actuator, ms",
+        "Lag (time constant) of the actuator",
+        "ms",
         0.0,
-        from,
-        0.0,
-        1000.0,
+        [0.0, 1000.0],
     )?;
     let stroke_mm = number(
-        "Largest displacement that the rig may see, mm",
+        "Largest displacement that the rig may see",
+        "mm",
         100.0,
-        from,
-        1e-3,
-        1e4,
+        [1e-3, 1e4],
     )?;
     let force_kn = number(
-        "Largest force that the rig may see, kN",
+        "Largest force that the rig may see",
+        "kN",
         25.0,
-        from,
-        1e-6,
-        1e6,
+        [1e-6, 1e6],
     )?;
     let record = line(
         "Ground motion, a file [the built-in near-fault record]",
         from,
     )?;
     Ok(RigInWords {
-        storeys: storeys.round() as usize,
+        storeys: storeys as usize,
         mass_kg,
         stiffness_n_per_m: stiffness * 1e3,
         damping_ratio: damping / 100.0,
@@ -159,6 +206,33 @@ fn asked(from: &mut impl BufRead) -> Result<String, Failure> {
         record,
     }
     .text())
+}
+
+/// A number in `unit` between `low` and `high`; asks again until the answer is one.
+fn answered(
+    question: &str,
+    unit: &'static str,
+    usual: f64,
+    [low, high]: [f64; 2],
+    from: &mut dyn BufRead,
+) -> Result<f64, Failure> {
+    let unit_said = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    loop {
+        let answer = line(&format!("{question} [{usual}{unit_said}]"), from)?;
+        if answer.is_empty() {
+            return Ok(usual);
+        }
+        let why = match units::converted(&answer.replace(',', "."), unit) {
+            Ok(Some(x)) if (low..=high).contains(&x) => return Ok(x),
+            Ok(_) => format!("accepted are numbers from {low} to {high}{unit_said}"),
+            Err(why) => why,
+        };
+        println!("`{answer}` is no answer: {why}. Once more:");
+    }
 }
 
 fn line(question: &str, from: &mut dyn BufRead) -> Result<String, Failure> {
@@ -200,7 +274,7 @@ impl RigInWords {
         format!(
             "# A fast pseudodynamic test. `outerloop keys` lists every key with unit, default and meaning.\n\
              #\n\
-             #   outerloop check FILE           can it be stable, before the oil is on\n\
+             #   outerloop check FILE           may it be run? before anything moves\n\
              #   outerloop run FILE --out out   the test on the simulated rig, with a report\n\
              \n\
              [structure]               # from the ground up; its lowest natural frequency is about {} Hz\n\
@@ -259,7 +333,7 @@ impl RigInWords {
 mod tests {
     use super::*;
 
-    fn answered(answers: &str) -> Result<String, String> {
+    fn written(answers: &str) -> Result<String, String> {
         asked(&mut answers.as_bytes()).map_err(|e| e.to_string())
     }
 
@@ -272,16 +346,24 @@ mod tests {
                 "lag_ms = 22.5",
             ),
         ] {
-            let text = answered(answers).unwrap();
+            let text = written(answers).unwrap();
             assert!(text.contains(said), "{text}");
             TestFile::parse(&text, "new", Path::new(""), &[]).unwrap();
         }
-        let e = answered("3\n").unwrap_err();
+        let e = written("3\n").unwrap_err();
         assert!(e.contains("ended before `Mass of a floor"), "{e}");
-        let e = answered("1\nheavy\n").unwrap_err();
-        assert!(
-            e.contains("`heavy`") && e.contains("Mass of a floor"),
-            "{e}"
-        );
+    }
+
+    #[test]
+    fn a_wrong_answer_is_asked_again_and_a_value_may_say_its_unit() {
+        let text =
+            written("1.5\n1\nheavy\n5 kN\n2 t\n1e99\n316 N/mm\n\n0.008 s\n\n\n\n\n").unwrap();
+        for said in [
+            "mass_kg = 2000\n",
+            "stiffness_n_per_m = 316000\n",
+            "delay_ms = 8 ",
+        ] {
+            assert!(text.contains(said), "{said} is missing:\n{text}");
+        }
     }
 }

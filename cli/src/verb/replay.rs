@@ -1,8 +1,7 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
-use super::rig_arguments::{RigArguments, RigKind};
+use super::rig_arguments::RigKind;
 use crate::archive;
-use crate::improve::TestSite;
 use crate::orders::OrderReplay;
 use crate::provenance::{self, WithProvenance};
 use crate::terminal::Progress;
@@ -43,30 +42,27 @@ impl Replay {
     pub fn run(&self) -> Result<(), Failure> {
         let archived = archive::load(&self.archive)?;
         let file = self.archive.display();
-        if archived.repeat.place == RigKind::Board {
+        let board = match archived.repeat.place {
+            RigKind::Simulated => None,
+            RigKind::Emulated => {
+                Some("an emulated board, whose start falls into another instant each time")
+            }
+            RigKind::Board => Some("a board, and a real rig does not repeat itself"),
+        };
+        if let Some(board) = board {
             return Err(Failure::input(format!(
-                "{file}: ran on a board, and a real rig does not repeat itself: accepted are tests on a simulated or \
-                 emulated rig; the board's steps were worked out again while it ran, and the summary in the file says \
-                 with what result"
+                "{file}: ran on {board}: accepted are tests on a simulated rig; the board's steps were worked out again while \
+                 it ran, and the summary in the file says with what result"
             )));
         }
         let orders = &archived.repeat.orders;
-        let by_hand = !orders.is_empty() || archived.summary["verdict"] == "stopped";
-        if archived.repeat.place == RigKind::Emulated && by_hand {
-            return Err(Failure::input(format!(
-                "{file}: was held or stopped by hand on an emulated board, where an order travels over the link and does not come \
-                 at the same instant again: accepted are emulated tests that ran by themselves; the summary in the file says \
-                 whether the steps were the same when it ran"
-            )));
-        }
         let experiment = &archived.experiment;
-        let place = RigArguments::at(archived.repeat.place);
         let run = {
             let progress = Progress::over("replay", experiment.control_steps() as u64);
             let ideal = experiment.ideal()?;
-            let (method, seed) = (archived.repeat.method, archived.repeat.seed);
+            let (compensation, seed) = (archived.compensation(), archived.repeat.seed);
             let observer = (progress.observer(), OrderReplay::new(orders));
-            place.run(experiment, method, &ideal, seed, true, observer)?
+            experiment.run(compensation, &ideal, seed, true, observer)?
         };
         let trace = run
             .trace

@@ -10,12 +10,12 @@ use crate::improve::TestSite;
 use experiment::Experiment;
 use experiment::bench;
 use experiment::bench::Played;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
 use experiment::trace::{Response, TestObserver};
-use outerloop_core::Method;
 use serde::{Deserialize, Serialize};
 
 /// On the simulated rig, on a board, or on an emulated one.
@@ -62,14 +62,6 @@ pub enum RigKind {
 pub type ConnectedBoard = (BoardConnection, Operator);
 
 impl RigArguments {
-    /// A simulated or emulated rig; of a board the port is not known.
-    pub fn at(place: RigKind) -> Self {
-        Self {
-            emulated: place == RigKind::Emulated,
-            ..Self::default()
-        }
-    }
-
     /// What kind of rig it is.
     pub fn kind(&self) -> RigKind {
         match (&self.port, self.emulated) {
@@ -212,7 +204,7 @@ impl TestSite for RigArguments {
     fn run(
         &self,
         experiment: &Experiment,
-        method: Method,
+        compensation: impl Into<Compensation>,
         ideal: &Response,
         seed: u64,
         keep: bool,
@@ -220,12 +212,12 @@ impl TestSite for RigArguments {
     ) -> Result<JudgedRun, Failure> {
         let plan = PlannedMotion::of(experiment, ideal);
         let Some((connection, operator)) = self.connect(&experiment.test, &plan, seed)? else {
-            return experiment.run(method, ideal, seed, keep, observer);
+            return experiment.run(compensation, ideal, seed, keep, observer);
         };
         let bench = BoardBench::new(connection, plan, operator)
             .expecting(experiment.test.board.calibration.clone())
             .with_bits(experiment.test.board.converter_bits);
-        experiment.run_on(&bench, method, ideal, keep, observer)
+        experiment.run_on(&bench, compensation, ideal, keep, observer)
     }
 
     fn play(&self, test: &TestFile, signal: &SignalPoints, seed: u64) -> Result<Played, Failure> {

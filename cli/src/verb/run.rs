@@ -1,7 +1,7 @@
 //! `outerloop run`: one closed-loop test.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use super::{CommonArguments, json, look_at_report, method};
+use super::{CommonArguments, MethodName, json, look_at_report};
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
 use crate::improve::TestSite;
@@ -9,12 +9,14 @@ use crate::orders::OrderRecorder;
 use crate::provenance::WithProvenance;
 use crate::report::{self, TestSection};
 use crate::scope::Scoped;
+use crate::terminal::interrupt::{self, StopBySignal};
 use crate::terminal::{self, Progress, plot};
 use diagnosis::ForceUnit;
 use experiment::failure::Failure;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
-use experiment::files::{model, output, record_csv};
+use experiment::files::{look_ahead, model, output, record_csv};
+use experiment::method;
 use experiment::numbers::{length, three};
 use experiment::rig::improvement;
 use experiment::trace::Response;
@@ -35,7 +37,7 @@ pub struct Run {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["record", "compensation", "archive", "model", "duration"])]
     signal: Option<PathBuf>,
     /// The compensation, instead of the test file's
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
     compensation: Option<String>,
     /// Write report.html, record.csv, record.h5 (HDF5 and MAT v7.3) and summary.json there, and inputs.csv of a board with
     /// further inputs
@@ -56,18 +58,31 @@ pub struct Run {
     scope: Scoped,
 }
 
+/// What stands in the folder of a test.
+const FILES: [&str; 5] = [
+    "report.html",
+    "record.csv",
+    "record.h5",
+    "summary.json",
+    "inputs.csv",
+];
+
 impl Run {
     /// Runs the test.
     ///
     /// # Errors
     /// Bad input, or a test that tripped, ran away, or is not the structure's response.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
-        output::look_ahead_of_file(self.archive.as_deref())?;
-        if let Some(test) = self.common.coupled()? {
+        let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
+        let out = out.as_deref();
+        look_ahead::file(self.archive.as_deref())?;
+        if let Some(file) = &self.archive {
+            archive::refuse_to_replace(file)?;
+        }
+        let mut test = self.common.load_any()?;
+        if test.coupled.is_some() {
             super::coupled::refuse(&[
                 ("--signal", self.signal.is_some()),
-                ("--archive", self.archive.is_some()),
                 ("--model", self.model.is_some()),
                 ("--emulated", self.place.kind() == RigKind::Emulated),
                 ("--port", self.place.kind() == RigKind::Board),
@@ -79,16 +94,16 @@ impl Run {
                     common: &self.common,
                     record: self.record.as_deref(),
                     compensation: self.compensation.as_deref(),
-                    out: self.out.as_deref(),
+                    out,
+                    archive: self.archive.as_deref(),
                     plot: self.plot,
                 },
             );
         }
-        let mut test = self.common.load()?;
         if let Some(path) = &self.signal {
-            return self.play(&test, path);
+            return self.play(&test, path, out);
         }
-        let mut remarks: Vec<String> = test.warning_of_true_delay().into_iter().collect();
+        let mut remarks = test.remarks();
         if let Some(path) = &self.model {
             let mut known = model::load(path)?;
             if known
@@ -110,7 +125,7 @@ impl Run {
             None => test.config.compensation.kind,
         };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        let keep = self.out.is_some() || self.archive.is_some();
+        let keep = out.is_some() || self.archive.is_some();
         experiment.check_memory(experiment.memory_bytes(keep))?;
         if let Some(note) = experiment.note_of_size(keep) {
             eprintln!("outerloop: note: {note}");
@@ -124,7 +139,11 @@ impl Run {
             let simulated = self.place.kind() == RigKind::Simulated;
             let scope = self.scope.open(&title, rate_hz, simulated)?;
             let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
-            let mut recorder = OrderRecorder::new(scope);
+            let by_signal = simulated.then_some(StopBySignal);
+            if simulated {
+                interrupt::watch_rig();
+            }
+            let mut recorder = OrderRecorder::new((scope, by_signal));
             let observer = (progress.observer(), (&mut recorder, &mut response));
             let seed = self.common.seed;
             let run = self.place.watched(self.scope.is_wanted()).run(
@@ -140,7 +159,7 @@ impl Run {
                 self.write(
                     &FinishedTest {
                         experiment: &experiment,
-                        method: kind,
+                        compensation: kind.into(),
                         place: self.place.kind(),
                         seed,
                         orders: &orders,
@@ -148,6 +167,7 @@ impl Run {
                         trace,
                     },
                     &ideal,
+                    out,
                 )?;
             }
             let step_s = test.config.model_step_s();
@@ -176,7 +196,10 @@ impl Run {
             if run.summary.outcome().is_ok() {
                 println!("{}", run.summary.sentence());
             }
-            look_at_report(self.out.as_deref());
+            if let Some(watch) = &run.summary.watch {
+                println!("{}", watch.sentence());
+            }
+            look_at_report(out);
         }
         if let Some(board) = run.summary.board.as_ref().filter(|_| !self.common.json) {
             println!("{}", board.sentence());
@@ -185,12 +208,16 @@ impl Run {
     }
 
     /// Plays a signal instead of a test.
-    fn play(&self, test: &TestFile, path: &Path) -> Result<(), Failure> {
+    fn play(&self, test: &TestFile, path: &Path, out: Option<&Path>) -> Result<(), Failure> {
         let signal = SignalPoints::load(path)?;
         let rate_hz = test.config.timing.rate_hz;
         let title = format!("{} under {}", path.display(), self.common.test.display());
         let simulated = self.place.kind() == RigKind::Simulated;
-        let mut scope = self.scope.open(&title, rate_hz, simulated)?;
+        let scope = self.scope.open(&title, rate_hz, simulated)?;
+        let mut observer = (scope, simulated.then_some(StopBySignal));
+        if simulated {
+            interrupt::watch_rig();
+        }
         let began = Instant::now();
         let trajectory = Trajectory::Points(signal);
         let seed = self.common.seed;
@@ -199,11 +226,12 @@ impl Run {
                 test,
                 &trajectory,
                 seed,
-                &mut scope,
+                &mut observer,
             )
         })?;
         let played_signal = PlayedSignal {
             signal: path,
+            place: self.place.kind(),
             steps: played.steps,
             rate_hz,
             verdict: if played.early.is_some() {
@@ -217,7 +245,7 @@ impl Run {
             wall_s: began.elapsed().as_secs_f64(),
         };
         let with_provenance = WithProvenance::seeded(&played_signal, seed);
-        if let Some(folder) = &self.out {
+        if let Some(folder) = out {
             output::write_all(
                 folder,
                 &[
@@ -236,7 +264,7 @@ impl Run {
                 length(played.peak_m),
                 three(1e-3 * played.peak_n)
             );
-            if let Some(folder) = &self.out {
+            if let Some(folder) = out {
                 println!("The record is in {}", folder.join("record.csv").display());
             }
         }
@@ -248,12 +276,17 @@ impl Run {
     }
 
     /// Writes what was asked for.
-    fn write(&self, ran: &FinishedTest<'_>, ideal: &Response) -> Result<(), Failure> {
+    fn write(
+        &self,
+        ran: &FinishedTest<'_>,
+        ideal: &Response,
+        out: Option<&Path>,
+    ) -> Result<(), Failure> {
         let archived = archive::to_bytes(ran)?;
         if let Some(file) = &self.archive {
             output::write(file, &archived)?;
         }
-        let Some(folder) = &self.out else {
+        let Some(folder) = out else {
             return Ok(());
         };
         let section = TestSection {
@@ -282,6 +315,7 @@ impl Run {
 #[derive(Serialize)]
 struct PlayedSignal<'a> {
     signal: &'a Path,
+    place: RigKind,
     steps: usize,
     rate_hz: f64,
     verdict: &'static str,

@@ -3,19 +3,19 @@
 use super::json;
 use super::rig_arguments::{RigArguments, RigKind};
 use crate::board::limits::PlannedMotion;
-use crate::board::operator::{catch_ctrl_c, stop_is_asked};
 use crate::provenance::WithProvenance;
 use crate::report::{self, SessionSection};
 use crate::scope::Scoped;
 use crate::serve::{
     DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board, simulated,
 };
+use crate::terminal::interrupt;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
-use experiment::files::{output, plain, record_csv};
+use experiment::files::{look_ahead, output, plain, record_csv};
 use experiment::trace::Trace;
 use std::net::{SocketAddr, TcpListener};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Serve the rig as an element of a finite-element model: OpenSees' genericClient
@@ -47,6 +47,9 @@ pub struct Serve {
     scope: Scoped,
 }
 
+/// What stands in the folder of a client.
+const FILES: [&str; 3] = ["report.html", "record.csv", "summary.json"];
+
 /// How often it is checked for the operator's wish to end.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -57,13 +60,14 @@ impl Serve {
     /// A test that cannot be served, an address that cannot be listened at, a rig that is lost; with `--once`, a client
     /// that did not come to its end.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
+        let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
+        let out = out.as_deref();
         let test = TestFile::load(&self.test, &self.overrides)?;
         let element = DeclaredElement::of(&test)?;
         let title = format!("serves {}", self.test.display());
         let rate_hz = test.config.timing.rate_hz;
         let scope = self.scope.open(&title, rate_hz, false)?;
-        let keep = self.out.is_some();
+        let keep = out.is_some();
         let connected = self
             .place
             .connect(&test, &PlannedMotion::of_served(&test), self.seed)?;
@@ -84,6 +88,7 @@ impl Serve {
         let cannot = |e: std::io::Error| Failure::test(format!("the network is lost: {e}"));
         listener.set_nonblocking(true).map_err(cannot)?;
         let address = listener.local_addr().map_err(cannot)?;
+        interrupt::watch_rig();
         eprintln!(
             "outerloop: serves {} at {address}; Ctrl-C ends it",
             self.test.display()
@@ -94,9 +99,9 @@ impl Serve {
                  the model's machine alone, or listen at 127.0.0.1 and forward the port by ssh."
             );
         }
-        catch_ctrl_c();
-        let mut clients = 0;
-        while !stop_is_asked() {
+        // Where the last client's results went.
+        let mut kept_in: Option<PathBuf> = None;
+        while !interrupt::asked() {
             let (stream, client) = match listener.accept() {
                 Ok(accepted) => accepted,
                 Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {
@@ -109,13 +114,21 @@ impl Serve {
             let client = client.to_string();
             let served = serve_client(stream, &client, &element, rig.as_mut());
             let trace = rig.take_trace();
-            clients += usize::from(served.spoke);
             // Whoever never spoke leaves nothing to keep.
-            let kept = trace.as_ref().filter(|_| served.spoke);
-            self.keep(&test, &served.summary, kept, clients)?;
+            if let (Some(first), Some(trace), true) = (out, &trace, served.spoke) {
+                let folder = match &kept_in {
+                    None => first.to_owned(),
+                    Some(last) => self.folder_behind(last),
+                };
+                self.keep(&folder, &test, &served.summary, trace)?;
+                kept_in = Some(folder);
+            }
+            self.tell(&served.summary)?;
             let (verdict, reason) = (served.summary.verdict, served.summary.reason.clone());
             served.answer_nan_until_gone();
-            if self.once || verdict == SessionVerdict::RigLost {
+            let last =
+                self.once || matches!(verdict, SessionVerdict::RigLost | SessionVerdict::Stopped);
+            if last {
                 return match verdict {
                     SessionVerdict::Completed => Ok(()),
                     _ => Err(Failure::test(reason.unwrap_or_default())),
@@ -125,40 +138,37 @@ impl Serve {
         Ok(())
     }
 
-    /// Writes what a client left, then prints it.
+    /// The folder of the client after the one that has `last`.
+    fn folder_behind(&self, last: &Path) -> PathBuf {
+        let folder = look_ahead::folder_behind(self.out.as_deref().unwrap_or(last), last);
+        eprintln!(
+            "outerloop: note: what this client left is in {}",
+            folder.display()
+        );
+        folder
+    }
+
+    /// Writes what a client left.
     fn keep(
         &self,
+        folder: &Path,
         test: &TestFile,
         summary: &SessionSummary,
-        trace: Option<&Trace>,
-        number: usize,
+        trace: &Trace,
     ) -> Result<(), Failure> {
-        if let (Some(folder), Some(trace)) = (&self.out, trace) {
-            let mut folder = folder.clone().into_os_string();
-            if number > 1 {
-                folder.push(format!("-{number}"));
-                eprintln!(
-                    "outerloop: note: what client {number} left is in {}",
-                    folder.display()
-                );
-            }
-            let report = report::of_served(&SessionSection {
-                test,
-                summary,
-                trace,
-            });
-            output::write_all(
-                &PathBuf::from(folder),
-                &[
-                    ("report.html", report),
-                    ("record.csv", record_csv::to_csv(trace)),
-                    (
-                        "summary.json",
-                        json(&WithProvenance::seeded(summary, self.seed))?,
-                    ),
-                ],
-            )?;
-        }
+        let report = report::of_served(&SessionSection {
+            test,
+            summary,
+            trace,
+        });
+        let text = json(&WithProvenance::seeded(summary, self.seed))?;
+        let files = [report, record_csv::to_csv(trace), text];
+        let files: Vec<_> = FILES.into_iter().zip(files).collect();
+        output::write_all(folder, &files)
+    }
+
+    /// Prints what became of a client.
+    fn tell(&self, summary: &SessionSummary) -> Result<(), Failure> {
         if self.json {
             let line = serde_json::to_string(&WithProvenance::seeded(summary, self.seed))
                 .map_err(|e| Failure::test(format!("the result cannot be written as JSON: {e}")))?;

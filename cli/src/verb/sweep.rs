@@ -1,16 +1,16 @@
 //! `outerloop sweep`: the same test over the values of one key.
 
-use super::{CommonArguments, each_record, hand_over, json, method};
+use super::{CommonArguments, MethodName, each_record, hand_over, json, require_all_ran};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::sweep::swept_test::SweptTest;
 use crate::sweep::{self, Fragility, Range, SweepResult};
-use crate::terminal::table;
+use crate::terminal::{interrupt, table};
 use experiment::Experiment;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
-use experiment::files::output;
+use experiment::files::look_ahead;
 use experiment::numbers::{length, percent_or_lost};
-use outerloop_core::Method;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub struct Sweep {
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
     /// Compensations, separated by commas; left out: the test file's
-    #[arg(long, value_delimiter = ',', value_name = "A,B,...")]
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
     compensations: Vec<String>,
     /// Fragility: the share of ground motions under which a floor moves further than this, mm, with a lognormal curve; for
     /// a sweep over excitation.scale
@@ -43,7 +43,12 @@ impl Sweep {
     /// # Errors
     /// Bad input; Ctrl-C before all tests ran.
     pub fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
+        let out = look_ahead::folder(
+            self.out.as_deref(),
+            &["report.html", "sweep.csv", "sweep.json"],
+        )?;
+        let out = out.as_deref();
+        interrupt::watch();
         let range = Range::parse(&self.over)?;
         if let Some(mm) = self.limit_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
             return Err(Failure::input(format!(
@@ -52,8 +57,12 @@ impl Sweep {
         }
         let experiments = self.experiments(&range)?;
         let methods = match (&self.compensations[..], experiments.first()) {
-            ([], Some((_, e))) => vec![e.test.config.compensation.kind],
-            (names, _) => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
+            ([], Some((_, e))) => vec![e.test.compensation()],
+            (names, Some((_, e))) => {
+                let named = names.iter().map(|n| e.test.compensation_named(n));
+                named.collect::<Result<_, _>>()?
+            }
+            (_, None) => Vec::new(),
         };
         let rows = sweep::run(&experiments, &methods, self.common.seed)?;
         let curves = self.fragility(&rows, &methods);
@@ -74,25 +83,22 @@ impl Sweep {
                 .collect())
         };
         hand_over(
-            (self.out.as_deref(), self.common.json),
+            (out, self.common.json),
             ("sweep.json", &json_text),
             files,
             || print(&swept, &methods),
         )?;
-        let asked = experiments.len() * methods.len();
-        if rows.len() < asked {
-            return Err(Failure::test(format!(
-                "interrupted: {} of {asked} tests ran, and only they are reported",
-                rows.len()
-            )));
-        }
-        Ok(())
+        let asked = range.values.len() * each_record(&self.record).len() * methods.len();
+        require_all_ran(rows.len(), asked)
     }
 
     /// Each value on each ground motion.
     fn experiments(&self, range: &Range) -> Result<Vec<(f64, Experiment)>, Failure> {
         let mut all = Vec::new();
         for value in &range.values {
+            if interrupt::asked() {
+                break;
+            }
             let test = self.common.load_with(&range.setting(*value))?;
             for file in each_record(&self.record) {
                 all.push((*value, self.common.experiment(&test, file)?));
@@ -102,12 +108,12 @@ impl Sweep {
     }
 
     /// The curves, the ideal rig's first; none without a limit.
-    fn fragility(&self, rows: &[SweptTest], methods: &[Method]) -> Vec<Fragility> {
+    fn fragility(&self, rows: &[SweptTest], methods: &[Compensation]) -> Vec<Fragility> {
         let (Some(mm), Some(first)) = (self.limit_mm, methods.first()) else {
             return Vec::new();
         };
         let limit_m = 1e-3 * mm;
-        let own = |m: &Method| -> Vec<SweptTest> {
+        let own = |m: &Compensation| -> Vec<SweptTest> {
             let of_it = rows.iter().filter(|r| r.summary.compensation == m.name());
             of_it.cloned().collect()
         };
@@ -119,7 +125,7 @@ impl Sweep {
     }
 }
 
-fn print(swept: &SweepResult<'_>, methods: &[Method]) {
+fn print(swept: &SweepResult<'_>, methods: &[Compensation]) {
     let key = swept.path.rsplit('.').next().unwrap_or(swept.path);
     let mut head = vec![key.to_owned(), "ideal peak".into()];
     head.extend(methods.iter().map(|m| m.name().to_owned()));

@@ -55,6 +55,15 @@ pub fn started(mut command: Command, word: &str) -> (Child, BufReader<ChildStder
     (child, said, line)
 }
 
+/// Sends a signal to a program, `-TERM` for instance.
+#[track_caller]
+pub fn send_signal(to: &Child, signal: &str) {
+    let kill = Command::new("kill")
+        .args([signal, &to.id().to_string()])
+        .status();
+    assert!(kill.unwrap().success());
+}
+
 /// Runs it.
 pub fn outerloop(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()

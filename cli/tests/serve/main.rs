@@ -173,6 +173,37 @@ fn a_connection_that_does_not_speak_makes_room_for_the_next_client() {
 }
 
 /// A rig whose limit of force is 1 kN, sent 5 mm and then 10 mm far.
+/// As Ctrl-C: the rig comes to rest, the record is kept, and the exit status says that the test did not come to its end.
+#[test]
+#[cfg(unix)]
+fn a_signal_in_the_middle_of_a_test_keeps_the_record() {
+    for signal in ["-TERM", "-HUP"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut server = Server::start(&["--out", out.to_str().unwrap()]);
+        let mut client = server.client();
+        client.step(1e-3, 0.02).unwrap();
+        common::send_signal(&server.child, signal);
+        // Whoever still asks is answered with no force, as soon as the signal has come through.
+        let answered = |i: i32| {
+            let answer = client.step(1e-3 + 1e-6 * f64::from(i), 0.02 * f64::from(i));
+            answer.is_some_and(f64::is_finite)
+        };
+        assert!(!(2..2000).all(answered), "{signal}");
+        drop(client);
+        let account = server.account();
+        assert_eq!(account["verdict"], "stopped", "{account}");
+        assert_eq!(account["permit"], false, "{account}");
+        assert_eq!(server.child.wait().unwrap().code(), Some(1), "{signal}");
+        let record = std::fs::read_to_string(out.join("record.csv")).unwrap();
+        assert!(record.lines().count() > 10, "{record}");
+    }
+    // Where nothing moves there is nothing to lose.
+    let mut idle = Server::start(&[]);
+    common::send_signal(&idle.child, "-TERM");
+    assert_eq!(idle.child.wait().unwrap().code(), Some(0));
+}
+
 fn passes_its_force_limit(server: &mut Server) {
     let mut client = server.client();
     assert!(client.step(0.005, 0.1).is_some());

@@ -25,7 +25,7 @@ fn a_test_that_cannot_be_stable_is_refused_with_the_published_limit() {
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8_lossy(&output.stderr);
     for word in [
-        "cannot be stable",
+        "unstable: with compensation `none` the test cannot be stable",
         "4.00 ms late",
         "a delay below 3.18",
         "the planned motion is good with the compensations",
@@ -57,12 +57,7 @@ fn the_default_compensation_is_stable_and_its_budget_adds_up() {
     let parts = answer["delay_budget"].as_array().unwrap();
     let sum: f64 = parts
         .iter()
-        .filter(|p| {
-            !p["from"]
-                .as_str()
-                .unwrap()
-                .contains("not in the eigenvalues")
-        })
+        .filter(|p| !p["from"].as_str().unwrap().contains("not simulated"))
         .map(|p| p["ms"].as_f64().unwrap())
         .sum();
     assert!((sum - 4.0).abs() < 1e-6, "{sum}");
@@ -91,54 +86,6 @@ fn a_runaway_is_never_called_stable_and_a_wrong_result_is_doubtful() {
         let reason = answer["reason"].as_str().unwrap();
         assert!(reason.contains(said), "{reason}");
     }
-}
-
-#[test]
-fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
-    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
-        .args(["check", "--survey", "51", "--json"])
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let answer = json(&output);
-    let row = |truth: &str| {
-        let rows = answer["rows"].as_array().unwrap().iter();
-        let mut own = rows.filter(|r| r["tests"] == "all" && r["truth"] == truth);
-        own.next().unwrap()["called"].clone()
-    };
-    let called = |truth: &str, i: usize| row(truth)[i].as_u64().unwrap();
-    assert_eq!(called("ran_away", 0), 0);
-    let promise = &answer["promise"];
-    assert_eq!(promise["ran_away_called_stable"], 0);
-    assert_eq!(promise["sound_called_doubtful"], called("sound", 1));
-    let sound: u64 = (0..3).map(|i| called("sound", i)).sum();
-    assert!(sound > 15, "{sound} of 51 are sound");
-    assert!(called("sound", 1) + called("sound", 2) <= 1 + sound / 20);
-    assert!((0..3).map(|i| called("ran_away", i)).sum::<u64>() > 3);
-}
-
-#[test]
-fn the_monitor_stops_what_breaks_and_nothing_else() {
-    let output = Command::new(env!("CARGO_BIN_EXE_outerloop"))
-        .args(["check", "--monitor", "60", "--json"])
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let answer = json(&output);
-    let rows = answer["rows"].as_array().unwrap();
-    let number = |row: &Value, key: &str| row[key].as_u64().unwrap();
-    assert!(number(&rows[0], "count") > 45);
-    assert_eq!(number(&rows[0], "together"), 0, "{:#}", rows[0]);
-    let broken = &rows[1..];
-    let all: u64 = broken.iter().map(|row| number(row, "count")).sum();
-    let stopped: u64 = broken.iter().map(|row| number(row, "together")).sum();
-    assert!(all >= 4 && stopped == all, "{stopped} of {all}");
-    let promise = &answer["promise"];
-    assert_eq!(promise["sound_stopped"], 0);
-    assert_eq!(
-        [number(promise, "broken"), number(promise, "broken_stopped")],
-        [all, stopped]
-    );
 }
 
 #[test]
@@ -190,7 +137,6 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
     assert_eq!(answer["stable"], true);
     assert_eq!(answer["at_start"]["stable"], false);
     assert!(notes(&answer).contains("the predictor learns"));
-    assert!(!notes(&answer).contains("beyond the bounds"));
     let budget = answer["delay_budget"].as_array().unwrap();
     let predictor = budget.iter().find(|p| p["part"] == "predictor").unwrap();
     assert!((predictor["ms"].as_f64().unwrap() + 8.0).abs() < 0.01);
@@ -201,7 +147,39 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
     let answer = json(&bounded);
     assert_eq!(answer["stable"], false);
     assert_eq!(answer["verdict"], "unstable");
-    assert!(notes(&answer).contains("beyond the bounds"));
+}
+
+/// What a person reads first is the verdict, and no table says otherwise.
+#[test]
+fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
+    let late = ["--set", "plant.actuator.delay_ms=40", "--plants", "5"];
+    let output = check(&late);
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.starts_with("UNSTABLE: the planned motion runs away"),
+        "{text}"
+    );
+    let row = |name: &str| {
+        let mut rows = text.lines().filter(|l| l.trim_start().starts_with(name));
+        rows.next()
+            .unwrap_or_else(|| panic!("no row {name} in {text}"))
+            .to_owned()
+    };
+    // By its small motions alone it would be stable, and it runs away.
+    for learns in ["amb", "ats", "hydraulic"] {
+        let row = row(&format!("{learns} "));
+        assert!(
+            row.contains("not decided") || row.contains("grows"),
+            "{row}"
+        );
+    }
+    assert!(row("none ").contains("grows"));
+    assert!(!text.contains(" yes ") && !text.contains("eigenvalue"));
+    // Bad input has the same exit status, and nothing on standard output.
+    let bad = check(&["--set", "plant.actuator.delay_ms=-1"]);
+    assert_eq!((bad.status.code(), bad.stdout.len()), (Some(2), 0));
+    assert!(!String::from_utf8_lossy(&bad.stderr).contains("unstable"));
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
 use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
-use experiment::coupled::experiment::CoupledExperiment;
-use experiment::coupled::load;
 use experiment::coupled::summary::CoupledSummary;
 use experiment::coupled::table::CoupledCompensation;
 use experiment::coupled::trace::CoupledTrace;
-use experiment::coupled::trial::{self, Ideal};
+use experiment::coupled::trial;
 use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
 use experiment::summary::TestVerdict;
+use experiment::trace::Response;
+use experiment::{Experiment, Shaking};
 use nalgebra::{SMatrix, SVector};
 use plant::linear::Linear;
 
@@ -21,18 +22,18 @@ const EXACT: [&str; 5] = [
     "coupled.compensation=none",
 ];
 
-fn experiment(overrides: &[&str]) -> CoupledExperiment {
+fn experiment(overrides: &[&str]) -> Experiment {
     let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
-    let test = load::test(&root().join(EXAMPLE), &overrides);
-    load::experiment(test.unwrap().unwrap(), &near_fault(), Some(12.0)).unwrap()
+    let test = TestFile::load_any(&root().join(EXAMPLE), &overrides).unwrap();
+    Experiment::new(test, &near_fault(), Some(12.0)).unwrap()
 }
 
-fn run(overrides: &[&str]) -> (CoupledExperiment, Ideal, CoupledTrace, CoupledSummary) {
+fn run(overrides: &[&str]) -> (Experiment, Response, CoupledTrace, CoupledSummary) {
     let e = experiment(overrides);
-    let kind = e.test.coupled.compensation;
-    let ideal = trial::ideal(&e).unwrap();
-    let trial = trial::run(&e, kind, &ideal, 1).unwrap();
-    let summary = CoupledSummary::of(&e, kind, &ideal, &trial).unwrap();
+    let kind = e.test.coupled_part().unwrap().declared.compensation;
+    let ideal = e.ideal().unwrap();
+    let trial = trial::run(&e, kind, &ideal, 1, false).unwrap();
+    let summary = CoupledSummary::of(&e, kind, &trial).unwrap();
     (e, ideal, trial.record, summary)
 }
 
@@ -41,7 +42,7 @@ fn without_actuator_error_it_is_the_exact_solution() {
     let (e, ideal, record, summary) = run(&EXACT);
     assert!(summary.eps_max < 1e-5, "{}", summary.eps_max);
     // u'' = M^-1 (-K u - C u') - iota a_g, the ground along straight lines between the samples.
-    let s = &e.test.coupled.structure;
+    let s = &e.test.coupled_part().unwrap().declared.structure;
     let square = |m: &[Vec<f64>]| SMatrix::<f64, 2, 2>::from_fn(|i, j| m[i][j]);
     let (mass, stiffness) = (square(&s.mass), square(&s.stiffness));
     // The same damping ratio in both modes: C = 2 zeta M sqrt(M^-1 K).
@@ -58,11 +59,12 @@ fn without_actuator_error_it_is_the_exact_solution() {
     a.fixed_view_mut::<2, 2>(2, 2).copy_from(&(-inverse * c));
     let mut b = SMatrix::<f64, 4, 1>::zeros();
     b[2] = -1.0;
-    let mut exact = Linear::new(&a, &b, e.test.period_s());
+    let mut exact = Linear::new(&a, &b, e.test.config.model_step_s());
+    let peaks = ideal.peaks_m();
     for n in 0..record.len() {
         for j in 0..2 {
             let off = (exact.state[j] - f64::from(record.target[j][n])).abs();
-            assert!(off < 4e-3 * ideal.peak(j), "{n} {j}: {off}");
+            assert!(off < 4e-3 * peaks[j], "{n} {j}: {off}");
         }
         let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
         let next = (n + 1).min(record.len() - 1);
@@ -79,10 +81,15 @@ fn a_shaking_turned_round_turns_everything_round() {
         "plant.sensors.force_noise_n=0",
     ];
     let plus = run(&quiet).2;
-    let mut e = experiment(&quiet);
-    e.shaken.acc_m_per_s2.iter_mut().for_each(|a| *a = -*a);
+    let e = experiment(&quiet);
+    let turned: Vec<f32> = e.shaking().acc_m_per_s2.iter().map(|a| -a).collect();
+    let shaking = Shaking {
+        acc_m_per_s2: &turned,
+        ..e.shaking()
+    };
+    let e = Experiment::with_shaking(e.test.clone(), String::new(), e.seconds, e.scale, &shaking);
     let kind = CoupledCompensation::Coupled;
-    let minus = trial::run(&e, kind, &trial::ideal(&e).unwrap(), 1)
+    let minus = trial::run(&e, kind, &e.ideal().unwrap(), 1, false)
         .unwrap()
         .record;
     for (a, b) in [
@@ -146,14 +153,15 @@ fn with_a_coupling_that_vanishes_x_moves_as_one_degree_of_freedom() {
     ];
     let overrides = [&EXACT[..], &stiffness[..]].concat();
     let (e, ideal, record, _) = run(&overrides);
-    assert!(ideal.peak(1) < 1e-3 * ideal.peak(0));
+    let peaks = ideal.peaks_m();
+    assert!(peaks[1] < 1e-3 * peaks[0]);
     let w: f64 = 208.0_f64.sqrt();
     let a = SMatrix::<f64, 2, 2>::new(0.0, 1.0, -w * w, -0.08 * w);
     let b = SMatrix::<f64, 2, 1>::new(0.0, -1.0);
-    let mut exact = Linear::new(&a, &b, e.test.period_s());
+    let mut exact = Linear::new(&a, &b, e.test.config.model_step_s());
     for n in 0..record.len() - 1 {
         let off = (exact.state[0] - f64::from(record.target[0][n])).abs();
-        assert!(off < 2e-3 * ideal.peak(0), "{n}: {off}");
+        assert!(off < 2e-3 * peaks[0], "{n}: {off}");
         let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
         exact.step(&at(n), &at(n + 1));
     }
@@ -302,9 +310,9 @@ fn what_cannot_be_is_refused_in_one_sentence() {
     set("structure.mass_kg=1", &["structure", "beside [coupled]"]);
     let none = "two coupled actuators";
     refused(&["run", EXAMPLE, "--emulated"], &["--emulated", none]);
-    refused(&["run", EXAMPLE, "--archive", "a.h5"], &["--archive", none]);
     refused(&["compare", EXAMPLE, "--bench"], &["--bench", none]);
-    refused(&["monte-carlo", EXAMPLE], &["run, compare and check"]);
+    refused(&["monte-carlo", EXAMPLE], &["run, compare, check, sweep"]);
+    refused(&["serve", EXAMPLE], &["run, compare, check, sweep"]);
     refused(
         &["run", EXAMPLE, "--compensation", "paper"],
         &["paper", "coupled-fixed"],
@@ -318,4 +326,63 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         "what is there is not overwritten"
     );
     assert!(String::from_utf8_lossy(&outerloop(&["keys"]).stdout).contains("coupled.limits"));
+}
+
+#[test]
+fn a_sweep_has_the_figures_of_each_test() {
+    let over = "coupled.actuators.slow_pole_hz.0=2.65,2.8";
+    let compensations = "coupled-fixed,coupled";
+    let said = json(&[
+        "sweep",
+        EXAMPLE,
+        "--duration",
+        "8",
+        "--over",
+        over,
+        "--compensations",
+        compensations,
+        "--json",
+    ]);
+    let rows = said["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4);
+    let alone = json(&["run", EXAMPLE, "--duration", "8", "--json"]);
+    let coupled = &rows[1];
+    assert_eq!(coupled["compensation"], "coupled");
+    for key in ["eps_rms", "eps_max", "verdict", "peak_displacement_m"] {
+        assert_eq!(coupled[key], alone[key], "{key}");
+    }
+    let error = |row: usize| rows[row]["eps_rms"].as_f64().unwrap();
+    // Declared as it is, the pole needs no finding out; both are then nearer.
+    assert!(error(2) < 0.8 * error(0), "{} {}", error(2), error(0));
+    refused(
+        &["sweep", EXAMPLE, "--over", over, "--compensations", "paper"],
+        &["paper", "coupled-fixed"],
+    );
+}
+
+#[test]
+fn an_archive_is_replayed_to_the_bit_and_two_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (first, second) = (path("first.h5"), path("second.h5"));
+    let run = ["run", EXAMPLE, "--duration", "6", "--json"];
+    json(&[&run[..], &["--archive", &first]].concat());
+    let other = ["--set", "coupled.spread.gain_ratio=0.02"];
+    json(&[&run[..], &other, &["--archive", &second]].concat());
+    for archive in [&first, &second] {
+        let said = json(&["replay", archive, "--json"]);
+        assert_eq!(said["values_different"], 0);
+        assert_eq!(said["steps"], 6 * 1024);
+    }
+    let said = json(&["diff", &first, &second, "--json"]);
+    let channels = said["channels"].as_array().unwrap();
+    let of = |name: &str| channels.iter().find(|c| c["channel"] == name).unwrap();
+    assert!(of("target_m")["rms_of_peak"].as_f64().unwrap() > 0.0);
+    assert_eq!(of("target2_rad")["unit"], "rad");
+    assert!(of("actuator_command2_m")["rms"].as_f64().unwrap() > 0.0);
+    assert!(
+        channels
+            .iter()
+            .all(|c| c["channel"] != "target2_m" && c["channel"] != "command_m")
+    );
 }

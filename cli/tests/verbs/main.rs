@@ -17,6 +17,7 @@ mod formats;
 mod identify;
 mod improve;
 mod keys;
+mod outputs;
 mod refusals;
 mod reports;
 mod shell;

@@ -277,6 +277,8 @@ impl Config {
         positive("limits.energy_floor_j", l.energy_floor_j)?;
         positive("limits.locked_damping_ratio", l.locked_damping_ratio)?;
         positive("limits.frozen_m", l.frozen_m)?;
+        positive("limits.disagree_m", l.disagree_m)?;
+        positive("limits.force_stands_m", l.force_stands_m)?;
         positive("limits.stale_steps", l.stale_steps.map(f64::from))
     }
 

@@ -44,6 +44,13 @@ pub struct Config {
 }
 
 impl Config {
+    /// For how long a good transducer may stand around a turn of the motion, s: the longest delay that is declared, and 20 ms.
+    pub(crate) fn standing_s(&self) -> f64 {
+        let (e, c) = (&self.estimation, &self.compensation);
+        let estimated_ms = e.delay_ms.longest() + e.lag_ms.longest();
+        1e-3 * estimated_ms.max(c.delay_ms.longest()) + 0.02
+    }
+
     /// A shear frame of `N` storeys, listed from the ground up, masses in kg, stiffnesses in N/m, damping ratios as
     /// fractions of critical. All of it stands in the laboratory, and the rest is as where a test file leaves it out.
     /// Numbers are checked by [`Design::new`](crate::Design::new).
@@ -212,6 +219,12 @@ pub struct Limits {
     /// Motion of the target, m, that a sensor standing still may hide before its samples count as frozen: some codes of
     /// its converter. Left out: 0.1 mm.
     pub frozen_m: Option<f64>,
+    /// Largest difference between the displacement and the second displacement, m, where a second transducer is wired to
+    /// read as the first: of the board's first actuator. Left out: they are not compared.
+    pub disagree_m: Option<f64>,
+    /// Motion of the displacement, m, over which a force that stays within 2 % of what the declared stiffness makes of it around
+    /// zero counts as a dead load cell, of a board. Left out: the force is not watched.
+    pub force_stands_m: Option<f64>,
     /// Added damping ratio, averaged over a natural period, above which the structure counts as locked.
     pub locked_damping_ratio: Option<f64>,
 }

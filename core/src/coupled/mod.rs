@@ -14,8 +14,8 @@
 //!
 //! | name | what it is |
 //! |---|---|
-//! | [`CoupledLoop`] | a whole test: modes, interlocks in both systems of coordinates, integration, tracker |
-//! | [`Tracker`] | all of what follows, one call a sample |
+//! | [`CoupledRig`] | the rig of an [`OuterLoop`](crate::OuterLoop) with such actuators, made from [`CoupledSettings`]; interlocks in both systems of coordinates |
+//! | [`Tracker`] | all of what follows |
 //! | [`Coupler`] | strokes from x and theta and back, exact and linearised |
 //! | [`Plant`] | the 2 x 2 transfer function and its parameters |
 //! | [`Forward`] | what the plant would answer to the commands, and how that depends on each parameter |
@@ -33,18 +33,20 @@ mod filter;
 mod forward;
 mod inverse;
 mod observer;
-mod outer_loop;
 mod pair;
 mod plant;
 mod response;
+mod rig;
+mod settings;
 mod tracker;
 
-pub use coupler::{Coupler, LARGEST_ROTATION};
+pub use coupler::Coupler;
 pub use estimate::EstimatorSettings;
 pub use forward::{Forward, Slopes};
 pub use observer::{MAX_MODES, ObserverSettings, VibrationMode};
-pub use outer_loop::{Bounds, CoupledLoop, CoupledSettings, CoupledStep};
 pub use pair::Pair;
 pub use plant::{MAX_PARAMETERS, Parameter, Plant, Spread, Spreads};
 pub use response::observed;
-pub use tracker::{BrokenLimit, Limit, Tracked, Tracker, TrackerConstants, TrackerSettings};
+pub use rig::{CoupledConstants, CoupledRig};
+pub use settings::{Bounds, CoupledSettings};
+pub use tracker::{Tracker, TrackerConstants, TrackerSettings};

@@ -1,6 +1,6 @@
 //! Everything for a pair of coupled actuators, one call a sample.
 
-use super::coupler::{Coupler, LARGEST_ROTATION};
+use super::coupler::Coupler;
 use super::estimate::{EstimatorSettings, PlantEstimator};
 use super::inverse::{Jet, PlantInverse};
 use super::observer::{Observer, ObserverConstants, ObserverSettings};
@@ -24,10 +24,6 @@ pub struct TrackerSettings {
     pub ahead_s: f32,
     /// Below this frequency, Hz, the estimated strokes follow the readings, above it the model.
     pub trust_reading_hz: f32,
-    /// Largest stroke that may be commanded, m.
-    pub stroke_limit_m: f32,
-    /// Largest x (m) and theta (rad) that may be asked for.
-    pub interface_limit: Pair,
 }
 
 /// Constants of a tracker, worked out once.
@@ -55,23 +51,16 @@ impl TrackerConstants {
             let arm = settings.coupler.pin_y_m[1] - settings.coupler.pin_y_m[0];
             return Err(refused("coupler.pin_y_m", arm, "pins that are apart"));
         }
-        let [x, theta] = settings.interface_limit;
-        for (name, value) in [
-            ("coupled.trust_reading_hz", settings.trust_reading_hz),
-            ("coupled.stroke_limit_m", settings.stroke_limit_m),
-            ("coupled.interface_limit_m", x),
-            ("coupled.interface_limit_rad", theta),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(refused(name, value, "a number above 0"));
-            }
+        let trusted = settings.trust_reading_hz;
+        if !(trusted > 0.0 && trusted.is_finite()) {
+            return Err(refused(
+                "coupled.trust_reading_hz",
+                trusted,
+                "a number above 0",
+            ));
         }
         if !(0.0..=0.1).contains(&settings.ahead_s) {
             return Err(refused("coupled.ahead_s", settings.ahead_s, "0 to 0.1 s"));
-        }
-        if theta > LARGEST_ROTATION {
-            let accepted = "at most 0.5 rad: the coupler's geometry is worked out up to there";
-            return Err(refused("coupled.interface_limit_rad", theta, accepted));
         }
         let period_s = settings.estimate.period_s;
         let observers = [
@@ -87,43 +76,6 @@ impl TrackerConstants {
     }
 }
 
-/// Which limit a target or a command broke.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
-    /// x of the interface.
-    Displacement,
-    /// theta of the interface.
-    Rotation,
-    /// Stroke of this actuator.
-    Stroke(usize),
-    /// A number was not finite.
-    NotFinite,
-}
-
-/// A limit that was broken, and by what; in m, of a rotation in rad.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BrokenLimit {
-    /// Which.
-    pub limit: Limit,
-    /// The value that was reached.
-    pub value: f32,
-    /// The largest that is allowed.
-    pub largest: f32,
-}
-
-/// What a sample gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tracked {
-    /// Commands for the next period, m; where a limit was broken, those of the last.
-    pub command_m: Pair,
-    /// Where the actuators are, as the model and the readings have it, m.
-    pub stroke_m: Pair,
-    /// The same as x (m) and theta (rad).
-    pub interface: Pair,
-    /// The first limit that the target or the commands broke.
-    pub broken: Option<BrokenLimit>,
-}
-
 /// The tracker of a pair of coupled actuators.
 #[derive(Clone, Debug)]
 pub struct Tracker {
@@ -131,7 +83,6 @@ pub struct Tracker {
     observers: [Observer; 2],
     estimator: PlantEstimator,
     inverse: PlantInverse,
-    sent_m: Pair,
     correction_m: Pair,
 }
 
@@ -142,15 +93,22 @@ impl Tracker {
             observers: [Observer::at_rest(), Observer::at_rest()],
             estimator: PlantEstimator::at_rest(&constants.settings.estimate),
             inverse: PlantInverse::at_rest(),
-            sent_m: [0.0; 2],
             correction_m: [0.0; 2],
             constants,
         }
     }
 
-    /// Records what was really sent, where that is not what [`Tracker::command`] gave.
-    pub(super) fn was_sent(&mut self, command_m: Pair) {
-        self.sent_m = command_m;
+    /// Back to rest at zero, with the plant as declared, in place.
+    pub(super) fn restart(&mut self) {
+        self.observers = [Observer::at_rest(), Observer::at_rest()];
+        self.estimator = PlantEstimator::at_rest(&self.constants.settings.estimate);
+        self.inverse = PlantInverse::at_rest();
+        self.correction_m = [0.0; 2];
+    }
+
+    /// Geometry between the structure's coordinates and the strokes.
+    pub(super) fn coupler(&self) -> &Coupler {
+        &self.constants.settings.coupler
     }
 
     /// The plant as known now.
@@ -158,13 +116,13 @@ impl Tracker {
         self.estimator.plant()
     }
 
-    /// Takes in the measured strokes, before the target of the same sample. Returns the estimated strokes and the
-    /// position of the interface.
-    pub fn observe(&mut self, measured_m: &Pair) -> (Pair, Pair) {
+    /// Takes in what was sent since the last sample and the measured strokes, before the target of the same sample. Returns
+    /// the estimated strokes and the position of the interface.
+    pub fn observe(&mut self, sent_m: &Pair, measured_m: &Pair) -> (Pair, Pair) {
         let k = &self.constants;
         let modelled_m = self
             .estimator
-            .update(&k.settings.estimate, &self.sent_m, measured_m);
+            .update(&k.settings.estimate, sent_m, measured_m);
         let stroke_m = core::array::from_fn(|i| {
             let error_m = measured_m[i] - modelled_m[i];
             if error_m.is_finite() {
@@ -175,12 +133,11 @@ impl Tracker {
         (stroke_m, k.settings.coupler.interface(&stroke_m))
     }
 
-    /// Commands that bring the interface to `target` (x in m, theta in rad), and the first limit that was broken.
-    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> (Pair, Option<BrokenLimit>) {
+    /// Commands that bring the interface to `target` (x in m, theta in rad), m.
+    pub fn command(&mut self, target: &Pair, ground_m_per_s2: f32) -> Pair {
         if !self.constants.settings.inverse {
             let [x, theta] = *target;
-            let strokes_m = self.constants.settings.coupler.strokes_m(x, theta);
-            return self.send(target, strokes_m);
+            return self.constants.settings.coupler.strokes_m(x, theta);
         }
         let k = &self.constants;
         let x = self.observers[0].update(&k.observers[0], target[0], ground_m_per_s2);
@@ -193,31 +150,8 @@ impl Tracker {
         let strokes: [Jet<4>; 2] =
             core::array::from_fn(|i| [exact[i], rates[1][i], rates[2][i], rates[3][i]]);
         let period_s = k.settings.estimate.period_s;
-        let command_m = self
-            .inverse
-            .commands(self.estimator.plant(), period_s, &strokes);
-        self.send(target, command_m)
-    }
-
-    /// Sends the commands, or those before where a limit is broken.
-    fn send(&mut self, target: &Pair, command_m: Pair) -> (Pair, Option<BrokenLimit>) {
-        let broken = self.constants.settings.broken(target, &command_m);
-        if broken.is_none() {
-            self.sent_m = command_m;
-        }
-        (self.sent_m, broken)
-    }
-
-    /// One sample of a target that does not depend on this sample's readings.
-    pub fn step(&mut self, target: &Pair, measured_m: &Pair, ground_m_per_s2: f32) -> Tracked {
-        let (stroke_m, interface) = self.observe(measured_m);
-        let (command_m, broken) = self.command(target, ground_m_per_s2);
-        Tracked {
-            command_m,
-            stroke_m,
-            interface,
-            broken,
-        }
+        self.inverse
+            .commands(self.estimator.plant(), period_s, &strokes)
     }
 }
 
@@ -230,36 +164,4 @@ fn held_back([x, v, a, j]: Jet<4>, by_s: f32) -> Jet<4> {
         a - by_s * j,
         j,
     ]
-}
-
-impl TrackerSettings {
-    /// The first limit that a target or a command breaks, in both systems of coordinates.
-    fn broken(&self, target: &Pair, command_m: &Pair) -> Option<BrokenLimit> {
-        let [x, theta] = *target;
-        let [most_x, most_theta] = self.interface_limit;
-        let stroke = |i: usize| (Limit::Stroke(i), command_m[i], self.stroke_limit_m);
-        let checks = [
-            (Limit::Displacement, x, most_x),
-            (Limit::Rotation, theta, most_theta),
-            stroke(0),
-            stroke(1),
-        ];
-        let finite = checks.iter().find(|(_, value, _)| !value.is_finite());
-        if let Some(&(_, value, largest)) = finite {
-            let limit = Limit::NotFinite;
-            return Some(BrokenLimit {
-                limit,
-                value,
-                largest,
-            });
-        }
-        let beyond = checks
-            .into_iter()
-            .find(|(_, value, most)| value.abs() > *most);
-        beyond.map(|(limit, value, largest)| BrokenLimit {
-            limit,
-            value,
-            largest,
-        })
-    }
 }

@@ -6,12 +6,11 @@ mod low_pass;
 mod stiffness;
 
 pub(crate) use kalman::KalmanGains;
-pub(crate) use low_pass::{Biquad, prewarped};
+pub(crate) use low_pass::{Biquad, LowPass, prewarped};
 pub(crate) use stiffness::StiffnessPrior;
 
 use crate::structure::actuated;
 use kalman::Kalman;
-use low_pass::LowPass;
 use stiffness::StiffnessFilter;
 
 /// Constants of the chosen estimator.

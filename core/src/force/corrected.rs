@@ -5,7 +5,6 @@ use super::interface::{Correct, Correction, ForceLaw, LawInput, LawOutput};
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::energy::Observation;
-use crate::linear::LinearForce;
 use crate::refusal::Refusal;
 
 /// A corrected force and the damping that it amounts to.
@@ -24,10 +23,6 @@ impl<C: Correct<N>, const N: usize> ForceLaw<N> for Corrected<C, N> {
 
     fn design(context: &Context<'_, N>) -> Self::Constants {
         (C::design(context), equivalent::Constants::design(context))
-    }
-
-    fn linear(_: &Compensation, _: usize) -> LinearForce {
-        LinearForce::AtTarget
     }
 
     fn at_rest((k, _): &Self::Constants) -> Self {

@@ -18,7 +18,6 @@ use super::sech_gain::SechGain;
 use crate::config::{Compensation, Secant};
 use crate::context::Context;
 use crate::float::{larger, smaller, unlikely};
-use crate::linear::LinearForce;
 use crate::refusal::{Refusal, accept, between};
 use crate::structure::actuated;
 use core::marker::PhantomData;
@@ -146,12 +145,6 @@ impl<const N: usize, F: Form> ForceLaw<N> for VariableDamping<N, F> {
             hold_share: c.hold_share as f32,
             peak_memory: context.peak_memory(),
             physical: context.physical(),
-        }
-    }
-
-    fn linear(c: &Compensation, physical: usize) -> LinearForce {
-        LinearForce::Damping {
-            within: F::GUARDED.then(|| clamps(c, physical)),
         }
     }
 

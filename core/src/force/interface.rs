@@ -4,7 +4,6 @@
 use crate::config::Compensation;
 use crate::context::Context;
 use crate::energy::{Observation, Windowed};
-use crate::linear::LinearForce;
 use crate::refusal::Refusal;
 
 /// What the law did in one integration step, for the record.
@@ -67,9 +66,6 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
 
     /// The constants for a test.
     fn design(context: &Context<'_, N>) -> Self::Constants;
-
-    /// The law as its mean over a cycle of motion, with `physical` storeys in the laboratory.
-    fn linear(c: &Compensation, physical: usize) -> LinearForce;
 
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;

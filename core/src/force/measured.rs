@@ -6,9 +6,7 @@
 //! stands behind a predictor alone.
 
 use super::interface::{Correction, ForceLaw, LawInput, LawOutput};
-use crate::config::Compensation;
 use crate::context::Context;
-use crate::linear::LinearForce;
 
 /// Without memory.
 #[derive(Clone, Debug)]
@@ -18,10 +16,6 @@ impl<const N: usize> ForceLaw<N> for Measured {
     type Constants = ();
 
     fn design(_: &Context<'_, N>) {}
-
-    fn linear(_: &Compensation, _: usize) -> LinearForce {
-        LinearForce::Measured
-    }
 
     fn at_rest((): &()) -> Self {
         Self

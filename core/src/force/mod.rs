@@ -8,7 +8,7 @@
 //! | [`measured`] | the measured force as it is | |
 //! | [`damping`] | variable damping, `eq14-unguarded`, `eq14`, `paper` | the paper, Eqs 14 and 20 |
 //! | [`fit`] | force at the time the target was reached, `ahmadizadeh` | Ahmadizadeh et al. 2008 |
-//! | [`tangent`] | measured force and tangent stiffness times the way that is left | |
+//! | [`tangent`] | measured force, and tangent stiffness times the remaining displacement | |
 //!
 //! A law whose correction is a force is [`Corrected`]: the record shows the damping that the force amounts to
 //! ([`equivalent`]).
@@ -22,7 +22,6 @@ pub(crate) use interface::{Correction, LawInput, LawOutput};
 
 use crate::config::Compensation;
 use crate::context::Context;
-use crate::linear::LinearForce;
 use crate::method::{Force, for_each_method};
 use crate::refusal::Refusal;
 use corrected::Corrected;
@@ -30,7 +29,7 @@ use interface::ForceLaw;
 
 macro_rules! laws {
     (
-        forces {$($(#[$doc:meta])* $V:ident $name:literal behind $own:ident = $law:ty $(, file $file:ident)?;)*}
+        forces {$($(#[$doc:meta])* $number:literal $V:ident $name:literal behind $own:ident = $law:ty $(, file $file:ident)?;)*}
         predictors {$($_predictors:tt)*}
     ) => {
         $($(pub(crate) mod $file;)?)*
@@ -62,13 +61,6 @@ macro_rules! laws {
                 }
             }
 
-            /// The linear form of `of`.
-            pub fn linear(of: Force, c: &Compensation, physical: usize) -> LinearForce {
-                match of {
-                    $(Force::$V => <$law as ForceLaw<N>>::linear(c, physical),)*
-                }
-            }
-
             /// Back to rest at zero, in place.
             pub fn rest(&mut self) {
                 match self {
@@ -88,9 +80,4 @@ macro_rules! laws {
 }
 for_each_method!(laws);
 
-impl Force {
-    /// The law as its mean over a cycle of motion, with `physical` storeys in the laboratory.
-    pub fn linear(self, c: &Compensation, physical: usize) -> LinearForce {
-        Law::<1>::linear(self, c, physical)
-    }
-}
+impl Force {}

@@ -2,10 +2,12 @@
 
 use super::{OuterLoop, Pace, Sample};
 use crate::float::unlikely;
+use crate::ground_motion::GroundMotion;
 use crate::predict::{LastCommand, TargetMotion};
+use crate::rig::{Asked, Rig};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What is sent for the target `next_m`: the predictor's answer while the test runs, else the target itself. The
     /// predictor sees every step, so that its memory is of what really happened.
     #[inline]
@@ -65,10 +67,17 @@ impl<const N: usize> OuterLoop<N> {
         send_m
     }
 
-    /// What is sent so that the actuator goes to `aim_m`.
+    /// What is sent so that the structure goes to `aim_m`.
     #[inline]
-    pub(super) fn commands(&self, aim_m: &[f32; N]) -> [f32; N] {
-        core::array::from_fn(|j| self.design.command[j].towards(aim_m[j]))
+    pub(super) fn commands(&mut self, aim_m: &[f32; N], ground: &GroundMotion<'_>) -> [f32; N] {
+        let asked = Asked {
+            aim_m,
+            sent_m: &self.sent_m,
+            mode: self.mode,
+            ground,
+            step: self.step,
+        };
+        self.rig.commands(&self.design.command, &asked)
     }
 
     /// The ramp to a standstill begins at what was sent and not at the target behind it.
@@ -79,20 +88,39 @@ impl<const N: usize> OuterLoop<N> {
         }
     }
 
-    /// What the interlocks look at before `next_m` is sent.
+    /// Strokes of the actuators with the structure at `at_m`, which are that itself where the coordinates are the same.
+    #[inline]
+    pub(super) fn strokes_m<'a>(
+        &self,
+        at_m: &'a [f32; N],
+        place: &'a mut [f32; N],
+    ) -> &'a [f32; N] {
+        if R::SAME_COORDINATES {
+            return at_m;
+        }
+        *place = self.rig.strokes_m(at_m);
+        place
+    }
+
+    /// What the interlocks on the actuators look at before `next_m` is sent.
     #[inline]
     fn checked<'a>(
         &'a self,
         sample: &'a Sample<N>,
         displacement_m: &'a [f32; N],
+        aimed_m: &'a [f32; N],
         next_m: &'a [f32; N],
         stale_steps: u16,
     ) -> Checked<'a, N> {
         Checked {
             next_m,
             sent_m: &self.sent_m,
-            aimed_m: &self.aimed_m,
-            displacement_m,
+            aimed_m,
+            displacement_m: if R::SAME_COORDINATES {
+                displacement_m
+            } else {
+                &sample.displacement_m
+            },
             force_n: &sample.force_n,
             energy_ratio: self.monitor.ratio(),
             stale_steps,
@@ -101,20 +129,27 @@ impl<const N: usize> OuterLoop<N> {
         }
     }
 
-    /// True if no interlock forbids sending `next_m`.
+    /// True if no interlock forbids sending `next_m`, which brings the structure to `aim_m`.
     #[inline]
     pub(super) fn may_send(
         &self,
         sample: &Sample<N>,
         displacement_m: &[f32; N],
+        aim_m: &[f32; N],
         next_m: &[f32; N],
         stale_steps: u16,
     ) -> bool {
         if sample.fault.is_some() {
             return unlikely(false);
         }
-        let checked = self.checked(sample, displacement_m, next_m, stale_steps);
-        within(&self.design.limits, &checked)
+        let mut place = [0.0; N];
+        let aimed_m = self.strokes_m(&self.aimed_m, &mut place);
+        let checked = self.checked(sample, displacement_m, aimed_m, next_m, stale_steps);
+        // The first alone compiles to fewer instructions than with an `and` that is always true.
+        if R::SAME_COORDINATES {
+            return within(&self.design.limits, &checked);
+        }
+        within(&self.design.limits, &checked) && self.rig.within(&self.aimed_m, aim_m)
     }
 
     /// Sends the command, unless it is not finite on an axis behind the first `certain`.
@@ -145,8 +180,13 @@ impl<const N: usize> OuterLoop<N> {
         stale_steps: u16,
         [target_m, aim_m, send_m]: [[f32; N]; 3],
     ) -> [f32; N] {
-        let checked = self.checked(sample, displacement_m, &send_m, stale_steps);
-        let found = first_fault(&self.design.limits, &checked);
+        let mut place = [0.0; N];
+        let aimed_m = self.strokes_m(&self.aimed_m, &mut place);
+        let checked = self.checked(sample, displacement_m, aimed_m, &send_m, stale_steps);
+        let found = Finding::first(
+            first_fault(&self.design.limits, &checked),
+            self.rig.first_fault(&self.aimed_m, &aim_m),
+        );
         // A fault that the board reports comes first; only a NaN comes before it.
         let finding = match sample.fault {
             None => found,

@@ -1,16 +1,27 @@
 //! The next target where no test of its own runs.
 
 use super::OuterLoop;
+use crate::record::flag;
+use crate::rig::Rig;
 use crate::signal::SignalGenerator;
 use crate::supervise::Mode;
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// The next target of every mode but that of a test of the loop's own, which is in the step itself.
     #[cold] // The step of a test of its own, the longest, then runs straight on.
     #[inline(never)]
-    pub(super) fn command_without_integration(&mut self, displacement_m: &[f32; N]) -> [f32; N] {
+    pub(super) fn command_without_integration(
+        &mut self,
+        displacement_m: &[f32; N],
+        chain_open: bool,
+    ) -> [f32; N] {
         match self.mode {
             Mode::Idle => self.follow(displacement_m),
+            // What is permitted and cannot move yet is followed, as while idle.
+            Mode::Approaching if chain_open => {
+                self.flags |= flag::CHAIN_OPEN;
+                self.follow(displacement_m)
+            }
             Mode::Approaching => self.approach_start(),
             Mode::Armed => [0.0; N],
             Mode::Running | Mode::Resuming => self.go_to_next_target(),
@@ -45,8 +56,8 @@ impl<const N: usize> OuterLoop<N> {
 
     /// A step of the slow approach to `commissioning_m`.
     pub(super) fn approach(&self, commissioning_m: [f32; N]) -> [f32; N] {
-        let step = self.design.approach_step_m;
         core::array::from_fn(|j| {
+            let step = self.design.approach_step_m * self.rig.per_metre(j);
             let rest = commissioning_m[j] - self.target_m[j];
             if rest.abs() <= step {
                 commissioning_m[j]
@@ -90,7 +101,9 @@ impl<const N: usize> OuterLoop<N> {
 
     /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.
     fn slow_down(&mut self) -> [f32; N] {
-        self.signal.decelerate(self.design.deceleration_step_m);
+        let step_m = self.design.deceleration_step_m;
+        let by = core::array::from_fn(|j| step_m * self.rig.per_metre(j));
+        self.signal.decelerate(by);
         *self.signal.command_m()
     }
 }

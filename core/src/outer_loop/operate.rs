@@ -4,9 +4,10 @@ use super::{
     Correction, Design, EnergyErrors, LockWatch, Mode, Monitor, Newmark, OuterLoop, Record,
     SignalGenerator, Trip,
 };
+use crate::rig::Rig;
 use crate::supervise::{Event, Rejected};
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What the loop is doing.
     pub fn state(&self) -> Mode {
         self.mode
@@ -15,6 +16,11 @@ impl<const N: usize> OuterLoop<N> {
     /// The first fault, until it is cleared.
     pub fn trip(&self) -> Option<Trip> {
         self.trip
+    }
+
+    /// The rig as the loop has it.
+    pub fn rig(&self) -> &R {
+        &self.rig
     }
 
     /// The last steps, oldest first; after a trip, those that led to it.
@@ -36,7 +42,10 @@ impl<const N: usize> OuterLoop<N> {
         match next {
             Mode::Approaching if self.obstacle.is_some() => return Err(rejected),
             Mode::Approaching => {
+                // The mean of where the rig stands goes on: what is followed until the chain has closed.
+                let idle_mean_m = self.idle_mean_m;
                 self.reset();
+                self.idle_mean_m = idle_mean_m;
                 if self.target_m == [0.0; N] {
                     next = Mode::Armed;
                 }
@@ -71,7 +80,7 @@ impl<const N: usize> OuterLoop<N> {
     ///
     /// # Errors
     /// The loop is not idle; it goes on as it was.
-    pub fn configure(&mut self, design: Design<N>) -> Result<(), Rejected> {
+    pub fn configure(&mut self, design: Design<N, R>) -> Result<(), Rejected> {
         if self.mode != Mode::Idle {
             return Err(Rejected {
                 state: self.mode,
@@ -85,16 +94,16 @@ impl<const N: usize> OuterLoop<N> {
         Ok(())
     }
 
-    /// Everything back to the start, standing at the present command.
-    ///
-    /// Back to where [`OuterLoop::new`] left the loop, steps counted from 0: what has run was a rehearsal.
+    /// Back to where [`OuterLoop::new`] left the loop, steps counted from 0 and the command at 0: what has run was a
+    /// rehearsal.
     pub fn restart(&mut self) {
         (self.tick, self.sent_m, self.aimed_m) = (0, [0.0; N], [0.0; N]);
+        self.rig.restart();
         self.reset();
     }
 
-    /// Part by part: a loop that is built anew stands on the stack before it is moved here, and a board resets its loop in
-    /// the control interrupt.
+    /// Everything back to the start, standing at the present command. Part by part: a loop that is built anew stands on the
+    /// stack before it is moved here, and a board resets its loop in the control interrupt.
     fn reset(&mut self) {
         let Self {
             // What stays.

@@ -8,8 +8,9 @@
 use super::{OuterLoop, Pace};
 use crate::energy::Observation;
 use crate::record::flag;
+use crate::rig::Rig;
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Takes the targets of the next test from outside, or from its own integration (`None`).
     pub fn set_pace(&mut self, pace: Option<Pace>) {
         self.pace = pace;

@@ -14,11 +14,12 @@ use crate::float::larger;
 use crate::force::{LawInput, LawOutput};
 use crate::ground_motion::GroundMotion;
 use crate::record::{Record, flag};
+use crate::rig::Rig;
 use crate::signal::Target;
 use crate::structure::actuated;
-use crate::supervise::Mode;
+use crate::supervise::{Mode, Staleness};
 
-impl<const N: usize> OuterLoop<N> {
+impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// One control step: sample in, command and record out.
     ///
     /// A function of its own: inlined into a main loop it would share that loop's registers, which costs more than the
@@ -26,8 +27,10 @@ impl<const N: usize> OuterLoop<N> {
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
         self.flags = 0;
-        let stale_steps = self.count_stale_steps(sample);
-        let usable = stale_steps == 0;
+        let Staleness {
+            usable,
+            steps: stale_steps,
+        } = self.watch_samples(sample);
         let (displacement_m, force_n) = self.correct(sample);
         let estimate = self.estimate(displacement_m, force_n);
         // A test runs, and its targets do not come from outside.
@@ -39,14 +42,14 @@ impl<const N: usize> OuterLoop<N> {
             self.advance_command()
         } else {
             let copy_m = displacement_m;
-            self.command_without_integration(&copy_m)
+            self.command_without_integration(&copy_m, sample.chain_open)
         };
         let (mut aim_m, mut send_m) = (next_m, next_m);
         if self.design.predicts {
             aim_m = self.predict(estimate.displacement_m, next_m, usable);
-            send_m = self.commands(&aim_m);
+            send_m = self.commands(&aim_m, ground);
         }
-        let may_send = self.may_send(sample, &displacement_m, &send_m, stale_steps);
+        let may_send = self.may_send(sample, &displacement_m, &aim_m, &send_m, stale_steps);
         self.record(sample, &estimate);
         let command_m = if may_send {
             self.obstacle = None;
@@ -161,9 +164,9 @@ impl<const N: usize> OuterLoop<N> {
         self.flags |= flag::SOLVED;
     }
 
-    /// Control steps for which samples have been stale.
+    /// Whether the sample may be integrated with, and for how many control steps samples have been stale.
     #[inline]
-    fn count_stale_steps(&mut self, sample: &Sample<N>) -> u16 {
+    fn watch_samples(&mut self, sample: &Sample<N>) -> Staleness {
         // Idle, the command follows the sensor: a command that moves and a sensor that stands are then no contradiction.
         let watched = if self.mode == Mode::Idle {
             0
@@ -171,27 +174,27 @@ impl<const N: usize> OuterLoop<N> {
             self.design.physical
         };
         // The target's motion counts: a predictor's command jumps with the noise, and two equal words are a chance then.
-        let steps = self.stale.update(
-            sample.fresh,
-            &sample.displacement_m,
-            &self.target_m,
-            watched,
-        );
-        if steps > 0 {
+        let mut place = [0.0; N];
+        let target_m = self.strokes_m(&self.target_m, &mut place);
+        let seen = self
+            .stale
+            .update(sample.fresh, &sample.displacement_m, target_m, watched);
+        if !seen.usable {
             self.flags |= flag::STALE;
         }
-        steps
+        seen
     }
 
-    /// The true displacement and force, as far as they are known; interlocks on the force and the record keep what was
-    /// read.
+    /// The true displacement and force of the structure's coordinates, as far as they are known; interlocks on the force
+    /// and the record keep what was read.
     #[inline]
     fn correct(&mut self, sample: &Sample<N>) -> ([f32; N], [f32; N]) {
         if !self.design.corrects {
             return (sample.displacement_m, sample.force_n);
         }
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
-        self.rig.correct(&mut displacement_m, &mut force_n);
+        self.rig
+            .correct(&self.sent_m, &mut displacement_m, &mut force_n);
         (displacement_m, force_n)
     }
 

@@ -14,9 +14,7 @@
 
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use super::inverse;
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting};
 
 /// Constants of the adaptive inverse.
 #[derive(Clone, Copy, Debug)]
@@ -48,18 +46,6 @@ impl PredictAxis for AdaptiveInverse {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        inverse::linear(match setting.wanted() {
-            None => setting.delay_steps(),
-            Some((wanted, omega)) => {
-                // Phase of 1 + d (1 - 1/z).
-                let (sin, cos) = (libm::sin(omega), libm::cos(omega));
-                let tan = wanted.imaginary / wanted.real;
-                setting.delay(tan / (sin - tan * (1.0 - cos)))
-            }
-        })
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -17,7 +17,6 @@
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting, Sum};
 
 /// Constants of the prediction.
 #[derive(Clone, Copy, Debug)]
@@ -48,26 +47,6 @@ impl PredictAxis for Afp {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let [gain, delay] = match setting.wanted() {
-            None => [1.0, setting.delay_steps()],
-            Some((wanted, omega)) => {
-                // gain (1 + i x - x^2/2) is what is wanted, x the delay in radians: its phase alone gives x.
-                let ratio = wanted.real / wanted.imaginary;
-                let x = 2.0 / (libm::sqrt(ratio * ratio + 2.0) + ratio);
-                let x = if x.is_finite() { x } else { 0.0 };
-                let gain = wanted.gain() / libm::sqrt(1.0 + 0.25 * x * x * x * x);
-                [setting.gain(gain), setting.delay(x / omega)]
-            }
-        };
-        Linear::Sum(Sum {
-            displacement: gain,
-            velocity: gain * delay,
-            acceleration: 0.5 * gain * delay * delay,
-            ..Sum::TARGET
-        })
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -18,7 +18,6 @@ use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
 use crate::estimate::prewarped;
 use crate::float::larger;
-use crate::linear::{Linear, Setting, Sum};
 use crate::method::Prediction;
 use crate::refusal::{Refusal, accept, between};
 
@@ -130,26 +129,6 @@ impl PredictAxis for Amb {
             per_step: powers.map(|x| x as f32),
             sections: butterworth(c.amb.smoothing_hz, r),
         }
-    }
-
-    /// The gradient moves each coefficient by its gain times its derivative: what a frequency cannot tell apart is shared
-    /// so.
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let (c, r) = (setting.compensation(), setting.rate_hz());
-        let mut sum = Sum::inverse(setting.inverse(), r);
-        if let Some((wanted, omega)) = setting.wanted() {
-            let [real, imaginary] = sum.missing(wanted, omega);
-            let [g0, g1, g2, g3] = c.amb.gains;
-            let square = (omega * r) * (omega * r);
-            let share = |own: f64, other: f64| own / (own + other).max(f64::MIN_POSITIVE);
-            let of_acceleration = share(g2 * square * square, g0);
-            let of_jerk = share(g3 * square * square, g1);
-            sum.displacement += real * (1.0 - of_acceleration);
-            sum.acceleration -= real * of_acceleration / (omega * omega);
-            sum.velocity += imaginary * (1.0 - of_jerk);
-            sum.jerk -= imaginary * of_jerk / (omega * omega);
-        }
-        Linear::Sum(sum)
     }
 
     fn at_rest(k: &Constants) -> Self {

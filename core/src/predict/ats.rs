@@ -20,7 +20,6 @@ use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting, Sum};
 use crate::method::Prediction;
 use crate::refusal::{Refusal, between};
 
@@ -107,22 +106,6 @@ impl PredictAxis for Ats {
             memory: libm::exp(-1.0 / (12.5 * a.time_s * context.rate_hz)) as f32,
             learning: Learning::design(context),
         }
-    }
-
-    /// Of the three coefficients a single frequency cannot tell the first from the third: they are moved alike.
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let mut sum = Sum::inverse(setting.inverse(), setting.rate_hz());
-        sum.jerk = 0.0;
-        if let Some((wanted, omega)) = setting.wanted() {
-            let square = omega * omega;
-            let [left, _] = sum.missing(wanted, omega);
-            let far = omega * setting.longest_steps();
-            let acceleration = square * sum.acceleration - 0.5 * left;
-            sum.displacement = setting.gain(sum.displacement + 0.5 * left);
-            sum.velocity = setting.bounded(wanted.imaginary, 0.0, far) / omega;
-            sum.acceleration = setting.bounded(acceleration, 0.0, 0.5 * far * far) / square;
-        }
-        Linear::Sum(sum)
     }
 
     fn at_rest(k: &Constants) -> Self {

@@ -13,11 +13,10 @@
 
 use super::adaptation::{Gate, Learning};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
-use super::lagrange::{self, Extrapolation};
+use super::lagrange::Extrapolation;
 use super::past::PastTargets;
 use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
-use crate::linear::{Linear, Setting};
 
 /// C_v: at half of the peak speed the law has reached three quarters of its full effect.
 const STEEPNESS: f32 = 2.0;
@@ -56,14 +55,6 @@ impl PredictAxis for Darby {
             learning,
             extrapolation: Extrapolation::new(order, f64::from(learning.longest)),
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let delay = match setting.wanted() {
-            None => setting.delay_steps(),
-            Some((wanted, omega)) => setting.delay(wanted.phase() / omega),
-        };
-        lagrange::linear(setting.compensation().order, delay)
     }
 
     fn at_rest(k: &Constants) -> Self {

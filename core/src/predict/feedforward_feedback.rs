@@ -15,7 +15,6 @@
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept};
 
 /// Constants of both parts, in powers of a control step.
@@ -66,15 +65,6 @@ impl PredictAxis for FeedforwardFeedback {
             feedback: c.feedback as f32,
             smoothing: (1.0 - libm::exp(-1.0 / context.delay_steps())) as f32,
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let c = setting.compensation();
-        let smoothing = 1.0 - libm::exp(-1.0 / setting.delay_steps());
-        Linear::Sum(Sum {
-            feedback: [c.feedback, smoothing],
-            ..Sum::inverse(setting.inverse(), setting.rate_hz())
-        })
     }
 
     fn at_rest(_: &Constants) -> Self {

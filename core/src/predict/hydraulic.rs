@@ -20,7 +20,6 @@ use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{self, Compensation, Timing};
 use crate::context::ActuatorContext;
 use crate::float::{larger, smaller};
-use crate::linear::{Linear, Setting, Sum};
 use crate::refusal::{Refusal, accept, between};
 
 /// Uncertain parameters: stiffness, a3, b1, b2.
@@ -210,33 +209,6 @@ impl PredictAxis for Hydraulic {
             spread_per_numerator: scaled(h.spread).map(|s| s * (1.0 / static_part) as f32),
             variance_m2: (9.0 * h.noise_m * h.noise_m) as f32,
         }
-    }
-
-    /// The inverse of the declared plant, half a period early; fourth and fifth derivative are left out. What it learns of
-    /// the plant shows in displacement and velocity.
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let delay_ms = setting.delay_ms();
-        let plant = plant(
-            setting.compensation(),
-            delay_ms,
-            setting.stiffness_n_per_m(),
-        );
-        let r = setting.rate_hz();
-        let [a0, a1, a2, a3, ..] = plant.inverse();
-        let (a1, a2, a3) = (a1 * r, a2 * r * r, a3 * r * r * r);
-        let mut sum = Sum {
-            displacement: a0,
-            velocity: a1 - 0.5 * a0,
-            acceleration: a2 - 0.5 * a1 + 0.125 * a0,
-            jerk: a3 - 0.5 * a2 + 0.125 * a1 - a0 / 48.0,
-            ..Sum::TARGET
-        };
-        if let Some((wanted, omega)) = setting.wanted() {
-            let [displacement, velocity] = sum.missing(wanted, omega);
-            sum.displacement += displacement;
-            sum.velocity += velocity;
-        }
-        Linear::Sum(sum)
     }
 
     fn at_rest(_: &Constants) -> Self {

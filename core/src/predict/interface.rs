@@ -3,7 +3,6 @@
 
 use crate::config::{Compensation, Timing};
 use crate::context::{ActuatorContext, Context};
-use crate::linear::{Linear, Setting};
 use crate::refusal::Refusal;
 use crate::structure::actuated;
 
@@ -91,9 +90,6 @@ pub(crate) trait Predict<const N: usize>: Sized {
     /// A structure for which there are none.
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal>;
 
-    /// As a linear system; of an adaptive law, with what the setting says that it knows.
-    fn linear(setting: &mut Setting<'_>) -> Linear;
-
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
@@ -128,9 +124,6 @@ pub(crate) trait PredictAxis: Sized {
     /// The constants for a test.
     fn design(context: &ActuatorContext<'_>) -> Self::Constants;
 
-    /// As a linear system; of an adaptive law, with what the setting says that it knows.
-    fn linear(setting: &mut Setting<'_>) -> Linear;
-
     /// At rest at zero.
     fn at_rest(k: &Self::Constants) -> Self;
 
@@ -160,10 +153,6 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
 
     fn design(context: &Context<'_, N>) -> Result<Self::Constants, Refusal> {
         Ok(core::array::from_fn(|j| design::<P>(&context.actuator(j))))
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        P::linear(setting)
     }
 
     fn at_rest(k: &Self::Constants) -> Self {

@@ -10,21 +10,12 @@
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting, Sum};
 
 /// Constants of the inverse.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
     /// alpha - 1.
     pub delay: f32,
-}
-
-/// Linear form for a delay of `delay` control steps.
-pub(crate) fn linear(delay: f64) -> Linear {
-    Linear::Sum(Sum {
-        rise: delay,
-        ..Sum::TARGET
-    })
 }
 
 /// The inverse on one axis.
@@ -38,10 +29,6 @@ impl PredictAxis for Inverse {
         Constants {
             delay: context.delay_steps() as f32,
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        linear(setting.delay_steps())
     }
 
     fn at_rest(_: &Constants) -> Self {

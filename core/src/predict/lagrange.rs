@@ -13,7 +13,6 @@ use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use super::past::{PastTargets, REACH};
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting};
 use crate::refusal::{Refusal, accept};
 
 /// Polynomial extrapolation of past targets.
@@ -64,14 +63,6 @@ fn weights(order: u8) -> [f64; 4] {
     [n + 1.0, second, third, -third * (n - 2.0) / 4.0]
 }
 
-/// Linear form for a delay of `delay` control steps.
-pub(crate) fn linear(order: u8, delay: f64) -> Linear {
-    Linear::Extrapolation {
-        weights: weights(order),
-        delay,
-    }
-}
-
 /// Constants of the extrapolation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
@@ -105,10 +96,6 @@ impl PredictAxis for Lagrange {
             delay: steps as f32,
             extrapolation: Extrapolation::new(context.parameters.order, steps),
         }
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        linear(setting.compensation().order, setting.delay_steps())
     }
 
     fn at_rest(_: &Constants) -> Self {

@@ -21,17 +21,12 @@
 use super::adaptation::{Gate, Learning, learnt};
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting, Sum};
 
 /// Largest change of either gain.
 const MOST: f32 = 0.5;
 
 /// beta, relative: at the peak of the motion half of the error is fed back, so that an actuator may overdo it twice.
 pub const PROPORTIONAL: f32 = 0.25;
-
-/// Mean over a cycle of the squares of demand and displacement together, relative to that of their running peak: 1 for a
-/// peak that stays, this for one that fades by a factor e in a natural period, as that of the gate does.
-const SQUARES: f64 = 1.245;
 
 /// Constants of the controller.
 #[derive(Clone, Copy, Debug)]
@@ -62,16 +57,6 @@ impl PredictAxis for Mcs {
             delay: context.delay_steps() as f32,
             learning: Learning::design(context),
         }
-    }
-
-    /// Its gains stay; its proportional part is a feedback of the error, as its mean over a cycle.
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        let fed_back = f64::from(PROPORTIONAL) * SQUARES;
-        Linear::Sum(Sum {
-            velocity: setting.delay_steps(),
-            error: setting.wanted().map_or(0.0, |_| fed_back),
-            ..Sum::TARGET
-        })
     }
 
     fn at_rest(_: &Constants) -> Self {
@@ -123,20 +108,5 @@ mod tests {
         );
         // The demand without the adaptation leaves the gain, 10 %.
         assert!(rest < 0.03, "{rest}");
-    }
-
-    #[test]
-    fn the_mean_squares_over_a_peak_that_fades() {
-        let n = 10_000;
-        let (mut peak, mut sum) = (1.0_f64, 0.0);
-        // The second cycle counts; in the first the peak comes to its own.
-        for i in 0..2 * n {
-            let u = libm::sin(core::f64::consts::TAU * f64::from(i) / f64::from(n));
-            peak = u.abs().max(peak * libm::exp(-1.0 / f64::from(n)));
-            if i >= n {
-                sum += 2.0 * (u / peak) * (u / peak) / f64::from(n);
-            }
-        }
-        assert!((sum / SQUARES - 1.0).abs() < 1e-3, "{sum}");
     }
 }

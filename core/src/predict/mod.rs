@@ -28,11 +28,6 @@ impl Prediction {
     pub fn learns(self) -> bool {
         Predictor::<1>::learns(self)
     }
-
-    /// Its linear form in a test.
-    pub fn linear(self, setting: &mut Setting<'_>) -> Linear {
-        Predictor::<1>::linear(self, setting)
-    }
 }
 
 #[cfg(test)]
@@ -45,14 +40,13 @@ pub(crate) use interface::{LastCommand, TargetMotion};
 
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
-use crate::linear::{Linear, Setting, Sum};
 use crate::method::{Prediction, for_each_method};
 use crate::refusal::Refusal;
 
 macro_rules! predictors {
     (
         forces {$($_forces:tt)*}
-        predictors {$($(#[$doc:meta])* $V:ident $name:literal = $axes:ty $(, file $file:ident)?;)*}
+        predictors {$($(#[$doc:meta])* $number:literal $V:ident $name:literal = $axes:ty $(, file $file:ident)?;)*}
     ) => {
         $($(pub(crate) mod $file;)?)*
 
@@ -102,14 +96,6 @@ macro_rules! predictors {
                 match self {
                     Self::None => false,
                     $(Self::$V(..) => <$axes as Predict<N>>::SEES_ALL,)*
-                }
-            }
-
-            /// The linear form of `of`.
-            pub fn linear(of: Prediction, setting: &mut Setting<'_>) -> Linear {
-                match of {
-                    Prediction::None => Linear::Sum(Sum::TARGET),
-                    $(Prediction::$V => <$axes as Predict<N>>::linear(setting),)*
                 }
             }
 

@@ -14,7 +14,6 @@
 
 use super::interface::{LastCommand, Predict, TargetMotion};
 use crate::context::Context;
-use crate::linear::{Linear, Setting};
 use crate::matrix::{self, Matrix};
 use crate::refusal::Refusal;
 use crate::structure::Structure;
@@ -97,12 +96,6 @@ impl<const N: usize> Predict<N> for ModelPrediction {
             }
         }
         Ok(all)
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        Linear::FreeVibration {
-            delay_s: setting.model_delay_s(),
-        }
     }
 
     fn at_rest(_: &Constants<N>) -> Self {

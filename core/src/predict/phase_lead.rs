@@ -11,7 +11,6 @@
 
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::context::ActuatorContext;
-use crate::linear::{Linear, Setting};
 
 /// T_2 over the delay.
 const SHARE: f64 = 0.1;
@@ -50,12 +49,6 @@ impl PredictAxis for PhaseLead {
 
     fn design(context: &ActuatorContext<'_>) -> Constants {
         Constants::new(context.delay_steps())
-    }
-
-    fn linear(setting: &mut Setting<'_>) -> Linear {
-        Linear::Lead {
-            weights: weights(setting.delay_steps()),
-        }
     }
 
     fn at_rest(_: &Constants) -> Self {

@@ -1,64 +1,77 @@
 //! Faults and their numbers. A number never changes its meaning: it is in records, in flash and in people's notes.
 
-/// Why a test tripped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-#[repr(u8)]
-pub enum Fault {
+macro_rules! faults {
+    ($($(#[$doc:meta])* $Fault:ident = $code:literal, $name:literal, $unit:literal;)*) => {
+        /// Why a test tripped.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u8)]
+        pub enum Fault {
+            $($(#[$doc])* $Fault = $code,)*
+        }
+
+        impl Fault {
+            /// Every fault, by number.
+            pub const ALL: [Self; [$($code),*].len()] = [$(Self::$Fault),*];
+
+            /// The name in files and on the terminal.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$Fault => $name,)*
+                }
+            }
+
+            /// Unit of the value and the limit in a [`Trip`].
+            pub const fn unit(self) -> &'static str {
+                match self {
+                    $(Self::$Fault => $unit,)*
+                }
+            }
+        }
+    };
+}
+
+// A line has the number, the name in files, and the unit of value and limit. Append with the next free number.
+faults! {
     /// A sample or a command was not a finite number.
-    NonFinite = 1,
+    NonFinite = 1, "non_finite", "";
     /// An ADC stood at its rail.
-    AdcRail = 2,
+    AdcRail = 2, "adc_rail", "";
     /// Samples were stale for too long: not fresh, or frozen while the command moved.
-    StaleSample = 3,
+    StaleSample = 3, "stale_sample", "steps";
     /// The command would have left the allowed stroke.
-    Displacement = 4,
+    Displacement = 4, "displacement", "m";
     /// The command would have jumped.
-    Increment = 5,
+    Increment = 5, "increment", "m";
     /// The command would have been too fast.
-    Velocity = 6,
+    Velocity = 6, "velocity", "m/s";
     /// The measured force was too large.
-    Force = 7,
+    Force = 7, "force", "N";
     /// The specimen did not follow the command.
-    Tracking = 8,
+    Tracking = 8, "tracking", "m";
     /// The energy error was too large a share of the energy in the test.
-    EnergyRatio = 9,
+    EnergyRatio = 9, "energy_ratio", "";
     /// The target of an integration step was late for too long.
-    TargetLate = 10,
+    TargetLate = 10, "target_late", "steps";
     /// The control step did not finish in its period.
-    DeadlineMissed = 11,
+    DeadlineMissed = 11, "deadline_missed", "";
     /// The link to the PC was lost.
-    LinkLost = 12,
+    LinkLost = 12, "link_lost", "";
     /// The emergency stop was pressed.
-    EmergencyStop = 13,
+    EmergencyStop = 13, "emergency_stop", "";
     /// The contact of the actuator's permission did not follow the PERMIT line.
-    PermitChain = 14,
+    PermitChain = 14, "permit_chain", "";
     /// The measured displacement left the allowed stroke: the actuator went further than it was sent.
-    Reading = 15,
+    Reading = 15, "reading", "m";
+    /// An output converter does not show what it was sent: its output reads differently, or it is no longer set up.
+    Output = 16, "output", "";
+    /// Two transducers of the displacement disagree.
+    Disagree = 17, "disagree", "";
+    /// The force stood at zero while the displacement moved: the load cell is dead.
+    ForceStands = 18, "force_stands", "";
 }
 
 impl Fault {
-    /// Every fault, by number.
-    pub const ALL: [Self; 15] = [
-        Self::NonFinite,
-        Self::AdcRail,
-        Self::StaleSample,
-        Self::Displacement,
-        Self::Increment,
-        Self::Velocity,
-        Self::Force,
-        Self::Tracking,
-        Self::EnergyRatio,
-        Self::TargetLate,
-        Self::DeadlineMissed,
-        Self::LinkLost,
-        Self::EmergencyStop,
-        Self::PermitChain,
-        Self::Reading,
-    ];
-
-    /// The number, 1 to 15; 0 is no fault.
+    /// The number; 0 is no fault.
     pub const fn code(self) -> u8 {
         self as u8
     }
@@ -67,43 +80,22 @@ impl Fault {
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|f| f.code() == code)
     }
+}
 
-    /// The name in files and on the terminal.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NonFinite => "non_finite",
-            Self::AdcRail => "adc_rail",
-            Self::StaleSample => "stale_sample",
-            Self::Displacement => "displacement",
-            Self::Increment => "increment",
-            Self::Velocity => "velocity",
-            Self::Force => "force",
-            Self::Tracking => "tracking",
-            Self::EnergyRatio => "energy_ratio",
-            Self::TargetLate => "target_late",
-            Self::DeadlineMissed => "deadline_missed",
-            Self::LinkLost => "link_lost",
-            Self::EmergencyStop => "emergency_stop",
-            Self::PermitChain => "permit_chain",
-            Self::Reading => "reading",
-        }
+/// As its number.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Fault {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u8(self.code())
     }
+}
 
-    /// Unit of the value and the limit in a [`Trip`].
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Displacement | Self::Increment | Self::Tracking | Self::Reading => "m",
-            Self::Velocity => "m/s",
-            Self::Force => "N",
-            Self::StaleSample | Self::TargetLate => "steps",
-            Self::NonFinite
-            | Self::AdcRail
-            | Self::EnergyRatio
-            | Self::DeadlineMissed
-            | Self::LinkLost
-            | Self::EmergencyStop
-            | Self::PermitChain => "",
-        }
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Fault {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let code = u8::deserialize(deserializer)?;
+        let unknown = || serde::de::Error::custom("a fault of another firmware");
+        Self::from_code(code).ok_or_else(unknown)
     }
 }
 
@@ -157,7 +149,5 @@ mod tests {
             );
         }
         assert_eq!(Fault::from_code(0), None);
-        assert_eq!(Fault::PermitChain.code(), 14);
-        assert_eq!(Fault::Reading.code(), 15);
     }
 }

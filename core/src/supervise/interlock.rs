@@ -49,6 +49,16 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// The first of two in the order of the fault numbers.
+    #[inline]
+    pub fn first(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (one, other) {
+            (Some(a), Some(b)) if b.fault.code() < a.fault.code() => Some(b),
+            (None, other) => other,
+            (one, _) => one,
+        }
+    }
+
     /// A fault without a value and a limit.
     pub const fn fact(fault: Fault) -> Self {
         Self {
@@ -267,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_none_is_the_first_fault() {
+    fn a_nan_or_an_infinity_is_the_first_fault() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             for place in 0..4 {
                 let f = found(|v, _| v[place] = bad).unwrap();

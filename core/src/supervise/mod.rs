@@ -14,4 +14,4 @@ pub use interlock::InterlockLimits;
 pub(crate) use interlock::{Checked, Finding, first_fault, within};
 pub(crate) use locked::LockWatch;
 pub use mode::{Event, Mode, Rejected};
-pub(crate) use stale::StaleWatch;
+pub(crate) use stale::{StaleWatch, Staleness};

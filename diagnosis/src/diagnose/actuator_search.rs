@@ -155,11 +155,10 @@ impl ChannelDiagnosis<'_> {
         answer.notes.extend(advice::one_change(&answer, true));
         answer.notes.extend(noise.from.note().map(String::from));
         limit_floor(&mut answer, rms(std::slice::from_ref(&kept.residual)));
-        if answer.verdict != Verdict::None {
-            let learned = train.by_record(&kept.residual);
-            let judged = test.by_record(&test.residual(&kept));
-            self.analyse_residual(&mut answer, &learned, &judged);
-        }
+        answer.residuals = [
+            train.by_record(&kept.residual),
+            test.by_record(&test.residual(&kept)),
+        ];
         Some(answer)
     }
 

@@ -1,6 +1,7 @@
 //! One channel and the records that it is judged by.
 
 use crate::base::Base;
+use crate::engine::Engine;
 use crate::known_actuator::KnownActuator;
 use crate::recording::Recording;
 use plant::Channel;
@@ -9,6 +10,8 @@ use plant::Channel;
 pub struct ChannelDiagnosis<'a> {
     /// The actuator, where it is known well.
     pub known_actuator: Option<KnownActuator>,
+    /// Which searches name what is missing.
+    pub engine: Engine,
     /// What is declared.
     pub base: Base,
     /// Records to search in.

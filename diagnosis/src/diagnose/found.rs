@@ -196,13 +196,10 @@ impl ChannelDiagnosis<'_> {
                 &b,
                 if answer.effects.is_empty() { &b } else { &a },
             );
-            if answer.verdict != Verdict::None {
-                let learned = solution
-                    .problem
-                    .residuals(&solution.effects, &solution.problem.scales);
-                let judged = if answer.effects.is_empty() { &b } else { &a };
-                self.analyse_residual(&mut answer, &learned, judged);
-            }
+            let learned = solution
+                .problem
+                .residuals(&solution.effects, &solution.problem.scales);
+            answer.residuals = [learned, if answer.effects.is_empty() { b } else { a }];
         }
         answer
     }
@@ -317,6 +314,7 @@ mod tests {
             name,
             family: name.entry().family,
             q: None,
+            p: None,
             certificate: None,
             parameters: Vec::new(),
         };

@@ -3,27 +3,43 @@
 use super::channel::ChannelDiagnosis;
 use crate::advice::four;
 use crate::answer::{ChannelAnswer, Verdict};
-use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, TRANSDUCER};
+use crate::criteria::{BESIDE_NOISE, DISPLACEMENT_TRANSDUCER, MOST_OF_IT, TRANSDUCER};
 use plant::Channel;
 
 impl ChannelDiagnosis<'_> {
-    /// `none` holds where the held-out data leave no more than noise, too: else something acts there that the training data do not
-    /// show.
+    /// `none` holds where what is left is not most of the output, and where the held-out data leave no more than noise, too: else
+    /// something acts there that the training data do not show.
     pub(super) fn doubt_none(&self, answer: &mut ChannelAnswer) {
         let (left, noise) = (answer.error_before.test_rms, answer.noise_floor_rms);
         let class = match self.base.channel {
             Channel::Actuator => DISPLACEMENT_TRANSDUCER,
             Channel::Specimen => TRANSDUCER,
         };
-        let within = left <= BESIDE_NOISE * noise || answer.error_before.test_nrmse < class;
-        if answer.verdict != Verdict::None || within || !left.is_finite() {
+        if answer.verdict != Verdict::None || !left.is_finite() {
             return;
         }
+        let unit = &answer.unit;
+        let within = left <= BESIDE_NOISE * noise || answer.error_before.test_nrmse < class;
+        let errors = &answer.error_before;
+        let share = errors.test_nrmse.max(errors.train_nrmse);
+        let note = if !within {
+            format!(
+                "The training data leave nothing but a noise of {} {unit}, and the held-out data leave {} {unit} rms: something \
+                 acts there that the training data do not show. Train with data that go as far and as fast.",
+                four(noise),
+                four(left)
+            )
+        } else if share > MOST_OF_IT {
+            format!(
+                "What is left ({} {unit} rms) is called noise, and it is {:.0} % of what the output moves by: such a noise hides whatever \
+                 is missing. Record larger motions, or a rest that is one, and mend what makes that noise.",
+                four(left),
+                100.0 * share
+            )
+        } else {
+            return;
+        };
         answer.verdict = Verdict::Unknown;
-        let (left, noise, unit) = (four(left), four(noise), &answer.unit);
-        answer.notes = vec![format!(
-            "The training data leave nothing but a noise of {noise} {unit}, and the held-out data leave {left} {unit} rms: something \
-             acts there that the training data do not show. Train with data that go as far and as fast."
-        )];
+        answer.notes = vec![note];
     }
 }

@@ -7,24 +7,29 @@ use crate::coherence::linear_share;
 use crate::criteria::{LINES, LITTLE, TRANSDUCER};
 use crate::expected_error::next_error;
 use crate::recording::{Recording, range};
-use crate::remainder::{Moves, anatomy, clock, correction, lines, rms_with};
+use crate::remainder::{Moves, anatomy, clock, correction, is_in, lines, rms_with};
 use crate::rest;
 use crate::signals::{difference, mean, rms};
-use plant::{Channel, Family};
+use plant::{Channel, Effect, Family};
 
 /// Where the mains' line may be, Hz: an effect by itself.
 const MAINS_HZ: std::ops::Range<f64> = 44.0..66.0;
 
-/// The rms of what is left in a record's longest rest, about its mean, and its lines there; `None` where it has no rest.
-fn lines_at_rest(r: &Recording, rest: &[f64]) -> Option<(f64, Vec<Line>)> {
+/// The rms of what is left in a record's longest rest, about its mean, and its lines there that stand in what was measured, too;
+/// `None` where it has no rest.
+fn lines_at_rest(r: &Recording, rest: &[f64], measured: &[f64]) -> Option<(f64, Vec<Line>)> {
     // Its first samples may not be looked at.
     let skipped = r.time_s.len() - rest.len();
     let (from, end) = rest::spans(r).into_iter().max_by_key(|(a, b)| b - a)?;
-    let still = rest.get(from.saturating_sub(skipped)..end.checked_sub(skipped)?)?;
-    let mean = mean(still);
-    let still: Vec<f64> = still.iter().map(|x| x - mean).collect();
+    let part = from.saturating_sub(skipped)..end.checked_sub(skipped)?;
+    let about_mean = |x: &[f64]| {
+        let mean = mean(x);
+        x.iter().map(|x| x - mean).collect::<Vec<f64>>()
+    };
+    let still = about_mean(rest.get(part.clone())?);
+    let read = about_mean(measured.get(part)?);
     let mut found = lines(&still, &vec![0.0; still.len()], r.interval_s());
-    found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
+    found.retain(|l| is_in(l, &read, r.interval_s()));
     found.iter_mut().for_each(|l| l.at_rest = true);
     Some((rms(&[still]), found))
 }
@@ -76,21 +81,32 @@ impl ChannelDiagnosis<'_> {
             .effects
             .iter()
             .filter(|e| e.family == Family::Friction);
-        let forces = friction.flat_map(|e| e.parameters.iter().filter(|p| p.name == "force_n"));
+        let own = ["force_n", "force_at_rest_n"];
+        let forces = friction.flat_map(|e| e.parameters.iter());
+        let forces = forces.filter(|p| own.contains(&p.name.as_str()));
         let force = forces.map(|p| p.value.abs()).fold(0.0, f64::max);
         let whole: usize = self.test.iter().map(|r| r.time_s.len()).sum();
         let moving: usize = self.test.iter().map(|r| rest::moving(r).len()).sum();
         force * ((whole - moving) as f64 / whole.max(1) as f64).sqrt()
     }
 
-    /// Adds the anatomy of what a model leaves to an answer, record by record of training and test. A rest may be shorter
-    /// than its record: it lacks the first samples then.
-    pub(super) fn analyse_residual(
-        &self,
-        answer: &mut ChannelAnswer,
-        train: &[Vec<f64>],
-        test: &[Vec<f64>],
-    ) {
+    /// Adds the anatomy of what a model leaves to an answer that something is missing; `found` are lines in it that are known
+    /// already.
+    pub(super) fn analyse_residual(&self, answer: &mut ChannelAnswer, found: Vec<Line>) {
+        if matches!(answer.verdict, Verdict::None | Verdict::NotAssessed) {
+            return;
+        }
+        let [train, test] = std::mem::take(&mut answer.residuals);
+        self.add_anatomy(answer, &train, &test);
+        answer.residuals = [train, test];
+        if let Some(r) = answer.remainder.as_mut().filter(|_| !found.is_empty()) {
+            r.lines = found;
+        }
+    }
+
+    /// The same, record by record of training and test. A residual may be shorter than its record: it lacks the first samples
+    /// then.
+    fn add_anatomy(&self, answer: &mut ChannelAnswer, train: &[Vec<f64>], test: &[Vec<f64>]) {
         let answers = |records, rests| self.model_answers(records, rests);
         if let (Some(learned), Some(planned)) =
             (answers(self.train, train), answers(self.test, test))
@@ -119,7 +135,11 @@ impl ChannelDiagnosis<'_> {
         let learned = self.moves(self.train, train);
         let judged = self.moves(self.test, test);
         if let (Some(learned), Some(judged)) = (learned, judged) {
-            let found = anatomy(&learned, &judged);
+            let mut found = anatomy(&learned, &judged);
+            if let Some(r) = self.test.first() {
+                let measured = self.target_of(r).map_or(&[][..], Vec::as_slice);
+                found.lines.retain(|l| is_in(l, measured, r.interval_s()));
+            }
             answer.correction = correction(&learned, &found);
             answer.error_with_remainder = answer.correction.as_ref().map(|c| {
                 let shrinks = |moves: &[Moves], rests: &[Vec<f64>]| {
@@ -173,9 +193,12 @@ impl ChannelDiagnosis<'_> {
             return;
         };
         // Of the reading itself: what a model makes of the input's noise has a band, and looks like a line at its end.
-        let Some((still, mut found)) = lines_at_rest(r, &t.measured) else {
+        let Some((still, mut found)) = lines_at_rest(r, &t.measured, &t.measured) else {
             return;
         };
+        if answer.effects.iter().any(|e| e.name == Effect::MainsHum) {
+            found.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
+        }
         if held(&found, still) < LINES || held(&found, rms(&[rest])) < MATTERS {
             return;
         }
@@ -205,26 +228,28 @@ impl ChannelDiagnosis<'_> {
         records.iter().zip(rests).map(answer).collect()
     }
 
-    /// What is left and has lines that are not the motion's is no noise, however little the motion has to do with it.
-    pub(super) fn note_lines(&self, answer: &mut ChannelAnswer) {
+    /// What is left and has lines that are not the motion's is no noise, however little the motion has to do with it: these lines.
+    pub(super) fn lines_in_place_of_noise(&self, answer: &mut ChannelAnswer) -> Vec<Line> {
         if answer.verdict != Verdict::None || answer.error_before.test_nrmse < TRANSDUCER {
-            return;
+            return Vec::new();
         }
         let t = &answer.traces;
         let rest = difference(&t.measured, &t.before);
         let Some(r) = self.test.first().filter(|_| !rest.is_empty()) else {
-            return;
+            return Vec::new();
         };
         let whole = rms(std::slice::from_ref(&rest));
         let mut found = lines(&rest, &t.input, r.interval_s());
+        found.retain(|l| is_in(l, &t.measured, r.interval_s()));
         if held(&found, whole) < LINES {
             // A motion of many frequencies has harmonics everywhere: there lines show at rest only.
-            let Some((still, at_rest)) = lines_at_rest(r, &rest) else {
-                return;
+            let Some((still, mut at_rest)) = lines_at_rest(r, &rest, &t.measured) else {
+                return Vec::new();
             };
+            at_rest.retain(|l| !MAINS_HZ.contains(&l.frequency_hz));
             let share = held(&at_rest, still);
             if share < LINES {
-                return;
+                return Vec::new();
             }
             answer.noise_floor_rms *= (1.0 - share).max(0.0).sqrt();
             found = at_rest;
@@ -237,11 +262,7 @@ impl ChannelDiagnosis<'_> {
             answer.unit,
             all.join(", ")
         )];
-        let rests = [rest];
-        self.analyse_residual(answer, &rests, &rests);
-        if let Some(r) = &mut answer.remainder {
-            r.lines = found;
-        }
+        found
     }
 
     /// Of what has no name it is said how much of the output is linear in its input at all: where that is little, no element

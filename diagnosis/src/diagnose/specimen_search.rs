@@ -39,12 +39,26 @@ struct TrainAndTest<'a> {
     bare: [Vec<Recording>; 2],
 }
 
+/// Errors of what a model leaves of training and held-out records.
+pub(super) fn errors_of(
+    train: &[Vec<f64>],
+    trained: &[Recording],
+    test: &[Vec<f64>],
+    tested: &[Recording],
+) -> Errors {
+    let of = |residuals: &[Vec<f64>], whole: &[Recording]| {
+        let forces = whole.iter().filter_map(|r| r.force_n.as_deref());
+        nrmse(residuals, &forces.collect::<Vec<_>>().concat())
+    };
+    Errors {
+        train_nrmse: of(train, trained),
+        test_nrmse: of(test, tested),
+        test_rms: rms(test),
+    }
+}
+
 impl TrainAndTest<'_> {
     fn left(&self, fit: &SpecimenFit) -> Option<Residuals> {
-        let of = |residuals: &[Vec<f64>], whole: &[Recording]| {
-            let forces = whole.iter().filter_map(|r| r.force_n.as_deref());
-            nrmse(residuals, &forces.collect::<Vec<_>>().concat())
-        };
         let train = fit.residuals(&self.bare[0])?;
         let test = fit.residuals(&self.bare[1])?;
         let moving = |(r, rest): (&Recording, &Vec<f64>)| {
@@ -54,11 +68,7 @@ impl TrainAndTest<'_> {
         let moving: Vec<Vec<f64>> = self.test.iter().zip(&test).map(moving).collect();
         Some(Residuals {
             moving: rms(&moving),
-            errors: Errors {
-                train_nrmse: of(&train, self.train),
-                test_nrmse: of(&test, self.test),
-                test_rms: rms(&test),
-            },
+            errors: errors_of(&train, self.train, &test, self.test),
             train,
             test,
         })
@@ -119,7 +129,7 @@ impl ChannelDiagnosis<'_> {
                     answer.nearest = Some(nearest(first, &before, after));
                     answer.notes = advice::joint_search(&answer, &found);
                     answer.traces = self.specimen_traces(&before.test, &before.test);
-                    self.analyse_residual(&mut answer, &before.train, &before.test);
+                    answer.residuals = [before.train, before.test];
                     return Some(answer);
                 }
                 answer.improvement_ci90 = gain;
@@ -174,7 +184,7 @@ impl ChannelDiagnosis<'_> {
         let after = after.as_ref().filter(|_| !answer.effects.is_empty());
         let left = after.unwrap_or(&before);
         answer.traces = self.specimen_traces(&before.test, &left.test);
-        self.analyse_residual(&mut answer, &left.train, &left.test);
+        answer.residuals = [left.train.clone(), left.test.clone()];
         Some(answer)
     }
 
@@ -192,7 +202,12 @@ impl ChannelDiagnosis<'_> {
 
 /// What a name explains of the held-out squares.
 fn nearest(name: Effect, before: &Residuals, after: &Residuals) -> Nearest {
-    let share = after.errors.test_rms / before.errors.test_rms.max(f64::MIN_POSITIVE);
+    nearest_of(name, &before.test, &after.test)
+}
+
+/// The same of what two models leave.
+pub(super) fn nearest_of(name: Effect, before: &[Vec<f64>], after: &[Vec<f64>]) -> Nearest {
+    let share = rms(after) / rms(before).max(f64::MIN_POSITIVE);
     Nearest {
         name,
         explained: (1.0 - share * share).clamp(0.0, 1.0),

@@ -10,7 +10,12 @@ impl ChannelDiagnosis<'_> {
     /// An answer without figures, and the reason.
     pub(super) fn not_assessed(&self, why: impl Into<String>) -> ChannelAnswer {
         let mut answer = self.blank(Verdict::NotAssessed);
-        (answer.error_before, answer.error_after) = (Errors::UNKNOWN, Errors::UNKNOWN);
+        let unknown = Errors::UNKNOWN;
+        (
+            answer.error_declared,
+            answer.error_before,
+            answer.error_after,
+        ) = (unknown, unknown, unknown);
         (answer.noise_floor_rms, answer.improvement_ci90) = (f64::NAN, [f64::NAN; 2]);
         answer.notes.push(why.into());
         answer

@@ -2,9 +2,8 @@
 
 use super::fit::{ActuatorData, ActuatorFit, DECLARED};
 use super::part::PartKind;
-use crate::linear::{dot, gram};
+use crate::interval;
 use crate::model::{Declared, Model};
-use nalgebra::{DMatrix, DVector};
 use plant::{Channel, Effect, EffectSpec};
 
 /// A parameter by the catalogue: name, unit, value, standard deviation.
@@ -25,34 +24,7 @@ impl ActuatorData<'_> {
     /// Standard deviation of declared parameters, amplitudes and shapes, from how far segments of the record pull the
     /// fit apart.
     pub fn spread(&self, fit: &ActuatorFit) -> Vec<f64> {
-        let n = fit.slopes.len();
-        let size: Vec<f64> = fit
-            .slopes
-            .iter()
-            .map(|s| dot(s, s).max(f64::MIN_POSITIVE).sqrt())
-            .collect();
-        let whole = gram(&fit.slopes);
-        let scaled = DMatrix::from_fn(n, n, |i, j| {
-            whole[(i, j)] / size[i] / size[j] + if i == j { 1e-9 } else { 0.0 }
-        });
-        let Some(factor) = scaled.cholesky() else {
-            return vec![f64::INFINITY; n];
-        };
-        let inverse = factor.inverse();
-        let samples = fit.residual.len();
-        let mut pulls: DMatrix<f64> = DMatrix::zeros(n, n);
-        for k in 0..SEGMENTS {
-            let (a, b) = (k * samples / SEGMENTS, (k + 1) * samples / SEGMENTS);
-            let pull = DVector::from_fn(n, |i, _| {
-                dot(&fit.slopes[i][a..b], &fit.residual[a..b]) / size[i]
-            });
-            pulls += &pull * pull.transpose();
-        }
-        let free = (SEGMENTS as f64 - n as f64).max(0.5 * SEGMENTS as f64);
-        let covariance = &inverse * pulls * &inverse * (SEGMENTS as f64 / free);
-        (0..n)
-            .map(|i| covariance[(i, i)].max(0.0).sqrt() / size[i])
-            .collect()
+        interval::by_segments(&fit.slopes, &fit.residual, SEGMENTS)
     }
 
     /// The parameters of a name in a fit; `spread` is of this fit.

@@ -290,9 +290,9 @@ fn solve(p: &Products, terms: &[Term], scale: &[f64]) -> Option<Vec<f64>> {
             let slope = p.right[row] - pulls.sum::<f64>();
             let in_by = if w[i] <= low[i] { slope } else { -slope };
             // The squares fall by half of its square over the column's own.
-            let log_ratio = in_by.max(0.0).powi(2) / p.gram[(row, row)].max(f64::MIN_POSITIVE);
-            if log_ratio > best_fall {
-                (best_fall, inward) = (log_ratio, Some(i));
+            let fall = in_by.max(0.0).powi(2) / p.gram[(row, row)].max(f64::MIN_POSITIVE);
+            if fall > best_fall {
+                (best_fall, inward) = (fall, Some(i));
             }
         }
         let Some(i) = inward else {

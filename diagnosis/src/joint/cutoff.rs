@@ -9,6 +9,15 @@ use crate::criteria::{BAND_ROOM, CUTOFF_HOLDS, CUTOFF_ROOM, CUTOFFS};
 use crate::linear::Bound;
 use rayon::prelude::*;
 
+/// What is believed of the declared damping and mass while a cut-off is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Derivatives {
+    /// They may be anything.
+    Free,
+    /// At least what is declared: without it a mass that multiplies noise is fitted as none, and no cut-off is too high.
+    AsDeclared,
+}
+
 /// What a cut-off leaves, cross-validated.
 struct Judged {
     hz: f64,
@@ -26,6 +35,7 @@ pub fn choose(
     train: &[UnfilteredSpan],
     test: &[UnfilteredSpan],
     found: Option<&[Element]>,
+    derivatives: Derivatives,
 ) -> Option<f64> {
     let band = |s: &[UnfilteredSpan]| s.iter().map(UnfilteredSpan::band_hz).fold(0.0, f64::max);
     let (own, other) = (band(train), band(test));
@@ -42,7 +52,7 @@ pub fn choose(
                 hz
             };
             let tracks: Vec<Track> = train.iter().map(|s| s.track(hz_used)).collect();
-            let [free, held] = squares(base, &tracks, found)?;
+            let [free, held] = squares(base, &tracks, found, derivatives)?;
             Some(Judged { hz, free, held })
         })
         .collect();
@@ -55,7 +65,12 @@ pub fn choose(
 
 /// Cross-validated squares of a model of everyday columns, or of elements that were found: with all parameters free, and
 /// with the declared ones within their tolerances.
-fn squares(base: &Base, tracks: &[Track], found: Option<&[Element]>) -> Option<[f64; 2]> {
+fn squares(
+    base: &Base,
+    tracks: &[Track],
+    found: Option<&[Element]>,
+    derivatives: Derivatives,
+) -> Option<[f64; 2]> {
     let sizes = MotionScales::of(tracks);
     let everyday = [
         Element::new(Law::Saturating, [0.05 * sizes.v]),
@@ -75,8 +90,13 @@ fn squares(base: &Base, tracks: &[Track], found: Option<&[Element]>) -> Option<[
     );
     let force: Vec<f64> = tracks.iter().flat_map(|t| t.force.clone()).collect();
     let blocks = Blocks::new(&columns, &force);
-    let free: Vec<Term> = (0..columns.len()).map(|i| (i, Bound::FREE)).collect();
+    let mut free: Vec<Term> = (0..columns.len()).map(|i| (i, Bound::FREE)).collect();
     let mut held = free.clone();
+    if derivatives == Derivatives::AsDeclared {
+        for i in [1, 2] {
+            free[i].1.low = base.within_tolerances(i).low;
+        }
+    }
     for (i, term) in held.iter_mut().take(DECLARED).enumerate() {
         term.1 = base.within_tolerances(i);
     }

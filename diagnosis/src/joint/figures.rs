@@ -12,6 +12,10 @@ use plant::{Channel, Effect};
 
 /// The displacement over which friction builds up.
 pub const PRESLIDING: &str = "presliding_mm";
+/// The force of friction that slides.
+pub const SLIDING: &str = "force_n";
+/// The force of friction that is there at rest and not where it slides.
+pub const AT_REST: &str = "force_at_rest_n";
 /// What a friction gains with speed.
 pub const GAINED: &str = "force_gained_n";
 /// The speed up to which a force grows that hardly grows beyond it.
@@ -221,8 +225,11 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
         .collect();
     let extra: f64 = falling.iter().map(|(_, f)| f).sum();
     let mut all = Vec::new();
-    if force > 0.0 || extra > 0.0 {
-        all.push(("force_n", "N", if force > 0.0 { force } else { extra }));
+    // What slides, everywhere; a force that is there at rest alone is called so.
+    if force > 0.0 {
+        all.push((SLIDING, "N", force));
+    } else if extra > 0.0 {
+        all.push((AT_REST, "N", extra));
     }
     all.extend(changes(part, fit));
     if let Some((e, _)) = falling.first() {
@@ -238,6 +245,12 @@ fn friction(part: &[(Element, f64)], fit: &SpecimenFit) -> Vec<NamedValue> {
     // A force that hardly grows with speed has no give: its smooth reversals are a power of the speed.
     if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::PowerOfSpeed) {
         all.push(("exponent", "", e.shape[0]));
+    }
+    if let Some((e, _)) = part.iter().find(|(e, _)| e.law == Law::InSeries) {
+        all.extend([
+            ("speed_mm_per_s", "mm/s", fit.sizes.v.min(e.shape[1])),
+            ("exponent", "", 1.0 / e.shape[2]),
+        ]);
     }
     if let Some((e, gained)) = part.iter().find(|(e, _)| e.law == Law::Saturating) {
         if part.len() > 1 {

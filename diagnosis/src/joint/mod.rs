@@ -10,11 +10,11 @@ mod blocks;
 mod certificate;
 mod covariance;
 mod curvature;
-mod cutoff;
+pub(crate) mod cutoff;
 mod dashpot;
 mod dictionary;
 pub(crate) mod element;
-mod figures;
+pub(crate) mod figures;
 mod fit;
 mod free_functions;
 mod groups;
@@ -40,11 +40,14 @@ pub use free_functions::Doubt;
 pub use known::without_known;
 pub use one_each::one_each;
 pub use outcome::{Explained, SpecimenOutcome, q};
+pub(crate) use set::declared_columns;
+pub(crate) use shape::Scale;
 
 use crate::base::Base;
 use crate::criteria::POLISHED;
 use crate::recording::Recording;
 use crate::rest;
+use cutoff::Derivatives;
 use plant::{Effect, Family};
 use rayon::prelude::*;
 use set::{ElementSet, Library};
@@ -81,11 +84,17 @@ pub fn find(base: &Base, train: &[Recording], test: &[Recording]) -> Option<Spec
         .iter()
         .map(UnfilteredSpan::new)
         .collect::<Option<_>>()?;
-    let mut cutoff_hz = cutoff::choose(base, &sources, &held_out, None)?;
+    let mut cutoff_hz = cutoff::choose(base, &sources, &held_out, None, Derivatives::Free)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
     let mut best = searched(&library)?;
-    let again_hz = cutoff::choose(base, &sources, &held_out, Some(&best.elements))?;
+    let again_hz = cutoff::choose(
+        base,
+        &sources,
+        &held_out,
+        Some(&best.elements),
+        Derivatives::Free,
+    )?;
     let other: Vec<Track>;
     if again_hz != cutoff_hz && !best.elements.is_empty() {
         other = sources.iter().map(|s| s.track(again_hz)).collect();

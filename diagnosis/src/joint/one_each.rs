@@ -27,7 +27,7 @@ pub fn one_each(
         .iter()
         .map(UnfilteredSpan::new)
         .collect::<Option<_>>()?;
-    let cutoff_hz = cutoff::choose(base, &sources, &sources, None)?;
+    let cutoff_hz = cutoff::choose(base, &sources, &sources, None, cutoff::Derivatives::Free)?;
     let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
     let mut library = Library::new(base, &tracks, thinning(&tracks, cutoff_hz))?;
     let mut scored: Vec<(Effect, ElementSet, f64)> = (0..library.elements.len())

@@ -142,6 +142,6 @@ pub fn fit_of(candidate: &Candidate, effect: &EffectSpec, k: &Scales) -> (Vec<f6
             (vec![first, 0.0, third, 0.0], vec![get("frequency_hz")])
         }
         // Read off the values themselves: no candidate has it.
-        Effect::Quantisation => (vec![], vec![]),
+        Effect::Quantisation | Effect::FrozenSensor | Effect::SensorNoise => (vec![], vec![]),
     }
 }

@@ -29,7 +29,7 @@ pub fn without_hum(x: &[f64], recording: &Recording) -> Vec<f64> {
 }
 
 /// The mains' line and its harmonics that stand in the longest rest, Hz.
-fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
+pub fn lines_at_rest(x: &[f64], recording: &Recording) -> Vec<f64> {
     let h = recording.interval_s();
     let at_rest = crate::rest::spans(recording);
     let Some(&(first, end)) = at_rest.iter().max_by_key(|(a, b)| b - a) else {

@@ -92,6 +92,24 @@ pub fn lines(rest: &[f64], motion: &[f64], interval_s: f64) -> Vec<Line> {
     found
 }
 
+/// Share of a line's rms that the signal itself must have there.
+const THERE: f64 = 0.5;
+
+/// Whether a signal has a line itself: what a model makes of its input's noise, twice differentiated for a mass, is a line of the
+/// model and not of what was measured.
+pub fn is_in(line: &Line, signal: &[f64], interval_s: f64) -> bool {
+    let power = periodogram(signal);
+    let whole: f64 = power.iter().sum();
+    let bin_hz = 1.0 / (signal.len() as f64 * interval_s);
+    let square = signal.iter().map(|s| s * s).sum::<f64>() / signal.len().max(1) as f64;
+    let near = |k: usize| {
+        (k as f64 * bin_hz - line.frequency_hz).abs() <= 0.5 * line.width_hz + 2.0 * bin_hz
+    };
+    let here = power.iter().enumerate().filter(|(k, _)| near(*k));
+    let own: f64 = here.map(|(_, p)| p).sum();
+    (square * own / whole.max(f64::MIN_POSITIVE)).sqrt() >= THERE * line.rms
+}
+
 /// The place where the mean over a width is most times the running median, and how many times.
 fn prominent(power: &[f64], width: usize) -> Option<(usize, f64)> {
     let mut sum: f64 = power[..width].iter().sum();

@@ -7,7 +7,7 @@ mod lines;
 
 pub use clock::clock;
 pub use columns::Moves;
-pub use lines::lines;
+pub use lines::{is_in, lines};
 
 use crate::answer::{Correction, DependsOn, Range, Remainder, Share};
 use crate::linear::{dot, gram, stacked};

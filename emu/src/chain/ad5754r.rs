@@ -92,6 +92,11 @@ impl Output for Ad5754r {
         std::mem::take(&mut self.commands)
     }
 
+    fn lose_power(&mut self) {
+        (self.range, self.power, self.dac) = Default::default();
+        self.waiting.clear();
+    }
+
     fn break_output(&mut self, output: usize) {
         self.broken[output] = true;
     }

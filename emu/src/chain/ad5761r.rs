@@ -55,10 +55,7 @@ impl Output for Ad5761r {
                 self.control = Some(u32::from(data) & CONTROL);
             }
             0xc => return 0xc_0000 | self.control.unwrap_or(BROWN_OUT),
-            0xf => {
-                (self.control, self.dac) = (None, 0);
-                self.waiting.clear();
-            }
+            0xf => self.lose_power(),
             _ => {}
         }
         0
@@ -82,6 +79,11 @@ impl Output for Ad5761r {
 
     fn commands(&mut self) -> Vec<(u64, u16)> {
         std::mem::take(&mut self.commands)
+    }
+
+    fn lose_power(&mut self) {
+        (self.control, self.dac) = (None, 0);
+        self.waiting.clear();
     }
 
     fn break_output(&mut self, _: usize) {

@@ -3,6 +3,7 @@
 
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;
+use rigless::device::Level;
 use rigless::snapshot::Store;
 
 /// How long a conversion takes, ns: 4 us, 4.15 at most.
@@ -20,6 +21,8 @@ pub struct Ad7606 {
     ready: bool,
     converting: Option<(u64, [i16; 8])>,
     results: [i16; 8],
+    /// DOUTA's level, if it is stuck.
+    pub stuck: Option<Level>,
     /// Bits that have been brought out since CS fell.
     out: u32,
 }
@@ -28,6 +31,11 @@ impl Ad7606 {
     /// RESET falls after a pulse.
     pub fn reset(&mut self) {
         (self.ready, self.converting) = (true, None);
+    }
+
+    /// Its supply has gone and come back.
+    pub fn lose_power(&mut self) {
+        (self.ready, self.converting, self.results) = (false, None, [0; 8]);
     }
 
     /// CONVST rises; returns when BUSY will fall, or nothing while one conversion runs or none can.
@@ -71,7 +79,11 @@ impl Peer for Ad7606 {
             word = word << 1 | bit;
             self.out += 1;
         }
-        word
+        match self.stuck {
+            None => word,
+            Some(Level::Low) => 0,
+            Some(Level::High) => (1 << bits) - 1,
+        }
     }
 
     fn select(&mut self, context: &mut Timeline<'_, '_>) {

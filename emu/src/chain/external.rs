@@ -36,6 +36,9 @@ const CS_PIN: u8 = 14;
 const SYNC_PIN: u8 = 2;
 const BUSY_CHANNEL: u8 = 4;
 
+/// Half of the board's 3.3 V, by two resistors of 10 kOhm before 1 MOhm.
+const KNOWN_V: f64 = 1.65 * 0.995;
+
 /// Acceleration at full scale of its input, m/s^2.
 const FULL_SCALE_M_PER_S2: f64 = 50.0;
 
@@ -205,16 +208,19 @@ const OUTPUT_CHANNELS: [u8; 3] = [3, 10, 13];
 pub fn show(session: &mut Session<Nucleo>, shown: Shown, actuators: usize) {
     let output = output(session).map(|dac| [0, 1, 2].map(|place| dac.volts(place)));
     let read_back = output.map_or(0.0, |volts| volts[0]);
+    let read_back = if shown.read_back_open { 0.0 } else { read_back };
     let acceleration = shown.acceleration_m_per_s2 / FULL_SCALE_M_PER_S2 * 10.0;
     let of_volts = |volts: f64| (volts * 3276.8).round().clamp(-32768.0, 32767.0) as i16;
     let of_code = |code: f64| (code.round() - 32768.0).clamp(-32768.0, 32767.0) as i16;
     let (read_back, acceleration) = (of_volts(read_back), of_volts(acceleration));
+    let known = of_volts(if shown.known_gone { 0.0 } else { KNOWN_V });
+    let second = of_code(shown.second_displacement);
     let [d1, d2, d3] = shown.displacement.map(of_code);
     let [f1, f2, f3] = shown.force.map(of_code);
     if let Some(adc) = chip::<Ad7606>(session, SPI1) {
         adc.inputs = match actuators {
-            1 => [d1, f1, read_back, d1, acceleration, 0, 0, 0],
-            _ => [d1, d2, d3, f1, f2, f3, d1, acceleration],
+            1 => [d1, f1, read_back, second, acceleration, known, 0, 0],
+            _ => [d1, d2, d3, f1, f2, f3, second, known],
         };
     }
     if actuators > 1 {
@@ -266,6 +272,27 @@ pub fn end_of_period(
 pub fn pin(session: &mut Session<Nucleo>, actuator: usize) -> Option<u16> {
     let volts = output(session)?.volts(actuator);
     Some(((volts + 10.0) * 3276.8).round().clamp(0.0, 65535.0) as u16)
+}
+
+/// The output converter's supply goes and comes back: it is as after power-up.
+pub fn dip_output(session: &mut Session<Nucleo>) {
+    if let Some(dac) = output(session) {
+        dac.lose_power();
+    }
+}
+
+/// The AD7606's data line is stuck from now on.
+pub fn stick_data(session: &mut Session<Nucleo>, high: bool) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.stuck = Some(if high { Level::High } else { Level::Low });
+    }
+}
+
+/// The AD7606's supply goes and comes back: nobody resets it again.
+pub fn dip_input(session: &mut Session<Nucleo>) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.lose_power();
+    }
 }
 
 /// An actuator's output stays where it is from now on.

@@ -115,7 +115,7 @@ pub fn show(session: &mut Session<Nucleo>, shown: Shown, pin: Option<u16>) {
             (COMMAND_CHANNEL, volts(f64::from(pin.unwrap_or(0)))),
             (
                 SECOND_DISPLACEMENT_CHANNEL,
-                volts(shown.displacement[0] / 2.0),
+                volts(shown.second_displacement / 2.0),
             ),
             (ACCELERATION_CHANNEL, 1.65 * (1.0 + acceleration)),
         ],

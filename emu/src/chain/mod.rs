@@ -12,6 +12,7 @@ mod shown;
 
 pub use shown::{Instant, Shown};
 
+use crate::log::InjectedFault;
 use crate::nucleo::Nucleo;
 use crate::registers::{Demand, Registers};
 use external::External;
@@ -226,6 +227,18 @@ impl Chain {
         match self {
             Self::Internal(internal) => internal.reset(),
             Self::External(external) => external.reset(),
+        }
+    }
+
+    /// The supply of a converter outside the chip goes and comes back, or its data line is stuck; of the chip's own nothing.
+    pub fn disturb(&mut self, session: &mut Session<Nucleo>, fault: InjectedFault) {
+        if let Self::External(_) = self {
+            match fault {
+                InjectedFault::OutputDips => external::dip_output(session),
+                InjectedFault::InputDips => external::dip_input(session),
+                InjectedFault::StuckData { high } => external::stick_data(session, high),
+                _ => {}
+            }
         }
     }
 

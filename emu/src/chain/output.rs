@@ -20,6 +20,9 @@ pub trait Output: Debug + Send {
     /// Codes of the first output since this was last asked, with their times, ns.
     fn commands(&mut self) -> Vec<(u64, u16)>;
 
+    /// Its supply goes and comes back: as after power-up.
+    fn lose_power(&mut self);
+
     /// From now on an output stays where it is.
     fn break_output(&mut self, output: usize);
 }

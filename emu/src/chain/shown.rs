@@ -22,6 +22,11 @@ pub struct Shown {
     pub displacement: [f64; MAX_ACTUATORS],
     /// Force of each.
     pub force: [f64; MAX_ACTUATORS],
+    /// Second displacement of the first actuator.
+    pub second_displacement: f64,
+    /// The known voltage of external converters is gone, and the wire that reads the first command back is broken.
+    pub known_gone: bool,
+    pub read_back_open: bool,
     /// Acceleration of the first one's head, m/s^2.
     pub acceleration_m_per_s2: f64,
 }

@@ -6,13 +6,16 @@ use crate::chain::{self, Shown};
 use crate::log::{InjectedFault, LoggedEvent, PlannedFault};
 use crate::nucleo::Nucleo;
 use rigless::device::Level;
-use rigless::emulator::{Host, Stop};
+use rigless::emulator::{Access, AccessKind, Host, Stop};
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 /// Added to the number of a drill, see the firmware's `drill`.
 const DRILL_MAGIC: u32 = 0x4452_4c00;
+
+/// The data register of the serial interface that the input converter is on.
+const SPI1_DR: u64 = 0x4001_300c;
 
 /// A burst of noise on the force, as a share of the converter's range to either side.
 const BURST_SHARE: f64 = 2000.0 / 4095.0;
@@ -21,11 +24,38 @@ impl Laboratory {
     /// What the sensors show with what is wrong with them.
     pub(super) fn disturbed(&mut self, mut shown: Shown) -> Shown {
         let top = f64::from(self.chain.converters().widths().sensor_top);
+        let middle = (top / 2.0).ceil();
+        // One code up, one down, by a sequence that repeats after seven steps.
+        let noise = [0.0, 1.0, -1.0, 1.0, 0.0, -1.0, 0.0][(self.steps % 7) as usize];
         match self.active {
             Some(InjectedFault::SensorAtRail) => shown.displacement[self.victim] = top,
             Some(InjectedFault::FrozenSensor) => {
                 shown.displacement[self.victim] = self.frozen.displacement[self.victim];
             }
+            Some(InjectedFault::StandingSensor) => {
+                shown.displacement[self.victim] = self.frozen.displacement[self.victim] + noise;
+            }
+            Some(InjectedFault::DeadSensor) => shown.displacement[self.victim] = middle + noise,
+            Some(InjectedFault::DeadForce) => shown.force[self.victim] = middle + noise,
+            Some(InjectedFault::FrozenForce) => {
+                shown.force[self.victim] = self.frozen.force[self.victim];
+            }
+            Some(InjectedFault::ForceAtRail) => shown.force[self.victim] = top,
+            Some(InjectedFault::ReversedForce) => {
+                let force = &mut shown.force[self.victim];
+                *force = 2.0 * middle - *force;
+            }
+            Some(InjectedFault::Slip { um }) => {
+                let per_code = f64::from(self.wired[self.victim].displacement.per_code);
+                shown.displacement[self.victim] += f64::from(um) * 1e-6 / per_code;
+            }
+            Some(InjectedFault::ReadingGain { percent }) => {
+                let displacement = &mut shown.displacement[self.victim];
+                *displacement = middle + (*displacement - middle) * f64::from(percent) / 100.0;
+            }
+            Some(InjectedFault::DeadSecondSensor) => shown.second_displacement = middle,
+            Some(InjectedFault::NoKnownVoltage) => shown.known_gone = true,
+            Some(InjectedFault::ReadBackOpen) => shown.read_back_open = true,
             Some(InjectedFault::NoiseBurst) => {
                 let up = self.permit_steps.is_multiple_of(2);
                 let sign = if up { 1.0 } else { -1.0 };
@@ -76,10 +106,28 @@ impl Laboratory {
                 Width::W32,
                 u64::from(DRILL_MAGIC + number),
             )),
+            InjectedFault::OutputDips
+            | InjectedFault::InputDips
+            | InjectedFault::StuckData { .. } => self.chain.disturb(session, planned.fault),
+            InjectedFault::LateWord => {
+                let write = Access::new(AccessKind::Write, SPI1_DR, Width::W32, 0);
+                session.access(write.at(stop.instruction_count, stop.at), host);
+            }
             InjectedFault::DeadOutput => self.chain.break_output(session, self.victim),
             // Seen in what the sensors show and where the rig goes.
             InjectedFault::SensorAtRail
             | InjectedFault::FrozenSensor
+            | InjectedFault::DeadSensor
+            | InjectedFault::StandingSensor
+            | InjectedFault::DeadForce
+            | InjectedFault::FrozenForce
+            | InjectedFault::ForceAtRail
+            | InjectedFault::ReversedForce
+            | InjectedFault::Slip { .. }
+            | InjectedFault::ReadingGain { .. }
+            | InjectedFault::DeadSecondSensor
+            | InjectedFault::NoKnownVoltage
+            | InjectedFault::ReadBackOpen
             | InjectedFault::NoiseBurst
             | InjectedFault::DeadValve
             | InjectedFault::Gain { .. }

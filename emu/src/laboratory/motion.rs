@@ -32,12 +32,16 @@ impl Laboratory {
             let fault = self.active.filter(|_| actuator == self.victim);
             let told_m = chain::command_m(wired, pin.unwrap_or(0));
             let told_m = self.servos[actuator].follow(told_m, fault);
+            let spool_m = &mut self.spool_m[actuator];
             if moves(actuator) {
-                *stands_at_m = told_m;
+                let most_m = self.valve_m_per_s * period_s;
+                *spool_m += (told_m - *spool_m).clamp(-most_m, most_m);
+                *stands_at_m = *spool_m;
             } else {
                 let lowest_m = SUNK_SHARE * chain::command_m(wired, 0);
                 let sunk_m = *stands_at_m - self.sinks_m_per_s * period_s;
                 *stands_at_m = sunk_m.max(lowest_m.min(*stands_at_m));
+                *spool_m = *stands_at_m;
             }
         }
         let reading = self.rig.step(&self.stands_at_m[..actuators]);
@@ -50,6 +54,7 @@ impl Laboratory {
             shown.displacement[actuator] = chain::sensor_code(wired.displacement, at_m);
             shown.force[actuator] = chain::sensor_code(wired.force, n);
         }
+        shown.second_displacement = shown.displacement[0];
         let (at_m, [last_m, before_m]) = (reading.displacement_m[0], self.was_at_m);
         shown.acceleration_m_per_s2 = (at_m - 2.0 * last_m + before_m) / (period_s * period_s);
         self.was_at_m = [at_m, last_m];
@@ -58,6 +63,7 @@ impl Laboratory {
         log.pin.push(pin);
         log.other_pins.push(*other_pins);
         log.position_m.push(at_m);
+        log.permitted.push(self.permission.level());
         drop(log);
         shown
     }

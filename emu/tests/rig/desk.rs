@@ -128,6 +128,8 @@ pub struct Bench {
     pub rig: Option<RigSpec>,
     /// How fast the rig sinks while nothing permits it to move, m/s.
     pub sinks_m_per_s: f64,
+    /// How fast the valves let their actuators go, m/s.
+    pub valve_m_per_s: f64,
     /// The actuator whose sensors go wrong, from 0.
     pub actuator: usize,
 }
@@ -143,6 +145,7 @@ impl Default for Bench {
             mutant: None,
             rig: None,
             sinks_m_per_s: 0.0,
+            valve_m_per_s: f64::INFINITY,
             actuator: 0,
         }
     }
@@ -200,6 +203,7 @@ impl Desk {
         let laboratory = Laboratory::new(wire.clone(), rig, drill)
             .with_converters(CONVERTERS)
             .sinking(bench.sinks_m_per_s)
+            .with_valves(bench.valve_m_per_s)
             .with_plan(bench.plan.into_iter().chain(bench.then))
             .at_actuator(bench.actuator)
             .mutated(bench.mutant)
@@ -399,6 +403,7 @@ pub fn config() -> Config {
         velocity_m_per_s: Some(1.0),
         force_n: Some(8000.0),
         tracking_m: Some(0.01),
+        energy_trip: Some(3.0),
         stale_steps: Some(20),
         ..Limits::default()
     };

@@ -1,14 +1,14 @@
 //! The monitor on the flashed image: sound tests run to their end, tests in which something breaks are stopped before the
-//! motion is 1.2 times the planned peak. Limits as `outerloop check --monitor` has them.
+//! motion is 1.2 times the planned peak. Limits as the survey of the monitor has them.
 
 use crate::desk::{Bench, Desk};
 use emu::{InjectedFault, PlannedFault};
 use experiment::Experiment;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
-use experiment::soundness::monitor::{DISPLACEMENT, ENERGY_TRIP, TOO_FAR, TRACKING};
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::Trace;
+use host_tests::surveys::monitor::{DISPLACEMENT, ENERGY_TRIP, TOO_FAR, TRACKING};
 use link::Calibration;
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{BoardBench, Operator, calibrate};

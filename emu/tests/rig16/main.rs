@@ -7,6 +7,7 @@ use outerloop_cli::board::Image;
 /// The image of these tests.
 const IMAGE: Image = Image::External;
 
+mod converters;
 #[path = "../rig/crashes.rs"]
 mod crashes;
 #[path = "../rig/desk.rs"]
@@ -19,6 +20,7 @@ mod limits_and_link;
 mod mutant;
 mod mutants;
 mod silent;
+mod single_faults;
 #[path = "../rig/stopped.rs"]
 mod stopped;
 mod stroke;

@@ -91,10 +91,7 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
     let inputs: Vec<Input> = identity.inputs.iter().copied().collect();
     let read_back = [0, 1, 2].map(Input::CommandReadBack);
     assert_eq!(inputs[..3], read_back);
-    assert_eq!(
-        inputs[3..],
-        [Input::SecondDisplacement, Input::HeadAcceleration]
-    );
+    assert_eq!(inputs[3..], [Input::SecondDisplacement]);
     let status = desk.status();
     assert_eq!(status.other_codes.len(), ACTUATORS - 1);
     // Each floor of a frame goes further than the one below it.
@@ -138,8 +135,10 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
     for actuator in 0..ACTUATORS {
         let [valve, output] = [InjectedFault::DeadValve, InjectedFault::DeadOutput].map(|fault| {
             let (desk, trip) = tripped(actuator, fault);
-            let stands = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
-            assert!(stands, "{fault:?}: {:?}", trip.fault);
+            // Which of the watches sees it first depends on where in the motion it dies.
+            let by_motion = [Fault::Tracking, Fault::StaleSample].contains(&trip.fault);
+            let by_reading = fault == InjectedFault::DeadOutput && trip.fault == Fault::Output;
+            assert!(by_motion || by_reading, "{fault:?}: {:?}", trip.fault);
             let running = desk.steps.iter().map(|(_, s)| s);
             let running = running.filter(|s| s.state() == Some(Mode::Running));
             let last: Vec<u16> = running.map(|s| s.inputs[actuator]).collect();

@@ -1,19 +1,21 @@
 //! What a bench is given, what it does, and how it ends.
 
 use super::further_inputs::FurtherInputs;
+use crate::coupled::part::CoupledPart;
 use crate::failure::Failure;
 use crate::trace::TestObserver;
 use link::status::Timing;
-use outerloop_core::{Config, Design, Fault, GroundMotion, Mode, Trip};
+use outerloop_core::coupled::{CoupledRig, Plant};
+use outerloop_core::{Config, Design, DirectRig, Fault, GroundMotion, Mode, Rig, Trip};
 use serde::Serialize;
 
 /// A test, ready to run.
 #[derive(Clone, Debug)]
-pub struct PreparedTest<'a, const N: usize> {
+pub struct PreparedTest<'a, const N: usize, R: Rig<N> = DirectRig<N>> {
     /// The configuration, for a bench with a loop of its own.
     pub config: &'a Config,
     /// The same, worked out.
-    pub design: Design<N>,
+    pub design: Design<N, R>,
     /// What shakes the structure.
     pub ground: GroundMotion<'a>,
     /// The points of the ground motion, m/s^2, for a bench that has to be sent them.
@@ -37,6 +39,8 @@ pub struct Ending {
     pub wall_s: f64,
     /// What only a board reports.
     pub board: Option<OnBoard>,
+    /// Two coupled actuators as the loop has them in the end.
+    pub actuators: Option<Plant>,
 }
 
 /// What a board reports beside the test.
@@ -115,27 +119,23 @@ pub trait Bench {
     /// A rig that cannot be set up, or a loop that refuses to arm. A trip is no error: it is in the ending.
     fn run<const N: usize>(
         &self,
-        assignment: &PreparedTest<'_, N>,
+        test: &PreparedTest<'_, N>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure>;
-}
 
-/// Evaluates an expression with the constant `$n` equal to the number of floors, 1 to 8.
-#[macro_export]
-macro_rules! with_floors {
-    ($floors:expr, $n:ident => $body:expr) => {
-        $crate::bench::with_floors!(@ $floors, $n, $body, 1 2 3 4 5 6 7 8)
-    };
-    (@ $floors:expr, $n:ident, $body:expr, $($count:literal)*) => {
-        match $floors {
-            $($count => {
-                const $n: usize = $count;
-                $body
-            })*
-            other => Err($crate::failure::Failure::input(format!(
-                "structure.mass_kg has {other} values: accepted are 1 to 8"
-            ))),
-        }
-    };
+    /// The same of a test of two coupled actuators.
+    ///
+    /// # Errors
+    /// As [`Bench::run`]; a bench that has no such actuators.
+    fn run_coupled<const N: usize>(
+        &self,
+        part: &CoupledPart,
+        test: &PreparedTest<'_, N, CoupledRig>,
+        observer: &mut dyn TestObserver,
+    ) -> Result<Ending, Failure> {
+        let _ = (part, test, observer);
+        Err(Failure::input(
+            "the test has two coupled actuators, [coupled], and no board has their loop yet: accepted is the simulated rig",
+        ))
+    }
 }
-pub use with_floors;

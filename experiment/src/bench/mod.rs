@@ -8,7 +8,7 @@ mod play;
 mod played;
 
 pub use self::further_inputs::FurtherInputs;
-pub use self::interface::{Bench, Ending, OnBoard, with_floors};
+pub use self::interface::{Bench, Ending, OnBoard};
 pub use self::plant::{Breakage, PlantBench};
 pub use self::play::play;
 pub use self::played::Played;

@@ -1,9 +1,12 @@
 //! The closed loop of core and the simulated rig, in this process.
 
 use super::interface::{Bench, Ending, PreparedTest};
+use crate::coupled::part::CoupledPart;
 use crate::failure::Failure;
-use crate::trace::TestObserver;
+use crate::trace::{AnyRecord, TestObserver};
+use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
+use outerloop_core::coupled::CoupledRig;
 use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
@@ -42,21 +45,16 @@ pub struct PlantBench<'a> {
 impl Bench for PlantBench<'_> {
     fn run<const N: usize>(
         &self,
-        assignment: &PreparedTest<'_, N>,
+        test: &PreparedTest<'_, N>,
         observer: &mut dyn TestObserver,
     ) -> Result<Ending, Failure> {
-        let config = assignment.config;
+        let config = test.config;
         let physical = config.physical_storeys().min(N);
         let storeys = &config.structure.stiffness_n_per_m[..physical];
         let mut rig = Rig::new(self.spec, storeys, config.timing.rate_hz, self.seed)
             .map_err(Failure::input)?;
-        let began = Instant::now();
-        let mut by_hand = false;
-        let mut outer = OuterLoop::new(assignment.design.clone());
-        let mut command_m = [0.0; N];
-        let (mut idle, mut done) = (0, 0);
         let mut last_m = [0.0; N];
-        while done < assignment.steps {
+        let (ending, _) = self.drive(test, observer, |command_m, done, mode| {
             let broken = self.breaks.filter(|(after, _)| done >= *after);
             let broken = broken.map(|(_, what)| what);
             if let Some(Breakage::ActuatorGain(gain)) = broken {
@@ -64,6 +62,9 @@ impl Bench for PlantBench<'_> {
                 let share = (since as f64 / GAIN_STEPS as f64).min(1.0);
                 let gain = 1.0 + share * (gain - 1.0);
                 command_m.iter_mut().for_each(|command| *command *= gain);
+            }
+            if mode == Mode::Running {
+                rig.begin_test(config.timing.time_scale);
             }
             let reading = rig.step(&command_m[..physical]);
             let mut sample = Sample::new([0.0; N], [0.0; N]);
@@ -86,12 +87,64 @@ impl Bench for PlantBench<'_> {
                 }
             }
             sample.fault = reading.at_rail.then_some(Fault::AdcRail);
+            (sample, None)
+        })?;
+        Ok(ending)
+    }
+
+    fn run_coupled<const N: usize>(
+        &self,
+        part: &CoupledPart,
+        test: &PreparedTest<'_, N, CoupledRig>,
+        observer: &mut dyn TestObserver,
+    ) -> Result<Ending, Failure> {
+        let (coupler, sensors) = (&part.declared.coupler, &self.spec.sensors);
+        let rate_hz = test.config.timing.rate_hz;
+        let mut rig =
+            ::plant::coupled::CoupledRig::new(&part.rig, coupler, sensors, rate_hz, self.seed)
+                .map_err(Failure::input)?;
+        let (ending, outer) = self.drive(test, observer, |command_m, _, _| {
+            let reading = rig.step([0, 1].map(|i| command_m.get(i).copied().unwrap_or(0.0)));
+            let mut sample = Sample::new([0.0; N], [0.0; N]);
+            for i in 0..N.min(2) {
+                sample.displacement_m[i] = reading.stroke_m[i] as f32;
+                sample.force_n[i] = reading.force_n[i] as f32;
+            }
+            sample.fault = reading.at_rail.then_some(Fault::AdcRail);
+            (sample, Some(reading))
+        })?;
+        Ok(Ending {
+            actuators: Some(*outer.rig().plant()),
+            ..ending
+        })
+    }
+}
+
+impl PlantBench<'_> {
+    /// Arms, approaches and runs on a rig that gives a sample for the commands in force, m, after so many control steps of
+    /// the running test, in this mode.
+    fn drive<const N: usize, R: outerloop_core::Rig<N>>(
+        &self,
+        test: &PreparedTest<'_, N, R>,
+        observer: &mut dyn TestObserver,
+        mut rig: impl FnMut(&mut [f64; N], usize, Mode) -> (Sample<N>, Option<CoupledReading>),
+    ) -> Result<(Ending, OuterLoop<N, R>), Failure> {
+        let began = Instant::now();
+        let mut by_hand = false;
+        let mut outer = OuterLoop::new(test.design.clone());
+        let mut command_m = [0.0; N];
+        let (mut idle, mut done) = (0, 0);
+        while done < test.steps {
+            let (sample, reading) = rig(&mut command_m, done, outer.state());
             let before = outer.state();
-            let step = outer.step(&sample, &assignment.ground);
+            let step = outer.step(&sample, &test.ground);
             command_m = step.command_m.map(f64::from);
             match before {
                 Mode::Running | Mode::Resuming => {
-                    observer.on_step(&step.record.into());
+                    observer.on_step(&AnyRecord {
+                        coupled: reading.as_ref(),
+                        ..step.record.into()
+                    });
                     done += 1;
                     let computed = &step.record.command_m;
                     if step.record.has(flag::SOLVED)
@@ -126,12 +179,14 @@ impl Bench for PlantBench<'_> {
                 break;
             }
         }
-        Ok(Ending {
+        let ending = Ending {
             state: outer.state(),
             trip: outer.trip(),
             by_hand,
             wall_s: began.elapsed().as_secs_f64(),
             board: None,
-        })
+            actuators: None,
+        };
+        Ok((ending, outer))
     }
 }

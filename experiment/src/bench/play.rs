@@ -1,10 +1,10 @@
 //! A signal on the simulated rig, in this process: the loop of core follows goals instead of a structure.
 
-use super::interface::with_floors;
 use super::played::Played;
 use crate::failure::Failure;
 use crate::files::signal::SignalPoints;
 use crate::files::test::TestFile;
+use crate::floors::with_floors;
 use crate::trace::TestObserver;
 use ::plant::Rig;
 use outerloop_core::{Design, Event, Fault, GroundMotion, Mode, OuterLoop, Sample, config::Limits};

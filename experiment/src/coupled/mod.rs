@@ -3,18 +3,16 @@
 //! | look in | for |
 //! |---|---|
 //! | [`table`] | what the table holds |
-//! | [`load`] | from a file to a test, and to a test on a ground motion |
-//! | [`file`](mod@file) | a whole test file of this kind |
-//! | [`experiment`] | a test on a ground motion |
+//! | [`part`] | what only a test file of this kind has |
 //! | [`settings`] | the same as the settings of core's loop |
-//! | [`trial`] | the test on the simulated rig, and its ideal |
+//! | [`ideal`] | the motion with actuators that are where they are sent |
+//! | [`trial`] | the test on the simulated rig |
 //! | [`trace`] | what it leaves: every quantity in both systems of coordinates |
 //! | [`summary`] | the figures and the verdict |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 
-pub mod experiment;
-pub mod file;
-pub mod load;
+pub mod ideal;
+pub mod part;
 pub mod planned;
 pub mod settings;
 pub mod summary;

@@ -1,14 +1,15 @@
 //! Whether a test of two coupled actuators may be run: the declared rig, rigs that differ from it, and the limits.
 
-use super::experiment::CoupledExperiment;
 use super::summary::CoupledSummary;
-use super::table::CoupledCompensation;
-use super::trial::{self, Ideal, Trial};
+use super::table::{CoupledCompensation, CoupledLimits};
+use super::trial::{self, Trial};
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::percent;
 use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
 use crate::summary::{POOR_EPS_RMS, Validity};
+use crate::trace::Response;
 use plant::coupled::CoupledRigSpec;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -55,7 +56,7 @@ pub struct CoupledCheck {
 }
 
 /// A check, and the trial on the rig as declared.
-pub type CheckedTrial = (CoupledCheck, Ideal, Trial);
+pub type CheckedTrial = (CoupledCheck, Response, Trial);
 
 /// From this share of a limit on, a planned motion is near it.
 const NEAR: f64 = 0.9;
@@ -66,36 +67,37 @@ const NEAR: f64 = 0.9;
 /// # Errors
 /// A test that cannot be laid out.
 pub fn check(
-    experiment: &CoupledExperiment,
+    experiment: &Experiment,
     kind: CoupledCompensation,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<CheckedTrial, Failure> {
-    let mut declared = experiment.clone();
-    let d = &experiment.test.coupled;
-    let rig = &mut declared.test.rig;
+    let part = experiment.test.coupled_part()?;
+    let (d, mut rig) = (&part.declared, part.rig.clone());
     rig.ideal = false;
     (rig.actuators, rig.specimen.stiffness) = (d.actuators.clone(), d.specimen.stiffness);
     (rig.specimen.damping, rig.specimen.mass) = (d.specimen.damping, d.specimen.mass);
-    let ideal = trial::ideal(&declared)?;
-    let run = trial::run(&declared, kind, &ideal, spread.seed)?;
-    let planned = CoupledSummary::of(&declared, kind, &ideal, &run)?;
+    let on = |rig: CoupledRigSpec| {
+        let own = experiment.on_coupled_rig(rig)?;
+        let ideal = own.ideal()?;
+        let run = trial::run(&own, kind, &ideal, spread.seed, false)?;
+        let summary = CoupledSummary::of(&own, kind, &run)?;
+        Ok::<_, Failure>((ideal, run, summary))
+    };
+    let (ideal, run, planned) = on(rig.clone())?;
     let others = (0..spread.plants)
         .into_par_iter()
         .map(|i| {
-            let mut other = declared.clone();
-            other.test.rig = differing(&declared.test.rig, spread, i as u64);
-            let ideal = trial::ideal(&other)?;
-            let run = trial::run(&other, kind, &ideal, spread.seed)?;
+            let (.., summary) = on(differing(&rig, spread, i as u64))?;
             one_done();
-            CoupledSummary::of(&other, kind, &ideal, &run)
+            Ok(summary)
         })
         .collect::<Result<Vec<_>, Failure>>()?;
     let went = |s: &&CoupledSummary| s.verdict == crate::summary::TestVerdict::Completed;
     let lost = others.iter().filter(|s| !went(s)).count();
     let worst = others.iter().filter(went).map(|s| s.eps_rms);
     let worst = worst.fold(planned.eps_rms, f64::max);
-    let limits = limits(&declared, &run);
+    let limits = limits(&d.limits, &run);
     let (verdict, reason) = judge(&planned, (lost, spread.plants), worst, &limits);
     let check = CoupledCheck {
         verdict,
@@ -197,8 +199,8 @@ fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledR
 const ACTUATOR: &str = "worse actuator";
 
 /// How much of each limit a trial took.
-fn limits(e: &CoupledExperiment, trial: &Trial) -> Vec<LimitUse> {
-    let (r, l) = (&trial.record, &e.test.coupled.limits);
+fn limits(l: &CoupledLimits, trial: &Trial) -> Vec<LimitUse> {
+    let r = &trial.record;
     let rate = r.rate_hz;
     let most = |x: &[f32]| x.iter().fold(0.0, |m, u| f64::from(u.abs()).max(m));
     let fastest = |x: &[f32]| {

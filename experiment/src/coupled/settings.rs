@@ -1,16 +1,15 @@
 //! What a test file declares, as the settings of core's loop.
 
-use super::file::CoupledTest;
 use super::table::{
     CoupledCompensation, CoupledLimits, CoupledStructure, CoupledTable, SpreadTable,
 };
-use crate::bench::interface::with_floors;
 use crate::failure::Failure;
+use crate::floors::with_floors;
 use outerloop_core::coupled::{
-    Bounds, CoupledLoop, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
+    Bounds, CoupledSettings, Coupler, EstimatorSettings, Parameter, Plant, Spreads,
     TrackerSettings, observed,
 };
-use outerloop_core::{Structure, modes};
+use outerloop_core::{Config, Design, Structure, modes};
 use plant::coupled::ActuatorPairSpec;
 use std::f64::consts::TAU;
 
@@ -18,9 +17,9 @@ use std::f64::consts::TAU;
 ///
 /// # Errors
 /// The first value that is refused, with what would be accepted.
-pub fn check(test: &CoupledTest) -> Result<(), String> {
-    structure_shape(&test.coupled.structure)?;
-    let physical = &test.coupled.specimen;
+pub fn check(c: &CoupledTable, config: &Config) -> Result<(), String> {
+    structure_shape(&c.structure)?;
+    let physical = &c.specimen;
     for (name, m) in [
         ("stiffness", &physical.stiffness),
         ("damping", &physical.damping),
@@ -38,11 +37,10 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
             ));
         }
     }
-    let actuators = &test.coupled.actuators;
-    actuators
+    c.actuators
         .check("coupled.actuators")
         .map_err(|e| e.to_string())?;
-    let spread = test.coupled.spread;
+    let spread = c.spread;
     for (name, ratio) in [
         ("slow_pole_ratio", spread.slow_pole_ratio),
         ("fast_pole_ratio", spread.fast_pole_ratio),
@@ -57,7 +55,7 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
             ));
         }
     }
-    let limits = &test.coupled.limits;
+    let limits = &c.limits;
     for (name, value) in limits.named() {
         if !(value > 0.0 && value.is_finite()) {
             return Err(format!(
@@ -65,13 +63,13 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
             ));
         }
     }
-    let noise_mm = test.coupled.noise_mm;
+    let noise_mm = c.noise_mm;
     if !(noise_mm > 0.0 && noise_mm < 1e3) {
         return Err(format!(
             "coupled.noise_mm = {noise_mm} is refused: accepted are numbers above 0, below 1000"
         ));
     }
-    let observer = test.coupled.observer;
+    let observer = c.observer;
     if !(observer.noise_ratio > 0.0 && observer.noise_ratio < 1.0) {
         return Err(format!(
             "coupled.observer.noise_ratio = {} is refused: accepted are numbers above 0, below 1",
@@ -84,8 +82,10 @@ pub fn check(test: &CoupledTest) -> Result<(), String> {
         ));
     }
     for kind in CoupledCompensation::ALL {
-        with_floors!(test.coordinates(), N => of::<N>(test, kind).map(drop))
-            .map_err(|e| e.to_string())?;
+        let settings = with_floors!(c.structure.coordinates.len(), N => {
+            of::<N>(c, config, kind).and_then(|s| Design::coupled(&s).map_err(Failure::input)).map(drop)
+        });
+        settings.map_err(|e| e.to_string())?;
     }
     Ok(())
 }
@@ -171,11 +171,11 @@ fn structure_shape(s: &CoupledStructure) -> Result<(), String> {
 /// # Errors
 /// The first value that core refuses.
 pub fn of<const N: usize>(
-    test: &CoupledTest,
+    c: &CoupledTable,
+    config: &Config,
     kind: CoupledCompensation,
 ) -> Result<CoupledSettings<N>, Failure> {
     let refused = |e: outerloop_core::Refusal| Failure::input(e.to_string());
-    let c = &test.coupled;
     let limits = &c.limits;
     let whole = structure::<N>(c)?;
     let noise = |limit: f64| c.observer.noise_ratio * limit;
@@ -197,11 +197,9 @@ pub fn of<const N: usize>(
     for j in 0..2 {
         numerical.physical_mass_kg[j] = c.specimen.mass[j][j];
     }
-    // A rotation is as fast as what moves the pins, on the mean.
-    let arm_m = 0.5 * (c.coupler.pin_y_m[1] - c.coupler.pin_y_m[0]).abs();
-    let both = |x: f64| [x as f32, (x / arm_m) as f32];
     let estimated = kind == CoupledCompensation::Coupled;
-    let settings = CoupledSettings {
+    Ok(CoupledSettings {
+        config: config.clone(),
         structure: numerical,
         tracker: TrackerSettings {
             coupler: Coupler {
@@ -216,39 +214,28 @@ pub fn of<const N: usize>(
                     Spreads::new()
                 },
                 noise_m: (1e-3 * c.noise_mm) as f32,
-                period_s: test.period_s() as f32,
+                period_s: (1.0 / config.timing.rate_hz) as f32,
             },
             inverse: kind != CoupledCompensation::None,
             target,
             ahead_s: 0.0,
             trust_reading_hz: c.trust_reading_hz as f32,
-            stroke_limit_m: limits.stroke_m as f32,
-            interface_limit: [limits.x_m as f32, limits.rotation_rad as f32],
-        },
-        actuator: Bounds {
-            speed_per_s: limits.velocity_m_per_s as f32,
-            force: limits.force_n as f32,
-            tracking: limits.tracking_m as f32,
         },
         interface: [
             Bounds {
-                speed_per_s: limits.x_velocity_m_per_s as f32,
-                force: limits.x_force_n as f32,
-                tracking: limits.x_tracking_m as f32,
+                position: limits.x_m,
+                speed_per_s: limits.x_velocity_m_per_s,
+                force: limits.x_force_n,
+                tracking: limits.x_tracking_m,
             },
             Bounds {
-                speed_per_s: limits.rotation_velocity_rad_per_s as f32,
-                force: limits.moment_n_m as f32,
-                tracking: limits.rotation_tracking_rad as f32,
+                position: limits.rotation_rad,
+                speed_per_s: limits.rotation_velocity_rad_per_s,
+                force: limits.moment_n_m,
+                tracking: limits.rotation_tracking_rad,
             },
         ],
-        approach_per_s: both(test.timing.approach_m_per_s),
-        hold_per_s2: both(test.timing.hold_deceleration_m_per_s2),
-        stale_steps: limits.stale_steps,
-        frozen_m: limits.frozen_m as f32,
-    };
-    CoupledLoop::new(&settings).map_err(refused)?;
-    Ok(settings)
+    })
 }
 
 /// The structure, laboratory and computer together.
@@ -299,9 +286,9 @@ fn structure<const N: usize>(c: &CoupledTable) -> Result<Structure<N>, Failure> 
 ///
 /// # Errors
 /// A structure that is refused.
-pub fn natural_frequencies_hz(test: &CoupledTest) -> Result<Vec<f64>, Failure> {
-    with_floors!(test.coordinates(), N => {
-        let whole = structure::<N>(&test.coupled)?;
+pub fn natural_frequencies_hz(c: &CoupledTable) -> Result<Vec<f64>, Failure> {
+    with_floors!(c.structure.coordinates.len(), N => {
+        let whole = structure::<N>(c)?;
         let w = whole
             .natural_frequencies_rad_per_s()
             .map_err(Failure::input)?;

@@ -1,13 +1,14 @@
 //! What a test of two coupled actuators is judged by, in figures and in words.
 
-use super::experiment::CoupledExperiment;
-use super::settings::{NAMED, natural_frequencies_hz, plant_of};
+use super::part::CoupledPart;
+use super::settings::{NAMED, plant_of};
 use super::table::CoupledCompensation;
-use super::trial::{Ideal, Trial};
+use super::trial::Trial;
+use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{percent, si};
 use crate::summary::{GOOD_EPS_RMS, POOR_EPS_RMS, TestVerdict, Validity};
-use outerloop_core::{Mode, Trip};
+use outerloop_core::Trip;
 use serde::Serialize;
 
 /// What an axis of a fault is: the actuators, then the interface.
@@ -83,60 +84,31 @@ pub struct CoupledSummary {
     trip_detail: Option<Trip>,
 }
 
-/// From this share of a test on, a large error counts as running away.
-const LATE_SHARE: f64 = 0.8;
-
 impl CoupledSummary {
     /// Judges a trial.
     ///
     /// # Errors
-    /// A structure that is refused.
-    pub fn of(
-        e: &CoupledExperiment,
-        kind: CoupledCompensation,
-        ideal: &Ideal,
-        trial: &Trial,
-    ) -> Result<Self, Failure> {
-        let (mut eps_max, mut eps_rms, mut late) = (Vec::new(), Vec::new(), 0.0_f64);
-        for (j, (target, ideal_motion)) in trial.record.target.iter().zip(&ideal.motion).enumerate()
-        {
-            let from = (ideal_motion.len() as f64 * LATE_SHARE) as usize;
-            let (mut most, mut square) = (0.0_f64, 0.0);
-            for (k, (u, i)) in target.iter().zip(ideal_motion).enumerate() {
-                let error = f64::from(*u) - f64::from(*i);
-                square += error * error;
-                most = most.max(error.abs());
-                if k >= from {
-                    late = late.max(error.abs() / ideal.peak(j));
-                }
-            }
-            let n = target.len().max(1) as f64;
-            eps_max.push(most / ideal.peak(j));
-            eps_rms.push((square / n).sqrt() / ideal.peak(j));
-        }
-        let worst = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+    /// A test of another kind.
+    pub fn of(e: &Experiment, kind: CoupledCompensation, trial: &Trial) -> Result<Self, Failure> {
+        let (part, s) = (e.test.coupled_part()?, &trial.run.summary);
         let peak = |x: &[f32]| x.iter().fold(0.0, |most, u| f64::from(u.abs()).max(most));
-        let energy = energies(e, trial);
+        let energy = energies(part, trial);
         let r = &trial.record;
         Ok(Self {
-            record: e.record.clone(),
-            compensation: kind.name(),
-            steps: r.len(),
-            rate_hz: r.rate_hz,
-            verdict: match trial.state {
-                Mode::Tripped => TestVerdict::Tripped,
-                _ if trial.ran_away || late > 1.0 => TestVerdict::Diverged,
-                _ => TestVerdict::Completed,
-            },
-            trip: trial.trip.map(|t| t.fault.name()),
-            trip_axis: trial
-                .trip
+            record: s.record.clone(),
+            compensation: s.compensation,
+            steps: s.steps,
+            rate_hz: s.rate_hz,
+            verdict: s.verdict,
+            trip: s.trip,
+            trip_axis: s
+                .trip_detail
                 .and_then(|t| AXES.get(usize::from(t.axis)).copied()),
-            eps_max: worst(&eps_max),
-            eps_rms: worst(&eps_rms),
+            eps_max: s.eps_max,
+            eps_rms: s.eps_rms,
             coordinates: r.coordinates.clone(),
-            eps_max_by_coordinate: eps_max,
-            eps_rms_by_coordinate: eps_rms,
+            eps_max_by_coordinate: s.eps_max_by_floor.clone(),
+            eps_rms_by_coordinate: s.eps_rms_by_floor.clone(),
             tracking_rms_by_actuator: [0, 1].map(|i| off(&r.true_stroke_m[i], &r.wanted_m[i])),
             peak_displacement_m: peak(&r.target[0]),
             peak_rotation_rad: peak(&r.target[1]),
@@ -145,11 +117,11 @@ impl CoupledSummary {
             energy_error_j: energy[0],
             energy_error_hsem_j: energy[1],
             energy_error_stiffness_j: energy[2],
-            natural_frequencies_hz: natural_frequencies_hz(&e.test)?,
-            record_scale: e.scale,
-            found: found(e, kind, trial),
-            wall_s: trial.wall_s,
-            trip_detail: trial.trip,
+            natural_frequencies_hz: s.natural_frequencies_hz.clone(),
+            record_scale: s.record_scale,
+            found: found(part, kind, trial),
+            wall_s: s.wall_s,
+            trip_detail: s.trip_detail,
         })
     }
 
@@ -234,9 +206,9 @@ fn off(is: &[f32], wanted: &[f32]) -> f64 {
 }
 
 /// Energy errors over x and rotation, J: Eq 12, HSEM, Eq 6. Negative where the actuators put energy in.
-fn energies(e: &CoupledExperiment, trial: &Trial) -> [f64; 3] {
+fn energies(part: &CoupledPart, trial: &Trial) -> [f64; 3] {
     let r = &trial.record;
-    let k = &e.test.coupled.specimen.stiffness;
+    let k = &part.declared.specimen.stiffness;
     let at = |x: &[f32], i: usize| f64::from(x[i]);
     let error = |i: usize, n: usize| at(&r.displacement[i], n) - at(&r.target[i], n);
     let mut sums = [0.0; 3];
@@ -256,13 +228,18 @@ fn energies(e: &CoupledExperiment, trial: &Trial) -> [f64; 3] {
 }
 
 /// What was estimated, beside what was declared and what the simulated rig has.
-fn found(e: &CoupledExperiment, kind: CoupledCompensation, trial: &Trial) -> Vec<FoundNumber> {
-    if kind != CoupledCompensation::Coupled || e.test.rig.ideal {
+fn found(part: &CoupledPart, kind: CoupledCompensation, trial: &Trial) -> Vec<FoundNumber> {
+    let Some(found) = trial
+        .run
+        .summary
+        .actuators
+        .filter(|_| kind == CoupledCompensation::Coupled && !part.rig.ideal)
+    else {
         return Vec::new();
-    }
+    };
     let (declared, simulated) = (
-        plant_of(&e.test.coupled.actuators),
-        plant_of(&e.test.rig.actuators),
+        plant_of(&part.declared.actuators),
+        plant_of(&part.rig.actuators),
     );
     NAMED
         .into_iter()
@@ -270,7 +247,7 @@ fn found(e: &CoupledExperiment, kind: CoupledCompensation, trial: &Trial) -> Vec
             name,
             unit,
             declared: of(&declared),
-            found: of(&trial.found),
+            found: of(&found),
             simulated: of(&simulated),
         })
         .filter(|f| f.declared != 0.0)

@@ -1,5 +1,8 @@
 //! What a test of two coupled actuators leaves: every quantity of every control step, in both systems of coordinates.
 
+use super::part::CoupledPart;
+use crate::trace::{AnyRecord, TestObserver};
+use plant::coupled::CouplerSpec;
 use std::fmt::Write as _;
 
 /// A quantity of both actuators, or of x and rotation.
@@ -97,6 +100,55 @@ impl CoupledTrace {
             text.push('\n');
         }
         text
+    }
+}
+
+/// Keeps a running test in both systems of coordinates.
+#[derive(Debug)]
+pub(super) struct InBothCoordinates<'a> {
+    coupler: &'a CouplerSpec,
+    pub(super) trace: CoupledTrace,
+}
+
+impl<'a> InBothCoordinates<'a> {
+    /// No step yet.
+    pub(super) fn of(part: &'a CoupledPart, rate_hz: f64) -> Self {
+        let coordinates = part.declared.structure.coordinates.clone();
+        Self {
+            coupler: &part.declared.coupler,
+            trace: CoupledTrace {
+                rate_hz,
+                target: vec![Vec::new(); coordinates.len()],
+                coordinates,
+                ..CoupledTrace::default()
+            },
+        }
+    }
+}
+
+impl TestObserver for InBothCoordinates<'_> {
+    fn on_step(&mut self, step: &AnyRecord<'_>) {
+        let Some(reading) = step.coupled else {
+            return;
+        };
+        let (trace, coupler) = (&mut self.trace, self.coupler);
+        trace.ground_m_per_s2.push(step.ground_m_per_s2);
+        for (column, u) in trace.target.iter_mut().zip(step.command_m) {
+            column.push(*u);
+        }
+        let read = coupler.interface(reading.stroke_m);
+        let wanted = coupler.strokes_m([0, 1].map(|i| f64::from(step.command_m[i])));
+        for i in 0..2 {
+            trace.displacement[i].push(read[i] as f32);
+            trace.estimated[i].push(step.estimated_displacement_m[i]);
+            trace.truth[i].push(reading.true_interface[i] as f32);
+            trace.force[i].push(step.estimated_force_n[i]);
+            trace.command_m[i].push(step.sent_m[i]);
+            trace.stroke_m[i].push(reading.stroke_m[i] as f32);
+            trace.true_stroke_m[i].push(reading.true_stroke_m[i] as f32);
+            trace.wanted_m[i].push(wanted[i] as f32);
+            trace.actuator_n[i].push(reading.force_n[i] as f32);
+        }
     }
 }
 

@@ -14,6 +14,29 @@ pub struct Channel<'a> {
     pub values: &'a [f32],
 }
 
+/// A unit in a name, and as an engineer would write it.
+type Unit = (&'static str, &'static str);
+
+const M: Unit = ("m", "m");
+const N: Unit = ("n", "N");
+const ONE: Unit = ("1", "1");
+/// Length, force, speed, acceleration, damping.
+const MOTION: [&Unit; 5] = [
+    &M,
+    &N,
+    &("m_per_s", "m/s"),
+    &("m_per_s2", "m/s^2"),
+    &("n_s_per_m", "N s/m"),
+];
+/// The same of a rotation.
+const ROTATION: [&Unit; 5] = [
+    &("rad", "rad"),
+    &("n_m", "N m"),
+    &("rad_per_s", "rad/s"),
+    &("rad_per_s2", "rad/s^2"),
+    &("n_m_s_per_rad", "N m s/rad"),
+];
+
 /// Everything of a trace but time, step and flags.
 pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
@@ -23,33 +46,34 @@ pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
         } else {
             (j + 1).to_string()
         };
-        for (quantity, suffix, unit, values) in [
-            ("command", "m", "m", &floor.sent_m),
-            ("displacement", "m", "m", &floor.displacement_m),
-            ("force", "n", "N", &floor.force_n),
-            ("target", "m", "m", &floor.command_m),
+        // Of coupled actuators, what was read and sent is an actuator's, and only the first two have one.
+        let coupled = trace.coordinates.as_ref().and_then(|names| names.get(j));
+        let own = if coupled.is_some() { "actuator_" } else { "" };
+        let rotates = coupled.is_some_and(|name| name.ends_with("_rad"));
+        let read = [
+            ("command", &M, &floor.sent_m),
+            ("displacement", &M, &floor.displacement_m),
+            ("force", &N, &floor.force_n),
+        ];
+        let read = read.into_iter().filter(|_| coupled.is_none() || j < 2);
+        let [length, force, speed, acceleration, damping] = if rotates { ROTATION } else { MOTION };
+        let of_structure = [
+            ("target", length, &floor.command_m),
             (
                 "estimated_displacement",
-                "m",
-                "m",
+                length,
                 &floor.estimated_displacement_m,
             ),
-            ("estimated_force", "n", "N", &floor.estimated_force_n),
-            ("velocity", "m_per_s", "m/s", &floor.velocity_m_per_s),
-            (
-                "acceleration",
-                "m_per_s2",
-                "m/s^2",
-                &floor.acceleration_m_per_s2,
-            ),
-            (
-                "added_damping",
-                "n_s_per_m",
-                "N s/m",
-                &floor.added_damping_n_s_per_m,
-            ),
-            ("gain", "1", "1", &floor.gain),
-        ] {
+            ("estimated_force", force, &floor.estimated_force_n),
+            ("velocity", speed, &floor.velocity_m_per_s),
+            ("acceleration", acceleration, &floor.acceleration_m_per_s2),
+            ("added_damping", damping, &floor.added_damping_n_s_per_m),
+            ("gain", &ONE, &floor.gain),
+        ];
+        let read = read.map(|(quantity, unit, values)| (format!("{own}{quantity}"), unit, values));
+        let others =
+            of_structure.map(|(quantity, unit, values)| (quantity.to_owned(), unit, values));
+        for (quantity, (suffix, unit), values) in read.chain(others) {
             channels.push(Channel {
                 name: format!("{quantity}{axis}_{suffix}"),
                 unit,

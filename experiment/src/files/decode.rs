@@ -1,6 +1,6 @@
 //! Text in the encodings that laboratories export: UTF-8, UTF-16, and the one of Western Windows.
 
-use super::plain;
+use super::{look_ahead, plain};
 use crate::failure::Failure;
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use std::io::Read;
@@ -9,8 +9,17 @@ use std::path::Path;
 /// Reads a file as bytes; `-` is standard input.
 ///
 /// # Errors
-/// A file that cannot be read, by its name.
+/// A file that cannot be read, or that this command will write, by its name.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    look_ahead::refuse_output(path)?;
+    bytes_to_edit(path)
+}
+
+/// The same of a file that will be written back.
+///
+/// # Errors
+/// A file that cannot be read, by its name.
+pub fn bytes_to_edit(path: &Path) -> Result<Vec<u8>, Failure> {
     let read = if path == Path::new("-") {
         let mut all = Vec::new();
         std::io::stdin().read_to_end(&mut all).map(|_| all)

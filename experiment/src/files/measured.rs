@@ -3,7 +3,9 @@
 use super::columns::Columns;
 use super::recording::SiRecording;
 use crate::failure::Failure;
+use crate::numbers::percent;
 use crate::trace::Trace;
+use diagnosis::{Diagnosis, ForceUnit};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -72,12 +74,24 @@ impl RecordFiles {
         }
     }
 
-    /// The parts, in order.
+    /// The parts, in order; one in which rows are missing is as many recordings as it has pieces.
     ///
     /// # Errors
     /// A file that cannot be used; a span that is not inside its record.
     pub fn parts(&mut self, parts: &[FilePart]) -> Result<Vec<diagnosis::Recording>, Failure> {
-        parts.iter().map(|p| self.part(p)).collect()
+        let each: Vec<Vec<_>> = parts
+            .iter()
+            .map(|p| parts_of(self.whole_file(&p.file)?, p.span_s))
+            .collect::<Result<_, _>>()?;
+        Ok(each.into_iter().flatten().collect())
+    }
+
+    /// The longest piece of a part, for what is fitted to one record.
+    ///
+    /// # Errors
+    /// As [`RecordFiles::parts`].
+    pub fn longest(&mut self, part: &FilePart) -> Result<diagnosis::Recording, Failure> {
+        longest_part_of(self.whole_file(&part.file)?, part.span_s)
     }
 
     /// True if every force that was read is in newtons.
@@ -89,10 +103,6 @@ impl RecordFiles {
     /// True if a force was read, and all of them are in newtons.
     pub fn force_in_newtons(&self) -> bool {
         self.force_has_unit() && self.read.values().any(|r| r.force().is_some())
-    }
-
-    fn part(&mut self, part: &FilePart) -> Result<diagnosis::Recording, Failure> {
-        part_of(self.whole_file(&part.file)?, part.span_s)
     }
 
     /// The recording behind `path`; one file under two names is one recording.
@@ -109,22 +119,162 @@ impl RecordFiles {
     }
 }
 
-/// The part of a recording between two times, on an even grid.
+/// Missing rows are refused from this share of the time on.
+const MOST_MISSING: f64 = 0.2;
+/// Gaps that are named one by one.
+const MOST_NAMED: usize = 10;
+
+/// The part of a recording between two times, on an even grid: one recording, or where rows are missing one for each piece
+/// between the gaps. Nothing is put into a gap, and what has memory begins again behind it.
 ///
 /// # Errors
-/// A span that is not inside the record; time that does not increase; a quantity without a number inside the span.
-pub fn part_of(
+/// A span that is not inside the record; time that does not increase; a quantity without a number inside the span; a fifth
+/// of the time without rows; no piece that is long enough.
+pub fn parts_of(
+    recording: &SiRecording,
+    span_s: Option<[f64; 2]>,
+) -> Result<Vec<diagnosis::Recording>, Failure> {
+    let n = recording.time_s.len();
+    let (sound, rows) = match rows_of(recording, span_s) {
+        Some(rows) => {
+            refuse_gap(recording, &rows)?;
+            (recording.between_gaps(&rows), rows)
+        }
+        // That it is empty is said below.
+        None => (0..n, 0..n),
+    };
+    let gaps = diagnosis::gaps(&recording.time_s[sound.clone()]);
+    let gaps: Vec<usize> = gaps.into_iter().map(|i| sound.start + i).collect();
+    let mut edges = vec![sound.start];
+    edges.extend(&gaps);
+    edges.push(sound.end);
+    let pieces = edges.windows(2).map(|e| e[0]..e[1]);
+    let mut touched: Vec<_> = pieces
+        .filter(|piece| piece.start < rows.end && rows.start < piece.end)
+        .collect();
+    if let [piece] = &touched[..] {
+        return Ok(vec![part_of(recording, piece.clone(), span_s)?]);
+    }
+    if let Some([from_s, to_s]) = span_s {
+        let (first, last) = (recording.time_s[0], recording.time_s[n - 1]);
+        let room = 2.0 * diagnosis::usual_interval_s(&recording.time_s);
+        if (from_s.is_finite() && from_s < first - room) || (to_s.is_finite() && to_s > last + room)
+        {
+            return Err(outside(&recording.file, [from_s, to_s], [first, last]));
+        }
+    }
+    let remark = missing(recording, &gaps, &rows)?;
+    let long = |piece: &Range<usize>| {
+        piece.end.min(rows.end) - piece.start.max(rows.start) >= diagnosis::FEWEST_SAMPLES
+    };
+    touched.retain(long);
+    let mut parts = touched
+        .into_iter()
+        .map(|piece| {
+            let [from, to] = [piece.start.max(rows.start), piece.end.min(rows.end)];
+            // Open where it ends at a gap.
+            let behind = if to == piece.end {
+                f64::INFINITY
+            } else {
+                recording.time_s[to]
+            };
+            let span_s = [recording.time_s[from], behind];
+            part_of(recording, piece, Some(span_s))
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    match parts.first_mut() {
+        Some(first) => first.remarks.push(remark),
+        None => {
+            return Err(Failure::input(format!(
+                "{remark} No piece has {} rows, which is what can be judged.",
+                diagnosis::FEWEST_SAMPLES
+            )));
+        }
+    }
+    Ok(parts)
+}
+
+/// The longest of [`parts_of`], for what is fitted to one record.
+///
+/// # Errors
+/// As [`parts_of`].
+pub fn longest_part_of(
     recording: &SiRecording,
     span_s: Option<[f64; 2]>,
 ) -> Result<diagnosis::Recording, Failure> {
-    let sound = match rows_of(recording, span_s) {
-        Some(rows) => {
-            refuse_gap(recording, &rows)?;
-            recording.between_gaps(&rows)
-        }
-        // That it is empty is said below.
-        None => 0..recording.time_s.len(),
+    let mut parts = parts_of(recording, span_s)?;
+    let remarks = parts[0].remarks.clone();
+    let several = parts.len() > 1;
+    parts.sort_by_key(|p| p.time_s.len());
+    let mut longest = parts.pop().unwrap_or_default();
+    if several {
+        longest.remarks = remarks;
+        longest.remarks.push(format!(
+            "{}: what follows is of the longest piece, {:.3} to {:.3} s.",
+            longest.name,
+            longest.time_s[0],
+            longest.time_s[longest.time_s.len() - 1]
+        ));
+    }
+    Ok(longest)
+}
+
+/// What is said of rows that are missing between some.
+///
+/// # Errors
+/// So many that what is left is no record of the motion.
+fn missing(
+    recording: &SiRecording,
+    gaps: &[usize],
+    rows: &Range<usize>,
+) -> Result<String, Failure> {
+    let time_s = &recording.time_s;
+    let usual_s = diagnosis::usual_interval_s(&time_s[rows.clone()]);
+    let inside: Vec<[f64; 2]> = gaps
+        .iter()
+        .filter(|gap| (rows.start + 1..rows.end).contains(*gap))
+        .map(|gap| [time_s[gap - 1], time_s[*gap]])
+        .collect();
+    let named: Vec<String> = inside
+        .iter()
+        .take(MOST_NAMED)
+        .map(|[from, to]| {
+            format!(
+                "{from} s to {to} s ({:.0} rows)",
+                (to - from) / usual_s - 1.0
+            )
+        })
+        .collect();
+    let more = match inside.len().saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!(", and in {more} gaps more"),
     };
+    let lost_s: f64 = inside.iter().map(|[from, to]| to - from - usual_s).sum();
+    let whole_s = time_s[rows.end - 1] - time_s[rows.start];
+    let said = format!(
+        "{}: nothing was recorded from {}{more}",
+        recording.file,
+        named.join(", ")
+    );
+    if lost_s > MOST_MISSING * whole_s {
+        return Err(Failure::input(format!(
+            "{said}: {} of the time has no rows: accepted are records of which at most {} is missing; FILE@T0..T1 takes a \
+             part without gaps",
+            percent(lost_s / whole_s),
+            percent(MOST_MISSING)
+        )));
+    }
+    Ok(format!(
+        "{said}. Nothing is put there; what has memory begins again behind it."
+    ))
+}
+
+/// The part of a piece without gaps between two times, on an even grid.
+fn part_of(
+    recording: &SiRecording,
+    sound: Range<usize>,
+    span_s: Option<[f64; 2]>,
+) -> Result<diagnosis::Recording, Failure> {
     let whole = in_mm(recording, sound.clone());
     // All parts of a file on one grid, where one can be laid through the whole of it.
     let whole = whole.clone().made_even().unwrap_or(whole);
@@ -175,12 +325,16 @@ fn inside(
     let open = |s: f64| s.is_infinite();
     let outside = from_s < first - room && !open(from_s) || to_s > last + room && !open(to_s);
     if outside || from_s > last || to_s <= first {
-        return Err(Failure::input(format!(
-            "{}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s",
-            whole.name
-        )));
+        return Err(self::outside(&whole.name, [from_s, to_s], [first, last]));
     }
     Ok(whole.span(from_s, to_s))
+}
+
+/// That a span is not inside its record.
+fn outside(name: &str, [from_s, to_s]: [f64; 2], [first, last]: [f64; 2]) -> Failure {
+    Failure::input(format!(
+        "{name}: the span {from_s}..{to_s} s is not inside the record: accepted are times from {first} to {last} s"
+    ))
 }
 
 /// Rows of the first axis of a recording in mm, N and s.
@@ -210,6 +364,19 @@ pub fn in_mm_of(trace: &Trace) -> diagnosis::Recording {
     }
 }
 
+/// The force has no unit in the file: nothing that is said of it may have one.
+pub fn without_force_unit(diagnosis: &mut Diagnosis) {
+    if let Some(specimen) = &mut diagnosis.improved.specimen {
+        specimen.force_unit = ForceUnit::Without;
+    }
+    for channel in diagnosis.channels.iter_mut().filter(|c| c.unit == "N") {
+        channel.unit = "1".into();
+        for p in channel.effects.iter_mut().flat_map(|e| &mut e.parameters) {
+            p.unit = p.unit.replace('N', "1");
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,7 +396,7 @@ mod tests {
         let text = format!("time_s,command_mm,displacement_mm\n{rows}");
         let table = crate::files::table::NumberTable::parse_with_bad_cells("r.csv", &text, false);
         let recording = SiRecording::of(table.unwrap(), &Columns::default()).unwrap();
-        let part = |span| part_of(&recording, span).map_err(|e| e.to_string());
+        let part = |span| longest_part_of(&recording, span).map_err(|e| e.to_string());
         let before = part(Some([0.0, 1.0])).unwrap();
         assert_eq!((before.time_s.len(), before.time_s[0]), (100, 0.0));
         let after = part(Some([1.5, 3.0])).unwrap();
@@ -252,6 +419,61 @@ mod tests {
             e.contains("is not inside the record: accepted are times from 0 to 2.99"),
             "{e}"
         );
+    }
+
+    /// A sine at 1 kHz without the rows that `lost` says.
+    fn with_lost(lost: impl Fn(usize) -> bool) -> SiRecording {
+        let row = |i: usize| {
+            let t = i as f64 * 1e-3;
+            format!("{t:.4},{0},{0}\n", (6.0 * t).sin())
+        };
+        let rows: String = (0..20_000).filter(|i| !lost(*i)).map(row).collect();
+        let text = format!("time_s,command_mm,displacement_mm\n{rows}");
+        SiRecording::parse("gap.csv", &text).unwrap()
+    }
+
+    #[test]
+    fn missing_rows_stay_missing_and_the_grid_is_that_of_the_others() {
+        let recording = with_lost(|i| (5000..5200).contains(&i));
+        let parts = parts_of(&recording, None).unwrap();
+        let lengths: Vec<usize> = parts.iter().map(|p| p.time_s.len()).collect();
+        assert_eq!(lengths, [5000, 14_800]);
+        let remark = "from 4.999 s to 5.2 s (200 rows)";
+        assert!(
+            parts[0].remarks[0].contains(remark),
+            "{:?}",
+            parts[0].remarks
+        );
+        for part in &parts {
+            assert!((part.interval_s() - 1e-3).abs() < 1e-9);
+            assert!(part.before.is_none(), "memory begins again");
+            let x = part.displacement_mm.as_ref().unwrap();
+            let recorded = |(t, x): (&f64, &f64)| (x - (6.0 * t).sin()).abs() < 1e-3;
+            assert!(part.time_s.iter().zip(x).all(recorded));
+        }
+        // A span that leaves the gap out knows nothing of it.
+        for span in [[0.0, 4.9], [5.3, 15.0]] {
+            let parts = parts_of(&recording, Some(span)).unwrap();
+            assert_eq!((parts.len(), &parts[0].remarks[..]), (1, &[][..]));
+            let past = parts[0].before.as_ref().map(|b| b.time_s[0]);
+            assert_eq!(past, (span[0] > 5.2).then_some(5.2));
+        }
+        let e = parts_of(&recording, Some([0.0, 100.0]))
+            .unwrap_err()
+            .to_string();
+        assert!(e.contains("is not inside the record"), "{e}");
+        let longest = longest_part_of(&recording, Some([0.0, 8.0])).unwrap();
+        assert_eq!(longest.time_s[0], 0.0);
+        assert!(
+            longest.remarks[1].contains("0.000 to 4.999 s"),
+            "{:?}",
+            longest.remarks
+        );
+        // A third of the rows in 66 gaps: ten are named, and it is refused.
+        let e = parts_of(&with_lost(|i| i % 300 >= 200), None)
+            .unwrap_err()
+            .to_string();
+        assert!(e.contains("and in 56 gaps more") && e.contains("33"), "{e}");
     }
 
     #[test]

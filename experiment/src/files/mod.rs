@@ -11,11 +11,14 @@ pub mod dialect;
 pub mod ground_motion;
 pub mod header;
 mod labview;
+pub mod look_ahead;
 pub mod measured;
 pub mod model;
 pub mod near_fault;
+mod note;
 mod notes;
 pub mod output;
+mod place;
 pub mod plain;
 mod quantities;
 pub mod record_csv;
@@ -26,10 +29,10 @@ pub mod signal;
 pub mod table;
 pub mod test;
 pub mod units;
+pub mod watch;
 
 use crate::failure::Failure;
-use std::fmt::Arguments;
-use std::io::{Write, stderr};
+use note::note;
 use std::path::Path;
 
 /// Reads a text file, whatever its encoding is.
@@ -38,9 +41,4 @@ use std::path::Path;
 /// A file that cannot be read or is no text, by its name.
 pub fn read(path: &Path) -> Result<String, Failure> {
     decode::text(&path.display().to_string(), decode::bytes(path)?)
-}
-
-/// Says on standard error what a reader should know of a file, or nothing where that cannot be written: nobody is left to read it.
-fn note(text: Arguments<'_>) {
-    let _ = stderr().write_all(format!("outerloop: note: {text}\n").as_bytes());
 }

@@ -1,7 +1,7 @@
 //! A folder of results that is there whole or not at all.
 
 use super::note;
-use super::plain;
+use super::place::{Place, cannot, refuse_no_folder};
 use crate::failure::Failure;
 use std::fs::{self, File};
 use std::io::{Error, Write};
@@ -16,6 +16,22 @@ pub fn write_all<N: AsRef<str>, T: AsRef<[u8]>>(
     folder: &Path,
     files: &[(N, T)],
 ) -> Result<(), Failure> {
+    let replaced = put(folder, files)?;
+    if !replaced.is_empty() {
+        let folder = folder.display();
+        note(format_args!(
+            "in {folder} were before, and are replaced: {}",
+            replaced.join(", ")
+        ));
+    }
+    Ok(())
+}
+
+/// The same, and what was there before.
+fn put<N: AsRef<str>, T: AsRef<[u8]>>(
+    folder: &Path,
+    files: &[(N, T)],
+) -> Result<Vec<String>, Failure> {
     let new = !folder.exists();
     refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|e| cannot(folder, &e))?;
@@ -27,56 +43,10 @@ pub fn write_all<N: AsRef<str>, T: AsRef<[u8]>>(
     })
 }
 
-/// That results can be written into `folder`, before a test has taken its time or its specimen.
-///
-/// # Errors
-/// No folder, or one in which no file can be made. Nothing is left there.
-pub fn look_ahead(folder: Option<&Path>) -> Result<(), Failure> {
-    let Some(folder) = folder else {
-        return Ok(());
-    };
-    refuse_no_folder(folder)?;
-    make_and_drop_file(folder).map_err(|e| cannot(folder, &e))
-}
-
-/// A file in `folder`, or in the first above it that is there, and gone again.
-fn make_and_drop_file(folder: &Path) -> Result<(), Error> {
-    let mut above = folder.ancestors().filter(|f| !f.as_os_str().is_empty());
-    let there = above.find(|f| f.exists()).unwrap_or(Path::new("."));
-    tempfile::Builder::new().tempfile_in(there).map(drop)
-}
-
-/// The same for a single file.
-///
-/// # Errors
-/// As [`look_ahead`], and a path that is a folder.
-pub fn look_ahead_of_file(file: Option<&Path>) -> Result<(), Failure> {
-    let Some(path) = file else {
-        return Ok(());
-    };
-    match Place::of(path).map_err(|e| cannot(path, &e))? {
-        Place::Stream => Ok(()),
-        Place::File(real) => {
-            let folder = real.parent().unwrap_or(Path::new(""));
-            make_and_drop_file(folder).map_err(|e| cannot(path, &e))
-        }
-    }
-}
-
-fn refuse_no_folder(folder: &Path) -> Result<(), Failure> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(Failure::input(format!(
-            "{}: is no folder: accepted is a folder, or a name that is free",
-            folder.display()
-        )));
-    }
-    Ok(())
-}
-
 fn write_into<N: AsRef<str>, T: AsRef<[u8]>>(
     folder: &Path,
     files: &[(N, T)],
-) -> Result<(), Failure> {
+) -> Result<Vec<String>, Failure> {
     let mut ready: Vec<(tempfile::TempPath, PathBuf)> = Vec::new();
     let mut streams = Vec::new();
     for (name, text) in files {
@@ -108,14 +78,7 @@ fn write_into<N: AsRef<str>, T: AsRef<[u8]>>(
             .persist(&place)
             .map_err(|e| cannot(&place, &e.error))?;
     }
-    if !replaced.is_empty() {
-        let folder = folder.display();
-        note(format_args!(
-            "in {folder} were before, and are replaced: {}",
-            replaced.join(", ")
-        ));
-    }
-    Ok(())
+    Ok(replaced)
 }
 
 /// Writes one file, whole or not at all; see [`write_all`].
@@ -123,6 +86,21 @@ fn write_into<N: AsRef<str>, T: AsRef<[u8]>>(
 /// # Errors
 /// A file that cannot be written; what was there before is left as it was.
 pub fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let (folder, name) = parts(path)?;
+    write_all(folder, &[(name, text)])
+}
+
+/// Writes a file back that was read to be changed: to replace it is what was asked for, and is not said.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_back(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let (folder, name) = parts(path)?;
+    put(folder, &[(name, text)]).map(drop)
+}
+
+/// The folder and the name of a file.
+fn parts(path: &Path) -> Result<(&Path, &str), Failure> {
     let name = path.file_name().and_then(|n| n.to_str()).ok_or_else(|| {
         Failure::input(format!(
             "{}: is no name of a file: accepted is a path that ends with one",
@@ -130,32 +108,7 @@ pub fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), Failure> {
         ))
     })?;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    write_all(folder.unwrap_or(Path::new(".")), &[(name, text)])
-}
-
-/// What a path leads to.
-enum Place {
-    /// A regular file, or none yet; where it really is.
-    File(PathBuf),
-    /// Something that has to be written to and must not be replaced.
-    Stream,
-}
-
-impl Place {
-    fn of(path: &Path) -> Result<Self, Error> {
-        match fs::metadata(path) {
-            Ok(found) if found.is_file() => Ok(Self::File(path.canonicalize()?)),
-            Ok(found) if found.is_dir() => Err(Error::other("it is a folder")),
-            Ok(_) => Ok(Self::Stream),
-            // A link to a file that is not there yet: the file is made, the link stays.
-            Err(_) => match fs::read_link(path) {
-                Ok(target) => Ok(Self::File(
-                    path.parent().unwrap_or(Path::new("")).join(target),
-                )),
-                Err(_) => Ok(Self::File(path.to_owned())),
-            },
-        }
-    }
+    Ok((folder.unwrap_or(Path::new(".")), name))
 }
 
 /// `text` in a new file beside `place`, to be renamed to it.
@@ -174,14 +127,6 @@ fn temporary_file(place: &Path, name: &str, text: &[u8]) -> Result<tempfile::Tem
     let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
     file.write_all(text)?;
     Ok(file.into_temp_path())
-}
-
-fn cannot(path: &Path, e: &Error) -> Failure {
-    Failure::input(format!(
-        "{}: cannot be written: {}",
-        path.display(),
-        plain::reason(e)
-    ))
 }
 
 #[cfg(all(test, unix))]
@@ -217,34 +162,6 @@ mod tests {
         assert!(!new.exists());
         assert!(write_all(folder.path(), &[(&long, "2")]).is_err());
         assert!(folder.path().exists());
-    }
-
-    #[test]
-    fn what_cannot_be_written_is_known_before() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        fs::write(at("file"), "").unwrap();
-        for good in [folder.path().to_owned(), at("new/deeper")] {
-            look_ahead(Some(&good)).unwrap();
-            look_ahead_of_file(Some(&good.join("a.csv"))).unwrap();
-        }
-        look_ahead_of_file(Some(Path::new("/dev/null"))).unwrap();
-        look_ahead_of_file(Some(&at("file"))).unwrap();
-        assert_eq!(
-            fs::read_dir(folder.path()).unwrap().count(),
-            1,
-            "nothing is left"
-        );
-        let said = |failed: Result<(), Failure>| failed.unwrap_err().to_string();
-        // No one can make a file there, whoever runs this.
-        for bad in ["/proc", "/proc/new/deeper"] {
-            let e = said(look_ahead(Some(Path::new(bad))));
-            assert!(e.starts_with(&format!("{bad}: cannot be written: ")), "{e}");
-        }
-        let e = said(look_ahead_of_file(Some(Path::new("/proc/new.csv"))));
-        assert!(e.starts_with("/proc/new.csv: cannot be written"), "{e}");
-        assert!(said(look_ahead(Some(&at("file")))).contains("is no folder"));
-        assert!(said(look_ahead_of_file(Some(folder.path()))).contains("it is a folder"));
     }
 
     #[test]

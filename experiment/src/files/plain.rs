@@ -111,6 +111,14 @@ pub fn typed<T: DeserializeOwned>(root: &str, value: Value) -> Result<T, String>
     })
 }
 
+/// The table `name` of a test file; its defaults where it is left out.
+///
+/// # Errors
+/// A key or value that is refused.
+pub fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
+    value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
+}
+
 #[cfg(test)]
 mod tests {
     use super::in_line;

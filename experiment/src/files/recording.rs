@@ -242,7 +242,7 @@ impl SiRecording {
                 diagnosis::FEWEST_SAMPLES
             )));
         }
-        notes.extend(notes::of(&table, &time_s, |quantity| {
+        notes.extend(notes::of(&table, |quantity| {
             columns
                 .iter()
                 .any(|c| c.quantity == quantity && c.axis == 1)

@@ -4,7 +4,30 @@
 use super::columns::Columns;
 use super::recording::SiRecording;
 use crate::failure::Failure;
+use fourier::Complex;
+use rand_core::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::path::Path;
+
+/// A signal that tells an actuator over frequency.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SignalShape {
+    /// A sine whose frequency rises exponentially: long at the low frequencies, where a cycle takes long
+    Chirp,
+    /// Periods of 10 s with odd lines alone, of which one in four is left out: what comes back elsewhere is distortion
+    OddMultisine,
+}
+
+/// Interval of a signal that is made, s; its ends rise and fade in so long, s; the period of a multisine, s.
+const INTERVAL_S: f64 = 1e-3;
+const FADE_S: f64 = 1.0;
+const PERIOD_S: f64 = 10.0;
+/// Above this frequency, Hz, lines and sweeps shrink with it: the speed stays, as a valve wants it.
+const LEVEL_HZ: f64 = 1.0;
+/// Draws of phases, of which the one with the lowest peak is taken.
+const DRAWS: u64 = 20;
 
 /// A command.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +81,78 @@ impl SignalPoints {
         }
         .checked()
         .map_err(refuse)
+    }
+
+    /// Makes a signal of this shape, with a peak in m, from a frequency to another one, Hz, of about so many seconds.
+    ///
+    /// # Errors
+    /// A peak, a band or a length that cannot be meant, with what is accepted.
+    pub fn made(
+        shape: SignalShape,
+        peak_m: f64,
+        band_hz: [f64; 2],
+        seconds: f64,
+    ) -> Result<Self, String> {
+        let [low, high] = band_hz;
+        if !(low > 0.0 && low < high && high <= 100.0) {
+            return Err(format!(
+                "a band of {low} to {high} Hz is refused: accepted are two frequencies that rise, to 100 Hz"
+            ));
+        }
+        if !(peak_m > 0.0 && peak_m <= 10.0) {
+            return Err(format!(
+                "a peak of {} mm is refused: accepted are above 0 to 10000 mm",
+                1e3 * peak_m
+            ));
+        }
+        let shortest = match shape {
+            SignalShape::Chirp => 2.0 * FADE_S + 4.0 / low,
+            SignalShape::OddMultisine => 4.0 * PERIOD_S,
+        };
+        if !(shortest..=SECONDS[1]).contains(&seconds) {
+            return Err(format!(
+                "a signal of {seconds} s is refused: accepted are {shortest} to {} s for this shape and band",
+                SECONDS[1]
+            ));
+        }
+        let last = (seconds / INTERVAL_S).round() as usize;
+        let time_s = |i: usize| i as f64 * INTERVAL_S;
+        let shaped: Vec<f64> = match shape {
+            SignalShape::Chirp => {
+                // The phase of an exponential sweep; its size follows its frequency.
+                let rate = (high / low).ln() / seconds;
+                let at = |t: f64| low * (rate * t).exp();
+                (0..=last)
+                    .map(|i| (TAU * (at(time_s(i)) - low) / rate).sin() * level(at(time_s(i))))
+                    .collect()
+            }
+            SignalShape::OddMultisine => multisine(last, band_hz),
+        };
+        // A raised cosine at both ends: the rig stands before and behind it.
+        let fade = |i: usize| {
+            let inside_s = time_s(i.min(last - i));
+            0.5 - 0.5 * (std::f64::consts::PI * (inside_s / FADE_S).min(1.0)).cos()
+        };
+        let faded: Vec<f64> = shaped
+            .iter()
+            .enumerate()
+            .map(|(i, x)| x * fade(i))
+            .collect();
+        let largest = faded.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        Self {
+            interval_s: INTERVAL_S,
+            command_m: faded.iter().map(|x| x * peak_m / largest).collect(),
+        }
+        .checked()
+    }
+
+    /// As a file that [`load`](Self::load) reads back.
+    pub fn to_csv(&self) -> String {
+        let mut text = String::from("time_s,command_mm\n");
+        for (i, m) in self.command_m.iter().enumerate() {
+            let _ = writeln!(text, "{:.4},{:.5}", i as f64 * self.interval_s, 1e3 * m);
+        }
+        text
     }
 
     /// A designed test.
@@ -123,9 +218,68 @@ impl SignalPoints {
     }
 }
 
+/// Size of a line or of a sweep at a frequency, of that at the low ones.
+fn level(hz: f64) -> f64 {
+    (LEVEL_HZ / hz).min(1.0)
+}
+
+/// Periods of odd lines with phases by chance, samples 0 to `last`. In each group of four odd lines one is left out.
+fn multisine(last: usize, [low, high]: [f64; 2]) -> Vec<f64> {
+    let samples = (PERIOD_S / INTERVAL_S).round() as usize;
+    let odd = (1..samples / 2).step_by(2);
+    let band: Vec<usize> = odd
+        .filter(|h| (low..=high).contains(&(*h as f64 / PERIOD_S)))
+        .collect();
+    let drawn = (0..DRAWS).map(|seed| {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut bins = vec![Complex::default(); samples];
+        for group in band.chunks(4) {
+            let left_out = (random.next_u64() % 4) as usize;
+            for (i, h) in group.iter().enumerate() {
+                let phase = TAU * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+                if i != left_out {
+                    bins[*h] = Complex::from_polar(level(*h as f64 / PERIOD_S), phase);
+                }
+            }
+        }
+        fourier::inverse(samples).process(&mut bins);
+        bins.iter().map(|b| b.re).collect::<Vec<f64>>()
+    });
+    let peak = |x: &Vec<f64>| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let period = drawn.min_by(|a, b| {
+        let crest = |x: &Vec<f64>| peak(x) / x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        crest(a).total_cmp(&crest(b))
+    });
+    let period = period.unwrap_or_default();
+    (0..=last).map(|i| period[i % samples]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_made_signal_is_one_that_is_played_and_reads_back() {
+        for shape in [SignalShape::Chirp, SignalShape::OddMultisine] {
+            let made = SignalPoints::made(shape, 5e-3, [0.25, 10.0], 60.0).unwrap();
+            assert!((made.peak_m() - 5e-3).abs() < 1e-9);
+            assert!((made.seconds() - 60.0).abs() < 1e-9);
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("signal.csv");
+            std::fs::write(&path, made.to_csv()).unwrap();
+            let read = SignalPoints::load(&path).unwrap();
+            assert_eq!(read.command_m.len(), made.command_m.len());
+            assert!((read.peak_m() - made.peak_m()).abs() < 1e-8);
+        }
+        for (peak_m, band, seconds, said) in [
+            (0.0, [0.2, 10.0], 60.0, "a peak of 0 mm"),
+            (5e-3, [10.0, 0.2], 60.0, "two frequencies that rise"),
+            (5e-3, [0.2, 10.0], 3.0, "a signal of 3 s"),
+        ] {
+            let e = SignalPoints::made(SignalShape::Chirp, peak_m, band, seconds).unwrap_err();
+            assert!(e.contains(said), "{e}");
+        }
+    }
 
     fn signal(command_m: Vec<f64>) -> Result<SignalPoints, String> {
         SignalPoints {

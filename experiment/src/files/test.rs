@@ -1,14 +1,18 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
-use super::plain::{self, typed};
+use super::plain::{self, part, typed};
 use super::{read, refused, units};
+use crate::compensation::Compensation;
+use crate::coupled::part::CoupledPart;
 use crate::failure::Failure;
 use crate::files::serve::Settings;
+use crate::files::watch::WatchSettings;
 use crate::rig::declared::{self, Expected};
+use crate::rig::improvement;
+use crate::trace::Trace;
 use diagnosis::Model;
 use outerloop_core::Config;
 use plant::RigSpec;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -30,6 +34,10 @@ pub struct TestFile {
     pub board: BoardWanted,
     /// How the rig serves a program outside.
     pub serve: Settings,
+    /// Of a test of two coupled actuators: what only such a test has.
+    pub coupled: Option<Box<CoupledPart>>,
+    /// Whether the running test is watched.
+    pub watch: WatchSettings,
     /// The file as it was used, overrides and all.
     pub text: String,
 }
@@ -125,17 +133,71 @@ impl Excitation {
 }
 
 impl TestFile {
-    /// Reads `path` and applies the overrides `PATH=VALUE`.
+    /// Reads `path` and applies the overrides `PATH=VALUE`. A test of two coupled actuators is refused: not everything that
+    /// can be done with others can be done with one.
     ///
     /// # Errors
     /// A file, key or value that cannot be used.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, Failure> {
+        let test = Self::load_any(path, overrides)?;
+        if test.coupled.is_some() {
+            return Err(Failure::input(format!(
+                "{}: coupled is a test of two coupled actuators: accepted are the commands run, compare, check, sweep, replay \
+                 and diff, on the simulated rig",
+                path.display()
+            )));
+        }
+        Ok(test)
+    }
+
+    /// As [`TestFile::load`], of either kind.
+    ///
+    /// # Errors
+    /// A file, key or value that cannot be used.
+    pub fn load_any(path: &Path, overrides: &[String]) -> Result<Self, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = path.display().to_string();
         Self::parse(&read(path)?, &file, folder, overrides)
     }
 
-    /// Reads `text`, which came from `file`; records that it names are relative to `folder`.
+    /// What only a test of two coupled actuators has.
+    ///
+    /// # Errors
+    /// A test of another kind.
+    pub fn coupled_part(&self) -> Result<&CoupledPart, Failure> {
+        self.coupled.as_deref().ok_or_else(|| {
+            Failure::input(
+                "the test has no table [coupled]: accepted is a test of two coupled actuators",
+            )
+        })
+    }
+
+    /// The compensation that it asks for.
+    pub fn compensation(&self) -> Compensation {
+        match &self.coupled {
+            None => self.config.compensation.kind.into(),
+            Some(part) => part.declared.compensation.into(),
+        }
+    }
+
+    /// A compensation by its name, of those that this test can be run under.
+    ///
+    /// # Errors
+    /// Another name.
+    pub fn compensation_named(&self, name: &str) -> Result<Compensation, Failure> {
+        Compensation::named(name, self.coupled.is_some())
+    }
+
+    /// A record of this test without a step yet.
+    pub fn trace(&self) -> Trace {
+        let rate_hz = self.config.timing.rate_hz;
+        match &self.coupled {
+            None => Trace::new(self.config.degrees_of_freedom(), rate_hz),
+            Some(part) => Trace::of_coupled(&part.declared.structure.coordinates, rate_hz),
+        }
+    }
+
+    /// Reads `text`, which came from `file`, of either kind; records that it names are relative to `folder`.
     ///
     /// # Errors
     /// A key or value that cannot be used.
@@ -158,8 +220,17 @@ impl TestFile {
             .or_else(|| declared::from_plant(&self.config, &self.plant))
     }
 
+    /// What is to be said before the test runs.
+    pub fn remarks(&self) -> Vec<String> {
+        let late = improvement::remark_on_lateness(&self.config);
+        self.warning_of_true_delay()
+            .into_iter()
+            .chain(late)
+            .collect()
+    }
+
     /// A warning where the compensation is given what no laboratory knows.
-    pub fn warning_of_true_delay(&self) -> Option<String> {
+    fn warning_of_true_delay(&self) -> Option<String> {
         (self.expected == Expected::Truth).then(|| {
             format!(
                 "Nothing is declared of the actuator: the compensation is told the simulated one's true {} ms. A table \
@@ -170,23 +241,34 @@ impl TestFile {
     }
 
     fn from_table(mut table: Table, folder: &Path) -> Result<Self, String> {
-        if table.contains_key("coupled") {
-            return Err(
-                "coupled is a test of two coupled actuators: accepted are the commands run, compare and check, on the simulated \
-                 rig"
-                .into(),
-            );
-        }
         let text = toml::to_string(&table).unwrap_or_default();
         units::convert(&mut table)?;
-        let plant: RigSpec = part("plant", table.remove("plant"))?;
         let mut excitation: Excitation = part("excitation", table.remove("excitation"))?;
         excitation.check()?;
+        excitation.record = excitation.record.map(|record| folder.join(record));
+        if table.contains_key("coupled") {
+            let (coupled, plant, config) = CoupledPart::take(table)?;
+            return Ok(Self {
+                config,
+                plant,
+                declared: None,
+                expected: Expected::Default,
+                excitation,
+                board: BoardWanted::default(),
+                serve: Settings::default(),
+                watch: WatchSettings::default(),
+                coupled: Some(Box::new(coupled)),
+                text,
+            });
+        }
+        let mut plant: RigSpec = part("plant", table.remove("plant"))?;
+        plant.effects.retain(|e| e.enabled);
         let board: BoardWanted = part("board", table.remove("board"))?;
         board.check()?;
         let serve: Settings = part("serve", table.remove("serve"))?;
+        let watch: WatchSettings = part("watch", table.remove("watch"))?;
+        watch.check()?;
         serve.check()?;
-        excitation.record = excitation.record.map(|record| folder.join(record));
         lists_of_one(&mut table);
         let declared: Option<Model> = table
             .remove("declared")
@@ -214,6 +296,8 @@ impl TestFile {
             excitation,
             board,
             serve,
+            coupled: None,
+            watch,
             text,
         })
     }
@@ -246,14 +330,6 @@ pub fn parse<T>(
         };
         Failure::input(format!("{file}{set}: {mistake}"))
     })
-}
-
-/// The table `name` of a test file; its defaults where it is left out.
-///
-/// # Errors
-/// A key or value that is refused.
-pub fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> Result<T, String> {
-    value.map_or_else(|| Ok(T::default()), |value| typed(name, value))
 }
 
 /// One degree of freedom is written as numbers: core takes lists.

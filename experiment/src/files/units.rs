@@ -140,8 +140,27 @@ fn within(value: &mut Value, path: &str, unit: Option<&'static str>) -> Result<(
     Ok(())
 }
 
+/// The value that is said for the key at the end of a dotted path, `12 ms` or `12`, in the key's own unit.
+///
+/// # Errors
+/// No number; a unit that is unknown or of another quantity.
+pub fn value_at(path: &str, text: &str) -> Result<f64, String> {
+    let mut names = path.rsplit('.');
+    let key = names.find(|name| name.parse::<usize>().is_err());
+    let unit = key.and_then(|key| wanted(key.trim()));
+    match unit {
+        Some(unit) => converted(text, unit)?,
+        None => text.trim().parse().ok(),
+    }
+    .filter(|x: &f64| x.is_finite())
+    .ok_or_else(|| format!("`{}` is not a number", text.trim()))
+}
+
 /// The number of a value such as `12 ms` in `unit`; `None` of a text that does not begin with a number.
-fn converted(text: &str, unit: &str) -> Result<Option<f64>, String> {
+///
+/// # Errors
+/// A unit that is unknown, or of another quantity.
+pub fn converted(text: &str, unit: &str) -> Result<Option<f64>, String> {
     let Some((number, said)) = split(text) else {
         return Ok(None);
     };

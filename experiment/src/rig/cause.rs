@@ -25,10 +25,10 @@ impl Departures {
                 .and_then(|k| unless_ideal(k, row.ideal))
                 .unwrap_or(row.ideal);
         }
-        for effect in &actuator.effects {
+        for effect in actuator.effects.iter().filter(|e| e.enabled) {
             own.add(Channel::Actuator, effect);
         }
-        for effect in &specimen.effects {
+        for effect in specimen.effects.iter().filter(|e| e.enabled) {
             own.add(Channel::Specimen, effect);
         }
         own.others

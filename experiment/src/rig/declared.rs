@@ -215,8 +215,8 @@ pub fn undeclared(config: &Config, rig: &RigSpec, model: Option<&Model>) -> Vec<
     let effects = rig.effects.iter().filter(|effect| {
         let channel = effect.shows_in();
         match Quantity::parameter_of_error(channel, effect.name) {
-            Some(quantity) => wrong(quantity),
-            None => {
+            Some(quantity) if effect.is_of_the_whole_test() => wrong(quantity),
+            _ => {
                 let placed = EffectSpec::clone(effect).in_channel(channel);
                 !without.effects.contains(&placed)
             }

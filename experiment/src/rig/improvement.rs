@@ -19,10 +19,14 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
     let mut said = space(&known, config);
     timing(&known, config, &mut said);
     for (channel, effect) in known.not_correctable() {
-        said.push(format!(
-            "{effect} is not taken out: {}",
+        let at_rest_alone =
+            effect == Effect::StribeckFriction && known[Quantity::BearingFriction] == 0.0;
+        let why = if at_rest_alone {
+            "what was found of it is there at rest alone, and no force that slides"
+        } else {
             why_not(channel, effect)
-        ));
+        };
+        said.push(format!("{effect} is not taken out: {why}"));
     }
     for &channel in Channel::ALL {
         let corrected = model.channel(channel).and_then(|own| own.remainder);
@@ -33,6 +37,26 @@ pub fn apply(model: &Model, config: &mut Config) -> Vec<String> {
         }
     }
     said
+}
+
+/// What is said of a loop that waits for its force: nothing that the test file states of its timing is changed for it, where a
+/// model that is given to a test (`run --model`) expects it and sends the command ahead.
+pub fn remark_on_lateness(config: &Config) -> Option<String> {
+    let late_ms = config
+        .rig
+        .force_late_ms
+        .iter()
+        .fold(0.0_f64, |m, ms| m.max(*ms));
+    let compensated = config.compensation.kind;
+    if late_ms <= WORTH_PREDICTING_MS || compensated.predictor != Prediction::None {
+        return None;
+    }
+    Some(format!(
+        "The displacement waits {late_ms:.2} ms for its force (rig.force_late_ms, or channel_skew in [declared]), and the loop is later by \
+         as much: compensation.delay_ms = {} has to have that in it, and {compensated} does not predict. With {compensated}+afp the \
+         command is sent ahead, as run --model does.",
+        config.compensation.delay_ms
+    ))
 }
 
 /// The same without the timing, which a test file may state otherwise.

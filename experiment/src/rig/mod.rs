@@ -295,6 +295,7 @@ impl Departures {
 
     fn add(&mut self, channel: Channel, effect: &EffectSpec) {
         let own = Quantity::parameter_of_error(channel, effect.name);
+        let own = own.filter(|_| effect.is_of_the_whole_test());
         let row = own.map(|quantity| (quantity, &ROWS[quantity as usize].1));
         let error = row.and_then(|(_, row)| effect.parameter(row.error?.2));
         match row.zip(error) {

@@ -1,11 +1,10 @@
-//! Whether a test may be run, before the oil is on: eigenvalues where they are the truth, and the planned motion itself on
-//! the simulated rig where they are not.
+//! Whether a test may be run: what becomes of small motions of its loop, and the planned motion itself on the simulated rig.
 //!
 //! | loop | decided by |
 //! |---|---|
-//! | fixed force and predictor, linear specimen | eigenvalues, and the planned motion |
+//! | fixed force and predictor, linear specimen | small motions, and the planned motion |
 //! | the same, and a specimen that yields | both have to agree |
-//! | variable damping, corrected force, a predictor that learns | the planned motion, and `omega tau` for damping |
+//! | variable damping, corrected force, a predictor that learns | the planned motion, and `omega tau` without a predictor |
 //!
 //! The planned motion runs with the noise, the bits, the yielding and the effects of the test file, on the rig as it is
 //! and on two that differ from it by a standard deviation, later and stronger, sooner and weaker.
@@ -13,24 +12,19 @@
 //! # Limitations
 //! The rig is the simulated one. What is not in `[plant]` is in no verdict.
 
-pub mod monitor;
-pub mod promise;
-pub mod survey;
-
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::numbers::percent;
-use crate::stability;
-use crate::stability::closed_loop::Question;
+use crate::stability::growth::is_linear;
+use crate::stability::limits::lateness_of;
 use crate::stability::perturbed::Spread;
-use crate::stability::predictor::Knowledge;
-use crate::stability::rig::Variation;
-use crate::stability::structure_matrices::StructureMatrices;
+use crate::stability::small_motion::Learning;
+use crate::stability::structure_modes::StructureModes;
+use crate::stability::variation::Variation;
 use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, against_limit};
 use crate::trace::Response;
 use outerloop_core::config::Amb;
-use outerloop_core::linear::LinearForce;
 use outerloop_core::{Config, Force, Method, Prediction};
 use plant::actuator::ActuatorKind;
 use plant::specimen::SpecimenKind;
@@ -85,35 +79,26 @@ pub struct Judgement {
     pub expected_eps_rms_differing: f64,
 }
 
-/// What the eigenvalues of a loop say.
+/// What small motions of a loop do, as far as a verdict needs it.
 #[derive(Clone, Copy, Debug)]
-pub struct Eigenvalues {
-    /// All of them decay.
-    pub stable: bool,
+struct Small {
+    stable: bool,
     /// 1/s of model time.
-    pub growth_per_s: f64,
+    growth_per_s: f64,
     /// First natural frequency times lateness, rad.
-    pub phase_rad: f64,
+    phase_rad: f64,
 }
 
-impl Eigenvalues {
-    /// Those of a test on its rig.
-    ///
-    /// # Errors
-    /// A test or rig that cannot be written down.
-    pub fn of(test: &TestFile) -> Result<Self, Failure> {
-        let question = Question {
-            config: &test.config,
-            rig: &test.plant,
-            law: Knowledge::Learnt,
-        };
-        let frame = StructureMatrices::of(&test.config)?;
-        let row = stability::linear_verdict::linear_verdict(&question, &frame, &Variation::NONE)?;
-        let (late_s, _) = question.lateness(&frame, &Variation::NONE)?;
+impl Small {
+    fn of(e: &Experiment) -> Result<Self, Failure> {
+        let question = e.small_motions(Learning::On)?;
+        let structure = StructureModes::of(&e.test.config)?;
+        let row = question.small_motions(&structure, &Variation::NONE)?;
+        let late_s = lateness_of(&question, &structure, &Variation::NONE)?;
         Ok(Self {
             stable: row.stable,
             growth_per_s: row.growth_per_s,
-            phase_rad: frame.omega[0] / test.config.timing.time_scale * late_s,
+            phase_rad: structure.omega[0] / e.test.config.timing.time_scale * late_s,
         })
     }
 }
@@ -134,18 +119,10 @@ fn amb_gains_of_another_motion(config: &Config, peak_m: f64) -> bool {
         && peak_m > PUBLISHED_AMB_PEAK_M
 }
 
-/// True where the force is damped by what the energies say.
-fn damps(config: &Config) -> bool {
-    let c = &config.compensation;
-    let form = c.kind.force.linear(c, config.physical_storeys());
-    matches!(form, LinearForce::Damping { .. })
-}
-
 /// True where the loop is linear but for its specimen.
 pub fn fixed(test: &TestFile) -> bool {
-    let method = test.config.compensation.kind;
     let random = test.plant.actuator.kind == ActuatorKind::RandomMultiplier;
-    method.force == Force::None && !method.predictor.learns() && !random
+    is_linear(test.config.compensation.kind) && !random
 }
 
 /// The test on the rig as it is, and on two others.
@@ -175,8 +152,19 @@ fn runs(e: &Experiment, spread: &Spread, one_done: impl Fn() + Sync) -> Result<R
     Ok(Runs { own, later, sooner })
 }
 
+/// False where small motions of a loop that they decide over grow.
+///
+/// # Errors
+/// A test that cannot run.
+pub fn small_motions_decay(e: &Experiment) -> Result<bool, Failure> {
+    Ok(!fixed(&e.test) || Small::of(e)?.stable)
+}
+
 /// The figures of the planned motion.
-fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failure> {
+///
+/// # Errors
+/// A test that cannot run.
+pub fn planned(e: &Experiment, ideal: &Response, seed: u64) -> Result<Summary, Failure> {
     let method = e.test.config.compensation.kind;
     Ok(e.run(method, ideal, seed, false, ())?.summary)
 }
@@ -197,12 +185,11 @@ pub fn ran_away(s: &Summary) -> bool {
 /// A test that cannot run.
 pub fn judge(
     e: &Experiment,
-    eigenvalues: &Eigenvalues,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<Judgement, Failure> {
     let runs = runs(e, spread, one_done)?;
-    let (verdict, reason) = decide(e, eigenvalues, spread, &runs);
+    let (verdict, reason) = decide(e, &Small::of(e)?, spread, &runs);
     Ok(Judgement {
         verdict,
         reason,
@@ -213,7 +200,7 @@ pub fn judge(
 
 fn decide(
     e: &Experiment,
-    z: &Eigenvalues,
+    small: &Small,
     spread: &Spread,
     runs: &Runs,
 ) -> (SoundnessVerdict, String) {
@@ -222,11 +209,11 @@ fn decide(
     let fixed = fixed(&e.test);
     let elastic = e.test.plant.specimen.kind == SpecimenKind::Linear;
     let grows = format!(
-        "the response grows by {} a second by its eigenvalues",
-        percent(z.growth_per_s.exp_m1())
+        "small motions grow by {} a second",
+        percent(small.growth_per_s.exp_m1())
     );
     if ran_away(own) {
-        let grows = if z.stable {
+        let grows = if small.stable {
             String::new()
         } else {
             format!(", and {grows}")
@@ -238,7 +225,7 @@ fn decide(
         );
         return (Unstable, said);
     }
-    if fixed && elastic && !z.stable {
+    if fixed && elastic && !small.stable {
         return (Unstable, grows);
     }
     if let (TestVerdict::Tripped, Some(fault)) = (own.verdict, own.trip) {
@@ -255,7 +242,7 @@ fn decide(
         );
         return (Doubtful, said);
     }
-    if fixed && !z.stable {
+    if fixed && !small.stable {
         let said = format!(
             "{grows} while the specimen is elastic; the planned motion ran to its end with {} rms only because it yields",
             percent(own.eps_rms)
@@ -264,12 +251,12 @@ fn decide(
     }
     let method = e.test.config.compensation.kind;
     let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
-    let damped_only = damps(&e.test.config) && method.predictor == Prediction::None;
-    if damped_only && z.phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
+    let force_only = method.force != Force::None && method.predictor == Prediction::None;
+    if force_only && small.phase_rad > LARGEST_PHASE_RAD && differing > POOR_EPS_RMS {
         let said = format!(
-            "omega tau is {:.2}, and damping makes up for a lateness to about {LARGEST_PHASE_RAD}: the planned motion has \
-             an error of {} rms, and of {} on a rig that differs by {} of its delay",
-            z.phase_rad,
+            "omega tau is {:.2}, and a force law without a predictor makes up for a lateness to about {LARGEST_PHASE_RAD}: the \
+             planned motion has an error of {} rms, and of {} on a rig that differs by {} of its delay",
+            small.phase_rad,
             percent(own.eps_rms),
             percent(differing),
             percent(spread.delay)
@@ -300,9 +287,9 @@ fn decide(
         return (Doubtful, said);
     }
     let by = if fixed && elastic {
-        "its eigenvalues decay, and the planned motion"
+        "small motions decay, and the planned motion"
     } else {
-        "eigenvalues do not decide over such a loop; the planned motion"
+        "small motions do not decide over such a loop; the planned motion"
     };
     let said = format!(
         "{by} ran to its end on the simulated rig, and on two that differ from it, with an error of {} rms",

@@ -1,12 +1,10 @@
 //! How much later, stronger or faster a loop may become before it is unstable.
 
-use super::closed_loop::Question;
-use super::linear_verdict::linear_verdict;
-use super::predictor::Knowledge;
-use super::rig::Variation;
-use super::structure_matrices::StructureMatrices;
+use super::growth::Question;
+use super::small_motion::lateness_s;
+use super::structure_modes::StructureModes;
+use super::variation::Variation;
 use crate::failure::Failure;
-use crate::files::test::TestFile;
 use crate::rig::{Departures, Quantity};
 use outerloop_core::Prediction;
 use outerloop_core::config::Filter;
@@ -18,7 +16,7 @@ use serde::Serialize;
 pub struct StabilityLimit {
     /// As it is.
     pub present: f64,
-    /// Where the loop becomes unstable; null: nowhere within the range that was searched.
+    /// Where small motions begin to grow; null: nowhere within the range that was searched.
     pub limit: Option<f64>,
     /// What is left of it, per cent of the present value; negative: it is beyond.
     pub margin_percent: Option<f64>,
@@ -62,16 +60,36 @@ pub struct DelayPart {
 const MOST: f64 = 100.0;
 /// Longest extra delay that is searched to, in periods of the first mode.
 const LONGEST_PERIODS: f64 = 0.5;
-/// Bisections: a thousandth of a per mille.
-const BISECTIONS: usize = 20;
+/// Bisections: to a thousandth of the last step.
+const BISECTIONS: usize = 10;
+
+/// Delay of the measured behind the commanded displacement of the latest actuator at the first natural frequency, s of the
+/// laboratory, on the rig with `vary`.
+///
+/// # Errors
+/// A rig that cannot be built.
+pub fn lateness_of(
+    question: &Question<'_>,
+    structure: &StructureModes,
+    vary: &Variation,
+) -> Result<f64, Failure> {
+    let config = question.config;
+    let omega = structure.omega[0] / config.timing.time_scale;
+    lateness_s(
+        &vary.of(question.rig, config),
+        config,
+        omega,
+        &structure.first_shape,
+    )
+}
 
 /// All limits.
 ///
 /// # Errors
 /// A test that cannot be written down.
-pub fn of(question: &Question<'_>, frame: &StructureMatrices) -> Result<StabilityLimits, Failure> {
-    let stable = |vary: Variation| Ok(linear_verdict(question, frame, &vary)?.stable);
-    let late_ms = |vary: Variation| Ok(question.lateness(frame, &vary)?.0 * 1e3);
+pub fn of(question: &Question<'_>, structure: &StructureModes) -> Result<StabilityLimits, Failure> {
+    let stable = |vary: Variation| Ok(question.small_motions(structure, &vary)?.stable);
+    let late_ms = |vary: Variation| Ok(lateness_of(question, structure, &vary)? * 1e3);
     let now = stable(Variation::NONE)?;
     let present_ms = late_ms(Variation::NONE)?;
     let later = |s: f64| Variation {
@@ -86,7 +104,7 @@ pub fn of(question: &Question<'_>, frame: &StructureMatrices) -> Result<Stabilit
         gain: g,
         ..Variation::NONE
     };
-    let period_s = std::f64::consts::TAU / frame.omega[0] * question.config.timing.time_scale;
+    let period_s = std::f64::consts::TAU / structure.omega[0] * question.config.timing.time_scale;
     let delay = if now {
         let shortest = 0.5 / question.config.timing.rate_hz;
         beyond(shortest, LONGEST_PERIODS * period_s, |s| stable(later(s)))?
@@ -119,13 +137,11 @@ const POINTS: usize = 40;
 ///
 /// # Errors
 /// A test that cannot be written down.
-pub fn over_delay(test: &TestFile, limits: &StabilityLimits) -> Result<Vec<(f64, f64)>, Failure> {
-    let question = Question {
-        config: &test.config,
-        rig: &test.plant,
-        law: Knowledge::Learnt,
-    };
-    let frame = StructureMatrices::of(&test.config)?;
+pub fn over_delay(
+    question: &Question<'_>,
+    limits: &StabilityLimits,
+) -> Result<Vec<(f64, f64)>, Failure> {
+    let structure = StructureModes::of(question.config)?;
     let present_ms = limits.delay.present;
     let further_ms = match limits.delay.limit {
         Some(limit) if limit > present_ms => 1.5 * (limit - present_ms),
@@ -142,14 +158,15 @@ pub fn over_delay(test: &TestFile, limits: &StabilityLimits) -> Result<Vec<(f64,
     let rigs: Vec<Variation> = shorter.chain(longer).collect();
     rigs.into_par_iter()
         .map(|vary| {
-            let (late_s, _) = question.lateness(&frame, &vary)?;
-            let row = linear_verdict(&question, &frame, &vary)?;
+            let late_s = lateness_of(question, &structure, &vary)?;
+            let row = question.small_motions(&structure, &vary)?;
             Ok((1e3 * late_s, row.growth_per_s))
         })
         .collect()
 }
 
-/// The first value above 0 at which `stable` fails, sought in steps that double from `from`, at most to `to`.
+/// The first value above 0 at which `stable` fails, sought in steps that grow from `from`, at most to `to`; a rig that is
+/// refused is the end of what can be searched.
 fn beyond(
     from: f64,
     to: f64,
@@ -158,8 +175,10 @@ fn beyond(
     let (mut good, mut step) = (0.0, from);
     loop {
         let next = f64::min(good + step, to);
-        if !stable(next)? {
-            return bisect(good, next, stable).map(Some);
+        match stable(next) {
+            Ok(true) => {}
+            Ok(false) => return bisect(good, next, stable).map(Some),
+            Err(_) => return Ok(None),
         }
         if next >= to {
             return Ok(None);
@@ -169,7 +188,8 @@ fn beyond(
     }
 }
 
-/// The largest value below `from`, down to `to`, at which `stable` holds.
+/// The largest value below `from`, down to `to`, at which `stable` holds; a rig that is refused is the end of what can be
+/// searched.
 fn below(
     from: f64,
     to: f64,
@@ -181,10 +201,11 @@ fn below(
         if next < to {
             return Ok(None);
         }
-        if stable(next)? {
-            return bisect(next, bad, stable).map(Some);
+        match stable(next) {
+            Ok(true) => return bisect(next, bad, stable).map(Some),
+            Ok(false) => bad = next,
+            Err(_) => return Ok(None),
         }
-        bad = next;
     }
 }
 
@@ -217,8 +238,9 @@ fn time_scale(question: &Question<'_>) -> Result<Option<f64>, Failure> {
             config: &config,
             ..*question
         };
-        let frame = StructureMatrices::of(&config)?;
-        Ok(linear_verdict(&question, &frame, &Variation::NONE)?.stable)
+        let structure = StructureModes::of(&config)?;
+        let row = question.small_motions(&structure, &Variation::NONE)?;
+        Ok(row.stable)
     };
     let present = question.config.timing.time_scale;
     if stable(present)? {
@@ -258,7 +280,7 @@ const COMPUTING_MS: f64 = 0.0155;
 /// A test that cannot be written down.
 pub fn budget(
     question: &Question<'_>,
-    frame: &StructureMatrices,
+    structure: &StructureModes,
     limits: &StabilityLimits,
 ) -> Result<Vec<DelayPart>, Failure> {
     let config = question.config;
@@ -267,12 +289,12 @@ pub fn budget(
         DelayPart {
             part: "conversion",
             ms: CONVERSION_MS,
-            from: "assumed: both channels sampled within 20 us; not in the eigenvalues",
+            from: "assumed: both channels sampled within 20 us; not simulated",
         },
         DelayPart {
             part: "computing",
             ms: COMPUTING_MS,
-            from: "assumed: 1300 instructions of two cycles at 168 MHz; not in the eigenvalues",
+            from: "assumed: 1300 instructions of two cycles at 168 MHz; not simulated",
         },
         DelayPart {
             part: "dac",
@@ -307,11 +329,13 @@ pub fn budget(
             from: "estimation: low-pass",
         });
     }
-    if config.compensation.kind.predictor != Prediction::None {
+    if config.compensation.kind.predictor != Prediction::None
+        && let Some(left_s) = question.remaining_lateness_s(structure)?
+    {
         parts.push(DelayPart {
             part: "predictor",
-            ms: question.remaining_lateness(frame, &Variation::NONE)? * 1e3 - limits.delay.present,
-            from: "compensation: what it takes out at the first natural frequency",
+            ms: left_s * 1e3 - limits.delay.present,
+            from: "compensation: what it takes out in the first mode",
         });
     }
     Ok(parts)

@@ -1,72 +1,57 @@
-//! Stability of a test, before the oil is on: closed-loop eigenvalues of integrator, filter, compensation and
-//! actuator in discrete time.
+//! Stability of a test before it is run: what becomes of small motions of the real loop on the simulated rig.
 //!
 //! | look in | for |
 //! |---|---|
-//! | [`blocks`] | delays and lags as linear systems whose signals are rows |
-//! | [`rig`] | the simulated rig in small motion |
-//! | [`filter`] | the loop's own filter |
-//! | [`predictor`] | core's predictors |
-//! | [`interpolation`] | the command between targets |
-//! | [`closed_loop`] | all of it over one integration step, as a matrix |
-//! | [`spectrum`] | its eigenvalues |
-//! | [`largest`] | the largest of them, where there are many |
+//! | [`small_motion`] | the run after a blow: how small it is, what is left out of the rig |
+//! | [`pencil`] | what a free motion is made of |
+//! | [`growth`] | its growth, and the damping of the structure's modes in the loop |
+//! | [`structure_modes`] | those modes without the loop |
+//! | [`variation`] | a rig that differs from the declared one |
 //! | [`limits`] | how much later, stronger or faster it may become |
 //! | [`perturbed`] | the worst of many rigs |
 //!
 //! # Limitations
 //! Small motion about rest: a specimen that yields has its initial stiffness, which is the stiffest and the one that
-//! lateness makes unstable first. Variable damping is what it comes to over a cycle (see [`closed_loop`]); a predictor
-//! that learns is what it comes to at the first natural frequency (see [`predictor`]). Noise,
-//! quantisation and saturation move no eigenvalue; effects of `plant.effects` that are no gain, delay, lag, mass or viscous
-//! damping are not in them, and it is said.
+//! lateness makes unstable first. Over variable damping and a predictor that learns small motions do not decide: what they do
+//! depends on the size and the course of the motion. Effects of `plant.effects` that have no small motion are left out,
+//! and it is said.
 
-pub mod blocks;
-pub mod closed_loop;
-pub mod filter;
-pub mod interpolation;
-pub mod largest;
+pub mod growth;
 pub mod limits;
-pub mod linear_verdict;
+pub mod pencil;
 pub mod perturbed;
-pub mod predictor;
-pub mod rig;
-pub mod spectrum;
-pub mod structure_matrices;
+pub mod small_motion;
+pub mod structure_modes;
+pub mod variation;
 
+use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::files::test::TestFile;
 use crate::numbers::percent;
 use crate::rig::Departures;
-use closed_loop::Question;
+use growth::{LoopMode, Question, SmallMotions};
 use limits::{DelayPart, StabilityLimits};
-use linear_verdict::{LinearVerdict, linear_verdict};
 use outerloop_core::Method;
-use outerloop_core::linear::LinearForce;
 use perturbed::{Perturbed, Spread};
-use predictor::Knowledge;
 use rayon::prelude::*;
-use rig::Variation;
 use serde::Serialize;
-use spectrum::LoopMode;
-use structure_matrices::StructureMatrices;
+use small_motion::Learning;
+use structure_modes::StructureModes;
+use variation::Variation;
 
 /// What is found out about a test.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stability {
-    /// The compensation that was asked about, and its eigenvalues.
+    /// The compensation that was asked about, and its small motions.
     #[serde(flatten)]
-    pub row: LinearVerdict,
+    pub row: SmallMotions,
     /// The same before an adaptive predictor has learnt anything; null: it does not learn.
-    pub at_start: Option<LinearVerdict>,
+    pub at_start: Option<SmallMotions>,
     /// Control rate, Hz.
     pub rate_hz: f64,
     /// Laboratory time per model time.
     pub time_scale: f64,
     /// Integration step, s of model time.
     pub step_s: f64,
-    /// States of the loop.
-    pub states: usize,
     /// First natural frequency of the structure, Hz of model time.
     pub first_hz: f64,
     /// The structure's modes in the loop.
@@ -79,91 +64,100 @@ pub struct Stability {
     /// The worst of many rigs.
     pub perturbed: Perturbed,
     /// The other compensations on the same rig.
-    pub alternatives: Vec<LinearVerdict>,
-    /// Why it cannot be stable by its eigenvalues; `None` where it can.
+    pub alternatives: Vec<SmallMotions>,
+    /// Why small motions grow; `None` where they do not.
     #[serde(skip)]
     pub reason: Option<String>,
     /// What else is to be known.
     pub notes: Vec<String>,
 }
 
-/// Everything about `test` with its own compensation. `one_done` is called after every perturbed rig.
+impl Experiment {
+    /// The test's small motions; `learning` is what an adaptive predictor does in them.
+    ///
+    /// # Errors
+    /// A test that cannot run on an ideal rig.
+    pub fn small_motions(&self, learning: Learning) -> Result<Question<'_>, Failure> {
+        let peaks_m = self.ideal()?.peaks_m();
+        Ok(Question {
+            config: &self.test.config,
+            rig: &self.test.plant,
+            planned_peak_m: peaks_m.into_iter().fold(0.0, f64::max),
+            learning,
+        })
+    }
+}
+
+/// Everything about a test with its own compensation. `one_done` is called after every perturbed rig.
 ///
 /// # Errors
-/// A test or rig that cannot be written down.
+/// A test that cannot be run.
 pub fn answer(
-    test: &TestFile,
+    question: &Question<'_>,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<Stability, Failure> {
-    let config = &test.config;
-    let question = Question {
-        config,
-        rig: &test.plant,
-        law: Knowledge::Learnt,
-    };
-    let frame = StructureMatrices::of(config)?;
-    // A rig that cannot be built is refused by its own words.
-    let storeys = &config.structure.stiffness_n_per_m[..config.physical_storeys()];
-    plant::Rig::new(&test.plant, storeys, config.timing.rate_hz, 0).map_err(Failure::input)?;
-    let z = question.eigenvalues(&frame, &Variation::NONE)?;
-    let row = linear_verdict(&question, &frame, &Variation::NONE)?;
+    let config = question.config;
+    let structure = StructureModes::of(config)?;
+    let row = question.small_motions(&structure, &Variation::NONE)?;
     // One after the other, and many at once.
     let (limits, perturbed) = rayon::join(
-        || limits::of(&question, &frame),
-        || perturbed::of(&question, &frame, spread, &one_done),
+        || limits::of(question, &structure),
+        || perturbed::of(question, &structure, spread, &one_done),
     );
     let limits = limits?;
-    let at_start = config
-        .compensation
-        .kind
-        .predictor
-        .learns()
+    let learns = config.compensation.kind.predictor.learns();
+    let at_start = learns
         .then(|| {
-            let told = Question {
-                law: Knowledge::Declared,
-                ..question
+            let declared = Question {
+                learning: Learning::Off,
+                ..*question
             };
-            self::linear_verdict(&told, &frame, &Variation::NONE)
+            declared.small_motions(&structure, &Variation::NONE)
         })
         .transpose()?;
-    let alternatives = Method::ALL
+    let others = Method::ALL
         .into_par_iter()
+        .filter(|other| *other != config.compensation.kind);
+    let alternatives = others
         .map(|kind| {
             let mut config = config.clone();
             config.compensation.kind = kind;
-            let question = Question {
+            let other = Question {
                 config: &config,
-                ..question
+                ..*question
             };
-            self::linear_verdict(&question, &frame, &Variation::NONE)
+            other.small_motions(&structure, &Variation::NONE)
         })
-        .filter(|other| !matches!(other, Ok(o) if o.compensation == row.compensation))
         .collect::<Result<Vec<_>, _>>()?;
     let mut answer = Stability {
-        row,
         at_start,
         rate_hz: config.timing.rate_hz,
         time_scale: config.timing.time_scale,
         step_s: config.model_step_s(),
-        states: question
-            .transition(&frame, &Variation::NONE, frame.omega[0], 1)?
-            .nrows(),
-        first_hz: frame.omega[0] / std::f64::consts::TAU,
-        modes: spectrum::modes(&z, &frame.omega, config.model_step_s()),
-        delay_budget: limits::budget(&question, &frame, &limits)?,
+        first_hz: structure.omega[0] / std::f64::consts::TAU,
+        modes: row.modes.clone(),
+        delay_budget: limits::budget(question, &structure, &limits)?,
         limits,
         perturbed: perturbed?,
         alternatives,
         reason: None,
-        notes: Vec::new(),
+        notes: notes(question),
+        row,
     };
-    answer.notes = notes(test, &answer, question.at_bounds(&frame)?);
+    if let Some(start) = &answer.at_start {
+        answer.notes.push(format!(
+            "the predictor learns: its small motions are those of what it has learnt; as it was declared the response {} by \
+             {} a second until then",
+            if start.stable { "decays" } else { "grows" },
+            percent(start.growth_per_s.exp_m1().abs())
+        ));
+    }
     answer.reason = (!answer.row.stable).then(|| reason(&answer));
     Ok(answer)
 }
 
-/// Why it cannot be stable, and what would be.
+/// Why small motions grow, and with what they would not.
 fn reason(a: &Stability) -> String {
     let mut would = Vec::new();
     if let Some(ms) = a.limits.delay.limit {
@@ -178,7 +172,7 @@ fn reason(a: &Stability) -> String {
     let stable: Vec<_> = a
         .alternatives
         .iter()
-        .filter(|r| r.stable)
+        .filter(|r| r.stable && r.decides)
         .map(|r| r.compensation)
         .collect();
     if !stable.is_empty() {
@@ -187,7 +181,7 @@ fn reason(a: &Stability) -> String {
     if would.is_empty() {
         would.push("a softer specimen or more damping".into());
     }
-    // Where the motion that grows is not of the structure, its own modes may not be among the largest eigenvalues.
+    // Where the motion that grows is not of the structure, its own modes may not be seen beside it.
     let left = if a.row.damping_ratio.is_nan() {
         String::new()
     } else {
@@ -207,46 +201,26 @@ fn reason(a: &Stability) -> String {
     )
 }
 
-fn notes(test: &TestFile, answer: &Stability, at_bounds: bool) -> Vec<String> {
-    let c = &test.config.compensation;
+fn notes(question: &Question<'_>) -> Vec<String> {
     let mut notes = Vec::new();
-    let rig = Departures::of_rig(&test.plant, 0);
-    let others = rig.others.iter().filter(|e| !rig::is_lag(e));
+    let rig = Departures::of_rig(question.rig, 0);
+    let others = rig
+        .others
+        .iter()
+        .filter(|e| !small_motion::is_small(e.name));
     let others: Vec<&str> = others.map(|e| e.name.name()).collect();
     if !others.is_empty() {
         notes.push(format!(
-            "of plant.effects {} is not in the eigenvalues: run the test to see what it does",
+            "small motions are without {} of plant.effects: the planned motion has it",
             others.join(", ")
         ));
     }
-    if test.plant.specimen.kind != plant::specimen::SpecimenKind::Linear {
-        notes.push("the specimen is taken at its initial stiffness".into());
+    if question.rig.specimen.kind != plant::specimen::SpecimenKind::Linear {
+        notes.push("in small motions the specimen has its initial stiffness".into());
     }
-    match c.kind.force.linear(c, test.config.physical_storeys()) {
-        LinearForce::Measured => {}
-        LinearForce::Damping { .. } => notes.push(
-            "variable damping is taken as what it comes to over a cycle; it is not linear: look at a run as well"
-                .into(),
-        ),
-        LinearForce::AtTarget => notes.push(
-            "the corrected force is taken as the force at the target, with the stiffness that the specimen has; the \
-             declared one may be wrong: look at a run as well"
-                .into(),
-        ),
-    }
-    if let Some(start) = &answer.at_start {
-        notes.push(format!(
-            "the predictor learns: its eigenvalues are those of what it comes to on the rig at the first natural \
-             frequency; with what it was told the response {} by {} a second until it has learnt",
-            if start.stable { "decays" } else { "grows" },
-            percent(start.growth_per_s.exp_m1().abs())
-        ));
-    }
-    if at_bounds {
+    if !growth::is_linear(question.config.compensation.kind) {
         notes.push(
-            "what the predictor would have to learn is beyond the bounds of compensation.adaptation: it stays there, and \
-             what a law at its bounds does is not looked at"
-                .into(),
+            "small motions of such a loop do not decide what larger ones do: the planned motion does".into(),
         );
     }
     notes

@@ -1,9 +1,8 @@
 //! The worst of many rigs.
 
-use super::closed_loop::Question;
-use super::linear_verdict::linear_verdict;
-use super::rig::Variation;
-use super::structure_matrices::StructureMatrices;
+use super::growth::Question;
+use super::structure_modes::StructureModes;
+use super::variation::Variation;
 use crate::failure::Failure;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -33,15 +32,13 @@ pub struct Spread {
 pub struct Perturbed {
     /// Which rigs.
     pub spread: Spread,
-    /// How many of them are unstable.
+    /// On how many of them a small motion grows.
     pub unstable: usize,
-    /// Largest spectral radius.
-    pub worst_radius: f64,
-    /// Its growth, 1/s of model time.
+    /// Fastest growth of a small motion, 1/s of model time.
     pub worst_growth_per_s: f64,
     /// Smallest damping ratio of the first mode.
     pub least_damping_ratio: f64,
-    /// The rig with the largest spectral radius.
+    /// The rig with the fastest growth.
     pub worst: Option<Variation>,
     /// Growth of each, ascending.
     #[serde(skip)]
@@ -77,7 +74,7 @@ impl Spread {
 /// A test that cannot be written down.
 pub fn of(
     question: &Question<'_>,
-    frame: &StructureMatrices,
+    structure: &StructureModes,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<Perturbed, Failure> {
@@ -85,17 +82,16 @@ pub fn of(
         .draw()
         .into_par_iter()
         .map(|vary| {
-            let row = linear_verdict(question, frame, &vary);
+            let row = question.small_motions(structure, &vary);
             one_done();
             Ok((vary, row?))
         })
         .collect::<Result<Vec<_>, Failure>>()?;
-    rows.sort_by(|a, b| a.1.spectral_radius.total_cmp(&b.1.spectral_radius));
+    rows.sort_by(|a, b| a.1.growth_per_s.total_cmp(&b.1.growth_per_s));
     let worst = rows.last();
     Ok(Perturbed {
         spread: *spread,
         unstable: rows.iter().filter(|(_, r)| !r.stable).count(),
-        worst_radius: worst.map_or(f64::NAN, |(_, r)| r.spectral_radius),
         worst_growth_per_s: worst.map_or(f64::NAN, |(_, r)| r.growth_per_s),
         least_damping_ratio: rows
             .iter()

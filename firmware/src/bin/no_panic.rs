@@ -9,8 +9,8 @@
 use core::hint::black_box;
 use core::mem::MaybeUninit;
 use firmware as _;
-use outerloop_core::coupled::CoupledLoop;
-use outerloop_core::{Event, GroundMotion, OuterLoop, Sample};
+use outerloop_core::coupled::CoupledRig;
+use outerloop_core::{Event, GroundMotion, OuterLoop, Rig, Sample};
 
 unsafe extern "C" {
     /// Does not exist.
@@ -24,17 +24,10 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 }
 
 #[inline(never)]
-fn period<const N: usize>(outer: &mut OuterLoop<N>) {
+fn period<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     let _ = black_box(outer.handle(black_box(Event::Start)));
     outer.set_commissioning_command(black_box(None));
     let sample = black_box(Sample::new([0.0; N], [0.0; N]));
-    black_box(outer.step(&sample, &black_box(GroundMotion::none())));
-}
-
-#[inline(never)]
-fn coupled(outer: &mut CoupledLoop<3>) {
-    let _ = black_box(outer.handle(black_box(Event::Start)));
-    let sample = black_box(Sample::new([0.0; 2], [0.0; 2]));
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }
 
@@ -42,7 +35,7 @@ fn coupled(outer: &mut CoupledLoop<3>) {
 fn main() -> ! {
     static mut ONE: MaybeUninit<OuterLoop<1>> = MaybeUninit::uninit();
     static mut THREE: MaybeUninit<OuterLoop<3>> = MaybeUninit::uninit();
-    static mut COUPLED: MaybeUninit<CoupledLoop<3>> = MaybeUninit::uninit();
+    static mut COUPLED: MaybeUninit<OuterLoop<3, CoupledRig>> = MaybeUninit::uninit();
     static mut EIGHT: MaybeUninit<OuterLoop<8>> = MaybeUninit::uninit();
     loop {
         // SAFETY: none is claimed: the image is linked and looked at, not run.
@@ -50,7 +43,7 @@ fn main() -> ! {
             period(black_box(&mut *ONE).assume_init_mut());
             period(black_box(&mut *THREE).assume_init_mut());
             period(black_box(&mut *EIGHT).assume_init_mut());
-            coupled(black_box(&mut *COUPLED).assume_init_mut());
+            period(black_box(&mut *COUPLED).assume_init_mut());
         }
         #[cfg(feature = "planted-panic")]
         black_box([0_u8; 4][black_box(1_usize)]);

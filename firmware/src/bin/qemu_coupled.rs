@@ -25,10 +25,7 @@ fn run() -> Result<(), HostGone> {
     let (mut worst, mut total) = (0, 0);
     while let Some(input) = scenario.next_input() {
         let begin = watch.now();
-        let tracked =
-            scenario
-                .tracker
-                .step(&input.target, &input.measured_m, input.ground_m_per_s2);
+        let tracked = scenario.track(&input);
         let ticks = SysTick::between(begin, watch.now());
         worst = ticks.max(worst);
         total += ticks;

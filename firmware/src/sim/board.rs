@@ -16,8 +16,10 @@ pub const CODES: CodeRange = CodeRange {
     command_spare: 300,
 };
 
-/// What is recorded beside displacement and force, of boards with up to three actuators: their commands read back.
-const INPUTS: [Input; MAX_ACTUATORS] = [
+/// What is recorded beside displacement and force: a second displacement, which a [`Faulty`](super::Faulty) board shows, and of up
+/// to three actuators the commands read back.
+const INPUTS: [Input; 1 + MAX_ACTUATORS] = [
+    Input::SecondDisplacement,
     Input::CommandReadBack(0),
     Input::CommandReadBack(1),
     Input::CommandReadBack(2),
@@ -87,7 +89,9 @@ fn code(line: ChannelCalibration, quantity: f64) -> u16 {
 
 impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     const CODES: CodeRange = CODES;
-    const INPUTS: &'static [Input] = INPUTS.split_at(A).0;
+    const INPUTS: &'static [Input] = INPUTS.split_at(1 + A).0;
+    // A hundredth of the range.
+    const READ_BACK_OFF: u16 = 41;
     const INPUT_SPAN_V: [f32; 2] = [-10.0, 10.0];
 
     fn now(&self) -> u32 {
@@ -108,7 +112,12 @@ impl<P: Plant<A>, const A: usize> Hardware<A> for SimBoard<P, A> {
     }
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        core::array::from_fn(|input| self.shown.get(input).copied().unwrap_or(0))
+        let shown = |input: usize| self.shown.get(input.checked_sub(1)?).copied();
+        core::array::from_fn(|input| shown(input).unwrap_or(0))
+    }
+
+    fn is_set_up(&mut self) -> bool {
+        true
     }
 
     fn began_late(&self) -> bool {

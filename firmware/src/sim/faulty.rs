@@ -34,6 +34,12 @@ pub struct Broken {
     pub hold_pressed: bool,
     /// The contact of the permission's chain stands like this.
     pub chain: Option<bool>,
+    /// The output converter has lost its set-up.
+    pub output_lost: bool,
+    /// The second displacement reads so many codes more than the first.
+    pub second_displacement_off: u16,
+    /// The load cell shows its middle code.
+    pub dead_force: bool,
     /// Steps begin later than they can.
     pub begins_late: bool,
 }
@@ -44,6 +50,8 @@ pub struct Faulty<H> {
     pub board: H,
     /// What is broken in it.
     pub broken: Broken,
+    /// The code of the first displacement in the last sample.
+    first_displacement: u16,
 }
 
 impl<H> Faulty<H> {
@@ -52,6 +60,7 @@ impl<H> Faulty<H> {
         Self {
             board,
             broken: Broken::default(),
+            first_displacement: 0,
         }
     }
 }
@@ -59,6 +68,7 @@ impl<H> Faulty<H> {
 impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
     const CODES: CodeRange = H::CODES;
     const INPUTS: &'static [Input] = H::INPUTS;
+    const READ_BACK_OFF: u16 = H::READ_BACK_OFF;
     const INPUT_SPAN_V: [f32; 2] = H::INPUT_SPAN_V;
 
     fn now(&self) -> u32 {
@@ -80,11 +90,34 @@ impl<H: Hardware<A>, const A: usize> Hardware<A> for Faulty<H> {
         {
             *place = broken;
         }
+        if self.broken.dead_force {
+            for [_, force] in &mut codes {
+                *force = H::CODES.sensor_top / 2;
+            }
+        }
+        self.first_displacement = codes[0][0];
         (!self.broken.no_sample).then_some(codes)
     }
 
     fn inputs(&self) -> [u16; MAX_INPUTS] {
-        self.board.inputs()
+        let mut inputs = self.board.inputs();
+        // The wires are exchanged behind where the commands are read back.
+        if let Some((Wire::Command, [one, other])) = self.broken.exchanged {
+            // Behind the second displacement.
+            inputs.swap(1 + one, 1 + other);
+        }
+        for (place, input) in inputs.iter_mut().zip(H::INPUTS) {
+            if *input == Input::SecondDisplacement {
+                *place = self
+                    .first_displacement
+                    .saturating_add(self.broken.second_displacement_off);
+            }
+        }
+        inputs
+    }
+
+    fn is_set_up(&mut self) -> bool {
+        !self.broken.output_lost && self.board.is_set_up()
     }
 
     fn began_late(&self) -> bool {

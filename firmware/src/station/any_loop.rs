@@ -15,7 +15,7 @@ pub enum AnyLoop {
     /// Two.
     Two(OuterLoop<2>),
     /// Three.
-    ExternalThree(OuterLoop<3>),
+    Three(OuterLoop<3>),
 }
 
 /// Does `$body` with the loop, of whatever size.
@@ -24,7 +24,7 @@ macro_rules! each_loop {
         match $any {
             $crate::station::any_loop::AnyLoop::One($outer) => $body,
             $crate::station::any_loop::AnyLoop::Two($outer) => $body,
-            $crate::station::any_loop::AnyLoop::ExternalThree($outer) => $body,
+            $crate::station::any_loop::AnyLoop::Three($outer) => $body,
         }
     };
 }
@@ -40,7 +40,7 @@ impl AnyLoop {
         match config.structure.mass_kg.len() {
             1 => Self::of(config, Self::One),
             2 => Self::of(config, Self::Two),
-            3 => Self::of(config, Self::ExternalThree),
+            3 => Self::of(config, Self::Three),
             floors => Err(too_many(floors)),
         }
     }
@@ -53,7 +53,7 @@ impl AnyLoop {
         match config.structure.mass_kg.len() {
             1 => self.put(config, Self::One),
             2 => self.put(config, Self::Two),
-            3 => self.put(config, Self::ExternalThree),
+            3 => self.put(config, Self::Three),
             floors => Err(too_many(floors)),
         }
     }

@@ -5,7 +5,7 @@ use super::period::{Output, Station};
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
 use link::status::Timing;
-use outerloop_core::{Event, Mode};
+use outerloop_core::{Event, Fault, Mode, Rejected};
 
 impl<const A: usize> Station<A> {
     pub(super) fn carry_out(
@@ -15,7 +15,12 @@ impl<const A: usize> Station<A> {
     ) -> Result<Returned, RefusedOrder> {
         let idle = self.state() == Mode::Idle;
         match order {
-            Order::Event(event) => self.event(event),
+            Order::Event(event) => {
+                if event == Event::Arm {
+                    self.output_lost |= !hardware.is_set_up();
+                }
+                self.event(event)
+            }
             Order::History(index) => {
                 let mut words = heapless::Vec::new();
                 // There is room for a record of every size of loop.
@@ -73,6 +78,17 @@ impl<const A: usize> Station<A> {
         let something = shaken || self.signal.is_some() || self.targets_from_pc;
         if event == Event::Arm && !something {
             return Err(RefusedOrder::NothingToRun);
+        }
+        let integrates = shaken && self.signal.is_none() && !self.targets_from_pc;
+        if event == Event::Arm && integrates && !self.setup.stops_by_energy {
+            return Err(RefusedOrder::NoEnergyTrip);
+        }
+        if event == Event::Arm && self.output_lost {
+            return Err(RefusedOrder::Event(Rejected {
+                state: self.state(),
+                event,
+                obstacle: Some(Fault::Output),
+            }));
         }
         let state = self.setup.outer.handle(event);
         if state == Ok(Mode::Idle) {

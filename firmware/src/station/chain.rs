@@ -1,30 +1,52 @@
 //! The chain behind the PERMIT line: relays and valves whose contact is read back, and has to follow.
 
-/// Time within which the contact has to follow, s: relays take some tens of milliseconds.
+/// Time within which the contact has to follow the line, s: relays take some tens of milliseconds.
 pub const CHAIN_TIMEOUT_S: f64 = 0.1;
+
+/// Time for which a contact that was closed may be open while PERMIT is high, s: what hangs on it has no permission meanwhile,
+/// falls behind, and must not be let go again.
+pub const CHAIN_OPEN_S: f64 = 0.003;
 
 /// For how long line and contact have disagreed.
 #[derive(Clone, Copy, Debug)]
 pub struct ChainWatch {
     steps: u32,
+    /// The contact has closed since PERMIT is high.
+    was_closed: bool,
 }
 
 impl ChainWatch {
     /// They agree.
     pub const fn new() -> Self {
-        Self { steps: 0 }
+        Self {
+            steps: 0,
+            was_closed: false,
+        }
     }
 
-    /// Takes in a step; returns whether the contact has disagreed for more than `timeout_steps`: a relay that does not
-    /// close, one whose contacts are welded, or a wire that is broken or shorted.
+    /// Takes in a step; returns whether the contact has disagreed for more than `timeout_steps`: a relay that does not close, one whose
+    /// contacts are welded, or a wire that is broken or shorted; and one that opens by itself, for more than
+    /// `open_steps`.
     #[inline]
-    pub fn disagrees(&mut self, permit: bool, closed: bool, timeout_steps: u32) -> bool {
+    pub fn disagrees(
+        &mut self,
+        permit: bool,
+        closed: bool,
+        timeout_steps: u32,
+        open_steps: u32,
+    ) -> bool {
         self.steps = if permit == closed {
             0
         } else {
             self.steps.saturating_add(1)
         };
-        self.steps > timeout_steps
+        self.was_closed = permit && (self.was_closed || closed);
+        let patience = if self.was_closed {
+            open_steps
+        } else {
+            timeout_steps
+        };
+        self.steps > patience
     }
 }
 
@@ -33,14 +55,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_relay_may_take_its_time_and_no_more() {
+    fn a_relay_may_take_its_time_to_close_and_no_more() {
         let mut watch = ChainWatch::new();
         for _ in 0..200 {
-            assert!(!watch.disagrees(true, false, 200));
+            assert!(!watch.disagrees(true, false, 200, 6));
         }
-        assert!(watch.disagrees(true, false, 200));
-        assert!(!watch.disagrees(true, true, 200));
+        assert!(watch.disagrees(true, false, 200, 6));
+        assert!(!watch.disagrees(true, true, 200, 6));
         // Welded: PERMIT is low and the contact stays closed.
-        assert!((0..=200).any(|_| watch.disagrees(false, true, 200)));
+        let welded = (0..=200).filter(|_| watch.disagrees(false, true, 200, 6));
+        assert_eq!(welded.count(), 1);
+    }
+
+    #[test]
+    fn a_contact_that_opens_by_itself_is_seen_within_four_milliseconds() {
+        let mut watch = ChainWatch::new();
+        assert!(!watch.disagrees(true, true, 200, 6));
+        let tolerated = (0..20).take_while(|_| !watch.disagrees(true, false, 200, 6));
+        assert_eq!(tolerated.count(), 6);
     }
 }

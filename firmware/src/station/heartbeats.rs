@@ -4,7 +4,7 @@
 //! [`TASK_TIMEOUT_S`]. So the watchdog resets the board when the interrupt stops, when a task starves, and when the program hangs
 //! with interrupts off.
 
-use super::chain::CHAIN_TIMEOUT_S;
+use super::chain::{CHAIN_OPEN_S, CHAIN_TIMEOUT_S};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Whose heartbeat it is.
@@ -33,6 +33,8 @@ pub struct Timeouts {
     pub pc_steps: u32,
     /// For the contact behind PERMIT to follow the line.
     pub chain_steps: u32,
+    /// For that contact to be open after it has closed.
+    pub open_steps: u32,
 }
 
 impl Timeouts {
@@ -42,6 +44,7 @@ impl Timeouts {
             task_steps: (TASK_TIMEOUT_S * rate_hz) as u32,
             pc_steps: (PC_TIMEOUT_S * rate_hz) as u32,
             chain_steps: (CHAIN_TIMEOUT_S * rate_hz) as u32,
+            open_steps: (CHAIN_OPEN_S * rate_hz) as u32,
         }
     }
 }

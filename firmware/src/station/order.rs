@@ -33,7 +33,7 @@ pub enum Order {
     Target(PerActuator<f32>),
     /// A record of the steps before a fault.
     History(u8),
-    /// How are you.
+    /// A snapshot of the loop's status.
     LoopStatus,
 }
 
@@ -69,6 +69,8 @@ pub enum RefusedOrder {
     NotConfigured,
     /// There is nothing to run.
     NothingToRun,
+    /// The loop integrates, and no energy error stops it.
+    NoEnergyTrip,
     /// Only while idle.
     NotIdle(Option<Order>),
 }

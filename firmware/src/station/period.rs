@@ -5,6 +5,8 @@ use super::chain::ChainWatch;
 use super::heartbeats::{Heartbeat, Heartbeats};
 use super::motion::Loaded;
 use super::order::{Order, Outcome};
+use super::read_back::ReadBack;
+use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
 use crate::hardware::Hardware;
@@ -13,6 +15,10 @@ use heapless::spsc::{Consumer, Producer};
 use link::channel::{Calibration, ErrorFeedback};
 use link::telemetry::StepReport;
 use outerloop_core::{Event, Fault, GroundMotion, Mode, Sample};
+
+/// The converters are asked whether they are set up in every step with none of these bits in its number: every 0.13 s at
+/// 2 kHz.
+const ASKED_EVERY_STEPS: u32 = 0xff;
 
 /// A step's report with its number.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +48,14 @@ pub struct Station<const A: usize = 1> {
     late: bool,
     held: bool,
     chain: ChainWatch,
+    read_back: ReadBack<A>,
+    /// An output has shown something else than it was sent.
+    output_differs: bool,
+    sensors: SensorWatch<A>,
+    /// What the sensors of the last sample contradict each other in.
+    sensor_fault: Option<Fault>,
+    /// A converter is not set up any more.
+    pub(super) output_lost: bool,
     heartbeats: &'static Heartbeats,
     orders: Consumer<'static, Order>,
     outcomes: Producer<'static, Outcome>,
@@ -51,6 +65,8 @@ pub struct Station<const A: usize = 1> {
 /// The last outputs to the converters and the PERMIT line.
 pub(super) struct Output<const A: usize> {
     feedback: [ErrorFeedback; A],
+    /// The codes that were sent last; none before the first, and where the last command could not be shown.
+    sent: [Option<u16>; A],
     /// The last command of one of them could not be shown.
     pub(super) out_of_range: bool,
     pub(super) permit: bool,
@@ -60,6 +76,7 @@ impl<const A: usize> Output<A> {
     pub(super) const fn new() -> Self {
         Self {
             feedback: [const { ErrorFeedback::new() }; A],
+            sent: [None; A],
             out_of_range: false,
             permit: false,
         }
@@ -102,6 +119,11 @@ impl<const A: usize> Station<A> {
             late: false,
             held: false,
             chain: ChainWatch::new(),
+            read_back: ReadBack::new(),
+            output_differs: false,
+            sensors: SensorWatch::new(),
+            sensor_fault: None,
+            output_lost: false,
             heartbeats,
             orders: ends.orders,
             outcomes: ends.outcomes,
@@ -143,6 +165,7 @@ impl<const A: usize> Station<A> {
         });
         let fresh = codes.is_some();
         let fault = self.fault(hardware, starved, late);
+        let chain_open = !hardware.permit_chain_closed();
 
         // Step and command.
         let commissioning_m = self.commissioning_m();
@@ -152,15 +175,34 @@ impl<const A: usize> Station<A> {
         let time = &mut self.setup.time;
         let codes = self.codes;
         let moves = self.signal.as_ref().map_or(0, Generator::actuator);
+        let inputs;
         let step = each_loop!(&mut self.setup.outer, outer => {
             outer.set_commissioning_command(commissioning_m.map(|commissioning_m| on_one_axis(moves, commissioning_m)));
             let mut sample = on_floors(&read);
-            (sample.fresh, sample.fault) = (fresh, fault);
+            (sample.fresh, sample.fault, sample.chain_open) = (fresh, fault, chain_open);
             let step = outer.step(&sample, ground);
             output.show(hardware, calibrations, of_actuators(&step.command_m), step.permit);
             self.late = !time.add(hardware.now().wrapping_sub(begin));
-            StepReport::of(step.record, &codes, hardware.inputs(), moves)
+            inputs = hardware.inputs();
+            StepReport::of(step.record, &codes, inputs, moves)
         });
+
+        let differs = self
+            .read_back
+            .differs::<H>(&inputs, fresh, self.output.sent);
+        self.look_at_output(hardware, differs);
+        let tests = self.state().integrates() && self.signal.is_none() && !self.targets_from_pc;
+        let m_per_code = self
+            .calibrations
+            .first()
+            .map_or(0.0, |c| c.displacement.per_code);
+        self.sensor_fault = self.sensors.fault::<H>(
+            &self.setup.sensors,
+            &inputs,
+            (&codes, m_per_code),
+            &read,
+            tests,
+        );
 
         // The command is out: report, one order, watchdog.
         let report = Report {
@@ -191,6 +233,7 @@ impl<const A: usize> Station<A> {
             self.output.permit,
             hardware.permit_chain_closed(),
             timeouts.chain_steps,
+            timeouts.open_steps,
         );
         let mut codes = self.codes.iter().flatten();
         let rail = codes.any(|&code| H::CODES.at_rail(code));
@@ -200,8 +243,12 @@ impl<const A: usize> Station<A> {
             Some(Fault::PermitChain)
         } else if starved.is_some() || self.heartbeats.pc_is_lost(timeouts) {
             Some(Fault::LinkLost)
+        } else if self.output_lost || self.output_differs {
+            Some(Fault::Output)
         } else if rail {
             Some(Fault::AdcRail)
+        } else if self.sensor_fault.is_some() {
+            self.sensor_fault
         } else if self.output.out_of_range {
             Some(Fault::Displacement)
         } else if late {
@@ -209,6 +256,17 @@ impl<const A: usize> Station<A> {
         } else {
             None
         }
+    }
+
+    /// What the outputs show, and every so often, while nothing moves, whether the converters are still set up: one that
+    /// lost its supply for a moment is clamped to ground and takes no codes. What was lost then stays so until the board is
+    /// started again, which sets it up.
+    fn look_at_output<H: Hardware<A>>(&mut self, hardware: &mut H, differs: bool) {
+        let idle = self.state() == Mode::Idle;
+        if idle && self.tick & ASKED_EVERY_STEPS == 0 {
+            self.output_lost = !hardware.is_set_up();
+        }
+        self.output_differs = differs;
     }
 
     /// The button, when it goes down, holds a test and ends an approach.
@@ -283,6 +341,9 @@ impl<const A: usize> Output<A> {
             };
             if let Some(code) = code {
                 hardware.output(actuator, code);
+            }
+            if let Some(sent) = self.sent.get_mut(actuator) {
+                *sent = code;
             }
             // Outside its range the converter stays where it is, and the test trips with the next sample.
             self.out_of_range |= code.is_none();

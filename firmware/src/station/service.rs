@@ -199,14 +199,6 @@ impl Service {
         }
     }
 
-    /// Receives a good frame that holds no command of this version.
-    pub fn not_understood(&mut self, request: u16) -> NumberedReply {
-        NumberedReply {
-            request,
-            reply: Reply::Unknown,
-        }
-    }
-
     /// The outcome of the order has come. `Wait`: another one was needed.
     pub fn finish(&mut self, outcome: Outcome) -> CommandResult {
         let pending = core::mem::replace(&mut self.pending, Pending::Nothing);
@@ -318,6 +310,11 @@ impl Service {
             RefusedOrder::NothingToRun => {
                 self.rejected(Some(Event::Arm), Some(Obstacle::NothingToRun))
             }
+            RefusedOrder::NoEnergyTrip => Reply::Refused(RefusedParameter::new(
+                "limits.energy_trip",
+                f64::NAN,
+                "an energy error, relative to the energy in the test, that stops a test which the loop integrates: 3 is sound",
+            )),
             RefusedOrder::NotIdle(order) => {
                 match order {
                     Some(Order::Exchange(setup)) => self.spare = Some(setup),

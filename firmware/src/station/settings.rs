@@ -102,10 +102,12 @@ impl Wiring {
         }
     }
 
-    /// The calibration, if it is of converters with `codes` and means something.
+    /// The calibration, if it is of converters with `codes`, means something, and is not what a board goes by that nobody has
+    /// calibrated: a test on the desk may have left that.
     pub fn of(&self, codes: &CodeRange) -> Option<Calibration> {
         let fits = self.tops == [codes.sensor_top, codes.command_top];
-        (fits && self.calibration.check(codes).is_ok()).then_some(self.calibration)
+        let made = self.calibration != Calibration::placeholder(codes);
+        (fits && made && self.calibration.check(codes).is_ok()).then_some(self.calibration)
     }
 }
 
@@ -185,7 +187,13 @@ mod tests {
             command_top: 65_535,
             ..CODES
         };
-        assert!(wiring().of(&CODES).is_some());
-        assert_eq!(wiring().of(&sixteen), None);
+        let made = Wiring::new(Calibration::over(0.1, 1e4, &CODES), &CODES);
+        assert_eq!(made.of(&CODES), Some(made.calibration));
+        assert_eq!(made.of(&sixteen), None);
+    }
+
+    #[test]
+    fn what_a_board_goes_by_that_nobody_has_calibrated_is_no_calibration() {
+        assert_eq!(wiring().of(&CODES), None);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::any_loop::AnyLoop;
 use super::heartbeats::Timeouts;
+use super::sensors::SensorLimits;
 use crate::step_time::StepTime;
 use outerloop_core::{Config, Refusal};
 
@@ -36,6 +37,10 @@ pub struct Setup {
     pub model_step_s: f64,
     /// The timeouts of the tasks and the PC at this rate.
     pub timeouts: Timeouts,
+    /// What the test allows of sensors that contradict each other.
+    pub sensors: SensorLimits,
+    /// It is stopped by its energy error.
+    pub stops_by_energy: bool,
     /// Somebody has asked for this test; the one that a board starts with cannot be armed.
     pub configured: bool,
 }
@@ -60,15 +65,25 @@ impl Setup {
         let timeouts = Timeouts::at(config.timing.rate_hz);
         let time = StepTime::new(clock.deadline_ticks);
         let (rate_hz, model_step_s) = (config.timing.rate_hz as f32, config.model_step_s());
-        AnyLoop::new(config).map(|outer| Self {
-            outer,
-            time,
-            period_ticks,
-            rate_hz,
-            model_step_s,
-            timeouts,
-            configured,
-        })
+        let (sensors, stops_by_energy) = (
+            SensorLimits::of(config),
+            config.limits.energy_trip.is_some(),
+        );
+        // No closure: the stack would hold the loop once more.
+        match AnyLoop::new(config) {
+            Ok(outer) => Ok(Self {
+                outer,
+                time,
+                period_ticks,
+                rate_hz,
+                model_step_s,
+                timeouts,
+                sensors,
+                stops_by_energy,
+                configured,
+            }),
+            Err(refusal) => Err(refusal),
+        }
     }
 
     /// Works `config` out in the place of this test, which stays where `config` is refused. For a deep stack: nothing large
@@ -90,6 +105,8 @@ impl Setup {
         self.rate_hz = config.timing.rate_hz as f32;
         self.model_step_s = config.model_step_s();
         self.timeouts = Timeouts::at(config.timing.rate_hz);
+        self.sensors = SensorLimits::of(config);
+        self.stops_by_energy = config.limits.energy_trip.is_some();
         self.configured = true;
         Ok(())
     }

@@ -168,6 +168,7 @@ impl Bench {
 pub fn config() -> Config {
     let mut config = Config::shear_frame([1000.0], [STIFFNESS_N_PER_M], [0.02]);
     config.limits = Limits {
+        energy_trip: Some(3.0),
         displacement_m: Some(0.042),
         velocity_m_per_s: Some(1.0),
         force_n: Some(8000.0),

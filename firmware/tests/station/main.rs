@@ -4,6 +4,7 @@
 mod any_order;
 mod common;
 mod served;
+mod single_faults;
 
 use common::{Bench, bench, config, fresh, pulse};
 use firmware::sim::CODES;
@@ -13,7 +14,7 @@ use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
 use link::telemetry::digest;
 use outerloop_core::{
-    Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits,
+    Design, Event, Fault, GroundMotion, HISTORY, Mode, OuterLoop, Sample, config::Limits, flag,
 };
 
 fn done(reply: &Reply) -> u32 {
@@ -70,10 +71,11 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
         for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
             outer.handle(*event).unwrap();
         }
-        let sample = Sample::new(
+        let mut sample = Sample::new(
             [calibration.displacement.quantity(report.step.displacement)],
             [calibration.force.quantity(report.step.force)],
         );
+        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
         let record = outer.step(&sample, &motion).record;
         assert_eq!(digest(record), report.step.digest, "tick {}", report.tick);
         assert_eq!(
@@ -231,7 +233,7 @@ fn every_fault_drops_the_permission_and_holds_the_converter() {
     trips(Fault::DeadlineMissed, 1, |b| {
         b.hardware.broken.begins_late = true
     });
-    trips(Fault::PermitChain, 202, |b| {
+    trips(Fault::PermitChain, 8, |b| {
         b.hardware.broken.chain = Some(false)
     });
     trips(Fault::LinkLost, 1002, |b| b.alive[2] = Heartbeat::Listen);

@@ -61,10 +61,11 @@ fn again(
                 Err(target_m) => outer.set_next_target([*target_m]),
             }
         }
-        let sample = Sample::new(
+        let mut sample = Sample::new(
             [calibration.displacement.quantity(report.step.displacement)],
             [calibration.force.quantity(report.step.force)],
         );
+        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
         let record = *outer.step(&sample, &GroundMotion::none()).record;
         assert_eq!(digest(&record), report.step.digest, "tick {}", report.tick);
         if record.has(flag::SOLVED) {

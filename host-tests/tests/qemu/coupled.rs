@@ -8,11 +8,7 @@ use std::process::Stdio;
 fn on_this_machine() -> Scenario {
     let mut scenario = Scenario::new().unwrap();
     while let Some(input) = scenario.next_input() {
-        let tracked =
-            scenario
-                .tracker
-                .step(&input.target, &input.measured_m, input.ground_m_per_s2);
-        assert_eq!(tracked.broken, None);
+        let tracked = scenario.track(&input);
         scenario.take(&input, &tracked);
     }
     scenario

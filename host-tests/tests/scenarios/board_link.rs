@@ -11,6 +11,7 @@ use experiment::judged::JudgedRun;
 use experiment::summary::TestVerdict;
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
+use link::frame::{Frame, FrameKind};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{self, BoardBench, Connection, Operator, Port, Timeouts, Trajectory};
 use plant::Rig;
@@ -242,6 +243,20 @@ fn another_version_and_silence_are_told_apart() {
         )),
         "{said}"
     );
+    // A reply of the same version that ends in the middle of what this program knows.
+    let reply = Frame {
+        kind: FrameKind::Reply,
+        sequence: 1,
+        body: &[1, 250],
+    };
+    let wire = reply.encode().unwrap().to_vec();
+    let Err(Failure::Input(said)) = run_over(&t, Connection::new(Stranger(wire), QUICK)) else {
+        panic!("accepted");
+    };
+    assert!(
+        said.contains("something that this program does not know"),
+        "{said}"
+    );
     let Err(Failure::Test(said)) = run_over(&t, Connection::new(Stranger(Vec::new()), QUICK))
     else {
         panic!("accepted");
@@ -423,8 +438,10 @@ fn a_person_says_go_and_goes_on_after_the_button_has_held_the_test() {
     };
     let press =
         |down| -> FaultInjection { Box::new(move |b| b.board.hardware.broken.hold_pressed = down) };
-    // Steps of the board: nothing begins before the first Enter, nothing goes on before the second.
+    // Steps of the board: nothing is armed before the first Enter, nothing begins before the second, nothing goes on before
+    // the third.
     board.mishaps.extend([
+        (700, enter()),
         (3000, enter()),
         (8000, press(true)),
         (8200, press(false)),

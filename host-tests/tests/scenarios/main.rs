@@ -13,4 +13,6 @@ mod recipes;
 mod rths_baseline;
 mod stability;
 mod storeys;
+mod surveys;
 mod tangent_force;
+mod tiers;

@@ -1,5 +1,6 @@
 //! The recipes of CONTRIBUTING apply to this tree and are as small as they say; `scripts/recipe` builds and runs them.
 
+use outerloop_core::Prediction;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -48,13 +49,21 @@ fn recipes_apply_to_this_tree() {
 }
 
 #[test]
-fn a_method_is_one_file_and_one_line_with_its_comment() {
+fn a_method_is_one_file_and_one_line_with_its_comment_and_a_number_that_is_pinned() {
     let files = added("add-a-method.patch");
     let new: Vec<_> = files.iter().filter(|f| f.2).collect();
     assert_eq!(new.len(), 1, "{files:?}");
     let old: Vec<_> = files.iter().filter(|f| !f.2).collect();
-    assert_eq!(old.len(), 1, "{files:?}");
-    assert_eq!((old[0].0.as_str(), old[0].1), ("core/src/method.rs", 2));
+    let old: Vec<_> = old.iter().map(|f| (f.0.as_str(), f.1)).collect();
+    assert_eq!(
+        old,
+        [("core/src/method.rs", 2), ("link/tests/golden.txt", 1)]
+    );
+    // The next free number, so that no other method gets a new one.
+    let free = Prediction::ALL.iter().map(|p| p.code()).max().unwrap() + 1;
+    let text = std::fs::read_to_string(top().join("docs/recipes/add-a-method.patch")).unwrap();
+    assert!(text.contains(&format!("\n+                {free} Toy ")));
+    assert!(text.contains(&format!("\n+method toy: 00{free:02x}\n")));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use benchmarks::rths::published::{PORT, TABLE_3, WORST_DRAWN};
 use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use host_tests::data;
+use std::ops::ControlFlow;
 
 fn record(name: &str) -> Option<GroundRecord> {
     let file = data::ground_motion(&format!("RTHSBENCH_{name}"))?;
@@ -31,7 +32,7 @@ fn rows(record: GroundRecord, names: &[&str], seed: u64) -> Vec<RthsRow> {
         plants: 0,
         seed,
     };
-    bench.rows(|_| {}).expect("trials")
+    bench.rows(|_| ControlFlow::Continue(())).expect("trials")
 }
 
 #[test]
@@ -128,7 +129,7 @@ fn evenly_drawn_plants_have_the_worst_figures_of_an_independent_port() {
             plants: 20,
             seed,
         };
-        for row in bench.rows(|_| {}).expect("trials") {
+        for row in bench.rows(|_| ControlFlow::Continue(())).expect("trials") {
             worst[usize::from(row.case) - 1][place] = row.j4_worst;
         }
     }

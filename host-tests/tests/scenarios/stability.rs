@@ -1,17 +1,15 @@
-//! What `outerloop check` says against what a test does: the eigenvalues of the loop against the growth of its response.
+//! What `outerloop check` says against what a test does: the growth of small motions over some periods against that of a long run.
 
-use experiment::stability::closed_loop::Question;
-use experiment::stability::linear_verdict::{LinearVerdict, linear_verdict};
-use experiment::stability::predictor::Knowledge;
-use experiment::stability::rig::Variation;
-use experiment::stability::structure_matrices::StructureMatrices;
+use experiment::stability::growth::{Question, SmallMotions};
+use experiment::stability::small_motion::Learning;
+use experiment::stability::structure_modes::StructureModes;
+use experiment::stability::variation::Variation;
 use host_tests::{Scenario, Shaking, Trace};
 use outerloop_core::{
     Config, Method, Record,
     config::{ActuatorTimes, Adaptation, Filter},
     flag,
 };
-use plant::RigSpec;
 
 const STIFFNESS: f64 = 158e3;
 
@@ -23,26 +21,18 @@ fn sdof(damping_ratio: f64, actuator: &str) -> Scenario {
     s
 }
 
-fn eigenvalues(s: &Scenario, law: Knowledge) -> LinearVerdict {
+fn small_motions(s: &Scenario, learning: Learning) -> SmallMotions {
     let rig = s.rig();
-    let (frame, question) = asked(s, &rig, law);
-    linear_verdict(&question, &frame, &Variation::NONE).expect("a possible loop")
-}
-
-fn asked<'a>(
-    s: &'a Scenario,
-    rig: &'a RigSpec,
-    law: Knowledge,
-) -> (StructureMatrices, Question<'a>) {
+    let structure = StructureModes::of(&s.config).expect("a possible structure");
     let question = Question {
         config: &s.config,
-        rig,
-        law,
+        rig: &rig,
+        planned_peak_m: 0.03,
+        learning,
     };
-    (
-        StructureMatrices::of(&s.config).expect("a possible structure"),
-        question,
-    )
+    question
+        .small_motions(&structure, &Variation::NONE)
+        .expect("a possible loop")
 }
 
 /// The free vibration after a blow.
@@ -75,12 +65,13 @@ fn growth<const N: usize>(s: &Scenario, seconds: f64) -> f64 {
 
 /// Both must agree to 2 % of the growth, and to what the rms of some cycles resolves.
 fn agree<const N: usize>(s: &Scenario) {
-    let said = eigenvalues(s, Knowledge::Declared);
+    let said = small_motions(s, Learning::Off);
     // Until the dominant mode is alone, but not until it has left the range of f32.
     let seconds = (15.0 / said.growth_per_s.abs()).clamp(12.0, 120.0);
     let seen = growth::<N>(s, seconds);
     println!(
-        "{:45} eigenvalue {:+.4}, simulation {seen:+.4} 1/s",
+        "{:20} {:45} small motions {:+.4}, long run {seen:+.4} 1/s",
+        s.config.compensation.kind.name(),
         s.actuator.replace('\n', ", "),
         said.growth_per_s
     );
@@ -94,7 +85,7 @@ fn agree<const N: usize>(s: &Scenario) {
 }
 
 #[test]
-fn the_growth_of_an_uncompensated_test_is_that_of_its_largest_eigenvalue() {
+fn the_growth_of_an_uncompensated_test_is_that_of_a_long_run() {
     for damping_ratio in [0.01, 0.02, 0.05] {
         for delay_ms in [0.5, 2.0, 3.0, 4.0, 6.25, 9.0] {
             for actuator in [
@@ -112,7 +103,7 @@ fn the_growth_of_an_uncompensated_test_is_that_of_its_largest_eigenvalue() {
 }
 
 #[test]
-fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
+fn filters_substeps_time_scales_sensors_and_masses_are_in_small_motions() {
     let base = || sdof(0.03, "kind = 'second_order'\ndelay_ms = 4.0");
     let mut low_pass = base();
     low_pass.config.estimation.kind = Filter::LowPass;
@@ -134,7 +125,7 @@ fn filters_substeps_time_scales_sensors_and_masses_are_in_the_eigenvalues() {
     let mut skewed = base();
     skewed.sensors = "skew_ms = 1.5\nforce_gain = 1.1".into();
     agree::<1>(&skewed);
-    // What the loop takes out is not in its eigenvalues; what an effect is, is.
+    // What the loop takes out is not in its growth; what an effect is, is.
     let mut known = sdof(0.03, "kind = 'delay'\ndelay_ms = 4.0\ngain = 1.2");
     known.sensors = "skew_ms = 1.5\ndisplacement_gain = 1.1\nforce_gain = 0.8".into();
     let only = |x: f64| [x].into_iter().collect();
@@ -181,7 +172,7 @@ fn several_storeys_grow_as_their_worst_mode_does() {
 }
 
 #[test]
-fn variable_damping_is_stable_where_its_cycle_says_so() {
+fn variable_damping_decays_where_its_clamp_is_wide_enough() {
     // The clamp is built on 4 ms: well inside and well outside of what it can take out.
     for (delay_ms, stable) in [
         (2.0, true),
@@ -193,7 +184,7 @@ fn variable_damping_is_stable_where_its_cycle_says_so() {
         let s = Scenario::delayed(Config::shear_frame([1000.0], [STIFFNESS], [0.02]), delay_ms);
         for method in [Method::Eq14, Method::Paper] {
             let s = s.with(method);
-            let (said, seen) = (eigenvalues(&s, Knowledge::Declared), growth::<1>(&s, 20.0));
+            let (said, seen) = (small_motions(&s, Learning::On), growth::<1>(&s, 20.0));
             println!(
                 "{} at {delay_ms} ms: {:+.3}, {seen:+.3} 1/s",
                 method.name(),
@@ -212,7 +203,7 @@ fn variable_damping_is_stable_where_its_cycle_says_so() {
 
 /// Every predictor with its declared parameters, below the floor of what may be learnt.
 #[test]
-fn every_predictor_grows_as_its_largest_eigenvalue() {
+fn every_predictor_grows_as_in_a_long_run() {
     let predictors = [
         Method::Lagrange,
         Method::Darby,
@@ -299,7 +290,7 @@ fn learning(mut s: Scenario, time_s: f64) -> Scenario {
     s
 }
 
-/// Predictors that learn, declared wrong, and forces at the target: stable where what they come to is stable.
+/// Predictors that learn, declared wrong, and forces at the target: small motions do in some periods what they do in the end.
 fn what_they_come_to_decides(time_s: f64) {
     let methods = [
         Method::Darby,
@@ -316,22 +307,22 @@ fn what_they_come_to_decides(time_s: f64) {
             for (kind, gain) in [("delay", 1.0), ("second_order", 1.0), ("delay", 1.2)] {
                 let actuator = format!("kind = '{kind}'\ndelay_ms = {delay_ms:?}\ngain = {gain:?}");
                 let s = learning(sdof(0.02, &actuator).with(method), time_s);
-                let (said, seen) = (eigenvalues(&s, Knowledge::Learnt), growth::<1>(&s, 20.0));
-                let rig = s.rig();
-                let (frame, question) = asked(&s, &rig, Knowledge::Learnt);
-                let at_bounds = question.at_bounds(&frame).expect("a possible rig");
+                let (said, seen) = (small_motions(&s, Learning::On), growth::<1>(&s, 20.0));
                 println!(
-                    "{:20} {kind:12} {delay_ms:4} ms, gain {gain}: eigenvalue {:+.3}, simulation {seen:+.3} 1/s{}",
+                    "{:20} {kind:12} {delay_ms:4} ms, gain {gain}: small motions {:+.3}, long run {seen:+.3} 1/s",
                     method.name(),
                     said.growth_per_s,
-                    if at_bounds { ", at its bounds" } else { "" }
                 );
+                // At its bounds an adaptive time series goes from one to another, and no two stretches are alike.
+                if method == Method::Ats && gain != 1.0 && delay_ms > 30.0 {
+                    continue;
+                }
                 if gain == 1.0 && delay_ms <= 16.0 {
-                    let tolerance = 0.01 + 0.05 * seen.abs();
+                    let tolerance = 0.01 + 0.1 * seen.abs();
                     assert!((said.growth_per_s - seen).abs() < tolerance);
                 }
-                // At its bounds a law is not what check takes it for, and check says so.
-                if method != Method::Ats || !at_bounds {
+                // Nearer to a growth of 0 than a fiftieth a second it has no sign.
+                if seen.abs() > 0.02 {
                     assert_eq!(said.stable, seen < 0.0);
                     *if said.stable {
                         &mut stable

@@ -4,8 +4,9 @@ use super::load::Load;
 use super::random_multiplier::RandomMultiplier;
 use super::servo_hydraulic::ServoHydraulic;
 use crate::delay_line::DelayLine;
+use crate::effect::Additions;
 use crate::lag::{FirstOrder, SecondOrder};
-use crate::stage::Stages;
+use crate::stage::{Stage, Stages};
 
 /// The dynamics of one actuator.
 #[derive(Clone, Debug)]
@@ -29,6 +30,8 @@ pub struct Actuator {
     pub(super) step_s: f64,
     pub(super) jump: Option<Jump>,
     pub(super) held_m: f64,
+    /// Delay and time constant of its own element, s.
+    pub(super) own_s: [f64; 2],
 }
 
 /// A change of delay that is still to come.
@@ -66,6 +69,45 @@ impl Actuator {
             Dynamics::ServoHydraulic(servo) => servo.step(target, load),
         };
         self.motion.step(moved)
+    }
+
+    /// What begins in the next period. A timing error goes into the actuator's own element where its kind has one, else in a
+    /// stage behind it.
+    pub(crate) fn begin(&mut self, mut added: Additions) {
+        let h = self.step_s;
+        let more_s = [1e-3 * added.delay_ms, 1e-3 * added.lag_ms];
+        for (own, more) in self.own_s.iter_mut().zip(more_s) {
+            *own += more;
+        }
+        let [delay_s, lag_s] = self.own_s;
+        let mut rest_s = more_s;
+        match &mut self.dynamics {
+            Dynamics::Delay(line) => {
+                line.set_delay(delay_s / h);
+                rest_s[0] = 0.0;
+            }
+            Dynamics::FirstOrder(lag) => {
+                lag.set_time_constant(lag_s, h);
+                rest_s[1] = 0.0;
+            }
+            Dynamics::LagDelay { line, lag } => {
+                line.set_delay(delay_s / h);
+                lag.set_time_constant(lag_s, h);
+                rest_s = [0.0; 2];
+            }
+            Dynamics::Ideal
+            | Dynamics::SecondOrder { .. }
+            | Dynamics::RandomMultiplier(_)
+            | Dynamics::ServoHydraulic(_) => {}
+        }
+        if rest_s[0] > 0.0 {
+            let line = DelayLine::new(rest_s[0] / h, 0.0);
+            added.motion.push(Stage::Delay(line));
+        }
+        if rest_s[1] > 0.0 {
+            added.motion.push(Stage::Lag(FirstOrder::new(rest_s[1], h)));
+        }
+        self.motion.begin(added.motion);
     }
 
     fn set_delay(&mut self, delay_s: f64) {

@@ -6,7 +6,7 @@ use super::dynamics::{Actuator, Dynamics, Jump};
 use super::random_multiplier::RandomMultiplier;
 use super::servo_hydraulic::{ServoHydraulic, ServoSpec};
 use crate::delay_line::DelayLine;
-use crate::effect::Additions;
+use crate::effect::{Additions, Later};
 use crate::error::{Accept, RigError};
 use crate::lag::{FirstOrder, SecondOrder};
 use crate::per_axis::PerAxis;
@@ -137,6 +137,7 @@ impl ActuatorSpec {
         stiffness_n_per_m: &[f64],
         mass_kg: &[f64],
         additions: &[Additions],
+        later: &[Later],
         rate_hz: f64,
         seed: u64,
     ) -> Result<Vec<Actuator>, RigError> {
@@ -183,6 +184,10 @@ impl ActuatorSpec {
         let longest = jump.map_or(0.0, |jump| jump.delay_s * rate_hz);
         (0..axes)
             .map(|axis| {
+                let later = later.iter().filter(|l| l.axis == axis).map(|l| &l.added);
+                let own_ms = [delay_ms[axis], lag_ms[axis]];
+                let most_ms = self.largest_delay_ms(own_ms, &additions[axis], later)?;
+                let longest = longest.max(most_ms * rate_hz / 1e3);
                 let mut motion = additions[axis].motion.clone();
                 let (delay_ms, lag_ms) = self.timing(
                     delay_ms[axis],
@@ -234,9 +239,47 @@ impl ActuatorSpec {
                     step_s,
                     jump,
                     held_m: 0.0,
+                    own_s: match self.kind {
+                        ActuatorKind::FirstOrder => [0.0, delay_s],
+                        _ => [delay_s, lag_ms * 1e-3],
+                    },
                 })
             })
             .collect()
+    }
+
+    /// The largest transport delay, ms, of an axis with these times whose timing errors begin one after the other.
+    ///
+    /// # Errors
+    /// A delay or a lag that would be negative or too large.
+    fn largest_delay_ms<'a>(
+        &self,
+        [delay_ms, lag_ms]: [f64; 2],
+        first: &'a Additions,
+        later: impl Iterator<Item = &'a Additions>,
+    ) -> Result<f64, RigError> {
+        use ActuatorKind as Kind;
+        let own = match self.kind {
+            Kind::Delay => [delay_ms, 0.0],
+            Kind::FirstOrder => [0.0, delay_ms],
+            Kind::LagDelay => [delay_ms, lag_ms],
+            Kind::Ideal | Kind::SecondOrder | Kind::RandomMultiplier | Kind::ServoHydraulic => {
+                [0.0; 2]
+            }
+        };
+        let mut now = [own[0] + first.delay_ms, own[1] + first.lag_ms];
+        let mut most_ms = now[0];
+        for added in later {
+            let more = [("delay", added.delay_ms), ("lag", added.lag_ms)];
+            for (of, (what, more)) in now.iter_mut().zip(more).filter(|(_, m)| m.1 != 0.0) {
+                *of += more;
+                let name =
+                    format!("plant.actuator.{what}_ms with the {what}_error of plant.effects");
+                TIME_MS.check(&name, *of)?;
+            }
+            most_ms = most_ms.max(now[0]);
+        }
+        Ok(most_ms)
     }
 
     /// Delay and lag with the timing errors among the effects: in the actuator's own element where its kind has one, else

@@ -68,7 +68,7 @@ impl CoupledRig {
         spec.specimen.check("plant.coupled.specimen")?;
         // A converter's range of force, where none is given, is that of the stiffness in x.
         let stiffness = [spec.specimen.stiffness[0][0].abs().max(1e-9); 2];
-        let none = additions(&[], &stiffness, rate_hz)?;
+        let (none, _) = additions(&[], &stiffness, rate_hz, seed)?;
         Ok(Self {
             ideal: spec.ideal,
             actuators: ActuatorPair::new(&spec.actuators, 1.0 / rate_hz),

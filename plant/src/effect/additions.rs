@@ -3,10 +3,11 @@
 use super::catalogue::Effect;
 use super::given::CheckedEffect;
 use super::row::Channel;
-use super::spec::EffectSpec;
+use super::spec::{EffectSpec, Sensor};
 use crate::delay_line::DelayLine;
 use crate::error::{Accept, RigError};
 use crate::lag::{FirstOrder, SecondOrder};
+use crate::random::{Normal, Purpose};
 use crate::sensor::Hum;
 use crate::specimen::added::{Added, Fatigue, Maxwell, Power};
 use crate::specimen::bilinear::Bilinear;
@@ -36,6 +37,9 @@ pub(crate) struct Additions {
     pub(crate) displacement: ChannelAdditions,
     /// On the force before it is sampled, and on its signal.
     pub(crate) force: ChannelAdditions,
+    /// The sensor that what is being added is an error of, and the noise that it may need.
+    sensor: Option<Sensor>,
+    noise: Option<Normal>,
 }
 
 /// The additions to a measuring channel.
@@ -45,12 +49,25 @@ pub(crate) struct ChannelAdditions {
     pub(crate) after_sensor: Stages,
 }
 
-/// The additions to every axis; `stiffness_n_per_m` is the specimen's, one a storey.
+/// What begins to act on an axis while a test runs.
+#[derive(Clone, Debug)]
+pub(crate) struct Later {
+    /// When, s of the model from the start of the test.
+    pub(crate) from_s: f64,
+    /// On which axis, from 0.
+    pub(crate) axis: usize,
+    pub(crate) added: Additions,
+}
+
+/// The additions to every axis from the start, and what begins later, in the order of time; `stiffness_n_per_m` is the
+/// specimen's, one a storey.
 pub(crate) fn additions(
     effects: &[EffectSpec],
     stiffness_n_per_m: &[f64],
     rate_hz: f64,
-) -> Result<Vec<Additions>, RigError> {
+    seed: u64,
+) -> Result<(Vec<Additions>, Vec<Later>), RigError> {
+    let mut later = Vec::new();
     let mut axes = vec![Additions::default(); stiffness_n_per_m.len()];
     for (i, effect) in effects.iter().enumerate() {
         let path = format!("plant.effects[{i}]");
@@ -67,11 +84,26 @@ pub(crate) fn additions(
                         "an effect that is not one of stiffness, where the specimen has none",
                     ));
                 }
-                axis.add(effect.name, &given, stiffness_n_per_m[j], rate_hz);
+                let mut own = Additions::default();
+                let to = match effect.from_s {
+                    Some(_) => &mut own,
+                    None => &mut *axis,
+                };
+                to.sensor = effect.sensor;
+                to.noise = Some(Normal::new(seed, Purpose::AddedNoise, i << 8 | j));
+                to.add(effect.name, &given, stiffness_n_per_m[j], rate_hz);
+                if let Some(from_s) = effect.from_s {
+                    later.push(Later {
+                        from_s,
+                        axis: j,
+                        added: own,
+                    });
+                }
             }
         }
     }
-    Ok(axes)
+    later.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
+    Ok((axes, later))
 }
 
 /// True if the effect is a change of the storey's stiffness.
@@ -117,7 +149,7 @@ impl Additions {
                 late.before_sampling.push(Stage::Delay(line));
             }
             Effect::GainError => self.scalar(actuator, Stage::Gain(1.0 + get("error"))),
-            Effect::Offset if actuator => self.motion.push(Stage::Offset(milli("offset_mm"))),
+            Effect::Offset if actuator => self.scalar(true, Stage::Offset(milli("offset_mm"))),
             Effect::Offset => self.read_force(Stage::Offset(get("offset_n"))),
             Effect::RigCompliance => {
                 let gives = 1e-3 / get("stiffness_n_per_mm");
@@ -187,7 +219,7 @@ impl Additions {
                 let joint = SlipGap::new(get("slip_n") / stiffness, milli("gap_mm"));
                 self.lost(actuator, Stage::SlipGap(joint));
             }
-            Effect::Saturation if actuator => self.motion.push(Stage::Stop(milli("limit_mm"))),
+            Effect::Saturation if actuator => self.scalar(true, Stage::Stop(milli("limit_mm"))),
             Effect::Saturation => self.read_force(Stage::Stop(get("limit_n"))),
             Effect::RateLimit => {
                 let most = milli("rate_mm_per_s") * step_s;
@@ -234,11 +266,12 @@ impl Additions {
                 .push(Added::Unequal(0.5 * get("difference") * stiffness)),
             Effect::InertiaForce => self.mass_kg += get("mass_kg"),
             Effect::MainsHum => {
-                let (signal, amplitude) = if actuator {
-                    (&mut self.displacement, milli("amplitude_mm"))
+                let amplitude = if actuator {
+                    milli("amplitude_mm")
                 } else {
-                    (&mut self.force, get("amplitude_n"))
+                    get("amplitude_n")
                 };
+                let signal = self.read_at(actuator);
                 let hz = get("frequency_hz");
                 let third = get("third_harmonic") * amplitude;
                 for (amplitude, hz) in [(amplitude, hz), (third, 3.0 * hz)] {
@@ -248,18 +281,40 @@ impl Additions {
                     }
                 }
             }
-            Effect::Quantisation if actuator => self
-                .displacement
-                .after_sensor
-                .push(Stage::Rounding(milli("step_mm"))),
-            Effect::Quantisation => self.read_force(Stage::Rounding(get("step_n"))),
+            Effect::Quantisation => {
+                let step = if actuator {
+                    milli("step_mm")
+                } else {
+                    get("step_n")
+                };
+                self.read_at(actuator)
+                    .after_sensor
+                    .push(Stage::Rounding(step));
+            }
+            Effect::FrozenSensor => self
+                .read_at(actuator)
+                .before_sampling
+                .push(Stage::Held(None)),
+            Effect::SensorNoise => {
+                let rms = if actuator {
+                    milli("rms_mm")
+                } else {
+                    get("rms_n")
+                };
+                if let Some(normal) = self.noise.clone() {
+                    let noise = Stage::Noise(Box::new(normal), rms);
+                    self.read_at(actuator).after_sensor.push(noise);
+                }
+            }
         }
     }
 
     /// An error of scale or zero. In the actuator channel it is one of the true motion: the servo loop closes on the
-    /// same transducer that is read, and so hides the transducer's own.
+    /// same transducer that is read, and so hides the transducer's own, unless it is said to be the transducer's.
     fn scalar(&mut self, actuator: bool, stage: Stage) {
-        if actuator {
+        if actuator && self.sensor == Some(Sensor::Displacement) {
+            self.displacement.after_sensor.push(stage);
+        } else if actuator {
             self.motion.push(stage);
         } else {
             self.read_force(stage);
@@ -272,6 +327,15 @@ impl Additions {
             self.motion.push(stage);
         } else {
             self.deformation.push(stage);
+        }
+    }
+
+    /// The measuring channel of displacement or force.
+    fn read_at(&mut self, actuator: bool) -> &mut ChannelAdditions {
+        if actuator {
+            &mut self.displacement
+        } else {
+            &mut self.force
         }
     }
 

@@ -224,6 +224,14 @@ catalogue! {
         @Specimen step_n: TINY => BIG, "N", "the step";
         @Actuator step_mm: TINY => 1e3, "mm", "the step";
     }
+    FrozenSensor "frozen_sensor" Interference [Specimen, Actuator]
+        "a sensor reads on what it last read, and its noise: the load cell (specimen), the displacement transducer (actuator)" {
+    }
+    SensorNoise "sensor_noise" Interference [Specimen, Actuator]
+        "a sensor is noisier than declared: the load cell (specimen), the displacement transducer (actuator)" {
+        @Specimen rms_n: 0.0 => BIG, "N", "added white noise, rms";
+        @Actuator rms_mm: 0.0 => 1e3, "mm", "added white noise, rms";
+    }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::catalogue::Effect;
 use super::row::Channel;
-use super::spec::EffectSpec;
-use crate::error::RigError;
+use super::spec::{EffectSpec, Sensor};
+use crate::error::{Accept, RigError};
 
 /// An effect whose parameters are complete and in range.
 #[derive(Debug)]
@@ -41,10 +41,61 @@ impl CheckedEffect {
             })
             .collect::<Result<_, _>>()?;
         let checked = Self { channel, values };
+        if let Some(from_s) = spec.from_s {
+            Accept::new(0.0, 1e6, "s").check(&format!("{path}.from_s of {}", spec.name), from_s)?;
+        }
+        checked.sensor_fits(spec, path)?;
         if spec.name == Effect::Degradation {
             checked.one_of("reference_mm", "travel_mm", path)?;
         }
         Ok(checked)
+    }
+
+    /// Refuses a sensor that the effect cannot be an error of, and `frozen` beside another effect.
+    fn sensor_fits(&self, spec: &EffectSpec, path: &str) -> Result<(), RigError> {
+        use Effect::*;
+        let refuse = |key: &str, found: String, accepted: &str| {
+            let place = format!("{path}.{key} of {}", spec.name);
+            Err(RigError::new(place, found, accepted))
+        };
+        let frozen = spec.name == FrozenSensor;
+        if frozen && !spec.frozen && spec.sensor.is_none() && spec.channel.is_none() {
+            let accepted = "displacement or force; another effect has a name";
+            return refuse("sensor", "missing".into(), accepted);
+        }
+        if spec.frozen && !frozen {
+            return refuse("frozen", "true".into(), "it without another name beside it");
+        }
+        let Some(sensor) = spec.sensor else {
+            return if frozen && spec.channel.is_none() {
+                refuse("sensor", "missing".into(), "displacement or force")
+            } else {
+                Ok(())
+            };
+        };
+        let reads = match sensor {
+            Sensor::Displacement => Channel::Actuator,
+            Sensor::Force => Channel::Specimen,
+        };
+        let possible = matches!(
+            spec.name,
+            GainError
+                | Offset
+                | Drift
+                | TemperatureGain
+                | Saturation
+                | MainsHum
+                | Quantisation
+                | FrozenSensor
+                | SensorNoise
+        );
+        if possible && reads == self.channel {
+            return Ok(());
+        }
+        let accepted = "a sensor's own effect in its own channel (displacement: actuator, force: specimen): gain_error, offset, \
+                        drift, temperature_gain, saturation, mains_hum, quantisation, frozen_sensor, sensor_noise; a late \
+                        sensor is channel_skew";
+        refuse("sensor", format!("{sensor:?}").to_lowercase(), accepted)
     }
 
     /// Refuses an effect that has neither of two sizes, or both: it is one thing or the other.

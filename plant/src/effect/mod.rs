@@ -10,7 +10,7 @@ mod given;
 mod row;
 mod spec;
 
-pub(crate) use additions::{Additions, ChannelAdditions, additions};
+pub(crate) use additions::{Additions, ChannelAdditions, Later, additions};
 pub use catalogue::{Effect, Entry, catalogue};
 pub use row::{Channel, Family, Parameter};
-pub use spec::EffectSpec;
+pub use spec::{EffectSpec, Sensor};

@@ -5,10 +5,21 @@ use super::row::Channel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// A measuring channel of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sensor {
+    /// The displacement transducer.
+    Displacement,
+    /// The load cell.
+    Force,
+}
+
 /// One of `plant.effects`: an effect and its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffectSpec {
-    /// Which effect.
+    /// Which effect; beside `frozen = true` it may be left out.
+    #[serde(default = "frozen_sensor")]
     pub name: Effect,
     /// In which channel; where it is not given, that of the parameters, else the first of the effect's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -16,9 +27,31 @@ pub struct EffectSpec {
     /// On which axis, 1 being the lowest; on all where it is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<usize>,
+    /// Seconds of the model, from the first control step of the running test, at which it begins; from the start where it
+    /// is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_s: Option<f64>,
+    /// The sensor that it is an error of, `displacement` or `force`: the reading is wrong and the motion is not. Without it
+    /// an effect in the actuator channel is one of the motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
+    /// True: that sensor reads on what it read when this began, and its noise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub frozen: bool,
+    /// Whether it acts; one that does not is kept for being tried.
+    #[serde(default = "yes", skip_serializing_if = "Clone::clone")]
+    pub enabled: bool,
     /// The parameters by name.
     #[serde(flatten)]
     pub parameters: BTreeMap<String, f64>,
+}
+
+fn frozen_sensor() -> Effect {
+    Effect::FrozenSensor
+}
+
+const fn yes() -> bool {
+    true
 }
 
 impl EffectSpec {
@@ -28,6 +61,10 @@ impl EffectSpec {
             name: effect,
             channel: None,
             axis: None,
+            from_s: None,
+            sensor: None,
+            frozen: false,
+            enabled: true,
             parameters: parameters
                 .iter()
                 .map(|(name, value)| (name.to_string(), *value))
@@ -44,14 +81,24 @@ impl EffectSpec {
         self.parameters.get(name).copied().or_else(default)
     }
 
-    /// The channel that is asked for, or that a parameter belongs to, or the first of the effect's.
+    /// True if it is there from the start and is no error of a single sensor: what a model can declare.
+    pub fn is_of_the_whole_test(&self) -> bool {
+        self.from_s.is_none() && self.sensor.is_none()
+    }
+
+    /// The channel that is asked for, that its sensor shows in, or that a parameter belongs to, or the first of the effect's.
     pub fn shows_in(&self) -> Channel {
         let entry = self.name.entry();
         let mut given = entry
             .parameters
             .iter()
             .filter(|p| self.parameters.contains_key(p.name));
-        let asked = self.channel.or_else(|| given.find_map(|p| p.channel));
+        let read_in = self.sensor.map(|sensor| match sensor {
+            Sensor::Displacement => Channel::Actuator,
+            Sensor::Force => Channel::Specimen,
+        });
+        let asked = self.channel.or(read_in);
+        let asked = asked.or_else(|| given.find_map(|p| p.channel));
         asked.unwrap_or(entry.channels[0])
     }
 

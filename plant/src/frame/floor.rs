@@ -1,5 +1,6 @@
 //! One floor of the specimen.
 
+use crate::effect::Additions;
 use crate::kinematics::Kinematics;
 use crate::specimen::Storey;
 
@@ -28,6 +29,14 @@ impl Floor {
             shear_n: 0.0,
             restoring_n: 0.0,
         }
+    }
+
+    /// What begins to act on it, in the next period.
+    pub(crate) fn begin(&mut self, added: Additions) {
+        self.mass_kg += added.mass_kg;
+        self.gives_m_per_n += added.droop_m_per_n + added.compliance_m_per_n;
+        let at_m = self.drift.displacement_m();
+        self.storey.begin(added.deformation, added.forces, at_m);
     }
 
     /// Displacement of the floor, m.

@@ -74,6 +74,14 @@ impl Power {
 }
 
 impl Added {
+    /// The same, beginning at the drift `at_m`: friction holds there.
+    pub(crate) fn beginning_at(mut self, at_m: f64) -> Self {
+        if let Self::Friction(friction) = &mut self {
+            friction.move_to(at_m);
+        }
+        self
+    }
+
     /// Force, N, in the motion of the storey.
     #[inline]
     pub(crate) fn step(&mut self, drift: &Kinematics) -> f64 {

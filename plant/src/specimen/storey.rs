@@ -37,6 +37,13 @@ impl Storey {
         }
     }
 
+    /// What begins in the next period, at the drift `at_m`.
+    pub(crate) fn begin(&mut self, deformation: Stages, forces: Vec<Added>, at_m: f64) {
+        self.deformation.begin(deformation);
+        self.added
+            .extend(forces.into_iter().map(|force| force.beginning_at(at_m)));
+    }
+
     /// Nothing but spring and dashpot.
     #[inline]
     fn is_plain(&self) -> bool {

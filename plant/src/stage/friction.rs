@@ -33,6 +33,11 @@ impl Friction {
         Self::new(force, force, 1.0, presliding_m)
     }
 
+    /// Held at `x_m`, without a force.
+    pub(crate) fn move_to(&mut self, x_m: f64) {
+        (self.at_m, self.held) = (x_m, 0.0);
+    }
+
     /// The friction at the displacement `x_m`.
     #[inline]
     pub fn step(&mut self, x_m: f64) -> f64 {

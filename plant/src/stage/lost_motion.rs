@@ -16,6 +16,11 @@ impl Play {
         }
     }
 
+    /// Input and output at `x_m`, in the middle of the play.
+    pub(crate) fn move_to(&mut self, x_m: f64) {
+        self.at_m = x_m;
+    }
+
     /// The output at the input `x_m`.
     #[inline]
     pub fn step(&mut self, x_m: f64) -> f64 {

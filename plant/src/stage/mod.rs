@@ -10,6 +10,7 @@ pub use slow::{Drift, WarmUp};
 
 use crate::delay_line::DelayLine;
 use crate::lag::{FirstOrder, SecondOrder};
+use crate::random::Normal;
 use crate::sensor::Hum;
 
 /// One stage. Numbers are in SI units of the quantity that passes.
@@ -49,6 +50,10 @@ pub(crate) enum Stage {
     Hum(Hum),
     /// Rounds to multiples of this.
     Rounding(f64),
+    /// Stays where it was when it began.
+    Held(Option<f64>),
+    /// Adds white noise of this rms.
+    Noise(Box<Normal>, f64),
 }
 
 impl Stage {
@@ -83,27 +88,68 @@ impl Stage {
             }
             Self::Hum(hum) => x + hum.step(),
             Self::Rounding(step) => (x / *step).round() * *step,
+            Self::Held(at) => *at.get_or_insert(x),
+            Self::Noise(normal, rms) => x + *rms * normal.sample(),
+        }
+    }
+
+    /// Begins while it is at `x`: what has a memory is at rest there. A delay holds its value until what goes in now comes
+    /// out.
+    fn begin_at(&mut self, x: f64) {
+        match self {
+            Self::Delay(line) => line.fill(x),
+            Self::Lag(lag) => lag.move_to(x),
+            Self::Resonance(lag) => lag.move_to(x),
+            Self::RetractLag(lag, at) => {
+                lag.move_to(x);
+                *at = x;
+            }
+            Self::Play(play) => play.move_to(x),
+            Self::Friction(friction) => friction.move_to(x),
+            Self::Slew(_, at) => *at = x,
+            Self::Gain(_)
+            | Self::UnequalGain(_)
+            | Self::Offset(_)
+            | Self::Drift(_)
+            | Self::WarmUp(_)
+            | Self::DeadZone(_)
+            | Self::SlipGap(_)
+            | Self::Stop(_)
+            | Self::Hum(_)
+            | Self::Rounding(_)
+            | Self::Held(_)
+            | Self::Noise(..) => {}
         }
     }
 }
 
 /// Stages in a row, usually none.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stages(Vec<Stage>);
+pub(crate) struct Stages {
+    all: Vec<Stage>,
+    /// How many of the last begin in the next period.
+    beginning: usize,
+}
 
 impl Stages {
     pub(crate) fn push(&mut self, stage: Stage) {
-        self.0.push(stage);
+        self.all.push(stage);
+    }
+
+    /// Puts `later` behind, at rest where the next period finds them.
+    pub(crate) fn begin(&mut self, later: Self) {
+        self.beginning += later.all.len();
+        self.all.extend(later.all);
     }
 
     #[inline]
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.all.is_empty()
     }
 
     #[inline]
     pub(crate) fn step(&mut self, x: f64) -> f64 {
-        if self.0.is_empty() {
+        if self.all.is_empty() {
             return x;
         }
         self.pass(x)
@@ -112,7 +158,15 @@ impl Stages {
     /// Not inlined: most channels have no stages, and what they would need in registers is dear.
     #[inline(never)]
     fn pass(&mut self, x: f64) -> f64 {
-        self.0.iter_mut().fold(x, |x, stage| stage.step(x))
+        let settled = self.all.len() - std::mem::take(&mut self.beginning);
+        let mut x = x;
+        for (i, stage) in self.all.iter_mut().enumerate() {
+            if i >= settled {
+                stage.begin_at(x);
+            }
+            x = stage.step(x);
+        }
+        x
     }
 }
 

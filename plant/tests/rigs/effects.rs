@@ -30,6 +30,8 @@ fn telling(name: &str) -> f64 {
         "limit_mm" => 20.0,
         "limit_n" => 3000.0,
         "mass_kg" => 50.0,
+        "rms_mm" => 0.5,
+        "rms_n" => 300.0,
         "damping_n_s_per_mm" => 1.0,
         "damping_n_s2_per_mm2" => 0.01,
         "relaxation_ms" => 30.0,

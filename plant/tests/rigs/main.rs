@@ -2,6 +2,7 @@
 
 mod common;
 mod effects;
+mod later;
 mod refusals;
 mod rig;
 mod servo;

@@ -43,8 +43,7 @@ pub(super) fn commands(
     commands: &[&str],
 ) -> Result<Vec<Vec<f64>>, Failure> {
     let name = file.display().to_string();
-    let text = std::fs::read_to_string(file)
-        .map_err(|e| Failure::input(format!("{name}: cannot be read: {e}")))?;
+    let text = experiment::files::read(file)?;
     let mut table = NumberTable::parse(&name, &text)?;
     let wanted: Vec<&str> = targets
         .iter()

@@ -2,12 +2,14 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, data_folder, print_goals, refused, without_lines};
+use super::shared::{
+    RECORDS, check_plants, data_file, print_goals, refused, require_some, tell, without_lines,
+};
 use crate::physical_part::{self, PhysicalPartEstimate};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report::{self, DeclaredPart};
-use crate::terminal::{self, Progress};
-use crate::verb::json;
+use crate::terminal::{self, Progress, interrupt};
+use crate::verb::{json, require_all_ran};
 use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
@@ -17,7 +19,7 @@ use benchmarks::marths::goals::goals;
 use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use experiment::files::output;
+use experiment::files::{look_ahead, output, read};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -61,7 +63,13 @@ impl Marths {
     /// # Errors
     /// Bad input, or files of the problem that are not there.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
+        let records = self.names()?;
+        let files = ["report.html", "marths.json", "declared.toml"].map(str::to_owned);
+        let files = files
+            .into_iter()
+            .chain(records.iter().copied().map(of_record));
+        let out = look_ahead::folder(self.out.as_deref(), &files.collect::<Vec<_>>())?;
+        look_ahead::file(self.targets.as_deref())?;
         let begin = std::time::Instant::now();
         note_seed(self.seed);
         check_plants(self.plants)?;
@@ -72,17 +80,16 @@ impl Marths {
                 .map(|n| PairContestant::named(n).map_err(refused))
                 .collect::<Result<Vec<_>, _>>()?,
         };
-        let folder = data_folder(self.data.as_deref());
-        let mut problem = load(&folder.join("marths"))?;
+        let data = self.data.as_deref();
+        let mut problem = load(data)?;
         if let Some(file) = &self.model {
             problem = problem.with(&physical_part::load(file)?);
         }
         let problem = problem;
-        let records = self
-            .names()?
+        let records = records
             .into_iter()
             .map(|name| {
-                let file = folder.join(format!("ground-motion/RTHSBENCH_{name}.csv"));
+                let file = data_file(data, &format!("ground-motion/RTHSBENCH_{name}.csv"))?;
                 let motion = GroundMotionFile::load(&file, ColumnChoice::default())?;
                 let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
                 problem
@@ -93,6 +100,7 @@ impl Marths {
         if self.targets.is_some() || self.follow.is_some() {
             return self.by_table(&records);
         }
+        interrupt::watch();
         let rows = {
             let drawn = contestants
                 .iter()
@@ -106,10 +114,11 @@ impl Marths {
                 &contestants,
                 self.plants,
                 self.seed,
-                || progress.add(1),
+                |n| tell(&progress, n),
             )
             .map_err(refused)?
         };
+        require_some(rows.len())?;
         let parts = terminal::while_waiting("diagnosing the loop's records", || {
             records
                 .iter()
@@ -141,9 +150,8 @@ impl Marths {
                 print_parts(&record.name, found);
             }
         }
-        if let Some(folder) = &self.out {
-            let page =
-                report::of_marths(&problem, &parts, &rows, &goals, (self.plants, self.seed))?;
+        if let Some(folder) = &out {
+            let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
             let mut files = vec![
                 ("report.html".to_owned(), page),
                 ("marths.json".to_owned(), json(&with_provenance)?),
@@ -153,11 +161,11 @@ impl Marths {
                 ),
             ];
             for (record, found) in &parts {
-                files.push((format!("record-{}.csv", record.name), found.csv(&problem)));
+                files.push((of_record(&record.name), found.csv(&problem)));
             }
             output::write_all(folder, &files)?;
         }
-        Ok(())
+        require_all_ran(rows.len(), records.len() * contestants.len())
     }
 
     /// What was asked for by the problem's rules; nothing where another part is subtracted as physical.
@@ -190,17 +198,14 @@ impl Marths {
     }
 }
 
+/// The file of what a ground motion did to the loop.
+fn of_record(name: &str) -> String {
+    format!("record-{name}.csv")
+}
+
 /// The problem from its files.
-fn load(folder: &Path) -> Result<Problem, Failure> {
-    let read = |name: &str| {
-        let path = folder.join(name);
-        std::fs::read_to_string(&path).map_err(|e| {
-            Failure::input(format!(
-                "{}: {e}; the problem's own files are needed (--data DIR, else OUTERLOOP_DATA, else ../shared/data)",
-                path.display()
-            ))
-        })
-    };
+fn load(data: Option<&Path>) -> Result<Problem, Failure> {
+    let read = |name: &str| read(&data_file(data, &format!("marths/{name}"))?);
     Problem::parse(
         &read("K_matrix.csv")?,
         &read("M_matrix.csv")?,
@@ -210,7 +215,6 @@ fn load(folder: &Path) -> Result<Problem, Failure> {
 }
 
 fn print(rows: &[MarthsRow], goals: &[Goal]) {
-    print_goals(goals);
     println!("{LEGEND}\n");
     for (_, group) in by_record(rows) {
         println!("{}", floors(&group[0]));
@@ -222,6 +226,8 @@ fn print(rows: &[MarthsRow], goals: &[Goal]) {
             println!("{name:14} knows {knows}");
         }
     }
+    println!();
+    print_goals(goals);
 }
 
 fn print_parts(record: &str, found: &PhysicalPartEstimate) {

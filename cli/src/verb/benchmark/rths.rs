@@ -2,11 +2,13 @@
 
 mod by_table;
 
-use super::shared::{RECORDS, check_plants, data_folder, print_goals, refused, without_lines};
+use super::shared::{
+    RECORDS, check_plants, data_file, print_goals, refused, require_some, tell, without_lines,
+};
 use crate::provenance::{WithProvenance, note_seed};
 use crate::report;
-use crate::terminal::Progress;
-use crate::verb::json;
+use crate::terminal::{Progress, interrupt};
+use crate::verb::{json, require_all_ran};
 use benchmarks::goal::Goal;
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
@@ -19,7 +21,7 @@ use benchmarks::rths::yielding::Behaviour;
 use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use experiment::files::output;
+use experiment::files::{look_ahead, output};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -78,7 +80,9 @@ impl Rths {
     /// # Errors
     /// Bad input.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        output::look_ahead(self.out.as_deref())?;
+        let names = ["report.html", "rths.json"];
+        let out = look_ahead::folder(self.out.as_deref(), &names)?;
+        look_ahead::file(self.targets.as_deref())?;
         let began = Instant::now();
         note_seed(self.seed);
         let rules = self.rules()?;
@@ -118,7 +122,8 @@ impl Rths {
             let plants = 1 + self.plants + beside.len();
             let trials = records.len() * CASES.len() * contestants.len() * plants;
             let progress = Progress::over("trials", trials as u64);
-            let one_done = |n: usize| progress.add(n as u64);
+            let one_done = |n: usize| tell(&progress, n);
+            interrupt::watch();
             let rows = bench.rows(one_done).map_err(refused)?;
             let yielding = beside
                 .iter()
@@ -134,6 +139,7 @@ impl Rths {
                 .collect::<Result<Vec<_>, Failure>>()?;
             (rows, yielding)
         };
+        require_some(rows.len())?;
         let mut goals = goals(&rules, &rows);
         let seconds = began.elapsed().as_secs_f64();
         goals.extend(whole_table(&rows, seconds));
@@ -150,8 +156,8 @@ impl Rths {
         } else {
             print(&rules, &rows, &yielding, &goals);
         }
-        if let Some(folder) = &self.out {
-            let page = report::of_rths(&bench, &rows, &yielding, &goals)?;
+        if let Some(folder) = &out {
+            let page = report::of_rths(&bench, &rows, &yielding)?;
             output::write_all(
                 folder,
                 &[
@@ -160,7 +166,11 @@ impl Rths {
                 ],
             )?;
         }
-        Ok(())
+        let asked = records.len() * CASES.len() * contestants.len();
+        require_all_ran(
+            rows.len() + yielding.iter().map(Vec::len).sum::<usize>(),
+            asked * (1 + beside.len()),
+        )
     }
 
     fn rules(&self) -> Result<Rules, Failure> {
@@ -186,11 +196,13 @@ impl Rths {
                 RECORDS.join(", ")
             )));
         }
-        let folder = data_folder(self.data.as_deref()).join("ground-motion");
-        let own = |name: &str| folder.join(format!("RTHSBENCH_{name}.csv"));
+        let own = |name: &str| {
+            let path = format!("ground-motion/RTHSBENCH_{name}.csv");
+            data_file(self.data.as_deref(), &path)
+        };
         let files: Vec<PathBuf> = match (&self.record[..], &self.records[..]) {
-            ([], []) => RECORDS.map(own).into(),
-            ([], names) => names.iter().map(|n| own(n)).collect(),
+            ([], []) => RECORDS.into_iter().map(own).collect::<Result<_, _>>()?,
+            ([], names) => names.iter().map(|n| own(n)).collect::<Result<_, _>>()?,
             (files, _) => files.to_vec(),
         };
         files
@@ -211,7 +223,6 @@ impl Rths {
 
 fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], goals: &[Goal]) {
     println!("Rules: {}.", rules.name());
-    print_goals(goals);
     match &best(rows)[..] {
         [] => {}
         [one] => println!("Least J4 as read, mean of all cases and ground motions: {one}."),
@@ -234,5 +245,6 @@ fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], goals: &[Go
             println!("{}\n", without_lines(&YIELDING_HEAD, cells));
         }
     }
+    print_goals(goals);
     println!("J1 to J9 of every case: --json, or --out DIR for a report.");
 }

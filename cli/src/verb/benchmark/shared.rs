@@ -1,9 +1,10 @@
 //! What both benchmarks need.
 
-use crate::terminal::{Table, table};
+use crate::terminal::{Progress, Table, interrupt, table};
 use benchmarks::goal::{GOAL_HEAD, Goal};
 use comfy_table::TableComponent;
 use experiment::failure::Failure;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// A benchmark that cannot be run.
@@ -14,6 +15,25 @@ pub(super) fn refused(why: benchmarks::Refused) -> Failure {
 /// The ground motions of both problems.
 pub(super) const RECORDS: [&str; 3] = ["ElCentro", "Kobe", "Morgan"];
 
+/// Tells a bar of trials that are done; work goes on until Ctrl-C.
+pub(super) fn tell(progress: &Progress, trials: usize) -> ControlFlow<()> {
+    progress.add(trials as u64);
+    match interrupt::asked() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+/// That there is something to report.
+pub(super) fn require_some(rows: usize) -> Result<(), Failure> {
+    match rows {
+        0 => Err(Failure::test(
+            "interrupted before the first row was whole: nothing is reported",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Refuses more drawn plants than anybody waits for.
 pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
     if plants > 1000 {
@@ -23,11 +43,23 @@ pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The folder of third-party data: as given, else `OUTERLOOP_DATA`, else beside the checkout.
-pub(super) fn data_folder(given: Option<&Path>) -> PathBuf {
-    given.map(Path::to_owned).unwrap_or_else(|| {
+/// A third-party file by its path in the folder of data: as given, else `OUTERLOOP_DATA`, else beside the checkout.
+///
+/// # Errors
+/// A file that is not there: where it is published.
+pub(super) fn data_file(given: Option<&Path>, path: &str) -> Result<PathBuf, Failure> {
+    let folder = given.map(Path::to_owned).unwrap_or_else(|| {
         std::env::var_os("OUTERLOOP_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from)
-    })
+    });
+    let file = folder.join(path);
+    if file.exists() {
+        return Ok(file);
+    }
+    Err(Failure::input(format!(
+        "{}: is not there: it is other people's and no part of outerloop; docs/data.md says where it is published, \
+         `scripts/fetch-data` brings what has an open address, and --data or OUTERLOOP_DATA names another folder",
+        file.display()
+    )))
 }
 
 /// A table without lines between its rows.

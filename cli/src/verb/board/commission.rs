@@ -9,9 +9,9 @@ use crate::wording::digits;
 use clap::Args;
 use diagnosis::Identified;
 use experiment::failure::Failure;
-use experiment::files::output;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
+use experiment::files::{look_ahead, output};
 use experiment::rig::declared::configured_times;
 use link::command::SignalShape;
 use serde::Serialize;
@@ -121,7 +121,11 @@ impl Commission {
     /// A signal or a test that is refused; a board that is silent, refuses, trips or is wrongly wired; a file that cannot be
     /// written.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        output::look_ahead_of_file(Some(&self.out))?;
+        look_ahead::new_record(&self.out)?;
+        // Of several actuators.
+        for actuator in 0..link::MAX_ACTUATORS {
+            look_ahead::new_record(&self.numbered(actuator))?;
+        }
         let test = TestFile::load(&self.test, &[])?;
         let trajectory = self.trajectory()?;
         let place =
@@ -163,15 +167,18 @@ impl Commission {
         self.out.with_file_name(format!("{stem}{ending}"))
     }
 
+    /// The recording of one of several actuators, from 0.
+    fn numbered(&self, actuator: usize) -> PathBuf {
+        let ending = self.out.extension().unwrap_or_default().to_string_lossy();
+        self.sibling_file(&format!("-{}.{ending}", actuator + 1))
+    }
+
     /// Keeps a recording; what the actuator is by it.
     fn keep(&self, turn: &MovedActuator) -> Result<FoundActuator, Failure> {
         let number = turn.actuator + 1;
         let file = match turn.of {
             1 => self.out.clone(),
-            _ => {
-                let ending = self.out.extension().unwrap_or_default().to_string_lossy();
-                self.sibling_file(&format!("-{number}.{ending}"))
-            }
+            _ => self.numbered(turn.actuator),
         };
         output::write(&file, &turn.played.text)?;
         println!("{} steps are in {}.", turn.played.steps, file.display());

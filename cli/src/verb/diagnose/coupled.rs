@@ -9,13 +9,18 @@ use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
 use experiment::failure::Failure;
 use experiment::files::measured::RecordFiles;
 use experiment::files::{coupled, model, output};
+use std::path::Path;
 
 impl Diagnose {
     /// Diagnoses the table `[coupled]` of a model.
     ///
     /// # Errors
     /// Data that cannot be judged; an option that means nothing here.
-    pub(super) fn several(&self, declared: &CoupledSpecimen) -> Result<(), Failure> {
+    pub(super) fn several(
+        &self,
+        declared: &CoupledSpecimen,
+        out: Option<&Path>,
+    ) -> Result<(), Failure> {
         for (name, given) in [
             ("--rest", !self.rest.is_empty()),
             ("--remainder", self.remainder),
@@ -44,7 +49,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
-        if let Some(folder) = &self.out {
+        if let Some(folder) = out {
             let title = format!(
                 "What {} says about {}",
                 file_name(&self.train[0].file),
@@ -68,7 +73,7 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             println!("{} is in {}", saved(&d), path.display());
         }
-        look_at_report(self.out.as_deref());
+        look_at_report(out);
         Ok(())
     }
 }

@@ -20,8 +20,11 @@ fn an_undeclared_mass_is_found_saved_and_then_nothing_is_missing() {
         "nearest",
         "noise_floor_rms",
         "unit",
+        "error_declared",
         "error_before",
         "error_after",
+        "unnamed",
+        "members",
         "improvement_ci90",
         "notes",
     ] {
@@ -33,6 +36,11 @@ fn an_undeclared_mass_is_found_saved_and_then_nothing_is_missing() {
         (&effect["name"], &effect["family"]),
         (&"inertia_force".into(), &"inertia".into())
     );
+    assert!(effect["p"].as_f64().is_some_and(|p| p > 0.9), "{effect}");
+    for refitted in s["refitted"].as_array().unwrap() {
+        let ci90 = refitted["ci90"].as_array().unwrap();
+        assert!(ci90[0].as_f64() < ci90[1].as_f64(), "{refitted}");
+    }
     let mass = &effect["parameters"][0];
     assert!(
         (mass["value"].as_f64().unwrap() - 60.0).abs() < 2.0,

@@ -63,10 +63,13 @@ fn bad_data_is_refused_with_its_place() {
     );
     change(
         "gap.csv",
-        &["nothing is recorded from 4.999 s to 7 s"],
+        &[
+            "nothing was recorded from 4.999 s to 8 s (3000 rows)",
+            "at most 20.0 % is missing",
+        ],
         &|i, row| {
             let t: f64 = row[0].parse().unwrap();
-            row[0] = (t + if i >= 5000 { 2.0 } else { 0.0 }).to_string();
+            row[0] = (t + if i >= 5000 { 3.0 } else { 0.0 }).to_string();
         },
     );
     change("swapped.csv", &["swapped"], &|_, row| row.swap(2, 3));

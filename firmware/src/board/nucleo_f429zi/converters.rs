@@ -19,6 +19,8 @@ pub trait Converters<const A: usize = 1>: Sized {
     const CODES: CodeRange;
     /// What is recorded beside displacement and force.
     const INPUTS: &'static [Input];
+    /// By how much a command read back may be off, in codes of the command.
+    const READ_BACK_OFF: u16;
     /// Volts at the ends of their codes.
     const INPUT_SPAN_V: [f32; 2];
     /// From the sampling trigger to the instant at which the output takes the command over, us.
@@ -49,6 +51,10 @@ pub trait Converters<const A: usize = 1>: Sized {
 
     /// The further inputs of that sample.
     fn inputs(&self) -> [u16; MAX_INPUTS];
+
+    /// The converters' own registers, read now, hold what the start has put there: an external chip that lost its supply,
+    /// and a peripheral that was reset with another one, do not.
+    fn is_set_up(&mut self) -> bool;
 
     /// The code that an actuator's output shows from its next instant on.
     fn write(&mut self, actuator: usize, code: u16);

@@ -71,6 +71,8 @@ fn halt(cause: CrashCause, text: String<96>) -> ! {
 pub fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
     drop_permit();
     cortex_m::interrupt::disable();
+    // A control step between the two has set it again.
+    drop_permit();
     write_panic(info)
 }
 

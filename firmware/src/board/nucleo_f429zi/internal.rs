@@ -1,7 +1,7 @@
 //! The chip's own converters of 12 bits, and how they hang on the timers.
 
 use super::converters::{Converters, Resources, StartedConverters};
-use super::further_adc::FurtherAdc;
+use super::further_adc::{FurtherAdc, injected_by_tim2};
 use super::period::Period;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::adc::{Adc, AdcChannel, Exten, InjectedAdc, SampleTime};
@@ -70,6 +70,11 @@ impl Sensors {
         codes
     }
 
+    /// The converter is on, and TIM2's update starts its four conversions.
+    pub fn is_set_up(&self) -> bool {
+        injected_by_tim2(pac::ADC1, 4)
+    }
+
     /// The sample that has just been converted; `None` if there is none.
     #[inline]
     pub fn codes(&mut self) -> Option<[u16; 2]> {
@@ -101,6 +106,12 @@ impl DacOutput {
         command
     }
 
+    /// The channel is on and waits for TIM4.
+    pub fn is_set_up(&self) -> bool {
+        let cr = pac::DAC1.cr().read();
+        cr.en(0) && cr.ten(0) && cr.tsel(0) == DAC_TRIGGER_TIM4
+    }
+
     /// The code that the pin shows from TIM4's next pulse on.
     #[inline]
     pub fn write(&self, code: u16) {
@@ -123,6 +134,8 @@ impl Converters for Internal {
         Input::SecondDisplacement,
         Input::HeadAcceleration,
     ];
+    // A hundredth of the range: offset, gain and linearity of both converters.
+    const READ_BACK_OFF: u16 = 41;
     const INPUT_SPAN_V: [f32; 2] = [0.0, 3.3];
     const OUTPUT_DELAY_US: u32 = 40;
     // The four conversions take 13 us of it.
@@ -150,15 +163,17 @@ impl Converters for Internal {
         ];
         let further_adc = FurtherAdc::new(r.adc2, inputs);
         let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
+        let mut converters = Self {
+            sensors,
+            command,
+            further_adc,
+        };
+        let answered = converters.is_set_up();
         StartedConverters {
-            converters: Self {
-                sensors,
-                command,
-                further_adc,
-            },
+            converters,
             period,
             first: [first],
-            answered: true,
+            answered,
         }
     }
 
@@ -181,6 +196,10 @@ impl Converters for Internal {
         // Codes of the command, and of sensors, which are of two conversions.
         let [command, displacement, acceleration] = self.further_adc.codes();
         [command, 2 * displacement, 2 * acceleration, 0, 0]
+    }
+
+    fn is_set_up(&mut self) -> bool {
+        self.sensors.is_set_up() && self.command.is_set_up() && self.further_adc.is_set_up()
     }
 
     #[inline]

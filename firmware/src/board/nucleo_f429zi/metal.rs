@@ -51,6 +51,7 @@ pub struct Metal<C> {
 impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     const CODES: CodeRange = C::CODES;
     const INPUTS: &'static [Input] = C::INPUTS;
+    const READ_BACK_OFF: u16 = C::READ_BACK_OFF;
     const INPUT_SPAN_V: [f32; 2] = C::INPUT_SPAN_V;
 
     #[inline]
@@ -70,6 +71,11 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
         self.converters.inputs()
+    }
+
+    #[inline(never)]
+    fn is_set_up(&mut self) -> bool {
+        self.converters.is_set_up()
     }
 
     #[inline]

@@ -24,32 +24,23 @@ const CONTROL_MASK: u32 = 0xfff;
 /// The converter.
 pub struct Ad5761r {
     bus: OutputBus,
-    answered: bool,
 }
 
 impl Ad5761r {
     /// Set up, unless it already is and holds its voltage.
     pub fn new(bus: OutputBus) -> Self {
-        let mut dac = Self {
-            bus,
-            answered: false,
-        };
+        let mut dac = Self { bus };
         if !dac.is_set_up() {
             dac.bus.command(FULL_RESET, 0);
             cortex_m::asm::delay(WAIT);
             dac.bus.command(WRITE_CONTROL, CONTROL);
             cortex_m::asm::delay(WAIT);
         }
-        dac.answered = dac.is_set_up();
         dac
     }
 
-    /// It has said that it is set up as it should be.
-    pub fn answered(&self) -> bool {
-        self.answered
-    }
-
-    fn is_set_up(&mut self) -> bool {
+    /// It says that it is set up as it should be.
+    pub fn is_set_up(&mut self) -> bool {
         let answer = self.bus.ask(READ_CONTROL, NOTHING);
         answer.is_some_and(|bits| bits & CONTROL_MASK == u32::from(CONTROL))
     }

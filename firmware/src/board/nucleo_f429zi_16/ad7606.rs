@@ -24,8 +24,20 @@ const SIGN: u16 = 0x8000;
 /// A microsecond, in cycles.
 const US: u32 = super::super::nucleo_f429zi::clocks::CORE_HZ / 1_000_000;
 
-/// A first conversion may take so long.
-const FIRST_SAMPLE_CYCLES: u32 = 100 * US;
+/// A conversion may take so long while nothing else waits for it.
+const CONVERSION_CYCLES: u32 = 100 * US;
+
+/// Conversions at the start until the reference is there, and the pause between them: the converter's own takes some 30 ms
+/// from power-up.
+const FIRST_CONVERSIONS: usize = 50;
+const PAUSE_CYCLES: u32 = 1000 * US;
+
+/// What the last input that is read has to show, and by how much it may be off: half of the board's 3.3 V by two resistors
+/// of 10 kOhm, a tenth for supply, resistors and the input's 1 MOhm. It proves select, clock, order, bit position and
+/// reference of the frame that it comes with; a line that is dead or stuck reads 0 or -1 there, which at a sensor is the
+/// middle of its range.
+const KNOWN: u16 = SIGN + 5406;
+const KNOWN_OFF: u16 = 541;
 
 /// The converter.
 pub struct Ad7606 {
@@ -74,7 +86,8 @@ impl Ad7606 {
         Self { bus, select }
     }
 
-    /// A conversion by hand, before the timer runs: the first `W` inputs. No codes: the converter does not answer.
+    /// A conversion by hand, before the timer runs: the first `W` inputs, with the known voltage at the last of them. No codes:
+    /// the converter does not answer.
     pub fn first<const W: usize>(
         &mut self,
         convst: Peri<'static, PB10>,
@@ -85,25 +98,38 @@ impl Ad7606 {
         convst.set_as_output(Speed::VeryHigh);
         // A converter that is not there is busy for good.
         busy.set_as_input(Pull::Up);
-        cortex_m::asm::delay(US);
-        convst.set_high();
-        cortex_m::asm::delay(US);
-        let begin = DWT::cycle_count();
-        let mut ended = false;
-        while !ended && DWT::cycle_count().wrapping_sub(begin) < FIRST_SAMPLE_CYCLES {
-            ended = busy.is_low();
+        let mut codes = None;
+        for _ in 0..FIRST_CONVERSIONS {
+            cortex_m::asm::delay(US);
+            convst.set_high();
+            cortex_m::asm::delay(US);
+            let begin = DWT::cycle_count();
+            let mut ended = false;
+            while !ended && DWT::cycle_count().wrapping_sub(begin) < CONVERSION_CYCLES {
+                ended = busy.is_low();
+            }
+            codes = if ended { self.read() } else { None };
+            if codes.is_some() {
+                break;
+            }
+            convst.set_low();
+            cortex_m::asm::delay(PAUSE_CYCLES);
         }
-        let codes = if ended { self.read() } else { None };
         (codes, ConversionPins { convst, busy })
     }
 
-    /// The first `W` inputs of the last conversion, V1 first.
+    /// The first `W` inputs of the last conversion, V1 first; `None` if the last of them does not show the known voltage.
     #[inline]
     pub fn read<const W: usize>(&mut self) -> Option<[u16; W]> {
+        // A word of an earlier frame that came too late would shift this one.
+        self.bus.empty();
         self.select.set_low();
         let codes = self.words();
         self.select.set_high();
-        codes
+        codes.filter(|codes: &[u16; W]| {
+            let known = codes.last().copied().unwrap_or(0);
+            known.abs_diff(KNOWN) <= KNOWN_OFF
+        })
     }
 
     #[inline]

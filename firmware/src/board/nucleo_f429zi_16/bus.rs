@@ -10,6 +10,11 @@ use embassy_stm32::{Peri, pac, rcc};
 /// Cycles that a word may take: 16 bits at 10.5 MHz are 256.
 const TIMEOUT_CYCLES: u32 = 1000;
 
+/// What divides SPI3's clock of 42 MHz: 10.5 MHz for commands; 2.6 MHz for answers, which leave the converter up to 40 ns
+/// after their edge and come over a wire.
+pub const WRITING: Br = Br::DIV4;
+pub const ASKING: Br = Br::DIV16;
+
 /// SPI3's alternate function.
 const AF_SPI3: u8 = 6;
 
@@ -40,8 +45,9 @@ impl Bus {
             // The chip is selected by a pin of its own.
             w.set_ssm(true);
             w.set_ssi(true);
-            w.set_spe(true);
         });
+        // The word length may not change while the interface is on.
+        spi.cr1().modify(|w| w.set_spe(true));
         Self(spi)
     }
 
@@ -53,12 +59,11 @@ impl Bus {
         to: Peri<'static, PC12>,
     ) -> Self {
         rcc::enable_and_reset::<SPI3>();
-        // 42 MHz / 4 = 10.5 MHz.
         let mode = SpiMode {
             idle: Cpol::IDLE_LOW,
             edge: Cpha::SECOND_EDGE,
             bits: Dff::BITS8,
-            divider: Br::DIV4,
+            divider: WRITING,
         };
         let bus = Self::new(pac::SPI3, &mode);
         let push = || AfType::output(OutputType::PushPull, Speed::VeryHigh);
@@ -69,6 +74,19 @@ impl Bus {
         to.set_as_af_unchecked(AF_SPI3, push());
         core::mem::forget((clock, from, to));
         bus
+    }
+
+    /// Forgets a word that has come since the last one was waited for.
+    #[inline]
+    pub fn empty(&self) {
+        let _ = self.0.dr().read();
+        // Reading the status after the data clears an overrun.
+        let _ = self.0.sr().read();
+    }
+
+    /// Another divider of the peripheral clock, between two words.
+    pub fn set_divider(&self, divider: Br) {
+        self.0.cr1().modify(|w| w.set_br(divider));
     }
 
     /// 24 bits each way, the first one first.

@@ -1,7 +1,7 @@
 //! How the AD5761R and the AD5754R are talked to: 24 bits a command on SPI3, read at the falling edges of SCLK while SYNC is
 //! low, in force when SYNC rises. What a read command asks for comes with the next one.
 
-use super::bus::Bus;
+use super::bus::{ASKING, Bus, WRITING};
 use super::timers::{LoadPin, WAIT};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Level, Output, Speed};
@@ -35,6 +35,7 @@ impl OutputBus {
     /// A command; gives what the one before it asked for.
     #[inline]
     pub fn command(&mut self, first: u8, data: u16) -> Option<u32> {
+        self.bus.empty();
         self.sync.set_low();
         let [high, low] = data.to_be_bytes();
         let answer = self.bus.exchange_24([first, high, low]);
@@ -44,10 +45,12 @@ impl OutputBus {
 
     /// What the read command `question` gives; `nothing` is a command without effect.
     pub fn ask(&mut self, question: u8, nothing: u8) -> Option<u32> {
+        self.bus.set_divider(ASKING);
         self.command(question, 0);
         cortex_m::asm::delay(WAIT);
         let answer = self.command(nothing, 0);
         cortex_m::asm::delay(WAIT);
+        self.bus.set_divider(WRITING);
         answer
     }
 }

@@ -46,16 +46,12 @@ pub const OUTPUTS: usize = 3;
 /// The converter.
 pub struct Ad5754r {
     bus: OutputBus,
-    answered: bool,
 }
 
 impl Ad5754r {
     /// Set up, unless it already is and holds its voltages.
     pub fn new(bus: OutputBus) -> Self {
-        let mut dac = Self {
-            bus,
-            answered: false,
-        };
+        let mut dac = Self { bus };
         if !dac.is_set_up() {
             for (register, data) in [
                 (RANGE | ALL, TEN_VOLTS),
@@ -69,16 +65,11 @@ impl Ad5754r {
             // An output takes codes 10 us after it got power.
             cortex_m::asm::delay(10 * WAIT);
         }
-        dac.answered = dac.is_set_up();
         dac
     }
 
-    /// It has said that it is set up as it should be.
-    pub fn answered(&self) -> bool {
-        self.answered
-    }
-
-    fn is_set_up(&mut self) -> bool {
+    /// It says that it is set up as it should be.
+    pub fn is_set_up(&mut self) -> bool {
         let mut read = |register: u8| {
             let answer = self.bus.ask(READ | register, NOTHING);
             answer.map(|bits| bits as u16)

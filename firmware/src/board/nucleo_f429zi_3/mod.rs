@@ -10,7 +10,7 @@
 //! | V1, V2, V3 | displacements of actuators 1 to 3 |
 //! | V4, V5, V6 | forces |
 //! | V7 | second displacement of actuator 1 |
-//! | V8 | acceleration of its head |
+//! | V8 | half of 3.3 V: a frame without it counts as none |
 //!
 //! | the chip's ADC2 | each behind an amplifier of gain 0.15 around 1.65 V |
 //! |---|---|
@@ -56,8 +56,8 @@ pub struct ExternalThree {
     adc: Ad7606,
     dac: Ad5754r,
     further_adc: FurtherAdc,
-    /// V7 and V8 of the last sample.
-    further: [u16; 2],
+    /// V7 of the last sample.
+    second_displacement: u16,
 }
 
 impl Converters<OUTPUTS> for ExternalThree {
@@ -68,8 +68,9 @@ impl Converters<OUTPUTS> for ExternalThree {
         Input::CommandReadBack(1),
         Input::CommandReadBack(2),
         Input::SecondDisplacement,
-        Input::HeadAcceleration,
     ];
+    // A fiftieth of the range, 400 mV: the resistors of three amplifiers.
+    const READ_BACK_OFF: u16 = 1311;
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
@@ -84,11 +85,12 @@ impl Converters<OUTPUTS> for ExternalThree {
     ) -> StartedConverters<Self, OUTPUTS> {
         let mut adc = Ad7606::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
         let (sampled, line) = adc.first(r.pb10, r.pb11);
-        let (first, further) = sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
+        let (first, second_displacement) =
+            sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
         let wires = (r.pc10, r.pc11, r.pc12);
         let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
         let mut dac = Ad5754r::new(bus);
-        let answered = dac.answered() && sampled.is_some();
+        let answered = dac.is_set_up() && sampled.is_some();
         for (actuator, [displacement, _]) in first.into_iter().enumerate() {
             dac.write(actuator, standing(actuator, displacement));
         }
@@ -105,7 +107,7 @@ impl Converters<OUTPUTS> for ExternalThree {
                 adc,
                 dac,
                 further_adc,
-                further,
+                second_displacement,
             },
             period,
             first,
@@ -124,16 +126,19 @@ impl Converters<OUTPUTS> for ExternalThree {
         if !timers::conversion_has_ended() {
             return None;
         }
-        let (codes, further) = sorted(self.adc.read()?);
-        self.further = further;
+        let codes;
+        (codes, self.second_displacement) = sorted(self.adc.read()?);
         Some(codes)
     }
 
     #[inline]
     fn inputs(&self) -> [u16; MAX_INPUTS] {
         let [first, second, third] = self.further_adc.codes().map(read_back);
-        let [displacement, acceleration] = self.further;
-        [first, second, third, displacement, acceleration]
+        [first, second, third, self.second_displacement, 0]
+    }
+
+    fn is_set_up(&mut self) -> bool {
+        self.dac.is_set_up() && self.further_adc.is_set_up()
     }
 
     #[inline]
@@ -151,8 +156,8 @@ fn read_back(code: u16) -> u16 {
     (from_middle + 0x8000).clamp(0, 0xffff) as u16
 }
 
-/// Displacement and force of each actuator, and the further inputs.
+/// Displacement and force of each actuator, and the second displacement.
 #[inline]
-fn sorted([d1, d2, d3, f1, f2, f3, v7, v8]: [u16; INPUTS]) -> ([[u16; 2]; OUTPUTS], [u16; 2]) {
-    ([[d1, f1], [d2, f2], [d3, f3]], [v7, v8])
+fn sorted([d1, d2, d3, f1, f2, f3, v7, _]: [u16; INPUTS]) -> ([[u16; 2]; OUTPUTS], u16) {
+    ([[d1, f1], [d2, f2], [d3, f3]], v7)
 }

@@ -51,15 +51,18 @@ impl Exchange {
     /// Waits for a command; gives its number.
     ///
     /// # Errors
-    /// The PC has gone, or its frame holds no command.
+    /// The PC has gone.
     pub fn command(&mut self) -> Result<(u16, Command), HostGone> {
         loop {
             let mut byte = [0; 1];
             self.from_pc.read(&mut byte)?;
             let [byte] = byte;
             if let Some(frame) = self.decoder.push(byte) {
-                let command = Command::decode(&frame).ok_or(HostGone)?;
-                return Ok((frame.sequence, command));
+                let (request, command) = (frame.sequence, Command::received(&frame));
+                match command {
+                    Ok(command) => return Ok((request, command)),
+                    Err(why) => self.reply(request, why.into())?,
+                }
             }
         }
     }
@@ -78,7 +81,7 @@ impl Exchange {
     /// Takes a ground motion into `memory`, m/s^2, until the configuration comes behind it.
     ///
     /// # Errors
-    /// The PC has gone, or its frame holds no command.
+    /// The PC has gone.
     pub fn begin(&mut self, memory: &mut [f32]) -> Result<Begin, HostGone> {
         let (mut upload, mut whole) = (None, None);
         loop {

@@ -11,7 +11,6 @@ use embassy_time::{Duration, Ticker, Timer, with_timeout};
 use heapless::spsc::Consumer;
 use link::Command;
 use link::frame::{Decoder, DecoderCounts, FrameKind};
-use link::message::Message;
 use link::reply::NumberedReply;
 use outerloop_core::Config;
 
@@ -61,11 +60,14 @@ pub async fn task(mut listener: Listener, mut rx: RingBufferedUartRx<'static>) {
             if frame.kind != FrameKind::Command {
                 continue;
             }
-            let (request, command) = (frame.sequence, Command::decode(&frame));
+            let (request, command) = (frame.sequence, Command::received(&frame));
             listener.heartbeats.beat(Heartbeat::Pc);
             let answer = match command {
-                Some(command) => listener.serve(request, command, decoder.seen()).await,
-                None => listener.service.borrow_mut().not_understood(request),
+                Ok(command) => listener.serve(request, command, decoder.seen()).await,
+                Err(why) => NumberedReply {
+                    request,
+                    reply: why.into(),
+                },
             };
             listener.answers.send(answer).await;
         }

@@ -1,0 +1,173 @@
+//! Two actuators that move x and rotation of the interface, as the loop sees a rig.
+//!
+//! ```text
+//!  strokes, forces ─► where the interface is, force and moment ─► loop ─► target of x and rotation ─► tracker ─► commands
+//! ```
+//!
+//! Strokes, forces and commands of the actuators stand on axes 0 and 1; so do x and rotation of the structure. Limits act in
+//! both: those of the actuators are the loop's own (axes 0 and 1 of a [`Trip`](crate::Trip)), those of x and rotation are
+//! here (axes 2 and 3; of axis 3 rad stands for m and N m for N).
+
+use super::pair::Pair;
+use super::plant::Plant;
+use super::tracker::{Tracker, TrackerConstants};
+use crate::float::{larger, smaller};
+use crate::rig::{Asked, CommandMap, Rig};
+use crate::supervise::{Checked, Finding, InterlockLimits, Mode, first_fault, within};
+
+/// By how much the share of the ground's acceleration changes in a control step.
+const SHARE_STEP: f32 = 1.0 / 64.0;
+/// What the axes of x and rotation are counted from in a fault.
+const INTERFACE: u8 = 2;
+
+/// What is known of the rig, worked out once.
+#[derive(Clone, Debug)]
+pub struct CoupledConstants {
+    pub(super) tracker: TrackerConstants,
+    /// Of x and of the rotation.
+    pub(super) limits: [InterlockLimits; 2],
+    /// Rotation that moves a pin by as much as this displacement, rad/m.
+    pub(super) turn_per_metre: f32,
+}
+
+/// A rig with two coupled actuators.
+#[derive(Clone, Debug)]
+pub struct CoupledRig {
+    tracker: Tracker,
+    limits: [InterlockLimits; 2],
+    turn_per_metre: f32,
+    /// Where the interface is, by readings and model, m and rad.
+    interface: Pair,
+    /// Force along x and moment about the interface, N and N m.
+    force: Pair,
+    /// Share of the ground's acceleration that the observers get. It is 0 outside a running test and changes
+    /// gradually, because a jump of it would jerk the actuators.
+    shaken: f32,
+}
+
+impl CoupledRig {
+    /// The actuators as known now.
+    pub fn plant(&self) -> &Plant {
+        self.tracker.plant()
+    }
+
+    /// What the limits of coordinate `i` look at.
+    fn checked<'a>(&'a self, i: usize, [from, to]: &'a [[f32; 1]; 2]) -> Checked<'a, 1> {
+        Checked {
+            next_m: to,
+            sent_m: from,
+            aimed_m: from,
+            displacement_m: core::array::from_ref(&self.interface[i]),
+            force_n: core::array::from_ref(&self.force[i]),
+            energy_ratio: 0.0,
+            stale_steps: 0,
+            late_steps: 0,
+            physical: 1,
+        }
+    }
+}
+
+/// The first two axes.
+#[inline]
+fn pair<const N: usize>(all: &[f32; N]) -> Pair {
+    core::array::from_fn(|i| all.get(i).copied().unwrap_or(0.0))
+}
+
+/// The first two axes exchanged.
+#[inline]
+fn with_pair<const N: usize>(all: &[f32; N], pair: Pair) -> [f32; N] {
+    core::array::from_fn(|j| pair.get(j).copied().unwrap_or(all[j]))
+}
+
+/// Coordinate `i` of where a step leads from, and to.
+#[inline]
+fn coordinate<const N: usize>(i: usize, from: &[f32; N], to: &[f32; N]) -> [[f32; 1]; 2] {
+    [[pair(from)[i]], [pair(to)[i]]]
+}
+
+impl<const N: usize> Rig<N> for CoupledRig {
+    type Constants = CoupledConstants;
+
+    const SAME_COORDINATES: bool = false;
+
+    fn at_rest(constants: CoupledConstants) -> Self {
+        Self {
+            tracker: Tracker::at_rest(constants.tracker),
+            limits: constants.limits,
+            turn_per_metre: constants.turn_per_metre,
+            interface: [0.0; 2],
+            force: [0.0; 2],
+            shaken: 0.0,
+        }
+    }
+
+    // What was found out about the actuators, and what is on its way through them, stays.
+    fn rest(&mut self) {}
+
+    fn restart(&mut self) {
+        self.tracker.restart();
+        (self.interface, self.force, self.shaken) = ([0.0; 2], [0.0; 2], 0.0);
+    }
+
+    fn correct(
+        &mut self,
+        sent_m: &[f32; N],
+        displacement_m: &mut [f32; N],
+        force_n: &mut [f32; N],
+    ) {
+        let strokes_m = pair(displacement_m);
+        let (_, interface) = self.tracker.observe(&pair(sent_m), &strokes_m);
+        // The arms are those of the reading: a model of the actuators that is wrong must not turn forces.
+        let coupler = self.tracker.coupler();
+        let [_, turned] = coupler.interface(&strokes_m);
+        self.interface = interface;
+        self.force = coupler.resultant(&pair(force_n), turned);
+        *displacement_m = with_pair(displacement_m, self.interface);
+        *force_n = with_pair(force_n, self.force);
+    }
+
+    fn strokes_m(&self, at_m: &[f32; N]) -> [f32; N] {
+        let [x, theta] = pair(at_m);
+        with_pair(at_m, self.tracker.coupler().strokes_m(x, theta))
+    }
+
+    fn commands(&mut self, _: &[CommandMap; N], asked: &Asked<'_, N>) -> [f32; N] {
+        if asked.mode == Mode::Tripped {
+            return *asked.sent_m;
+        }
+        let change = if asked.mode.integrates() {
+            SHARE_STEP
+        } else {
+            -SHARE_STEP
+        };
+        self.shaken = smaller(larger(self.shaken + change, 0.0), 1.0);
+        let ground_m_per_s2 = self.shaken * asked.ground.at(asked.step);
+        let command_m = self.tracker.command(&pair(asked.aim_m), ground_m_per_s2);
+        with_pair(asked.aim_m, command_m)
+    }
+
+    fn within(&self, from_m: &[f32; N], to_m: &[f32; N]) -> bool {
+        (0..2).all(|i| {
+            within(
+                &self.limits[i],
+                &self.checked(i, &coordinate(i, from_m, to_m)),
+            )
+        })
+    }
+
+    fn first_fault(&self, from_m: &[f32; N], to_m: &[f32; N]) -> Option<Finding> {
+        let of = |i: usize| {
+            let step = coordinate(i, from_m, to_m);
+            let found = first_fault(&self.limits[i], &self.checked(i, &step))?;
+            Some(Finding {
+                axis: INTERFACE + i as u8,
+                ..found
+            })
+        };
+        Finding::first(of(0), of(1))
+    }
+
+    fn per_metre(&self, axis: usize) -> f32 {
+        if axis == 1 { self.turn_per_metre } else { 1.0 }
+    }
+}

@@ -1,0 +1,132 @@
+//! What the watch is told of one actuator: the declared model with its tolerances, and the scales of the test.
+
+use crate::refusal::{Refusal, accept};
+
+/// One actuator as declared, with the test that it is to make. Times are those of the laboratory.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Declared {
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// First natural frequency of the structure as the laboratory sees it, rad/s.
+    pub omega_rad_per_s: f64,
+    /// Largest displacement that is planned, m.
+    pub peak_m: f64,
+    /// Stiffness that holds the actuator, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Standard tolerance of the stiffness, relative.
+    pub stiffness_tolerance: f64,
+    /// From command to displacement.
+    pub actuator: DeclaredActuator,
+    /// True if the actuator was declared: its lateness, gain and offset can be judged.
+    pub has_actuator: bool,
+    /// True if the specimen was declared.
+    pub has_specimen: bool,
+    /// True if it was declared elastic: its force is stiffness, damping and mass, and nothing else.
+    pub elastic: bool,
+    /// Damping, N s/m, and mass on the load cell, kg, of the specimen.
+    pub damping_n_s_per_m: f64,
+    /// Mass on the load cell, kg.
+    pub mass_kg: f64,
+    /// Force that is read per force.
+    pub force_gain: f64,
+    /// Force that is read at rest at zero, N.
+    pub force_offset_n: f64,
+    /// Noise of displacement, m, and force, N, rms a control step; what is more is learned in the first seconds.
+    pub noise: [f64; 2],
+}
+
+/// An actuator as declared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct DeclaredActuator {
+    /// Displacement per command.
+    pub gain: f64,
+    /// Transport delay, s.
+    pub delay_s: f64,
+    /// Time constant of a first-order lag, s.
+    pub lag_s: f64,
+    /// Displacement at command 0, m.
+    pub offset_m: f64,
+    /// Standard tolerances of gain, of delay and lag together, s, and of the offset, m.
+    pub tolerances: [f64; 3],
+}
+
+/// Standard tolerances that count as one where a smaller one is declared: they are what a rig's own spread leaves, of the
+/// gain, of the lateness in its own parts and in s, of the offset in peaks.
+const LEAST_GAIN: f64 = 0.003;
+const LEAST_LATE: [f64; 2] = [0.08, 2e-4];
+const LEAST_OFFSET: f64 = 0.002;
+/// A stiffness.
+const LEAST_STIFFNESS: f64 = 0.025;
+
+/// Half tolerances of the columns of each regression, in the units of [`Row`](super::signals::Row).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfTolerances {
+    pub(super) actuator: [f32; 7],
+    pub(super) force: [f32; 7],
+    pub(super) unloading: [f32; 4],
+}
+
+impl Declared {
+    /// That the numbers can be what they stand for.
+    ///
+    /// # Errors
+    /// The first that cannot.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let a = &self.actuator;
+        for (name, value, good, what) in [
+            ("rate_hz", self.rate_hz, positive(self.rate_hz), "above 0"),
+            (
+                "omega",
+                self.omega_rad_per_s,
+                positive(self.omega_rad_per_s),
+                "above 0",
+            ),
+            ("peak_m", self.peak_m, positive(self.peak_m), "above 0"),
+            (
+                "stiffness",
+                self.stiffness_n_per_m,
+                positive(self.stiffness_n_per_m),
+                "above 0",
+            ),
+            ("gain", a.gain, positive(a.gain), "above 0"),
+            (
+                "delay_s",
+                a.delay_s,
+                (0.0..=0.12).contains(&a.delay_s),
+                "0 to 0.12 s",
+            ),
+            ("lag_s", a.lag_s, (0.0..=1.0).contains(&a.lag_s), "0 to 1 s"),
+            (
+                "force_gain",
+                self.force_gain,
+                positive(self.force_gain),
+                "above 0",
+            ),
+        ] {
+            accept(name, value, good, what)?;
+        }
+        Ok(())
+    }
+
+    /// Half of what is tolerated of each column: a declared tolerance is a standard one, and twice that is tolerated.
+    pub(super) fn half_tolerances(&self) -> HalfTolerances {
+        let w = self.omega_rad_per_s;
+        let late_s = self.actuator.delay_s + self.actuator.lag_s;
+        let [gain, late, offset] = self.actuator.tolerances;
+        let gain = gain.max(LEAST_GAIN);
+        let late = late.max(LEAST_LATE[0] * late_s + LEAST_LATE[1]) * w;
+        let offset = (offset / self.peak_m).max(LEAST_OFFSET);
+        let bend = 0.5 * (0.6 * late_s * w * late_s * w + 0.002);
+        let slope = self.stiffness_tolerance.max(LEAST_STIFFNESS);
+        let v = 0.5 * (0.012 + 3e-4 * w);
+        let to_f32 = |x: f64| x as f32;
+        HalfTolerances {
+            actuator: [offset, gain, late, bend, 0.0015, 0.2, 0.2].map(to_f32),
+            force: [0.004, slope, v, 0.006, 0.004, 0.004, 0.15].map(to_f32),
+            unloading: [slope, v, 0.006, 0.003].map(to_f32),
+        }
+    }
+}

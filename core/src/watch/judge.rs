@@ -1,0 +1,496 @@
+//! From hypotheses to causes: which of them, on which side, since when.
+
+use super::declared::Declared;
+use super::name::{Cause, Set};
+use super::regression::{ACTUATOR, Answer, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING, WINDOWS};
+use super::signals::Row;
+use super::state::{Finding, State};
+use heapless::Vec;
+use libm::sqrtf;
+
+/// Blocks from one judgement to the next: 50 ms.
+pub(super) const BLOCKS_A_ROUND: u8 = 25;
+/// Causes whose values are kept.
+const MOST_FINDINGS: usize = 8;
+/// Twice the logarithm of the likelihood ratio from which there is a doubt, and a name: of the actuator, of the force, of the
+/// unloading.
+const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
+const NAME: [f32; 3] = [12.0, 12.0, 48.0];
+/// By how many standard deviations a value is beyond its tolerance of two halves.
+const BEYOND: [f32; 3] = [2.0, 2.0, 5.0];
+/// Share of the residual that the free fit has to explain.
+const EXPLAINED: f32 = 0.7;
+/// Rounds in a row.
+const ROUNDS: u8 = 3;
+/// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
+const FALLS_BACK: f32 = 2.0;
+const NEW_LARGEST: f32 = 4.0;
+/// A secant below this share of the declared stiffness is one that has yielded, at a motion that tells, peaks.
+const SECANT: f32 = 0.9;
+const WORTH_A_SECANT: f32 = 0.1;
+/// What makes a largest motion a new one.
+const LARGER: f32 = 1.02;
+/// Periods of samples from which the reference is one.
+const LEARNED: f32 = 1.0;
+/// Deviations by which one side is possible and the other worse.
+const POSSIBLE: f32 = 3.0;
+const WORSE: f32 = 2.0;
+/// What a reference may be off: slope, offset in peaks, lateness in half tolerances.
+const SLOPE_OFF: f32 = 0.006;
+const OFFSET_OFF: f32 = 0.002;
+const LATE_OFF: f32 = 0.6;
+
+/// Scales of the values.
+#[derive(Clone, Debug)]
+pub(super) struct Constants {
+    half: super::declared::HalfTolerances,
+    peak_m: f32,
+    omega: f32,
+    stiffness: f32,
+    blocks_a_period: f32,
+    /// Share by which a membership moves in a round.
+    settles: f32,
+}
+
+impl Constants {
+    pub(super) fn new(d: &Declared, blocks_hz: f64) -> Self {
+        let period_s = core::f64::consts::TAU / d.omega_rad_per_s;
+        let round_s = f64::from(BLOCKS_A_ROUND) / blocks_hz;
+        Self {
+            half: d.half_tolerances(),
+            peak_m: d.peak_m as f32,
+            omega: d.omega_rad_per_s as f32,
+            stiffness: d.stiffness_n_per_m as f32,
+            blocks_a_period: (period_s * blocks_hz) as f32,
+            settles: (round_s / (0.75 * period_s)).min(1.0) as f32,
+        }
+    }
+}
+
+/// What is thought of the rig.
+#[derive(Clone, Debug)]
+pub(super) struct Judge {
+    pub(super) state: State,
+    pub(super) published: Set,
+    pub(super) findings: Vec<Finding, MOST_FINDINGS>,
+    /// False once the specimen has shown that it is not, whatever was declared.
+    pub(super) elastic: bool,
+    answers: [[Option<Answer>; 3]; WINDOWS],
+    /// Of the longest window while the test was sound: what the free fit left, and coefficients with deviations.
+    left: [f32; 3],
+    reference: [Option<Answer>; 3],
+    streaks: [u8; 3],
+    /// Share of the last time in which each cause was in the set.
+    member: [f32; Cause::ALL.len()],
+    /// Causes that are no regression's, named in this round.
+    heard: Set,
+    /// Blocks since the doubt began.
+    doubt: Option<u32>,
+    largest: f32,
+    since_largest: u32,
+    limits: [f32; 2],
+    speed: f32,
+}
+
+impl Judge {
+    pub(super) const fn new(elastic: bool) -> Self {
+        Self {
+            state: State::Sound,
+            published: Set::EMPTY,
+            findings: Vec::new(),
+            elastic,
+            answers: [[None; 3]; WINDOWS],
+            left: [0.0; 3],
+            reference: [None; 3],
+            streaks: [0; 3],
+            member: [0.0; Cause::ALL.len()],
+            heard: Set::EMPTY,
+            doubt: None,
+            largest: 0.0,
+            since_largest: 0,
+            limits: [0.0; 2],
+            speed: 0.0,
+        }
+    }
+
+    pub(super) fn pass_block(&mut self) {
+        self.since_largest = self.since_largest.saturating_add(1);
+        if let Some(age) = &mut self.doubt {
+            *age = age.saturating_add(1);
+        }
+    }
+
+    /// Looks at how large the motion is.
+    pub(super) fn see(&mut self, row: &Row) {
+        self.speed = row.y[1].abs();
+        self.limits = row.limits;
+        let x = row.x[0].abs();
+        if x > LARGER * self.largest {
+            (self.largest, self.since_largest) = (x, 0);
+            // Its secant has fallen where it goes further than ever: it yields, whatever was declared.
+            self.elastic &= x < WORTH_A_SECANT || row.r.abs() > SECANT * x;
+        }
+    }
+
+    pub(super) fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    /// True while there is a doubt.
+    pub(super) fn doubts(&self) -> bool {
+        self.doubt.is_some()
+    }
+
+    pub(super) fn left_while_sound(&self, regression: usize) -> f32 {
+        self.left[regression]
+    }
+
+    /// What a window says of a regression.
+    pub(super) fn take(&mut self, window: usize, regression: usize, answer: Option<Answer>) {
+        self.answers[window][regression] = answer;
+    }
+
+    pub(super) fn name_noise(&mut self, k: &Constants, sensor: usize, sigma: f32) {
+        let (cause, unit) = match sensor {
+            0 => (Cause::DisplacementNoise, k.peak_m),
+            _ => (Cause::ForceNoise, k.peak_m * k.stiffness),
+        };
+        // Of a control step; a block has a few.
+        self.note(cause, 2.0 * sigma * unit, 0.2 * sigma * unit);
+    }
+
+    pub(super) fn name_hum(&mut self, k: &Constants, sensor: usize, amplitude: f32) {
+        let (cause, unit) = match sensor {
+            0 => (Cause::DisplacementHum, k.peak_m),
+            _ => (Cause::ForceHum, k.peak_m * k.stiffness),
+        };
+        self.note(cause, amplitude * unit, 0.1 * amplitude * unit);
+    }
+
+    pub(super) fn name_play(&mut self, k: &Constants, width: f32) {
+        self.note(Cause::Play, width * k.peak_m, 0.15 * width * k.peak_m);
+    }
+
+    /// Latches a trip; true if it is new.
+    pub(super) fn trip(&mut self, cause: Cause) -> bool {
+        if self.state == State::Trip {
+            return false;
+        }
+        self.state = State::Trip;
+        self.note(cause, 0.0, 0.0);
+        self.published = Set::EMPTY;
+        self.published.add(cause);
+        true
+    }
+
+    /// A cause of this round with its value in SI units.
+    fn note(&mut self, cause: Cause, value: f32, sd: f32) {
+        self.heard.add(cause);
+        let finding = Finding {
+            cause,
+            value: value * cause.per_si(),
+            sd: sd * cause.per_si(),
+        };
+        if let Some(old) = self.findings.iter_mut().find(|f| f.cause == cause) {
+            *old = finding;
+        } else if self.findings.push(finding).is_err()
+            && let Some(gone) = self
+                .findings
+                .iter_mut()
+                .find(|f| !self.published.has(f.cause) && !self.heard.has(f.cause))
+        {
+            *gone = finding;
+        }
+    }
+
+    /// The end of a round. True if state or set have changed.
+    pub(super) fn conclude(&mut self, k: &Constants) -> bool {
+        if self.state == State::Trip {
+            return false;
+        }
+        let best: [_; 3] = core::array::from_fn(|regression| self.best(regression));
+        let doubtful = best
+            .iter()
+            .zip(DOUBT)
+            .any(|(b, doubt)| b.is_some_and(|b| b.d > doubt));
+        for (regression, best) in best.iter().enumerate() {
+            let named = best.as_ref().is_some_and(|b| b.is_name(regression));
+            let streak = &mut self.streaks[regression];
+            *streak = if named { streak.saturating_add(1) } else { 0 };
+        }
+        let settled = |own: &Self, regression: usize| own.streaks[regression] >= ROUNDS;
+        let mut decided_actuator = true;
+        if settled(self, ACTUATOR)
+            && let Some(best) = best[ACTUATOR]
+        {
+            decided_actuator = self.name_actuator(k, &best);
+        }
+        let clear = best[ACTUATOR].is_none_or(|b| b.d < DOUBT[ACTUATOR]);
+        if clear || (settled(self, ACTUATOR) && decided_actuator) {
+            for regression in [FORCE, UNLOADING] {
+                if settled(self, regression)
+                    && let Some(best) = best[regression]
+                {
+                    self.name_force(k, regression, &best);
+                }
+            }
+        }
+        let before = (self.state, self.published);
+        self.settle(k, doubtful);
+        before != (self.state, self.published)
+    }
+
+    /// The hypothesis of any window that stands out most.
+    fn best(&self, regression: usize) -> Option<Hypothesis> {
+        let mut best: Option<Hypothesis> = None;
+        for window in 0..WINDOWS {
+            if window == FRESH && self.doubt.is_none() {
+                continue;
+            }
+            let Some(answer) = self.answers[window][regression] else {
+                continue;
+            };
+            let (column, d) = answer.best();
+            let own = Hypothesis { d, column, answer };
+            let better = match &best {
+                None => true,
+                // What can be named goes before what only stands out.
+                Some(b) => (own.is_name(regression), own.d) > (b.is_name(regression), b.d),
+            };
+            if better {
+                best = Some(own);
+            }
+        }
+        best
+    }
+
+    /// Names what is wrong between command and displacement. True if it is the actuator and no sensor.
+    fn name_actuator(&mut self, k: &Constants, best: &Hypothesis) -> bool {
+        let mut only_actuator = true;
+        for column in best.set() {
+            let answer = &best.answer;
+            let (theta, sd) = (answer.theta[column], answer.sd[column]);
+            let half = k.half.actuator[column];
+            let cause = match column {
+                0 => Cause::ActuatorOffset,
+                1 => Cause::ActuatorGain,
+                2 => Cause::ActuatorLate,
+                4 if theta > 0.0 => Cause::ActuatorFriction,
+                5 => Cause::RateLimit,
+                6 => Cause::StrokeLimit,
+                // The bend of the phase is a part of the lateness; friction that pushes is none.
+                _ => continue,
+            };
+            let (value, sd) = match cause {
+                Cause::ActuatorGain => (theta * half, sd * half),
+                Cause::ActuatorLate => (theta * half / k.omega, sd * half / k.omega),
+                Cause::RateLimit => {
+                    let speed = self.limits[0] * k.omega * k.peak_m;
+                    (speed, 0.05 * speed)
+                }
+                Cause::StrokeLimit => (self.limits[1] * k.peak_m, 0.02 * self.limits[1] * k.peak_m),
+                _ => (theta * half * k.peak_m, sd * half * k.peak_m),
+            };
+            let Some(twin) = cause.twin() else {
+                self.note(cause, value, sd);
+                continue;
+            };
+            let [actuator, sensor] = self.sides(k, cause, theta * half);
+            if actuator {
+                self.note(cause, value, sd);
+            }
+            if sensor {
+                only_actuator = false;
+                self.note(twin, value, sd);
+            }
+        }
+        only_actuator
+    }
+
+    /// Which sides are possible of a cause that shows between command and displacement: actuator, displacement transducer.
+    /// A wrong transducer makes the force look wrong as well, by as much; a wrong actuator does not.
+    fn sides(&self, k: &Constants, cause: Cause, value: f32) -> [bool; 2] {
+        let (regression, column, half, implied, off) = match (cause, self.elastic) {
+            (Cause::ActuatorGain, true) => (
+                FORCE,
+                1,
+                k.half.force[1],
+                1.0 / (1.0 + value) - 1.0,
+                SLOPE_OFF,
+            ),
+            (Cause::ActuatorGain, false) => (
+                UNLOADING,
+                0,
+                k.half.unloading[0],
+                1.0 / (1.0 + value) - 1.0,
+                SLOPE_OFF,
+            ),
+            (Cause::ActuatorLate, true) => {
+                let half = k.half.force[2];
+                (FORCE, 2, half, value, LATE_OFF * half)
+            }
+            (Cause::ActuatorLate, false) => {
+                let half = k.half.unloading[1];
+                (UNLOADING, 1, half, value, LATE_OFF * half)
+            }
+            (Cause::ActuatorOffset, true) => (FORCE, 0, k.half.force[0], -value, OFFSET_OFF),
+            _ => return [true; 2],
+        };
+        let fresh = self.answers[FRESH][regression].or(self.answers[0][regression]);
+        let Some(now) = fresh.or(self.answers[1][regression]) else {
+            return [true; 2];
+        };
+        // Without a reference the declared value is one, with its tolerance.
+        let (before, before_sd) =
+            self.reference[regression].map_or((0.0, 1.0), |r| (r.theta[column], r.sd[column]));
+        let change = (now.theta[column] - before) * half;
+        let sd = sqrtf(now.sd[column] * now.sd[column] + before_sd * before_sd) * half;
+        let sd = sqrtf(sd * sd + off * off);
+        let (if_actuator, if_sensor) = ((change / sd).abs(), ((change - implied) / sd).abs());
+        if if_sensor < POSSIBLE && if_actuator > if_sensor + WORSE {
+            [false, true]
+        } else if if_actuator < POSSIBLE && if_sensor > if_actuator + WORSE {
+            [true, false]
+        } else {
+            [true; 2]
+        }
+    }
+
+    /// Names what is wrong between displacement and force.
+    fn name_force(&mut self, k: &Constants, regression: usize, best: &Hypothesis) {
+        let recent = (self.since_largest as f32) < NEW_LARGEST * k.blocks_a_period;
+        // What looks like an offset and like friction at once is a specimen that has yielded.
+        let looks_like = |column: usize| best.set().any(|c| c == column);
+        let yields = looks_like(0) && looks_like(4);
+        if regression == FORCE && (recent || yields) {
+            // A specimen that has just gone further than ever, too: it may do what nobody declared.
+            self.elastic = false;
+            self.streaks[FORCE] = 0;
+            for window in &mut self.answers {
+                window[FORCE] = None;
+            }
+            return;
+        }
+        let force = k.peak_m * k.stiffness;
+        for column in best.set() {
+            let answer = &best.answer;
+            let (theta, sd) = (answer.theta[column], answer.sd[column]);
+            let (role, half) = match regression {
+                FORCE => (column, k.half.force[column]),
+                _ => (
+                    column + 1,
+                    k.half.unloading.get(column).copied().unwrap_or(0.0),
+                ),
+            };
+            let (cause, scale) = match role {
+                0 => (Cause::ForceOffset, force),
+                1 => {
+                    self.name_slope(k, regression, best, recent);
+                    continue;
+                }
+                2 if theta < 0.0 => (Cause::ForceLate, -1.0 / k.omega),
+                3 if theta > 0.0 => (Cause::Mass, k.stiffness / (k.omega * k.omega)),
+                4 if theta > 0.0 => (Cause::BearingFriction, force),
+                5 if theta > 0.0 => (Cause::Play, 2.0 * k.peak_m),
+                // Forces that push, and a stiffness that depends on the way: the specimen's own.
+                _ => continue,
+            };
+            self.note(cause, theta * half * scale, sd * half * scale.abs());
+        }
+    }
+
+    /// A slope that has risen is the load cell's: a specimen does not stiffen while it unloads. One that has fallen *at once* may
+    /// be either; one that falls slowly is a specimen that degrades.
+    fn name_slope(&mut self, k: &Constants, regression: usize, best: &Hypothesis, recent: bool) {
+        let column = 1 - usize::from(regression == UNLOADING);
+        let half = match regression {
+            FORCE => k.half.force[1],
+            _ => k.half.unloading[0],
+        };
+        let (theta, sd) = (best.answer.theta[column], best.answer.sd[column]);
+        if theta > 0.0 {
+            self.note(Cause::ForceGain, theta * half, sd * half);
+            return;
+        }
+        let long = self.answers[REFERENCE][regression].filter(|a| a.periods > LEARNED);
+        let fallen = long.is_some_and(|long| theta - long.theta[column] < -2.0 - 2.0 * sd);
+        if fallen && !recent {
+            self.note(Cause::ForceGain, theta * half, sd * half);
+            self.note(Cause::StiffnessLoss, theta * half, sd * half);
+        }
+    }
+
+    /// State and published set at the end of a round.
+    fn settle(&mut self, k: &Constants, doubtful: bool) {
+        let heard = core::mem::take(&mut self.heard);
+        let mut set = Set::EMPTY;
+        for (member, &cause) in self.member.iter_mut().zip(Cause::ALL) {
+            let now = if heard.has(cause) { 1.0 } else { 0.0 };
+            *member += k.settles * (now - *member);
+            if *member > 0.5 {
+                set.add(cause);
+            }
+        }
+        let first = self.published.is_empty() && !heard.is_empty();
+        if first {
+            self.published = heard;
+        } else if !set.is_empty() {
+            self.published = set;
+        }
+        if doubtful || !heard.is_empty() {
+            let falls_back = (FALLS_BACK * k.blocks_a_period) as u32;
+            match self.doubt {
+                // A new doubt long after the last one looks at fresh data again.
+                Some(age) if age > falls_back && heard.is_empty() => self.doubt = None,
+                Some(_) => {}
+                None => self.doubt = Some(0),
+            }
+        } else if let Some(age) = self.doubt
+            && age as f32 > FALLS_BACK * k.blocks_a_period
+        {
+            self.doubt = None;
+        }
+        if self.doubt.is_none() && self.published.is_empty() {
+            for regression in 0..3 {
+                if let Some(answer) = self.answers[REFERENCE][regression] {
+                    self.left[regression] = answer.left;
+                    if answer.periods > LEARNED {
+                        self.reference[regression] = Some(answer);
+                    }
+                }
+            }
+        }
+        self.state = if !self.published.is_empty() {
+            State::Named
+        } else if self.doubt.is_some() {
+            State::Doubtful
+        } else {
+            State::Sound
+        };
+    }
+}
+
+/// The best single cause of a regression in a window.
+#[derive(Clone, Copy, Debug)]
+struct Hypothesis {
+    d: f32,
+    column: usize,
+    answer: Answer,
+}
+
+impl Hypothesis {
+    /// True if it stands out enough for a name.
+    fn is_name(&self, regression: usize) -> bool {
+        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd[self.column]);
+        self.d > NAME[regression]
+            && theta.abs() > 2.0 + BEYOND[regression] * sd
+            && self.answer.explained > EXPLAINED
+    }
+
+    /// The columns that explain it about as well.
+    fn set(&self) -> impl Iterator<Item = usize> {
+        let least = 0.92 * self.d - 6.0;
+        let d = self.answer.d;
+        (0..d.len()).filter(move |j| d[*j] > 0.0 && d[*j] > least)
+    }
+}

@@ -1,0 +1,80 @@
+//! The part of the watch in the control interrupt: sums and run lengths, nothing else.
+
+/// Samples a second that the rest of the watch works with, about.
+const BLOCKS_HZ: f64 = 500.0;
+
+/// Control steps in a block at `rate_hz`.
+pub(super) fn steps_in_block(rate_hz: f64) -> u16 {
+    let steps = rate_hz / BLOCKS_HZ + 0.5;
+    if steps < 1.0 { 1 } else { steps as u16 }
+}
+
+/// The means of a few control steps, and for how many steps the last words have been the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// Command in force, m.
+    pub command_m: f32,
+    /// Measured displacement, m.
+    pub displacement_m: f32,
+    /// Measured force, N.
+    pub force_n: f32,
+    /// Control steps since displacement and force last changed by a bit.
+    pub same: [u16; 2],
+}
+
+/// Collects control steps.
+#[derive(Clone, Debug)]
+pub struct Tap {
+    sums: [f32; 3],
+    last: [u32; 2],
+    same: [u16; 2],
+    left: u16,
+    steps: u16,
+    per_step: f32,
+}
+
+impl Tap {
+    /// For a loop of this rate, Hz.
+    pub fn new(rate_hz: f64) -> Self {
+        let steps = steps_in_block(rate_hz);
+        Self {
+            sums: [0.0; 3],
+            last: [0; 2],
+            same: [0; 2],
+            left: steps,
+            steps,
+            per_step: 1.0 / f32::from(steps),
+        }
+    }
+
+    /// Takes a control step in; gives a block when it is full.
+    #[inline]
+    pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> Option<Block> {
+        self.sums[0] += command_m;
+        self.sums[1] += displacement_m;
+        self.sums[2] += force_n;
+        let words = [displacement_m.to_bits(), force_n.to_bits()];
+        for ((same, last), word) in self.same.iter_mut().zip(&mut self.last).zip(words) {
+            *same = if word == *last {
+                same.saturating_add(1)
+            } else {
+                0
+            };
+            *last = word;
+        }
+        self.left -= 1;
+        (self.left == 0).then(|| self.close())
+    }
+
+    fn close(&mut self) -> Block {
+        let [command, displacement, force] = self.sums;
+        self.sums = [0.0; 3];
+        self.left = self.steps;
+        Block {
+            command_m: command * self.per_step,
+            displacement_m: displacement * self.per_step,
+            force_n: force * self.per_step,
+            same: self.same,
+        }
+    }
+}

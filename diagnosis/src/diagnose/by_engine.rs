@@ -1,0 +1,167 @@
+//! What the one engine says of a specimen, as an answer.
+
+use super::channel::ChannelDiagnosis;
+use super::specimen_search::{errors_of, nearest_of};
+use crate::advice;
+use crate::answer::{ChannelAnswer, FoundEffect, Member, Traces, Verdict};
+use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
+use crate::engine::{self, Figures, KnownNoise, Said, SpecimenCandidate, SpecimenData};
+use crate::interval;
+use crate::joint;
+use crate::model::Model;
+use crate::noise::NoiseSource;
+use crate::recording::Recording;
+use plant::Effect;
+
+/// What a model leaves of training and held-out records.
+type Left = [Vec<Vec<f64>>; 2];
+
+/// A specimen's records without what the model already has, as the engine sees them.
+struct Asked<'a> {
+    data: SpecimenData<'a>,
+    bare: [Vec<Recording>; 2],
+    /// A rest tells the noise.
+    told: bool,
+}
+
+impl Asked<'_> {
+    fn left(&self, fit: &engine::SpecimenModelFit) -> Option<Left> {
+        let [train, test] = &self.bare;
+        Some([
+            self.data.residuals(fit, train)?,
+            self.data.residuals(fit, test)?,
+        ])
+    }
+}
+
+impl ChannelDiagnosis<'_> {
+    /// What the one engine says; `None` where a signal is missing or nothing tells the noise.
+    pub(super) fn specimen_by_engine(&self, improved: &mut Model) -> Option<ChannelAnswer> {
+        let train = joint::without_known(&self.base, self.train)?;
+        let test = joint::without_known(&self.base, self.test)?;
+        let mut data = SpecimenData::new(&self.base, &train, &test)?;
+        let half_rate = 0.5 / self.train[0].interval_s();
+        let noise = self.noise(data.cutoff_hz.min(half_rate))?;
+        let told = noise.from == NoiseSource::Rest;
+        let known = KnownNoise {
+            variance: noise.variance_of_means(data.every),
+            told,
+        };
+        let found = engine::specimen(&mut data, known)?;
+        let bare = [train, test];
+        let asked = Asked { data, bare, told };
+        let before = asked.left(&found.declared)?;
+        let mut answer = self.blank(Verdict::None);
+        answer.error_before = errors_of(&before[0], self.train, &before[1], self.test);
+        answer.error_after = answer.error_before;
+        answer.refitted = advice::refitted(&self.base, &found.declared.declared);
+        answer.noise_floor_rms = noise.rms.min(answer.error_before.test_rms);
+        let mut after = None;
+        match &found.said {
+            Said::Nothing => {}
+            _ if answer.error_before.test_nrmse < TRANSDUCER => {}
+            Said::Names(c, names) => {
+                after = self.take_named(&mut answer, &asked, &before, (c, names, false), improved);
+            }
+            Said::Set(c, names) => {
+                after = self.take_named(&mut answer, &asked, &before, (c, names, true), improved);
+            }
+            Said::Unknown(likeliest) => {
+                answer.verdict = Verdict::Unknown;
+                if let Some(c) = likeliest {
+                    let [_, left] = asked.left(&c.model)?;
+                    let name = c.names.first().copied().unwrap_or(Effect::Offset);
+                    answer.nearest = Some(nearest_of(name, &before[1], &left));
+                }
+            }
+        }
+        let kept = after.as_ref().unwrap_or(&before);
+        answer.notes = advice::engine(&answer);
+        answer.traces = self.engine_traces(&before[1], &kept[1]);
+        answer.residuals = kept.clone();
+        Some(answer)
+    }
+
+    /// Takes names into the answer and their model into the improved one, where the held-out data bear them out; what is left then.
+    /// They judge what was chosen, and do not choose.
+    fn take_named(
+        &self,
+        answer: &mut ChannelAnswer,
+        asked: &Asked,
+        before: &Left,
+        (candidate, names, is_set): (&SpecimenCandidate, &[(Effect, f64)], bool),
+        improved: &mut Model,
+    ) -> Option<Left> {
+        let fit = &candidate.model;
+        let after = asked.left(fit)?;
+        let errors = errors_of(&after[0], self.train, &after[1], self.test);
+        let gain = interval::improvement(&before[1], &after[1], self.train[0].interval_s());
+        // What does not come down to the noise must account for most of it: a law that is not in the table may be the cause.
+        let most = if candidate.evidence.left_rms() < 1.0 {
+            1.0 - WORTH_A_NAME
+        } else {
+            SET_LEAVES
+        };
+        let little = errors.test_rms > most * answer.error_before.test_rms;
+        if little || gain[0] <= 0.0 && !is_set {
+            answer.verdict = Verdict::Unknown;
+            answer.nearest = Some(nearest_of(names[0].0, &before[1], &after[1]));
+            return None;
+        }
+        let figures = Figures::new(&asked.data, fit);
+        answer.noise_floor_rms = answer.noise_floor_rms.min(errors.test_rms);
+        let trust = engine::trust(&candidate.evidence);
+        let of = |(name, values): (Effect, Vec<_>)| {
+            let sure = names.iter().find(|n| n.0 == name);
+            FoundEffect {
+                q: sure.filter(|_| !is_set).map(|s| 1.0 - trust * s.1),
+                ..FoundEffect::new(name, values)
+            }
+        };
+        answer.effects = figures.all().into_iter().map(of).collect();
+        answer.refitted = advice::refitted(&self.base, &fit.declared);
+        answer.improvement_ci90 = gain;
+        figures.save(improved);
+        if is_set {
+            let whole: f64 = names.iter().map(|s| s.1).sum();
+            let member = |&(name, p): &(Effect, f64)| Member {
+                name,
+                probability: p / whole.max(1.0),
+            };
+            answer.members = names.iter().map(member).collect();
+            answer.alternatives = names[1..].iter().map(|s| s.0).collect();
+            answer
+                .effects
+                .retain(|e| names.iter().any(|s| s.0 == e.name));
+            answer.verdict = Verdict::Ambiguous;
+        } else {
+            let felt = answer.noise_floor_rms;
+            let share = ACCOUNTS * answer.error_before.test_rms;
+            let known = if asked.told {
+                BESIDE_NOISE
+            } else {
+                f64::INFINITY
+            };
+            let most = share.min(known * felt).max(NOISE * felt);
+            let only = candidate.names.len() == names.len();
+            answer.verdict = if errors.test_rms <= most && only {
+                Verdict::Effect
+            } else {
+                Verdict::Partial
+            };
+        }
+        answer.error_after = errors;
+        Some(after)
+    }
+
+    fn engine_traces(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
+        let first = self.test.first().and_then(|r| {
+            let (x, force) = (r.displacement_mm.as_ref()?, r.force_n.as_ref()?);
+            Some(Traces::of(
+                [&r.time_s, x, force],
+                [before.first()?, after.first()?],
+            ))
+        });
+        first.unwrap_or_default()
+    }
+}

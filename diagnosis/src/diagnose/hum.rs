@@ -1,0 +1,98 @@
+//! The mains in an actuator's reading: it stands in the rest and hides what else is missing, so it is taken off first.
+
+use super::channel::ChannelDiagnosis;
+use crate::answer::{ChannelAnswer, FoundEffect, Verdict};
+use crate::criteria::FALSE_SINGLES;
+use crate::criteria::LINES;
+use crate::interval;
+use crate::model::Model;
+use crate::noise::hum::{lines_at_rest, without_hum};
+use crate::recording::Recording;
+use crate::signals::{difference, rms};
+use plant::{Channel, Effect};
+
+impl ChannelDiagnosis<'_> {
+    /// The answer without the hum of the displacement's reading, with that named; `None` where it is not what an answer without a
+    /// name leaves.
+    pub(super) fn beside_hum(
+        &self,
+        answer: &ChannelAnswer,
+        improved: &mut Model,
+    ) -> Option<ChannelAnswer> {
+        if self.base.channel != Channel::Actuator || answer.verdict != Verdict::Unknown {
+            return None;
+        }
+        let [clean_train, clean_test, clean_rest] = [self.train, self.test, self.rest].map(|set| {
+            let clean = |r: &Recording| Recording {
+                displacement_mm: r.displacement_mm.as_ref().map(|x| without_hum(x, r)),
+                ..r.clone()
+            };
+            set.iter().map(clean).collect::<Vec<Recording>>()
+        });
+        let longest = self
+            .test
+            .iter()
+            .zip(&clean_test)
+            .max_by_key(|(r, _)| r.time_s.len())?;
+        let (x, clean) = (
+            longest.0.displacement_mm.as_ref()?,
+            longest.1.displacement_mm.as_ref()?,
+        );
+        let hum_mm = rms(&[difference(x, clean)]);
+        let left_mm = answer.error_after.test_rms;
+        if hum_mm * hum_mm < LINES * left_mm * left_mm {
+            return None;
+        }
+        let frequency_hz = *lines_at_rest(x, longest.0).first()?;
+        let quiet = ChannelDiagnosis {
+            engine: self.engine,
+            known_actuator: None,
+            base: self.base.clone(),
+            train: &clean_train,
+            test: &clean_test,
+            rest: &clean_rest,
+        };
+        let (mut beside, _) = quiet.assess(improved);
+        let amplitude_mm = std::f64::consts::SQRT_2 * hum_mm;
+        // A hum swells and fades with what else is on: by a tenth.
+        let about = |x: f64, by: f64| [x - by, x + by];
+        let bin_hz = 1.0 / (x.len() as f64 * longest.0.interval_s());
+        let parameters = [
+            (
+                "amplitude_mm",
+                "mm",
+                amplitude_mm,
+                about(amplitude_mm, 0.1 * amplitude_mm),
+            ),
+            (
+                "frequency_hz",
+                "Hz",
+                frequency_hz,
+                about(frequency_hz, bin_hz),
+            ),
+        ];
+        beside.effects.insert(
+            0,
+            FoundEffect {
+                q: Some(FALSE_SINGLES[0]),
+                ..FoundEffect::new(Effect::MainsHum, parameters)
+            },
+        );
+        beside.verdict = match beside.verdict {
+            Verdict::None => Verdict::Effect,
+            Verdict::Unknown | Verdict::NotAssessed => Verdict::Partial,
+            named => named,
+        };
+        beside.nearest = None;
+        beside.error_before = answer.error_before;
+        let h = self.test[0].interval_s();
+        beside.improvement_ci90 =
+            interval::improvement(&answer.residuals[1], &beside.residuals[1], h);
+        beside.traces.measured.clone_from(&answer.traces.measured);
+        beside.notes.push(format!(
+            "The displacement's reading has the mains, {frequency_hz:.2} Hz, at rest as in motion: another cable, a screen, a ground. \
+             It is taken off before the rest is judged, and is not in the improved model: its phase is that of its own record."
+        ));
+        Some(beside)
+    }
+}

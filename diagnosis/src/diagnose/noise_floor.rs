@@ -1,0 +1,197 @@
+//! The noise floor of a channel: what tells it, and what its converters' steps make of it.
+
+use super::channel::ChannelDiagnosis;
+use crate::answer::ChannelAnswer;
+use crate::criteria::LOUD_REST;
+use crate::criteria::single::{IN_STEPS, WITHIN};
+use crate::fit::Solution;
+use crate::noise::hum::without_hum;
+use crate::noise::{self, Noise, NoiseSource};
+use crate::recording::{Recording, range};
+use crate::signals::{end_of, rms};
+use crate::{converter_step, hunting, remainder, rest, spectrum};
+use plant::Channel;
+
+impl ChannelDiagnosis<'_> {
+    /// Where the displacement ends and its noise begins.
+    pub(super) fn cutoff_hz(&self) -> f64 {
+        let r = &self.train[0];
+        let Some(x) = &r.displacement_mm else {
+            return 0.0;
+        };
+        let h = r.interval_s();
+        let x = &without_hum(x, r);
+        let noise = match rest::spans(r).first() {
+            Some(&(a, b)) => Noise::at_rest(&[x[a..b].to_vec()], h, 0.0).rms,
+            None => 1e-3 * range(x),
+        };
+        let steps = converter_step::step(x).unwrap_or(0.0) / 12.0_f64.sqrt();
+        spectrum::bandwidth_hz(x, h, noise.max(steps).max(1e-6 * range(x)))
+    }
+
+    /// The noise floor: from rest, else from the difference of one period to the next, else from above the motion.
+    pub(super) fn noise(&self, cutoff_hz: f64) -> Option<Noise> {
+        let least = self
+            .output_step()
+            .hypot(self.step_in_force_with_derivatives(cutoff_hz))
+            / 12.0_f64.sqrt();
+        let residuals = |records: &[Recording]| {
+            let problem = self.problem(records, cutoff_hz)?;
+            Some(problem.residuals(&[], &problem.scales))
+        };
+        let h = self.train[0].interval_s();
+        let still = self
+            .rest
+            .iter()
+            .filter(|r| !self.rest_moves(r, (0, r.time_s.len())));
+        let given: Vec<Recording> = still.cloned().collect();
+        let mut segments = if given.is_empty() {
+            Vec::new()
+        } else {
+            residuals(&given).unwrap_or_default()
+        };
+        if segments.is_empty() {
+            for (r, residual) in self.train.iter().zip(residuals(self.train)?) {
+                // Its first samples may not be looked at.
+                let skipped = r.time_s.len() - residual.len();
+                let spans = rest::spans(r).into_iter();
+                let spans = spans.filter(|s| s.1 > skipped && !self.rest_moves(r, *s));
+                segments.extend(
+                    spans.map(|(a, b)| residual[a.saturating_sub(skipped)..b - skipped].to_vec()),
+                );
+            }
+        }
+        let moving = residuals(self.train)?;
+        if !segments.is_empty() {
+            let noise = Noise::at_rest(&segments, h, least);
+            if !given.is_empty() || !self.is_louder_than_the_motion(&noise, &moving) {
+                return Some(noise);
+            }
+            segments.clear();
+        }
+        for (r, residual) in self.train.iter().zip(&moving) {
+            let input = end_of(self.input_of(r)?, residual.len());
+            if let Some(motion) = rest::periodic(input) {
+                let before = |i: usize| residual[i - motion.period];
+                let change = |i: usize| (residual[i] - before(i)) / std::f64::consts::SQRT_2;
+                let mut changes: Vec<f64> = (motion.from..motion.end).map(change).collect();
+                // A tone that keeps another time than the motion is no noise.
+                let tones = remainder::lines(&changes, &vec![0.0; changes.len()], h);
+                let square = rms(std::slice::from_ref(&changes)).powi(2);
+                let held = tones.iter().map(|l| l.rms * l.rms).sum::<f64>() / square;
+                let by = (1.0 - held.min(1.0)).max(1e-6).sqrt();
+                changes.iter_mut().for_each(|c| *c *= by);
+                segments.extend(rest::quiet(&changes, motion.period));
+            }
+        }
+        if !segments.is_empty() {
+            return Some(Noise::at_rest(&segments, h, least).with_source(NoiseSource::Repeats));
+        }
+        // The displacement moves as a whole in both channels; a command may jitter far above it.
+        let moves = self.train.iter().zip(&moving);
+        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
+        let inputs: Option<Vec<&[f64]>> = moves.collect();
+        // What was simulated by others has no noise at all, and a model that is a little wrong would rule the fit.
+        let least = least.max(1e-6 * rms(&moving));
+        Noise::without_rest(&moving, &inputs?, h, least)
+    }
+
+    /// Whether a rest is none, since the specimen moves in it. What an actuator leaves of its command is noise there, too.
+    fn rest_moves(&self, r: &Recording, span: (usize, usize)) -> bool {
+        self.base.channel == Channel::Specimen && hunting::hunts(r, span)
+    }
+
+    /// Says of rests that they move, where some do.
+    pub(super) fn note_moving_rest(&self, answer: &mut ChannelAnswer) {
+        let given = self.rest.iter().map(|r| (r, vec![(0, r.time_s.len())]));
+        let found = self.train.iter().map(|r| (r, rest::spans(r)));
+        let moving = given.chain(found).find_map(|(r, spans)| {
+            let span = spans.into_iter().find(|s| self.rest_moves(r, *s))?;
+            Some((r, span))
+        });
+        if let Some((r, (first, end))) = moving {
+            answer.notes.push(format!(
+                "{}: from {:.3} s to {:.3} s the rig does not rest: displacement and force swing together, well above their noise. \
+                 A loop that hunts tells no noise; record a rest with the loop open, or give one (--rest).",
+                r.name,
+                r.time_s[first],
+                r.time_s[end - 1]
+            ));
+        }
+    }
+
+    /// The output's own noise in what a model leaves of the training data, at quiet times and above `free_hz`, rms: the better
+    /// the model, the less else is in it.
+    pub(super) fn own_noise(&self, left: &[Vec<f64>], free_hz: f64) -> Option<f64> {
+        let moves = self.train.iter().zip(left);
+        let moves = moves.map(|(r, rest)| Some(end_of(r.displacement_mm.as_ref()?, rest.len())));
+        let inputs: Option<Vec<&[f64]>> = moves.collect();
+        let rms = noise::at_quiet_times(left, &inputs?, self.train[0].interval_s(), free_hz)?;
+        Some(rms.max(self.output_step() / 12.0_f64.sqrt()))
+    }
+
+    /// Whether what was taken for a rest, since the input stands still there, is more than samples of the same motion differ
+    /// by: a pause in which something else moves.
+    fn is_louder_than_the_motion(&self, noise: &Noise, moving: &[Vec<f64>]) -> bool {
+        let longest = (0..moving.len()).max_by_key(|i| moving[*i].len());
+        longest.is_some_and(|i| {
+            let r = &self.train[i];
+            let x = r.displacement_mm.as_ref();
+            let most = x.and_then(|x| {
+                let x = end_of(x, moving[i].len());
+                noise::neighbours::rms(&moving[i], x, r.interval_s())
+            });
+            most.is_some_and(|most| noise.rms > LOUD_REST * most)
+        })
+    }
+
+    /// The converter's step in the output, where it shows.
+    pub(super) fn output_step(&self) -> f64 {
+        let steps = self.train.iter();
+        steps
+            .filter_map(|r| converter_step::step(self.target_of(r)?))
+            .fold(0.0, f64::max)
+    }
+
+    /// What the converter's step in the displacement makes of the force, N; in the actuator the command has none.
+    fn step_in_force(&self) -> f64 {
+        if self.base.channel == Channel::Actuator {
+            return 0.0;
+        }
+        let steps = self
+            .train
+            .iter()
+            .filter_map(|r| converter_step::step(self.input_of(r)?));
+        self.base.values[0].abs() * steps.fold(0.0, f64::max)
+    }
+
+    /// The same with what damping and mass make of the step's derivatives below a cut-off: a rest on one level of the
+    /// converter does not show it.
+    fn step_in_force_with_derivatives(&self, cutoff_hz: f64) -> f64 {
+        let stiff = self.step_in_force();
+        let [k, c, m, _] = self.base.values;
+        if stiff == 0.0 || k == 0.0 {
+            return stiff;
+        }
+        let step = stiff / k.abs();
+        // White noise below a share of half the rate: its n-th derivative has omega^2n / (2 n + 1) of the power.
+        let share = (2.0 * cutoff_hz * self.train[0].interval_s()).min(1.0);
+        let omega = std::f64::consts::TAU * cutoff_hz;
+        let speed = step * omega * (share / 3.0).sqrt();
+        let acceleration = step * omega * omega * (share / 5.0).sqrt();
+        stiff.hypot(c * speed).hypot(1e-3 * m * acceleration)
+    }
+
+    /// Whether the steps of converters are most of the noise, and what the settled model leaves lies within them: then
+    /// nothing else can be seen.
+    pub(super) fn is_quantisation_only(&self, settled: &Solution, noise: &Noise) -> bool {
+        let steps = self.output_step() + self.step_in_force();
+        if steps / 12.0_f64.sqrt() < IN_STEPS * noise.rms {
+            return false;
+        }
+        let residuals = settled.problem.residuals(&[], &settled.problem.scales);
+        let all: Vec<f64> = residuals.concat();
+        let beyond = all.iter().filter(|r| r.abs() > WITHIN * steps).count();
+        (beyond as f64) < 0.01 * all.len() as f64
+    }
+}

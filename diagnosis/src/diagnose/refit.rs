@@ -1,0 +1,176 @@
+//! Declared parameters in an answer: what the model leaves as it was declared, how sure a refit is, what of it is saved, and how
+//! probable each name is.
+
+use super::channel::ChannelDiagnosis;
+use crate::advice::four;
+use crate::answer::{ChannelAnswer, Errors, Member, Refitted, Verdict};
+use crate::criteria::{LEAST_SURE, REACH, UNNAMED};
+use crate::explain::best_alone;
+use crate::interval::{self, NINETY};
+use crate::library::candidates;
+use crate::model::Model;
+use crate::problem::Problem;
+use crate::signals::{end_of, nrmse, rms};
+use plant::EffectSpec;
+
+/// A refit that leaves more of the held-out data than the declared values by this share is not saved.
+const WORSE: f64 = 0.01;
+/// A saved tolerance is at least this share of the declared one.
+const LEAST_TOLERANCE: f64 = 0.1;
+
+/// Errors of the declared channel with the parameters that two problems have.
+fn errors(train: &Problem, test: &Problem) -> Errors {
+    let of = |problem: &Problem| {
+        let left = problem.residuals(&[], &problem.scales);
+        let targets = problem.segments.iter().map(|s| s.seen(&s.target));
+        (
+            nrmse(&left, &targets.collect::<Vec<_>>().concat()),
+            rms(&left),
+        )
+    };
+    let ((train_nrmse, _), (test_nrmse, test_rms)) = (of(train), of(test));
+    Errors {
+        train_nrmse,
+        test_nrmse,
+        test_rms,
+    }
+}
+
+/// How probable each name of an answer is, and that something is missing that has no name.
+pub fn state_probabilities(answer: &mut ChannelAnswer) {
+    let names = answer.effects.iter().map(|e| e.name);
+    let names: Vec<_> = names.chain(answer.alternatives.iter().copied()).collect();
+    if answer.verdict == Verdict::Ambiguous && answer.members.is_empty() {
+        // They explain the data equally well.
+        let probability = 1.0 / names.len() as f64;
+        let member = |name| Member { name, probability };
+        answer.members = names.into_iter().map(member).collect();
+    }
+    for effect in &mut answer.effects {
+        let member = answer.members.iter().find(|m| m.name == effect.name);
+        let by_certificate = 1.0 - effect.q.unwrap_or(LEAST_SURE);
+        effect.p = Some(member.map_or(by_certificate, |m| m.probability));
+    }
+    let measured = UNNAMED
+        .iter()
+        .find(|(verdict, _)| *verdict == answer.verdict);
+    answer.unnamed = measured.map(|(_, share)| *share);
+}
+
+impl ChannelDiagnosis<'_> {
+    /// States the errors of the model as declared and the intervals of its refitted parameters, and saves these.
+    pub(super) fn state_refit(&self, answer: &mut ChannelAnswer, improved: &mut Model) {
+        if answer.verdict == Verdict::NotAssessed {
+            return;
+        }
+        let cutoff_hz = self.cutoff_hz();
+        let problems = [self.train, self.test].map(|set| self.problem(set, cutoff_hz));
+        let [Some(mut train), Some(mut test)] = problems else {
+            return;
+        };
+        answer.error_declared = errors(&train, &test);
+        let mut theta = self.base.values;
+        for r in &answer.refitted {
+            theta[self.place_of(r)] = r.value;
+        }
+        train.set(&self.base, theta);
+        test.set(&self.base, theta);
+        self.state_intervals(answer, &train);
+        let declared = answer.error_declared.test_rms;
+        let refitted = errors(&train, &test).test_rms;
+        let nothing_added = answer.effects.is_empty();
+        if nothing_added && refitted > (1.0 + WORSE) * declared {
+            answer.notes.push(format!(
+                "The parameters refitted to the training data leave {} {unit} rms of the held-out data, as declared they leave {} \
+                 {unit}: the declared values are kept.",
+                four(refitted),
+                four(declared),
+                unit = answer.unit
+            ));
+            return;
+        }
+        self.save_refit(answer, improved);
+    }
+
+    /// Which of the channel's parameters it is.
+    fn place_of(&self, r: &Refitted) -> usize {
+        let mut all = self.base.channel.parameters().iter();
+        all.position(|p| p.name == r.name).unwrap_or_default()
+    }
+
+    /// Intervals of the refitted parameters: from how far blocks of what is left pull them, and from their tolerance.
+    fn state_intervals(&self, answer: &mut ChannelAnswer, train: &Problem) {
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); self.base.free.len()];
+        let mut left = Vec::new();
+        for (segment, residual) in train.segments.iter().zip(&answer.residuals[0]) {
+            let judged = residual.len().min(segment.seen(&segment.target).len());
+            left.extend_from_slice(end_of(residual, judged));
+            let own = train.base_columns(&self.base, segment);
+            for (all, column) in columns.iter_mut().zip(&own) {
+                all.extend_from_slice(end_of(column, judged));
+            }
+        }
+        let spread = interval::by_blocks(&columns, &left, train.scales.interval_s);
+        let free = self.base.free.iter().zip(&spread);
+        for (r, (f, sigma)) in answer.refitted.iter_mut().zip(free) {
+            // Two sources, each for itself.
+            let both = 1.0 / (sigma.powi(-2) + f.tolerance.powi(-2)).sqrt();
+            r.ci90 = [r.value - NINETY * both, r.value + NINETY * both];
+        }
+    }
+
+    /// Puts the refit into the model that is saved, where nothing was added: an addition brings its own. A tolerance ends where the
+    /// declared one ends: saved and diagnosed again and again, a parameter does not walk.
+    fn save_refit(&self, answer: &ChannelAnswer, improved: &mut Model) {
+        let Some((places, _)) = improved.channel_mut(self.base.channel) else {
+            return;
+        };
+        for r in &answer.refitted {
+            let Some(place) = places[self.place_of(r)].as_mut() else {
+                continue;
+            };
+            if answer.effects.is_empty() {
+                place.value = r.value;
+            }
+            if place.tolerance == r.tolerance {
+                let moved = (place.value - r.declared).abs();
+                let reach = r.tolerance - moved / REACH;
+                place.tolerance = reach.max(LEAST_TOLERANCE * r.tolerance);
+            }
+        }
+    }
+
+    /// Puts what comes nearest into the model that is saved, switched off: it can be tried.
+    pub(super) fn save_nearest(&self, answer: &ChannelAnswer, improved: &mut Model) {
+        let unknown = answer.verdict == Verdict::Unknown;
+        let Some(nearest) = answer.nearest.as_ref().filter(|_| unknown) else {
+            return;
+        };
+        let cutoff_hz = self.cutoff_hz();
+        let candidate = candidates(self.base.channel)
+            .into_iter()
+            .find(|c| c.effect == nearest.name);
+        let problem = self.problem(self.train, cutoff_hz);
+        let noise = self.noise(cutoff_hz);
+        let (Some(candidate), Some(problem), Some(noise)) = (candidate, problem, noise) else {
+            return;
+        };
+        let Some(fitted) = best_alone(candidate, &problem, &self.base, &noise) else {
+            return;
+        };
+        let Some((_, effects)) = improved.channel_mut(self.base.channel) else {
+            return;
+        };
+        for e in &fitted.effects {
+            let values = (candidate.parameters)(&e.amplitudes, &e.shapes, &fitted.problem.scales);
+            let values: Vec<(&str, f64)> = values.iter().map(|(name, _, x)| (*name, *x)).collect();
+            let mut spec = EffectSpec::new(nearest.name, &values);
+            spec.enabled = false;
+            // What no model can have is not written: a file that is saved is read back.
+            if spec.clone().in_channel(self.base.channel).check("").is_ok() {
+                effects.retain(|old| old.enabled || old.name != spec.name);
+                effects.push(spec);
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Least squares within bounds by an active set, on normal equations of a handful of unknowns: small and quick, since a search asks
+//! for it a hundred thousand times.
+
+/// Ridge, relative to each unknown's own square: columns that are one and the same share their strength.
+const RIDGE: f64 = 1e-9;
+
+/// Normal equations; unused rows are 0.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// How many unknowns there are.
+    pub n: usize,
+    /// Products of columns with columns, row after row.
+    pub gram: Vec<f64>,
+    /// Products of columns with the target.
+    pub right: Vec<f64>,
+    /// The target's square.
+    pub square: f64,
+}
+
+impl Equations {
+    /// None of anything, for `n` unknowns.
+    pub fn zero(n: usize) -> Self {
+        Self {
+            n,
+            gram: vec![0.0; n * n],
+            right: vec![0.0; n],
+            square: 0.0,
+        }
+    }
+
+    /// Adds others of the same unknowns, times a weight.
+    pub fn add(&mut self, other: &Self, weight: f64) {
+        for (own, more) in self.gram.iter_mut().zip(&other.gram) {
+            *own += weight * more;
+        }
+        for (own, more) in self.right.iter_mut().zip(&other.right) {
+            *own += weight * more;
+        }
+        self.square += weight * other.square;
+    }
+
+    /// Squares that are left with these values.
+    pub fn left(&self, values: &[f64]) -> f64 {
+        let mut left = self.square;
+        for i in 0..self.n {
+            let row = &self.gram[i * self.n..(i + 1) * self.n];
+            let across: f64 = row.iter().zip(values).map(|(g, v)| g * v).sum();
+            left += values[i] * (across - 2.0 * self.right[i]);
+        }
+        left.max(0.0)
+    }
+
+    /// The values of least squares within `low..=high`; `None` where the equations have no solution.
+    pub fn solve(&self, low: &[f64], high: &[f64]) -> Option<Vec<f64>> {
+        let n = self.n;
+        let mut values = vec![0.0; n];
+        let mut free = vec![true; n];
+        for i in 0..n {
+            if self.gram[i * n + i] <= 0.0 {
+                free[i] = false;
+                values[i] = 0.0_f64.clamp(low[i].min(high[i]), high[i]);
+            } else if low[i] >= high[i] {
+                free[i] = false;
+                values[i] = low[i];
+            }
+        }
+        for _ in 0..3 * n + 1 {
+            let at: Vec<usize> = (0..n).filter(|i| free[*i]).collect();
+            self.solve_free(&at, &mut values)?;
+            let out = |i: usize| (low[i] - values[i]).max(values[i] - high[i]);
+            let worst = at.iter().copied().filter(|&i| out(i) > 0.0);
+            // In parts of the unknown's own size: units differ.
+            let size = |i: usize| out(i) * self.gram[i * n + i].sqrt();
+            if let Some(i) = worst.max_by(|&a, &b| size(a).total_cmp(&size(b))) {
+                values[i] = values[i].clamp(low[i], high[i]);
+                free[i] = false;
+                continue;
+            }
+            let Some(i) = self.inward(&free, &values, low, high) else {
+                return Some(values);
+            };
+            free[i] = true;
+        }
+        Some(values)
+    }
+
+    /// Which of the unknowns that stand at a bound would go back inside, if any: the one that takes most off.
+    fn inward(&self, free: &[bool], values: &[f64], low: &[f64], high: &[f64]) -> Option<usize> {
+        let n = self.n;
+        let least = 1e-9 * self.square.max(0.0);
+        let held = (0..n).filter(|&i| !free[i] && low[i] < high[i]);
+        let fall = |i: usize| {
+            let row = &self.gram[i * n..(i + 1) * n];
+            let slope = self.right[i] - row.iter().zip(values).map(|(g, v)| g * v).sum::<f64>();
+            let inside = if values[i] <= low[i] { slope } else { -slope };
+            inside.max(0.0).powi(2) / self.gram[i * n + i].max(f64::MIN_POSITIVE)
+        };
+        held.map(|i| (fall(i), i))
+            .filter(|(fall, _)| *fall > least)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, i)| i)
+    }
+
+    /// Least squares of the unknowns at `at`, all others as they are, by Cholesky.
+    fn solve_free(&self, at: &[usize], values: &mut [f64]) -> Option<()> {
+        let (n, m) = (self.n, at.len());
+        let mut l = vec![0.0; m * m];
+        let mut y = vec![0.0; m];
+        let held: Vec<usize> = (0..n)
+            .filter(|k| values[*k] != 0.0 && !at.contains(k))
+            .collect();
+        for (i, &row) in at.iter().enumerate() {
+            for (j, &column) in at[..=i].iter().enumerate() {
+                let mut sum = self.gram[row * n + column];
+                if i == j {
+                    sum *= 1.0 + RIDGE;
+                }
+                let (a, b) = (&l[i * m..i * m + j], &l[j * m..j * m + j]);
+                sum -= a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                if i == j {
+                    if sum <= 0.0 {
+                        return None;
+                    }
+                    l[i * m + i] = sum.sqrt();
+                } else {
+                    l[i * m + j] = sum / l[j * m + j];
+                }
+            }
+            let mut right = self.right[row];
+            right -= held
+                .iter()
+                .map(|&k| self.gram[row * n + k] * values[k])
+                .sum::<f64>();
+            let lower = &l[i * m..i * m + i];
+            right -= lower.iter().zip(&y).map(|(l, y)| l * y).sum::<f64>();
+            y[i] = right / l[i * m + i];
+        }
+        for i in (0..m).rev() {
+            let mut sum = y[i];
+            for k in i + 1..m {
+                sum -= l[k * m + i] * values[at[k]];
+            }
+            values[at[i]] = sum / l[i * m + i];
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_squares_within_bounds_are_those_of_a_search_over_a_grid() {
+        // Two columns that nearly agree: alone the first would leave its bound by far.
+        let a = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let b: Vec<f64> = (0..7).map(|i| a[i] + 0.1 * (i % 3) as f64).collect();
+        let y: Vec<f64> = (0..7).map(|i| 0.5 * a[i] + 3.0 * b[i]).collect();
+        let dot = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
+        let equations = Equations {
+            n: 2,
+            gram: vec![dot(&a, &a), dot(&a, &b), dot(&a, &b), dot(&b, &b)],
+            right: vec![dot(&a, &y), dot(&b, &y)],
+            square: dot(&y, &y),
+        };
+        let (low, high) = ([-1.0; 2], [2.0; 2]);
+        let found = equations.solve(&low, &high).unwrap();
+        let left = equations.left(&found);
+        for i in 0..=30 {
+            for j in 0..=30 {
+                let there = [-1.0 + 0.1 * f64::from(i), -1.0 + 0.1 * f64::from(j)];
+                assert!(equations.left(&there) >= left - 1e-9);
+            }
+        }
+        let free = equations
+            .solve(&[f64::NEG_INFINITY; 2], &[f64::INFINITY; 2])
+            .unwrap();
+        assert!(
+            (free[0] - 0.5).abs() < 1e-5 && (free[1] - 3.0).abs() < 1e-5,
+            "{free:?}"
+        );
+    }
+}

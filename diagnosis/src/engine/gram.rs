@@ -1,0 +1,148 @@
+//! Scalar products of all columns, block by block of the training data: with them any model is fitted, and judged on the block that
+//! it was not fitted to, without the data.
+
+use super::bounded::Equations;
+use super::score::{BLOCKS, Score};
+use crate::linear::{Bound, dot};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Products of one block's samples.
+#[derive(Clone, Debug)]
+struct Block {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+}
+
+/// Products of all blocks, of columns that are scaled to a mean square of 1.
+#[derive(Clone, Debug)]
+pub struct Grams {
+    each: Vec<Block>,
+    scale: Vec<f64>,
+}
+
+/// A model that was fitted: its strengths and what it leaves of each block that it was not fitted to.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// In the columns' own units.
+    pub strengths: Vec<f64>,
+    /// Squares left on each block, fitted to the other eleven.
+    pub left_out: [f64; BLOCKS],
+    /// Squares left on each block, fitted to all.
+    pub left: [f64; BLOCKS],
+}
+
+impl Grams {
+    /// From columns and what was measured; `edges` are the blocks' first samples and the end.
+    pub fn new(columns: &[Vec<f64>], target: &[f64], edges: &[usize]) -> Self {
+        let scale: Vec<f64> = columns
+            .par_iter()
+            .map(|c| {
+                let square = dot(c, c) / target.len() as f64;
+                if square > 1e-280 && square.is_finite() {
+                    square.sqrt().recip()
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        let each = edges
+            .par_windows(2)
+            .map(|e| block(columns, &scale, target, e[0], e[1]))
+            .collect();
+        Self { each, scale }
+    }
+
+    /// Products of some of the columns on one block, in the columns' scale.
+    fn part(&self, block: &Block, at: &[usize]) -> Equations {
+        let n = at.len();
+        let mut part = Equations::zero(n);
+        for (i, &row) in at.iter().enumerate() {
+            for (j, &column) in at.iter().enumerate() {
+                part.gram[i * n + j] = block.gram[(row, column)];
+            }
+            part.right[i] = block.right[row];
+        }
+        part.square = block.square;
+        part
+    }
+
+    /// Fits a model by the score's own weights, which its fit decides and which are therefore worked out twice, and judges it on
+    /// each block left out.
+    pub fn fit(
+        &self,
+        terms: &[(usize, Bound)],
+        score: &Score,
+        first: &[f64; BLOCKS],
+    ) -> Option<Fitted> {
+        let at: Vec<usize> = terms.iter().map(|t| t.0).collect();
+        let parts: Vec<Equations> = self.each.iter().map(|b| self.part(b, &at)).collect();
+        let by = |i: usize| self.scale[at[i]];
+        let limit = |i: usize, x: f64| if by(i) > 0.0 { x / by(i) } else { 0.0 };
+        let low: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.low)).collect();
+        let high: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.high)).collect();
+        let mut fitted = judged(&parts, [&low, &high], score, first)?;
+        for (i, s) in fitted.strengths.iter_mut().enumerate() {
+            *s *= by(i);
+        }
+        Some(fitted)
+    }
+}
+
+/// Rounds of weights.
+const ROUNDS: usize = 2;
+
+/// Values of least weighted squares within bounds, and what is left of each block by values fitted to the others.
+pub fn judged(
+    parts: &[Equations],
+    [low, high]: [&[f64]; 2],
+    score: &Score,
+    first: &[f64; BLOCKS],
+) -> Option<Fitted> {
+    let mut weights = *first;
+    let mut strengths = Vec::new();
+    let mut left = [0.0; BLOCKS];
+    let mut whole = Equations::zero(low.len());
+    for _ in 0..ROUNDS {
+        whole = Equations::zero(low.len());
+        for (part, weight) in parts.iter().zip(weights) {
+            whole.add(part, weight);
+        }
+        strengths = whole.solve(low, high)?;
+        left = std::array::from_fn(|b| parts[b].left(&strengths));
+        if strengths.iter().any(|s| !s.is_finite()) {
+            return None;
+        }
+        weights = score.weights(&left);
+    }
+    let mut left_out = [0.0; BLOCKS];
+    // The weights of the last solution, whose sum is at hand.
+    let mut used = Equations::zero(low.len());
+    for (part, weight) in parts.iter().zip(weights) {
+        used.add(part, weight);
+    }
+    whole.clone_from(&used);
+    for b in 0..BLOCKS {
+        let mut others = whole.clone();
+        others.add(&parts[b], -weights[b]);
+        let values = others.solve(low, high)?;
+        left_out[b] = parts[b].left(&values);
+    }
+    left_out.iter().all(|x| x.is_finite()).then_some(Fitted {
+        strengths,
+        left_out,
+        left,
+    })
+}
+
+fn block(columns: &[Vec<f64>], scale: &[f64], target: &[f64], a: usize, b: usize) -> Block {
+    let across = DMatrix::from_fn(b - a, columns.len(), |i, j| columns[j][a + i] * scale[j]);
+    let along = across.transpose();
+    let y = DVector::from_column_slice(&target[a..b]);
+    Block {
+        gram: &along * across,
+        right: along * &y,
+        square: y.dot(&y),
+    }
+}

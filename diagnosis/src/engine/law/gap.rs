@@ -1,0 +1,31 @@
+//! Lost motion and contacts.
+
+use crate::engine::row::{Row, Sizes, over};
+use crate::joint::element::Law;
+use plant::Effect;
+
+pub fn rows(sizes: &Sizes) -> Vec<Row> {
+    let (x, c) = (sizes.motion.x, sizes.motion.middle);
+    let mut all = vec![
+        Row::element(
+            Law::Lost,
+            3.2,
+            over([0.015, 0.04, 0.1, 0.2, 0.35, 0.6, 0.85], x),
+        ),
+        Row::element(
+            Law::Beyond,
+            3.2,
+            [0.1, 0.25, 0.45, 0.65, 0.85].map(|gap| [gap * x, 0.0, c, 0.0]),
+        ),
+    ];
+    let sides = [-0.75, -0.4, 0.0, 0.4, 0.75]
+        .iter()
+        .flat_map(|place| [-1.0, 1.0].map(|side| [c + place * x, side, 0.0, 0.0]));
+    all.push(Row::element(Law::Beyond, 3.7, sides));
+    let own: Vec<Row> = all.iter().map(|r| r.with_own(0)).collect();
+    all.extend(own);
+    all.extend(Row::effect(Effect::Backlash, 2.8, sizes, &[10]));
+    all.extend(Row::effect(Effect::DeadBand, 2.8, sizes, &[10]));
+    all.extend(Row::effect(Effect::SlipGap, 3.2, sizes, &[6, 5]));
+    all
+}

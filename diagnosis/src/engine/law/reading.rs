@@ -1,0 +1,28 @@
+//! What the readings do: a calibration, a zero, a clock, a line, a limit; and the mass on the load cell.
+
+use crate::engine::row::{Row, Sizes};
+use plant::Effect;
+
+pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
+    let mut all = vec![
+        Row::parameter(0, 3.4),
+        Row::parameter(2, 4.2),
+        Row::parameter(3, 3.2),
+    ];
+    let effects = [
+        (Effect::GainError, 3.4, &[][..]),
+        (Effect::RigCompliance, 3.4, &[][..]),
+        (Effect::ChannelSkew, 2.8, &[12][..]),
+        (Effect::Saturation, 3.2, &[12][..]),
+        (Effect::MainsHum, 3.0, &[3][..]),
+    ];
+    let slow = [
+        (Effect::Drift, 3.3, &[5][..]),
+        (Effect::TemperatureGain, 4.3, &[5][..]),
+    ];
+    let asked = slow.iter().filter(|_| rests);
+    for (name, price, counts) in effects.iter().chain(asked) {
+        all.extend(Row::effect(*name, *price, sizes, counts));
+    }
+    all
+}

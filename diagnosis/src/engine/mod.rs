@@ -1,0 +1,210 @@
+//! The one engine: a channel is a path, terms and coloured noise; from a record to a decision on three screens.
+//!
+//! ```text
+//! row, law/  one table of what may be missing: a row a law, a file a family
+//! motion     a record as the laws see it: columns                      gram      their products, block by block
+//! score      the one measure: blocks of the training data left out     search    sets of laws by their products
+//! specimen   the columns                                               polish    a model's shapes at their best
+//! posterior  the probability of each name
+//! verdict    three thresholds                                          figures   a name's parameters with intervals
+//! ```
+//!
+//! It is asked for by [`Engine::One`]; [`Engine::Votes`] are the searches of before, which it is to replace.
+//!
+//! What it expects of what surrounds it: records that were checked and resampled (`recording`, `plausible`), without what the model
+//! already has (`joint::without_known`); a noise that is the transducer's and the declared model's on it, no disturbance
+//! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
+//! a [`SpecimenModelFit`] and its residuals.
+
+mod bounded;
+mod figures;
+mod gram;
+mod law;
+mod motion;
+mod polish;
+mod posterior;
+mod row;
+mod score;
+mod search;
+mod specimen;
+mod verdict;
+
+pub use figures::Figures;
+pub use specimen::{SpecimenData, SpecimenModelFit};
+pub use verdict::Said;
+
+use posterior::{Candidate, Posterior};
+use rayon::prelude::*;
+use specimen::Term;
+
+/// A specimen's model under the names that it has.
+pub type SpecimenCandidate = Candidate<SpecimenModelFit>;
+
+/// Which searches name what is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// Single effects, elements searched jointly and the actuator's parts, and what arbitrates between them.
+    #[default]
+    Votes,
+    /// One vocabulary, one score, one search, a posterior and a verdict.
+    One,
+}
+
+impl std::str::FromStr for Engine {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "votes" => Ok(Self::Votes),
+            "one" => Ok(Self::One),
+            _ => Err(format!("`{text}` is no engine: accepted are one and votes")),
+        }
+    }
+}
+
+/// Models whose shapes are moved to their best.
+const POLISHED: usize = 24;
+/// Models that are asked for one term less.
+const ASKED_FOR_LESS: usize = 5;
+/// Models further below the best one than this are not, nats.
+const FAR_BELOW: f64 = 14.0;
+
+/// What is found out about a specimen.
+#[derive(Debug)]
+pub struct SpecimenFound {
+    /// What can be said.
+    pub said: Said<SpecimenModelFit>,
+    /// The declared model, its parameters within their tolerances.
+    pub declared: SpecimenModelFit,
+}
+
+/// The noise that a search is to know: its variance in the samples that are searched, and whether a rest tells it.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownNoise {
+    /// Variance of averaged samples.
+    pub variance: f64,
+    /// A rest tells it.
+    pub told: bool,
+}
+
+/// So many times a noise without a rest may be what the best model leaves in its quietest blocks.
+const AT_MOST: f64 = 2.5;
+
+/// Searches, and decides.
+pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<SpecimenFound> {
+    data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
+    let (atoms, mut found) = data.searched();
+    if !noise.told {
+        let quiet = found.iter().map(|s| s.evidence.left).map(|mut left| {
+            left.sort_by(f64::total_cmp);
+            left[2]
+        });
+        let quietest = quiet.fold(f64::INFINITY, f64::min);
+        let raised = (1.0 + quietest).min(AT_MOST * AT_MOST);
+        if raised > 1.2 && raised.is_finite() {
+            data.score.noise *= raised;
+            found = data.searched().1;
+        }
+    }
+    let mut fits = polished(data, &atoms, &found)?;
+    let declared = data.polished(&[])?;
+    fits.push(declared.clone());
+    let posterior = Posterior::of(fits.into_iter().flat_map(|f| candidates(data, f)).collect());
+    let least = if noise.told {
+        verdict::NOTHING
+    } else {
+        2.0 * verdict::NOTHING
+    };
+    Some(SpecimenFound {
+        said: verdict::verdict(&posterior, least),
+        declared,
+    })
+}
+
+/// The leading models with their shapes at their best, and what the best of them are with one term less.
+fn polished(
+    data: &SpecimenData,
+    atoms: &[search::Atom],
+    found: &[search::Scored],
+) -> Option<Vec<SpecimenModelFit>> {
+    let best = found.first()?.evidence.score();
+    let near = |s: &&search::Scored| s.evidence.score() > best - FAR_BELOW;
+    let term = |&a: &usize| Term {
+        row: atoms[a].row,
+        shape: atoms[a].shape,
+    };
+    let mut starts: Vec<Vec<Term>> = found
+        .iter()
+        .filter(near)
+        .take(POLISHED)
+        .map(|s| s.atoms.iter().map(term).collect())
+        .collect();
+    starts.retain(|s| !s.is_empty());
+    let all = |starts: Vec<Vec<Term>>| -> Vec<SpecimenModelFit> {
+        let fits = starts.into_par_iter().filter_map(|s| data.polished(&s));
+        fits.collect()
+    };
+    let mut fits = all(starts);
+    fits.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
+    // From where the shapes are now.
+    let leading = fits
+        .iter()
+        .take(ASKED_FOR_LESS)
+        .filter(|f| f.terms.len() > 1);
+    let fewer = leading.flat_map(|f| {
+        (0..f.terms.len()).map(|out| {
+            let mut terms = f.terms.clone();
+            terms.remove(out);
+            terms
+        })
+    });
+    let fewer = all(fewer.collect());
+    fits.extend(fewer);
+    Some(fits)
+}
+
+/// The share of a stated probability that holds: what is left tells whether a law that is not in the table may be the cause.
+pub fn trust(evidence: &score::Evidence) -> f64 {
+    let [below, above] = verdict::NOT_IN_THE_TABLE;
+    let share = if evidence.left_rms() < verdict::UNEXPLAINED {
+        below
+    } else {
+        above
+    };
+    1.0 - share
+}
+
+/// What the other name of a force costs, nats: the shape speaks for its own a little.
+const OTHER_NAME: f64 = 0.4;
+
+/// A fit under each of the names that its force has.
+fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<SpecimenModelFit>> {
+    let mut all = vec![fit.names.clone()];
+    for (i, term) in fit.terms.iter().enumerate() {
+        let row = &data.rows[term.row];
+        if let Some(other) = row.other_name(term.shape, fit.names[i], &data.sizes) {
+            for mut names in all.clone() {
+                names[i] = other;
+                all.push(names);
+            }
+        }
+    }
+    let of = |own: Vec<plant::Effect>| {
+        let mut evidence = fit.evidence;
+        if own != fit.names {
+            evidence.price += OTHER_NAME;
+        }
+        let mut names = own.clone();
+        names.sort_by_key(|n| *n as usize);
+        names.dedup();
+        Candidate {
+            names,
+            evidence,
+            model: SpecimenModelFit {
+                names: own,
+                ..fit.clone()
+            },
+        }
+    };
+    all.into_iter().map(of).collect()
+}

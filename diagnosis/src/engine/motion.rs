@@ -1,0 +1,109 @@
+//! A specimen's record as the laws see it: a motion without its noise, and the columns of a law over it.
+
+use super::row::{Form, Row, Sizes};
+use crate::base::Base;
+use crate::joint::declared_columns;
+use crate::joint::element::Element;
+use crate::joint::track::{MotionScales, Track};
+use crate::signals::{Scales, Signals, Transfer, add_columns, delayed, peak};
+
+/// A record's motion.
+#[derive(Debug)]
+pub struct Motion {
+    /// From before the record on, with enough samples a cycle for what has a memory.
+    pub track: Track,
+    signals: Signals,
+    declared: [Vec<f64>; 4],
+}
+
+impl Motion {
+    /// Of a track, with what the declared specimen answers to it.
+    pub fn new(track: Track, base: &Base) -> Self {
+        let declared = declared_columns(&track);
+        let mut answer = vec![0.0; track.x.len()];
+        add_columns(&mut answer, &declared, &base.values, 1.0);
+        let from = track.time_s[0] - track.interval_s * track.first as f64;
+        let signals = Signals {
+            interval_s: track.interval_s,
+            time_s: (0..track.x.len())
+                .map(|i| (from + track.interval_s * i as f64).max(0.0))
+                .collect(),
+            x: track.x.clone(),
+            largest_before_mm: track.largest_before_mm,
+            travel_before_mm: track.travel_before_mm,
+            v: track.v.clone(),
+            a: track.a.clone(),
+            base: answer,
+            reading: track.x.clone(),
+            force: Vec::new(),
+            command: Vec::new(),
+        };
+        Self {
+            track,
+            signals,
+            declared,
+        }
+    }
+
+    /// The declared parameters' columns, from before the record on.
+    pub fn declared(&self) -> Vec<Vec<f64>> {
+        self.declared.to_vec()
+    }
+
+    /// A law's columns, from before the record on. A stage's is what it makes of the declared answer, less that.
+    pub fn columns(&self, row: &Row, shape: [f64; 4], sizes: &Sizes) -> Vec<Vec<f64>> {
+        match row.form {
+            Form::Parameter(_) => Vec::new(),
+            Form::Element(law) => vec![Element { law, shape }.force(&self.track, &sizes.motion)],
+            Form::Effect(c) => {
+                let scales = Scales {
+                    step_s: self.track.interval_s,
+                    ..sizes.scales
+                };
+                let Some(stage) = c.stage else {
+                    return (c.columns)(&self.signals, &shape, &scales);
+                };
+                let after = stage(&self.signals.base, &shape, &scales);
+                vec![crate::signals::difference(&after, &self.signals.base)]
+            }
+        }
+    }
+
+    /// A signal that comes late.
+    pub fn late(&self, x: &[f64], late_s: f64) -> Vec<f64> {
+        delayed(x, late_s, self.track.interval_s)
+    }
+}
+
+/// Sizes of training records, which every record is measured by.
+pub fn sizes(motion: MotionScales, motions: &[Motion], base: &Base) -> Sizes {
+    let seen = |m: &Motion| m.signals.base[m.track.first..].to_vec();
+    let answers: Vec<f64> = motions.iter().flat_map(seen).collect();
+    let force = peak(motions.iter().flat_map(|m| &m.track.force)).max(1e-12);
+    let largest = peak(motions.iter().flat_map(|m| &m.track.x[m.track.first..])).max(1e-12);
+    let answer = peak(&answers);
+    let stiffness = if base.values[0] == 0.0 {
+        force / largest
+    } else {
+        base.values[0]
+    };
+    let unit = Transfer {
+        gain: 1.0,
+        ..Transfer::default()
+    };
+    Sizes {
+        motion,
+        scales: Scales {
+            x: largest,
+            v: motion.v,
+            base: if answer > 0.0 { answer } else { force },
+            stiffness,
+            seconds: motion.seconds,
+            interval_s: motion.interval_s,
+            step_s: motion.interval_s,
+            actuator: unit,
+            declared: unit,
+            line_hz: None,
+        },
+    }
+}

@@ -1,0 +1,268 @@
+//! A model's shapes at their best: steps towards the score's own least squares, and the model judged with its shapes' freedom.
+
+use super::bounded::Equations;
+use super::gram::judged;
+use super::score::{BLOCKS, NU};
+use super::search::{DECLARED, price_of_many};
+use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
+use crate::linear::Bound;
+use crate::signals::{add_columns, difference};
+use plant::Effect;
+
+/// Rounds of polishing.
+const ROUNDS: usize = 6;
+/// A fall of the cost that is not worth another round, as a share.
+const SETTLED: f64 = 2e-3;
+/// The largest step of a shape, in its own unit.
+const MOST_STEP: f64 = 0.5;
+/// The step that a slope is formed over, in the shape's own unit.
+const STEP: f64 = 5e-3;
+
+/// A model with its strengths.
+#[derive(Clone, Debug)]
+struct Weighed {
+    columns: Vec<Vec<f64>>,
+    bounds: Vec<Bound>,
+    strengths: Vec<f64>,
+    residual: Vec<f64>,
+    weights: [f64; BLOCKS],
+    cost: f64,
+}
+
+/// How the answer changes with a shape, for one unit of it.
+#[derive(Debug)]
+struct Slope {
+    term: usize,
+    which: usize,
+    unit: f64,
+    column: Vec<f64>,
+}
+
+fn ends(bounds: &[Bound]) -> (Vec<f64>, Vec<f64>) {
+    (
+        bounds.iter().map(|b| b.low).collect(),
+        bounds.iter().map(|b| b.high).collect(),
+    )
+}
+
+impl SpecimenData<'_> {
+    /// Moves the shapes of a model to their best and judges it, its shapes' freedom included.
+    pub fn polished(&self, start: &[Term]) -> Option<SpecimenModelFit> {
+        let mut terms = start.to_vec();
+        let mut here = self.fitted(&terms)?;
+        let mut slopes = Vec::new();
+        for round in 0..ROUNDS {
+            slopes = self.slopes(&terms, &here);
+            if slopes.is_empty() || round + 1 == ROUNDS {
+                break;
+            }
+            let Some((moved, there)) = self.stepped(&terms, &here, &slopes) else {
+                break;
+            };
+            let fall = 1.0 - there.cost / here.cost;
+            (terms, here) = (moved, there);
+            if fall < SETTLED {
+                slopes = self.slopes(&terms, &here);
+                break;
+            }
+        }
+        self.concluded(terms, &here, slopes)
+    }
+
+    /// The strengths of a model by the score's weights.
+    fn fitted(&self, terms: &[Term]) -> Option<Weighed> {
+        let columns = self.columns(terms);
+        let bounds = self.bounds(terms);
+        let parts = self.parts(&columns, &self.target);
+        let (low, high) = ends(&bounds);
+        let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
+        let fitted = judged(&parts, [&low, &high], &self.score, &even)?;
+        let mut answer = vec![0.0; self.target.len()];
+        add_columns(&mut answer, &columns, &fitted.strengths, 1.0);
+        let residual = difference(&self.target, &answer);
+        let weights = self.score.weights(&fitted.left);
+        let cost = self.score.evidence(&fitted.left, 0.0).log_density;
+        Some(Weighed {
+            columns,
+            bounds,
+            strengths: fitted.strengths,
+            residual,
+            weights,
+            // Nats of the fit itself, as squares: the score's own measure.
+            cost: (-2.0 * cost / NU).exp(),
+        })
+    }
+
+    /// How the answer changes with each shape: the term, its shape, whether by factors, and the column.
+    fn slopes(&self, terms: &[Term], here: &Weighed) -> Vec<Slope> {
+        let mut all = Vec::new();
+        let mut at = DECLARED;
+        for (i, term) in terms.iter().enumerate() {
+            let row = &self.rows[term.row];
+            let count = if self.is_stage(term) {
+                0
+            } else {
+                row.bounds(&self.sizes, term.shape).len()
+            };
+            let own = at..at + count;
+            at += count;
+            for (which, log, range) in row.movable(term.shape, &self.sizes) {
+                let span = if range[1].is_finite() {
+                    range[1] - range[0]
+                } else {
+                    1.0
+                };
+                let unit = if log {
+                    term.shape[which].abs()
+                } else {
+                    span.min(1.0).max(0.1 * span)
+                };
+                let step = STEP * unit.max(1e-12);
+                let mut moved = terms.to_vec();
+                moved[i].shape[which] += step;
+                let column = if self.is_stage(term) {
+                    let there = self.columns(&moved);
+                    self.change(&there, &here.columns, &here.strengths, step / unit)
+                } else {
+                    if here.strengths[own.clone()].iter().all(|s| *s == 0.0) {
+                        continue;
+                    }
+                    let there = self.stacked(|m| m.columns(row, moved[i].shape, &self.sizes));
+                    let there = self.staged(there, terms);
+                    self.change(
+                        &there,
+                        &here.columns[own.clone()],
+                        &here.strengths[own.clone()],
+                        step / unit,
+                    )
+                };
+                all.push(Slope {
+                    term: i,
+                    which,
+                    unit,
+                    column,
+                });
+            }
+        }
+        all
+    }
+
+    /// Columns behind a stage of a model, to first order of one sample: a stage is late by a fixed time.
+    fn staged(&self, columns: Vec<Vec<f64>>, terms: &[Term]) -> Vec<Vec<f64>> {
+        let Some(late_s) = late_s(&self.rows, terms) else {
+            return columns;
+        };
+        let interval_s = self.sizes.motion.interval_s * self.every as f64;
+        columns
+            .iter()
+            .map(|c| crate::signals::delayed(c, late_s, interval_s))
+            .collect()
+    }
+
+    fn change(
+        &self,
+        there: &[Vec<f64>],
+        here: &[Vec<f64>],
+        strengths: &[f64],
+        step: f64,
+    ) -> Vec<f64> {
+        let mut change = vec![0.0; self.target.len()];
+        add_columns(&mut change, there, strengths, 1.0 / step);
+        add_columns(&mut change, here, strengths, -1.0 / step);
+        change
+    }
+
+    /// One step of the shapes towards the best, by halves where it would not be one.
+    fn stepped(
+        &self,
+        terms: &[Term],
+        here: &Weighed,
+        slopes: &[Slope],
+    ) -> Option<(Vec<Term>, Weighed)> {
+        let (low, high) = self.room(here, slopes, MOST_STEP);
+        let mut all = here.columns.clone();
+        all.extend(slopes.iter().map(|s| s.column.clone()));
+        let mut whole = Equations::zero(all.len());
+        for (part, weight) in self.parts(&all, &here.residual).iter().zip(here.weights) {
+            whole.add(part, weight);
+        }
+        let step = whole.solve(&low, &high)?;
+        let from = here.columns.len();
+        for halvings in 0..4 {
+            let by = 0.5_f64.powi(halvings);
+            let mut moved = terms.to_vec();
+            for (s, step) in slopes.iter().zip(&step[from..]) {
+                moved[s.term].shape[s.which] += by * step * s.unit;
+            }
+            if !moved
+                .iter()
+                .all(|t| self.rows[t.row].is_sound(t.shape, &self.sizes))
+            {
+                continue;
+            }
+            if let Some(there) = self.fitted(&moved).filter(|t| t.cost < here.cost) {
+                return Some((moved, there));
+            }
+        }
+        None
+    }
+
+    /// How far strengths and shapes may go from where they are.
+    fn room(&self, here: &Weighed, slopes: &[Slope], most: f64) -> (Vec<f64>, Vec<f64>) {
+        let own = here.bounds.iter().zip(&here.strengths);
+        let mut low: Vec<f64> = own.clone().map(|(b, s)| b.low - s).collect();
+        let mut high: Vec<f64> = own.map(|(b, s)| b.high - s).collect();
+        low.extend(slopes.iter().map(|_| -most));
+        high.extend(slopes.iter().map(|_| most));
+        (low, high)
+    }
+
+    fn concluded(
+        &self,
+        terms: Vec<Term>,
+        here: &Weighed,
+        slopes: Vec<Slope>,
+    ) -> Option<SpecimenModelFit> {
+        let (low, high) = self.room(here, &slopes, MOST_STEP);
+        let mut all = here.columns.clone();
+        all.extend(slopes.into_iter().map(|s| s.column));
+        let parts = self.parts(&all, &here.residual);
+        let fitted = judged(&parts, [&low, &high], &self.score, &here.weights)?;
+        let mut at = DECLARED;
+        let mut strengths = Vec::new();
+        for t in &terms {
+            let count = if self.is_stage(t) {
+                0
+            } else {
+                self.rows[t.row].bounds(&self.sizes, t.shape).len()
+            };
+            strengths.push(here.strengths[at..at + count].to_vec());
+            at += count;
+        }
+        let is_nothing = |s: &Vec<f64>| !s.is_empty() && s.iter().all(|s| *s == 0.0);
+        if strengths.iter().any(is_nothing) {
+            return None;
+        }
+        let names: Vec<Effect> = terms
+            .iter()
+            .zip(&strengths)
+            .map(|(t, s)| {
+                self.rows[t.row].name(t.shape, s.first().copied().unwrap_or(1.0), &self.sizes)
+            })
+            .collect();
+        let mut families: Vec<(Effect, _)> = names.iter().map(|n| (*n, n.entry().family)).collect();
+        // One name in two terms is one cause.
+        families.sort_by_key(|f| f.0 as usize);
+        families.dedup_by_key(|f| f.0);
+        let families: Vec<_> = families.into_iter().map(|f| f.1).collect();
+        let price =
+            terms.iter().map(|t| self.rows[t.row].price).sum::<f64>() + price_of_many(&families);
+        Some(SpecimenModelFit {
+            declared: std::array::from_fn(|i| here.strengths[i]),
+            evidence: self.score.evidence(&fitted.left_out, price),
+            terms,
+            strengths,
+            names,
+        })
+    }
+}

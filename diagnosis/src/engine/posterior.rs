@@ -1,0 +1,129 @@
+//! From scored models to the probability of each name and of nothing.
+
+use super::score::Evidence;
+use plant::Effect;
+
+/// A model with its names; none: the declared one.
+#[derive(Clone, Debug)]
+pub struct Candidate<M> {
+    /// The names, rising, each once.
+    pub names: Vec<Effect>,
+    /// What speaks for it.
+    pub evidence: Evidence,
+    /// The model itself.
+    pub model: M,
+}
+
+/// Models, one of each set of names, with their probabilities; the likeliest first.
+#[derive(Clone, Debug)]
+pub struct Posterior<M> {
+    /// All of them.
+    pub models: Vec<(Candidate<M>, f64)>,
+}
+
+impl<M: Clone> Posterior<M> {
+    /// Of these models.
+    pub fn of(mut all: Vec<Candidate<M>>) -> Self {
+        let score = |c: &Candidate<M>| c.evidence.score();
+        all.retain(|c| score(c).is_finite());
+        all.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        let mut kept: Vec<Candidate<M>> = Vec::new();
+        for c in all {
+            let same = |k: &Candidate<M>| k.names == c.names;
+            if !kept.iter().any(same) {
+                kept.push(c);
+            }
+        }
+        let best = kept.first().map_or(0.0, score);
+        let weights: Vec<f64> = kept.iter().map(|c| (score(c) - best).exp()).collect();
+        let whole: f64 = weights.iter().sum();
+        let models = kept.into_iter().zip(weights).map(|(c, w)| (c, w / whole));
+        Self {
+            models: models.collect(),
+        }
+    }
+
+    /// How probable it is that a name is in the rig.
+    pub fn name(&self, name: Effect) -> f64 {
+        let with = self.models.iter().filter(|(c, _)| c.names.contains(&name));
+        with.map(|(_, w)| w).sum()
+    }
+
+    /// All names with their probabilities, the likeliest first.
+    pub fn names(&self) -> Vec<(Effect, f64)> {
+        let mut all: Vec<Effect> = self
+            .models
+            .iter()
+            .flat_map(|(c, _)| c.names.clone())
+            .collect();
+        all.sort_by_key(|n| *n as usize);
+        all.dedup();
+        let mut with: Vec<(Effect, f64)> = all.into_iter().map(|n| (n, self.name(n))).collect();
+        with.sort_by(|a, b| b.1.total_cmp(&a.1));
+        with
+    }
+
+    /// The best model without any name.
+    pub fn declared(&self) -> Option<&Candidate<M>> {
+        let plain = |c: &&Candidate<M>| c.names.is_empty();
+        self.models.iter().map(|m| &m.0).find(plain)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score::{BLOCKS, Score};
+    use super::super::verdict::{NOTHING, Said, verdict};
+    use super::*;
+
+    /// A candidate that leaves so many times the noise, at a price.
+    fn candidate(names: &[Effect], left: f64, price: f64) -> Candidate<()> {
+        let score = Score {
+            noise: 1.0,
+            samples: [100.0; BLOCKS],
+        };
+        Candidate {
+            names: names.to_vec(),
+            evidence: score.evidence(&[100.0 * (1.0 + left * left); BLOCKS], price),
+            model: (),
+        }
+    }
+
+    #[test]
+    fn rivals_that_leave_as_much_are_a_set_and_what_leaves_half_is_a_name() {
+        let declared = candidate(&[], 9.0, 0.0);
+        let [friction, backlash] = [Effect::CoulombFriction, Effect::Backlash];
+        let alike = Posterior::of(vec![
+            declared.clone(),
+            candidate(&[friction], 1.0, 3.0),
+            candidate(&[backlash], 1.0, 3.0),
+        ]);
+        let Said::Set(_, set) = verdict(&alike, NOTHING) else {
+            panic!("no set");
+        };
+        assert_eq!(set.len(), 2);
+        let clear = Posterior::of(vec![
+            declared.clone(),
+            candidate(&[friction], 1.0, 3.0),
+            candidate(&[backlash], 2.0, 3.0),
+        ]);
+        assert!((clear.name(friction) - 1.0).abs() < 1e-3);
+        assert!(matches!(verdict(&clear, NOTHING), Said::Names(_, names) if names.len() == 1));
+        // Each of two names is judged by what it takes from the other's model.
+        let both = Posterior::of(vec![
+            declared,
+            candidate(&[friction], 5.0, 3.0),
+            candidate(&[backlash], 5.0, 3.0),
+            candidate(&[friction, backlash], 0.5, 7.5),
+        ]);
+        assert!(matches!(verdict(&both, NOTHING), Said::Names(_, names) if names.len() == 2));
+    }
+
+    #[test]
+    fn nothing_is_said_to_be_missing_below_the_noise_and_unknown_above_it() {
+        let quiet = Posterior::of(vec![candidate(&[], 0.3, 0.0)]);
+        assert!(matches!(verdict(&quiet, NOTHING), Said::Nothing));
+        let loud = Posterior::of(vec![candidate(&[], 5.0, 0.0)]);
+        assert!(matches!(verdict(&loud, NOTHING), Said::Unknown(None)));
+    }
+}

@@ -1,0 +1,212 @@
+//! A law of the table: what it is computed by, over which shapes it is looked for, and what it costs.
+
+use crate::joint::element::{Element, Law};
+use crate::joint::track::MotionScales;
+use crate::library::Candidate;
+use crate::library::candidate::Shape;
+use crate::linear::Bound;
+use crate::signals::Scales;
+use plant::{Channel, Effect, Family};
+
+/// What a law is computed by.
+#[derive(Clone, Copy, Debug)]
+pub enum Form {
+    /// A declared parameter that leaves its tolerance, in the order of [`Channel::parameters`].
+    Parameter(usize),
+    /// An element of free strength beside the specimen.
+    Element(Law),
+    /// An effect of the catalogue, relative to the declared specimen.
+    Effect(Candidate),
+}
+
+/// A law of the table.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What it is computed by.
+    pub form: Form,
+    /// Shapes that the search looks at.
+    pub grid: Vec<[f64; 4]>,
+    /// What it costs, nats.
+    pub price: f64,
+    /// The declared parameter that it may take out of its tolerance with it, without a name for that.
+    pub frees: Option<usize>,
+}
+
+/// Sizes of the motion, for elements and for effects.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    /// For elements.
+    pub motion: MotionScales,
+    /// For effects.
+    pub scales: Scales,
+}
+
+/// A number more of a shape.
+const A_SHAPE: f64 = 0.7;
+/// A strength more.
+const A_STRENGTH: f64 = 0.4;
+/// A declared parameter that leaves its tolerance beside the law, without a name: as much as under a name of its own, else every law
+/// with a strength of nothing is a rival of `gain_error`.
+const A_PARAMETER: f64 = 3.2;
+
+impl Row {
+    /// A declared parameter that leaves its tolerance.
+    pub fn parameter(which: usize, price: f64) -> Self {
+        Self {
+            form: Form::Parameter(which),
+            grid: vec![[0.0; 4]],
+            price,
+            frees: None,
+        }
+    }
+
+    /// An element of free strength over these shapes.
+    pub fn element(law: Law, price: f64, grid: impl IntoIterator<Item = [f64; 4]>) -> Self {
+        let grid: Vec<[f64; 4]> = grid.into_iter().collect();
+        let shapes = grid
+            .first()
+            .map_or(0, |shape| Element { law, shape: *shape }.movable().len());
+        Self {
+            form: Form::Element(law),
+            grid,
+            price: price + A_SHAPE * shapes as f64,
+            frees: None,
+        }
+    }
+
+    /// An effect of the catalogue by its name, over so many values of each of its shapes.
+    pub fn effect(name: Effect, price: f64, sizes: &Sizes, counts: &[usize]) -> Option<Self> {
+        let all = crate::library::candidates(Channel::Specimen);
+        let candidate = all.into_iter().find(|c| c.effect == name)?;
+        let shapes = (candidate.shapes)(&sizes.scales);
+        let strengths = (candidate.bounds)(&sizes.scales).len().max(1);
+        let mut grid = vec![[0.0; 4]];
+        for (i, shape) in shapes.iter().enumerate() {
+            let count = counts.get(i).copied().unwrap_or(4);
+            grid = grid
+                .iter()
+                .flat_map(|g| {
+                    spread(shape, count).into_iter().map(move |value| {
+                        let mut own = *g;
+                        own[i] = value;
+                        own
+                    })
+                })
+                .collect();
+        }
+        Some(Self {
+            form: Form::Effect(candidate),
+            grid,
+            price: price + A_SHAPE * shapes.len() as f64 + A_STRENGTH * (strengths - 1) as f64,
+            frees: None,
+        })
+    }
+
+    /// The same with a declared parameter that may leave its tolerance with it.
+    pub fn with_own(&self, parameter: usize) -> Self {
+        Self {
+            price: self.price + A_PARAMETER,
+            frees: Some(parameter),
+            ..self.clone()
+        }
+    }
+
+    /// Its name with a shape and a strength.
+    pub fn name(&self, shape: [f64; 4], strength: f64, sizes: &Sizes) -> Effect {
+        match self.form {
+            Form::Parameter(i) => Channel::Specimen.mistakes()[i],
+            Form::Element(law) => Element { law, shape }.name(&sizes.motion, strength),
+            Form::Effect(candidate) => candidate.effect,
+        }
+    }
+
+    /// The other name that the same force has, where the motion does not tell: the give of a sliding contact or a yielding spring, a
+    /// dashpot or one behind a stiff spring.
+    pub fn other_name(&self, shape: [f64; 4], own: Effect, sizes: &Sizes) -> Option<Effect> {
+        let Form::Element(law) = self.form else {
+            return None;
+        };
+        let element = Element { law, shape };
+        let friction = element.may_be_friction(&sizes.motion);
+        let dashpot = element.is_dashpot(&sizes.motion);
+        let other = match own.entry().family {
+            Family::Hysteresis if friction => Effect::CoulombFriction,
+            Family::Damping if dashpot => Effect::ViscousDamping,
+            _ => return None,
+        };
+        (other != own).then_some(other)
+    }
+
+    /// Its family, whatever its strength's sign.
+    pub fn family(&self, shape: [f64; 4], sizes: &Sizes) -> Family {
+        self.name(shape, 1.0, sizes).entry().family
+    }
+
+    /// What its strengths may be; a stage has none.
+    pub fn bounds(&self, sizes: &Sizes, shape: [f64; 4]) -> Vec<Bound> {
+        match self.form {
+            Form::Parameter(_) => Vec::new(),
+            Form::Element(law) => vec![Element { law, shape }.bound()],
+            Form::Effect(c) if c.stage.is_some() => vec![ONCE],
+            Form::Effect(c) => (c.bounds)(&sizes.scales),
+        }
+    }
+
+    /// Which of its shapes are moved to their best, whether by factors, and between which values.
+    pub fn movable(&self, shape: [f64; 4], sizes: &Sizes) -> Vec<(usize, bool, [f64; 2])> {
+        match self.form {
+            Form::Parameter(_) => Vec::new(),
+            Form::Element(law) => {
+                let own = Element { law, shape };
+                let all = own.movable().iter();
+                all.map(|&(i, scale)| {
+                    let log = scale == crate::joint::Scale::Log;
+                    (i, log, [f64::NEG_INFINITY, f64::INFINITY])
+                })
+                .collect()
+            }
+            Form::Effect(c) => (c.shapes)(&sizes.scales)
+                .iter()
+                .enumerate()
+                .map(|(i, s)| (i, s.low > 0.0, [s.low, s.high]))
+                .collect(),
+        }
+    }
+
+    /// Whether a shape can be one of the law.
+    pub fn is_sound(&self, shape: [f64; 4], sizes: &Sizes) -> bool {
+        match self.form {
+            Form::Parameter(_) => true,
+            Form::Element(law) => Element { law, shape }.is_sound(&sizes.motion),
+            Form::Effect(c) => (c.shapes)(&sizes.scales)
+                .iter()
+                .zip(shape)
+                .all(|(s, x)| (0.5 * s.low.min(2.0 * s.low)..=2.0 * s.high).contains(&x)),
+        }
+    }
+}
+
+/// The strength of what acts once.
+const ONCE: Bound = Bound {
+    low: 0.85,
+    high: 1.15,
+};
+
+/// Values of a shape over its range.
+fn spread(shape: &Shape, count: usize) -> Vec<f64> {
+    let (low, high) = (shape.low, shape.high);
+    let at = |i: usize| {
+        let share = (i as f64 + 0.5) / count as f64;
+        if low > 0.0 {
+            low * (high / low).powf(share)
+        } else {
+            low + share * (high - low)
+        }
+    };
+    (0..count).map(at).collect()
+}
+
+/// First shapes, the others 0.
+pub fn over<const N: usize>(values: [f64; N], unit: f64) -> [[f64; 4]; N] {
+    values.map(|v| [v * unit, 0.0, 0.0, 0.0])
+}

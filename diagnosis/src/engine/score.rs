@@ -1,0 +1,95 @@
+//! The one score of the one engine: how well a model predicts blocks of the training data that it was not fitted to.
+//!
+//! ```text
+//! score = - nu / 2 * mean over 12 blocks of ln(eps^2 + s_b^2) - price
+//! s_b^2 = (mean square that is left of block b, fitted to the other eleven, - noise variance) / noise variance, not below 0
+//! ```
+//!
+//! What is left of a record is mostly the error of the law and not noise, and such an error has no sample size: the whole record,
+//! however long, counts as `nu` samples, and structure below `eps` of the noise counts as nothing (a coarsened likelihood:
+//! Miller and Dunson, J. Am. Stat. Assoc. 114, 2019). Held-out records take no part: they judge what was chosen.
+
+/// Blocks of the training data, of equal shares of the input's way.
+pub const BLOCKS: usize = 12;
+/// So many samples a record counts as. Twice the squares on every block are then 5.5 nats.
+pub const NU: f64 = 16.0;
+/// Structure below this share of the noise counts as nothing.
+pub const EPS: f64 = 0.28;
+
+/// The score's measure for one channel.
+#[derive(Clone, Debug)]
+pub struct Score {
+    /// Variance of the noise in samples as they are searched.
+    pub noise: f64,
+    /// Samples of each block.
+    pub samples: [f64; BLOCKS],
+}
+
+/// What speaks for a model.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence {
+    /// Structure that is left of each block, as a share of the noise's variance.
+    pub left: [f64; BLOCKS],
+    /// `- nu / 2 * mean ln(eps^2 + left)`.
+    pub log_density: f64,
+    /// What its terms cost, nats.
+    pub price: f64,
+}
+
+impl Evidence {
+    /// The score, nats.
+    pub fn score(&self) -> f64 {
+        self.log_density - self.price
+    }
+
+    /// The structure that is left, typical of the blocks, over the noise's rms.
+    pub fn left_rms(&self) -> f64 {
+        let mean = -2.0 * self.log_density / NU;
+        (mean.exp() - EPS * EPS).max(0.0).sqrt()
+    }
+}
+
+impl Score {
+    /// Structure beyond the noise on each block, over the noise's variance.
+    fn structure(&self, squares: &[f64; BLOCKS]) -> [f64; BLOCKS] {
+        std::array::from_fn(|b| {
+            let mean = squares[b] / self.samples[b].max(1.0);
+            ((mean - self.noise) / self.noise).max(0.0)
+        })
+    }
+
+    /// What squares on blocks left out say for a model of this price.
+    pub fn evidence(&self, left_out: &[f64; BLOCKS], price: f64) -> Evidence {
+        let left = self.structure(left_out);
+        let logs = left.iter().map(|s| (EPS * EPS + s).ln());
+        Evidence {
+            left,
+            log_density: -0.5 * NU * logs.sum::<f64>() / BLOCKS as f64,
+            price,
+        }
+    }
+
+    /// Weights of the blocks' squares in a fit: the slope of the score.
+    pub fn weights(&self, left: &[f64; BLOCKS]) -> [f64; BLOCKS] {
+        let structure = self.structure(left);
+        std::array::from_fn(|b| 1.0 / (self.samples[b].max(1.0) * (EPS * EPS + structure[b])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twice_the_squares_are_five_and_a_half_nats_and_less_than_the_noise_hides_is_nothing() {
+        let score = Score {
+            noise: 1.0,
+            samples: [100.0; BLOCKS],
+        };
+        let of = |s: f64| score.evidence(&[100.0 * (1.0 + s); BLOCKS], 0.0);
+        let fall = of(100.0).log_density - of(200.0).log_density;
+        assert!((fall - 5.545).abs() < 0.01, "{fall}");
+        assert!((of(0.0).log_density - of(0.005).log_density) < 0.5);
+        assert!((of(9.0).left_rms() - 3.0).abs() < 1e-9);
+    }
+}

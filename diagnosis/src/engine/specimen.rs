@@ -1,0 +1,336 @@
+//! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
+
+use super::bounded::Equations;
+use super::gram::Grams;
+use super::law::table;
+use super::motion::{Motion, sizes};
+use super::row::{Form, Row, Sizes};
+use super::score::{BLOCKS, Evidence, Score};
+use super::search::{Atom, DECLARED, Scored, Search};
+use crate::base::Base;
+use crate::joint::cutoff::{self, Derivatives};
+use crate::joint::track::{MotionScales, Track, UnfilteredSpan, thinning};
+use crate::linear::{Bound, dot};
+use crate::recording::Recording;
+use crate::rest;
+use crate::signals::{add_columns, averaged, difference};
+use plant::Effect;
+use rayon::prelude::*;
+
+/// A law at a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The row of the law table.
+    pub row: usize,
+    /// Its shape.
+    pub shape: [f64; 4],
+}
+
+/// A specimen's model at its best.
+#[derive(Clone, Debug)]
+pub struct SpecimenModelFit {
+    /// Its terms.
+    pub terms: Vec<Term>,
+    /// Stiffness, damping, mass, offset.
+    pub declared: [f64; DECLARED],
+    /// Strengths of each term.
+    pub strengths: Vec<Vec<f64>>,
+    /// The name of each term.
+    pub names: Vec<Effect>,
+    /// What speaks for it.
+    pub evidence: Evidence,
+}
+
+/// Training data of a specimen.
+#[derive(Debug)]
+pub struct SpecimenData<'a> {
+    base: &'a Base,
+    motions: Vec<Motion>,
+    /// Sizes that everything is measured by.
+    pub sizes: Sizes,
+    /// The law table.
+    pub rows: Vec<Row>,
+    /// Samples that are averaged into one.
+    pub every: usize,
+    /// Where the displacement is cut off, Hz.
+    pub cutoff_hz: f64,
+    pub target: Vec<f64>,
+    edges: Vec<usize>,
+    /// The measure.
+    pub score: Score,
+}
+
+impl<'a> SpecimenData<'a> {
+    /// Of records without what the model already has; `None` where a signal is missing or the equations have no solution.
+    pub fn new(base: &'a Base, train: &[Recording], test: &[Recording]) -> Option<Self> {
+        let rests = train.iter().all(|r| rest::spans(r).len() == 2);
+        let moving: Vec<Recording> = train.iter().map(rest::without).collect();
+        let sources = spans(&moving)?;
+        // Of the held-out records the motion's band alone, which the columns have to pass.
+        let cutoff_hz =
+            cutoff::choose(base, &sources, &spans(test)?, None, Derivatives::AsDeclared)?;
+        let tracks: Vec<Track> = sources.iter().map(|s| s.track(cutoff_hz)).collect();
+        let every = thinning(&tracks, cutoff_hz);
+        let scales = MotionScales::of(&tracks);
+        let motions: Vec<Motion> = tracks.into_iter().map(|t| Motion::new(t, base)).collect();
+        let sizes = sizes(scales, &motions, base);
+        let own = |m: &Motion| averaged(&m.track.force, every);
+        let target: Vec<f64> = motions.iter().flat_map(own).collect();
+        let speeds = motions
+            .iter()
+            .flat_map(|m| m.track.span_of(&m.track.v, every));
+        let edges = edges(&speeds.collect::<Vec<f64>>());
+        let score = Score {
+            noise: 1.0,
+            samples: std::array::from_fn(|b| (edges[b + 1] - edges[b]) as f64),
+        };
+        Some(Self {
+            rows: table(&sizes, rests),
+            base,
+            motions,
+            sizes,
+            every,
+            cutoff_hz,
+            target,
+            edges,
+            score,
+        })
+    }
+
+    /// A column over all records, averaged.
+    pub fn stacked(&self, of: impl Fn(&Motion) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for motion in &self.motions {
+            for (i, column) in of(motion).iter().enumerate() {
+                let own = motion.track.span_of(column, self.every);
+                match all.get_mut(i) {
+                    Some(column) => column.extend(own),
+                    None => all.push(own),
+                }
+            }
+        }
+        all
+    }
+
+    /// What declared parameters may be: within their tolerances, and outside.
+    fn declared(&self) -> [[Bound; 2]; DECLARED] {
+        std::array::from_fn(|i| {
+            let within = self.base.within_tolerances(i);
+            // A dashpot and a mass come on top of what is declared: less of it is noise in a derivative.
+            let adds = i == 1 || i == 2;
+            let free = Bound {
+                low: if adds { within.low } else { f64::NEG_INFINITY },
+                high: f64::INFINITY,
+            };
+            [within, free]
+        })
+    }
+
+    /// The models that the search leads to.
+    pub fn searched(&self) -> (Vec<Atom>, Vec<Scored>) {
+        let places: Vec<(usize, [f64; 4])> = self
+            .rows
+            .iter()
+            .enumerate()
+            .flat_map(|(i, row)| row.grid.iter().map(move |shape| (i, *shape)))
+            .collect();
+        // A row that takes a parameter along has the columns of the one that does not.
+        let twin = |(row, shape): (usize, [f64; 4])| {
+            let own = |other: &Row| match (&other.form, &self.rows[row].form) {
+                (Form::Element(a), Form::Element(b)) => a == b,
+                _ => false,
+            };
+            places
+                .iter()
+                .position(|&(r, s)| s == shape && (r == row || own(&self.rows[r])))
+        };
+        let first: Vec<Option<usize>> = places.iter().map(|p| twin(*p)).collect();
+        let columns: Vec<Vec<Vec<f64>>> = places
+            .par_iter()
+            .enumerate()
+            .map(|(i, (row, shape))| {
+                if first[i] != Some(i) {
+                    return Vec::new();
+                }
+                self.stacked(|m| m.columns(&self.rows[*row], *shape, &self.sizes))
+            })
+            .collect();
+        let mut all = self.stacked(Motion::declared);
+        let mut at = vec![0; places.len()];
+        for (i, own) in columns.into_iter().enumerate() {
+            at[i] = all.len();
+            all.extend(own);
+        }
+        let atoms: Vec<Atom> = places
+            .iter()
+            .enumerate()
+            .map(|(i, &(row, shape))| {
+                let from = at[first[i].unwrap_or(i)];
+                let law = &self.rows[row];
+                let bounds = law.bounds(&self.sizes, shape).into_iter().enumerate();
+                let parameter = match law.form {
+                    Form::Parameter(which) => Some(which),
+                    _ => law.frees,
+                };
+                Atom {
+                    row,
+                    shape,
+                    terms: bounds.map(|(k, bound)| (from + k, bound)).collect(),
+                    frees: parameter,
+                    price: law.price,
+                    family: law.family(shape, &self.sizes),
+                }
+            })
+            .collect();
+        let grams = Grams::new(&all, &self.target, &self.edges);
+        let search = Search {
+            grams: &grams,
+            atoms: &atoms,
+            declared: self.declared(),
+            score: &self.score,
+        };
+        let found = search.run();
+        (atoms, found)
+    }
+
+    /// Columns of a model, declared ones first, with all that a stage among its terms makes of them.
+    pub fn columns(&self, terms: &[Term]) -> Vec<Vec<f64>> {
+        self.stacked(|m| model_columns(m, &self.rows, terms, &self.sizes))
+    }
+
+    /// Bounds of a model's strengths, declared parameters first.
+    pub fn bounds(&self, terms: &[Term]) -> Vec<Bound> {
+        let freed = |i: usize| {
+            terms.iter().any(|t| {
+                let row = &self.rows[t.row];
+                matches!(row.form, Form::Parameter(p) if p == i) || row.frees == Some(i)
+            })
+        };
+        let declared = self.declared();
+        let mut all: Vec<Bound> = (0..DECLARED)
+            .map(|i| declared[i][usize::from(freed(i))])
+            .collect();
+        for t in terms.iter().filter(|t| !self.is_stage(t)) {
+            all.extend(self.rows[t.row].bounds(&self.sizes, t.shape));
+        }
+        all
+    }
+
+    pub fn is_stage(&self, term: &Term) -> bool {
+        matches!(self.rows[term.row].form, Form::Effect(c) if c.stage.is_some())
+    }
+
+    /// Products of columns block by block.
+    pub fn parts(&self, columns: &[Vec<f64>], target: &[f64]) -> Vec<Equations> {
+        let n = columns.len();
+        self.edges
+            .windows(2)
+            .map(|e| {
+                let mut part = Equations::zero(n);
+                let of = |c: &[f64]| c[e[0]..e[1]].to_vec();
+                let own: Vec<Vec<f64>> = columns.iter().map(|c| of(c)).collect();
+                let y = of(target);
+                for i in 0..n {
+                    for j in 0..=i {
+                        let g = dot(&own[i], &own[j]);
+                        part.gram[i * n + j] = g;
+                        part.gram[j * n + i] = g;
+                    }
+                    part.right[i] = dot(&own[i], &y);
+                }
+                part.square = dot(&y, &y);
+                part
+            })
+            .collect()
+    }
+
+    /// What a model answers to a record, N; `None` where a signal is missing.
+    pub fn answer(&self, fit: &SpecimenModelFit, record: &Recording) -> Option<Vec<f64>> {
+        let track = UnfilteredSpan::new(record)?.track(self.cutoff_hz);
+        let motion = Motion::new(track, self.base);
+        let columns = model_columns(&motion, &self.rows, &fit.terms, &self.sizes);
+        let mut strengths = fit.declared.to_vec();
+        strengths.extend(fit.strengths.iter().flatten());
+        let mut y = vec![0.0; motion.track.x.len()];
+        add_columns(&mut y, &columns, &strengths, 1.0);
+        Some(motion.track.span_of(&y, 1))
+    }
+
+    /// Measured less answered, record by record.
+    pub fn residuals(
+        &self,
+        fit: &SpecimenModelFit,
+        records: &[Recording],
+    ) -> Option<Vec<Vec<f64>>> {
+        let residual = |r: &Recording| Some(difference(r.force_n.as_ref()?, &self.answer(fit, r)?));
+        records.iter().map(residual).collect()
+    }
+
+    /// What a model answers to the training data as they are searched.
+    pub fn answered(&self, fit: &SpecimenModelFit) -> Vec<f64> {
+        let mut y = vec![0.0; self.target.len()];
+        let mut strengths = fit.declared.to_vec();
+        strengths.extend(fit.strengths.iter().flatten());
+        add_columns(&mut y, &self.columns(&fit.terms), &strengths, 1.0);
+        y
+    }
+
+    /// What was measured, as it is searched.
+    pub fn target(&self) -> &[f64] {
+        &self.target
+    }
+
+    /// Declared values.
+    pub fn declared_values(&self) -> [f64; DECLARED] {
+        self.base.values
+    }
+
+    /// What the declared parameters and the strengths of a fit may be.
+    pub fn bounds_of(&self, fit: &SpecimenModelFit) -> Vec<Bound> {
+        self.bounds(&fit.terms)
+    }
+}
+
+fn spans(records: &[Recording]) -> Option<Vec<UnfilteredSpan<'_>>> {
+    records.iter().map(UnfilteredSpan::new).collect()
+}
+
+/// By how much the force is late, where a term says so.
+pub fn late_s(rows: &[Row], terms: &[Term]) -> Option<f64> {
+    let stage = |t: &&Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
+    terms.iter().find(stage).map(|t| t.shape[0])
+}
+
+/// Columns of a model over a motion, declared ones first; a stage's own is what all others become by it.
+fn model_columns(m: &Motion, rows: &[Row], terms: &[Term], sizes: &Sizes) -> Vec<Vec<f64>> {
+    let mut all = m.declared();
+    let is_stage = |t: &Term| matches!(rows[t.row].form, Form::Effect(c) if c.stage.is_some());
+    for t in terms.iter().filter(|t| !is_stage(t)) {
+        all.extend(m.columns(&rows[t.row], t.shape, sizes));
+    }
+    if let Some(late_s) = late_s(rows, terms) {
+        all.iter_mut().for_each(|c| *c = m.late(c, late_s));
+    }
+    all
+}
+
+/// First samples of blocks of equal shares of the way, none shorter than a quarter of an even share of the samples.
+fn edges(speeds: &[f64]) -> Vec<usize> {
+    let n = speeds.len();
+    let mean = speeds.iter().map(|v| v.abs()).sum::<f64>() / n.max(1) as f64;
+    // A third of the share is the time's, so that slow parts are blocks, too.
+    let mut way = 0.0;
+    let whole = 1.5 * mean * n as f64;
+    let mut all = vec![0];
+    for (i, v) in speeds.iter().enumerate() {
+        way += v.abs() + 0.5 * mean;
+        if all.len() < BLOCKS && way >= whole * all.len() as f64 / BLOCKS as f64 {
+            all.push(i + 1);
+        }
+    }
+    while all.len() < BLOCKS {
+        all.push(n);
+    }
+    all.push(n);
+    all
+}

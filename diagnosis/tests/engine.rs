@@ -1,0 +1,87 @@
+//! The one engine on rigs whose causes are known: nothing, two at once, and held-out data that do not choose.
+#![allow(missing_docs)]
+
+mod rig;
+
+use diagnosis::{ChannelAnswer, Engine, Recording, Verdict, diagnose_by};
+use plant::{Channel, Effect, EffectSpec};
+
+/// Noise of the rig's force, N: 10 N of the load cell and 0.01 mm times 1000 N/mm.
+const NOISE_N: f64 = 14.1;
+
+fn specimen(train: &Recording, test: &Recording) -> ChannelAnswer {
+    let [train, test] = [train, test].map(std::slice::from_ref);
+    let found = diagnose_by(Engine::One, &rig::model(), train, test, &[]).unwrap();
+    let own = |a: &ChannelAnswer| a.channel == Channel::Specimen;
+    let answer = found.channels.into_iter().find(own).unwrap();
+    println!(
+        "{:?} {:?} or {:?}: {:.2} -> {:.2} N",
+        answer.verdict,
+        answer.effects,
+        answer.members,
+        answer.error_before.test_rms,
+        answer.error_after.test_rms
+    );
+    answer
+}
+
+fn names(a: &ChannelAnswer) -> Vec<Effect> {
+    let mut all: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+    all.sort_by_key(|n| *n as usize);
+    all
+}
+
+/// What is left while the rig moves, N rms: in the rests friction holds any force up to its own.
+fn left_in_motion(a: &ChannelAnswer) -> f64 {
+    let t = &a.traces;
+    let all = t.time_s.iter().zip(&t.measured).zip(&t.after);
+    let moves = all.filter(|((time, _), _)| (3.0..19.0).contains(*time));
+    let squares: Vec<f64> = moves.map(|((_, y), model)| (y - model).powi(2)).collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+fn two_causes() -> [EffectSpec; 2] {
+    let friction = [("force_n", 150.0), ("presliding_mm", 0.05)];
+    [
+        EffectSpec::new(Effect::CoulombFriction, &friction),
+        EffectSpec::new(
+            Effect::Hardening,
+            &[("reference_mm", 30.0), ("exponent", 2.0)],
+        ),
+    ]
+}
+
+#[test]
+fn nothing_is_missing_in_a_clean_rig() {
+    let [train, test] = rig::pair(&[], 21);
+    let answer = specimen(&train, &test);
+    assert_eq!(answer.verdict, Verdict::None);
+    assert!(answer.error_after.test_rms < 1.15 * NOISE_N);
+}
+
+#[test]
+fn two_causes_of_like_size_are_both_named_and_leave_the_noise() {
+    let [train, test] = rig::pair(&two_causes(), 22);
+    let answer = specimen(&train, &test);
+    assert_eq!(answer.verdict, Verdict::Effect);
+    assert_eq!(names(&answer), [Effect::CoulombFriction, Effect::Hardening]);
+    // A spring that stiffens passes on more of the displacement's noise.
+    let left = left_in_motion(&answer);
+    assert!(left < 1.2 * NOISE_N, "{left}");
+    let force = answer
+        .effects
+        .iter()
+        .find(|e| e.name == Effect::CoulombFriction);
+    let force = &force.unwrap().parameters[0];
+    assert!((force.value - 150.0).abs() < 5.0, "{force:?}");
+    assert!(force.ci90[0] < force.value && force.value < force.ci90[1]);
+}
+
+#[test]
+fn other_held_out_data_change_the_error_and_not_the_names() {
+    let [train, test] = rig::pair(&two_causes(), 23);
+    let [other, _] = rig::pair(&two_causes(), 24);
+    let [one, two] = [&test, &other].map(|held_out| specimen(&train, held_out));
+    assert_eq!(names(&one), names(&two));
+    assert_eq!(one.verdict, two.verdict);
+}

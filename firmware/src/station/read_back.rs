@@ -1,0 +1,53 @@
+//! The commands as they are read back where they leave the board, against those that were sent.
+
+use crate::hardware::Hardware;
+use link::Input;
+use link::telemetry::MAX_INPUTS;
+
+/// Steps in a row that a command may be read back differently: a spike on a wire is no fault.
+const PATIENCE_STEPS: u8 = 4;
+
+/// What the outputs have to show, and for how long one of them has not.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadBack<const A: usize> {
+    /// The codes of the step before, which stood at the outputs when this step's inputs were sampled.
+    shown: [Option<u16>; A],
+    steps: u8,
+}
+
+impl<const A: usize> ReadBack<A> {
+    /// Nothing sent yet.
+    pub const fn new() -> Self {
+        Self {
+            shown: [None; A],
+            steps: 0,
+        }
+    }
+
+    /// Takes in the inputs of a step, `fresh` if they were sampled, and the codes that were sent in it; returns whether an output has shown something
+    /// else for too long, by more than [`Hardware::READ_BACK_OFF`].
+    #[inline]
+    pub fn differs<H: Hardware<A>>(
+        &mut self,
+        inputs: &[u16; MAX_INPUTS],
+        fresh: bool,
+        sent: [Option<u16>; A],
+    ) -> bool {
+        let mut off = false;
+        for (read, input) in inputs.iter().zip(H::INPUTS) {
+            if let Input::CommandReadBack(actuator) = input
+                && let Some(Some(shown)) = self.shown.get(usize::from(*actuator))
+            {
+                off |= read.abs_diff(*shown) > H::READ_BACK_OFF;
+            }
+        }
+        self.shown = sent;
+        // What no new sample shows is left to the count of stale ones.
+        self.steps = if off && fresh {
+            self.steps.saturating_add(1)
+        } else {
+            0
+        };
+        self.steps > PATIENCE_STEPS
+    }
+}

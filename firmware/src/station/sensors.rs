@@ -1,0 +1,105 @@
+//! Sensors that contradict each other: two transducers of one displacement, and a force that stands while the specimen moves.
+
+use crate::hardware::Hardware;
+use link::telemetry::MAX_INPUTS;
+use link::{Input, MAX_ACTUATORS};
+use outerloop_core::{Config, Fault};
+
+/// Steps in a row that are no fault: a spike on a wire.
+const PATIENCE_STEPS: u8 = 4;
+
+/// A force within this share of what the declared stiffness makes of the motion is none.
+const NO_FORCE_SHARE: f64 = 0.02;
+
+/// What a test allows; the largest number where it is not looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorLimits {
+    /// Largest difference of the two displacements, m.
+    disagree_m: f32,
+    /// Motion over which the force has to leave `no_force_n`, m.
+    force_stands_m: f32,
+    /// Force around zero that is none, N, of each actuator.
+    no_force_n: [f32; MAX_ACTUATORS],
+}
+
+impl SensorLimits {
+    /// Of a test.
+    pub fn of(config: &Config) -> Self {
+        let limits = &config.limits;
+        let or_never = |limit: Option<f64>| limit.map_or(f32::MAX, |m| m as f32);
+        let stiffness = &config.structure.stiffness_n_per_m;
+        let stands_m = limits.force_stands_m.unwrap_or(0.0);
+        Self {
+            disagree_m: or_never(limits.disagree_m),
+            force_stands_m: or_never(limits.force_stands_m),
+            no_force_n: core::array::from_fn(|storey| {
+                let n_per_m = stiffness.get(storey).copied().unwrap_or(0.0);
+                (NO_FORCE_SHARE * n_per_m * stands_m) as f32
+            }),
+        }
+    }
+}
+
+/// What has been seen of the sensors of `A` actuators.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorWatch<const A: usize> {
+    /// Least and largest displacement since the force was last there, m.
+    range_m: [[f32; 2]; A],
+    apart_steps: u8,
+}
+
+impl<const A: usize> SensorWatch<A> {
+    /// Nothing seen yet.
+    pub const fn new() -> Self {
+        Self {
+            range_m: [[f32::MAX, f32::MIN]; A],
+            apart_steps: 0,
+        }
+    }
+
+    /// Takes in a sample: the further inputs, displacements in codes and in m (with forces, N), and by how much a code of the
+    /// first displacement stands. `tests`: the loop integrates with the forces.
+    #[inline]
+    pub fn fault<H: Hardware<A>>(
+        &mut self,
+        limits: &SensorLimits,
+        inputs: &[u16; MAX_INPUTS],
+        (codes, m_per_code): (&[[u16; 2]; A], f32),
+        read: &[[f32; 2]; A],
+        tests: bool,
+    ) -> Option<Fault> {
+        let mut apart = false;
+        let first = codes.first().map_or(0, |[displacement, _]| *displacement);
+        for (second, input) in inputs.iter().zip(H::INPUTS) {
+            if *input == Input::SecondDisplacement {
+                let off = f32::from(second.abs_diff(first)) * m_per_code.abs();
+                apart |= off > limits.disagree_m;
+            }
+        }
+        self.apart_steps = if apart {
+            self.apart_steps.saturating_add(1)
+        } else {
+            0
+        };
+        if self.apart_steps > PATIENCE_STEPS {
+            return Some(Fault::Disagree);
+        }
+        self.force_stands(limits, read, tests)
+            .then_some(Fault::ForceStands)
+    }
+
+    fn force_stands(&mut self, limits: &SensorLimits, read: &[[f32; 2]; A], tests: bool) -> bool {
+        let mut stands = false;
+        let each = self.range_m.iter_mut().zip(read).zip(&limits.no_force_n);
+        for ((range_m, &[m, n]), &none_n) in each {
+            let [least, most] = range_m;
+            if tests && n.abs() <= none_n {
+                (*least, *most) = (least.min(m), most.max(m));
+                stands |= *most - *least > limits.force_stands_m;
+            } else {
+                (*least, *most) = (f32::MAX, f32::MIN);
+            }
+        }
+        stands
+    }
+}

@@ -1,0 +1,137 @@
+//! Single faults of what is outside the board: each stands against arming, or trips a running test, before much has moved.
+
+use crate::common::{Bench, bench, config, pulse};
+use crate::{done, obstacle, trips};
+use firmware::sim::CODES;
+use link::Calibration;
+use link::command::Command;
+use link::reply::{Obstacle, Reply};
+use outerloop_core::{Config, Event, Fault, Mode};
+
+/// Loaded, idle for a while, with something broken.
+fn loaded(config: Config, harm: impl FnOnce(&mut Bench)) -> Bench {
+    let mut b = bench();
+    done(&b.ask(Command::Configure(config)));
+    b.upload(&pulse(), 0.01);
+    harm(&mut b);
+    for _ in 0..300 {
+        b.step();
+    }
+    b
+}
+
+#[test]
+fn a_converter_that_lost_its_set_up_stands_against_arming_even_a_step_before() {
+    let output = Some(Obstacle::Fault(Fault::Output));
+    let mut b = loaded(config(), |b| b.hardware.broken.output_lost = true);
+    assert_eq!(obstacle(b.event(Event::Arm)), output);
+    let mut b = loaded(config(), |_| {});
+    b.hardware.broken.output_lost = true;
+    assert_eq!(obstacle(b.event(Event::Arm)), output, "asked inside Arm");
+}
+
+#[test]
+fn a_command_that_reads_back_differently_stands_against_arming_and_trips() {
+    let dead = |b: &mut Bench| {
+        b.hardware.board.code = [2300];
+        b.hardware.board.dead_output = Some(0);
+    };
+    let mut b = loaded(config(), dead);
+    let output = Some(Obstacle::Fault(Fault::Output));
+    assert_eq!(obstacle(b.event(Event::Arm)), output);
+    trips(Fault::Output, 400, |b| {
+        b.hardware.board.dead_output = Some(0)
+    });
+}
+
+#[test]
+fn two_displacements_that_disagree_stand_against_arming_and_trip() {
+    let mut limited = config();
+    limited.limits.disagree_m = Some(1e-3);
+    let off = |b: &mut Bench| b.hardware.broken.second_displacement_off = 200;
+    let mut b = loaded(limited, off);
+    let disagree = Some(Obstacle::Fault(Fault::Disagree));
+    assert_eq!(obstacle(b.event(Event::Arm)), disagree);
+    let mut b = loaded(config(), off);
+    done(&b.event(Event::Arm));
+}
+
+#[test]
+fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
+    // Without that limit the motion goes on to the end of its stroke.
+    for (stands_m, fault) in [
+        (Some(2e-3), Fault::ForceStands),
+        (None, Fault::Displacement),
+    ] {
+        let mut limited = config();
+        limited.limits.force_stands_m = stands_m;
+        let mut b = bench();
+        b.ready(limited, &pulse());
+        b.hardware.broken.dead_force = true;
+        done(&b.event(Event::Start));
+        let mut most_m = 0.0_f32;
+        for _ in 0..1500 {
+            b.step();
+            let line = Calibration::placeholder(&CODES).displacement;
+            let at_m = line.quantity(b.log.last().unwrap().step.displacement);
+            most_m = most_m.max(at_m.abs());
+            if b.state() == Mode::Tripped {
+                break;
+            }
+        }
+        assert_eq!(b.fault(), Some(fault));
+        assert_eq!(most_m < 3e-3, stands_m.is_some(), "{most_m}");
+    }
+}
+
+#[test]
+fn a_dead_transducer_with_the_noise_of_its_converter_trips() {
+    let mut b = bench();
+    b.ready(config(), &pulse());
+    done(&b.event(Event::Start));
+    for _ in 0..200 {
+        b.step();
+    }
+    let stands = b.log.last().unwrap().step;
+    for step in 0.. {
+        let noise = [0, 2, 0, 2, 2][step % 5];
+        b.hardware.broken.codes = Some([stands.displacement + noise, stands.force + noise]);
+        b.step();
+        if !b.permit() {
+            break;
+        }
+        assert!(step < 200, "nothing trips");
+    }
+    b.step();
+    assert_eq!(b.fault(), Some(Fault::StaleSample));
+}
+
+#[test]
+fn a_test_that_integrates_is_not_armed_without_a_limit_of_its_energy_error() {
+    let mut open = config();
+    open.limits.energy_trip = None;
+    let mut b = loaded(open, |_| {});
+    let reply = b.event(Event::Arm);
+    assert!(
+        matches!(&reply, Reply::Refused(r) if r.name == "limits.energy_trip"),
+        "{reply:?}"
+    );
+}
+
+#[test]
+fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
+    let mut b = loaded(config(), |_| {});
+    b.hardware.broken.chain = Some(false);
+    done(&b.event(Event::Arm));
+    let stood = b.code();
+    for _ in 0..100 {
+        b.step();
+        assert!(b.permit() && b.state() == Mode::Approaching);
+        assert!(b.code().abs_diff(stood) <= 1, "it approaches");
+    }
+    b.hardware.broken.chain = None;
+    for _ in 0..300 {
+        b.step();
+    }
+    assert!(b.code().abs_diff(stood) > 10, "it does not approach");
+}

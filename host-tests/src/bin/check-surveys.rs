@@ -1,0 +1,170 @@
+//! Validates the verdicts of `check` and the interlocks of a test over many drawn tests.
+
+use clap::{Parser, Subcommand};
+use comfy_table::{Table, presets};
+use experiment::failure::Failure;
+use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
+use host_tests::surveys::{monitor, verdicts};
+use indicatif::ProgressBar;
+use serde::Serialize;
+use std::process::ExitCode;
+
+/// Validate `check` and the interlocks over many drawn tests
+#[derive(Parser, Debug)]
+struct Arguments {
+    #[command(subcommand)]
+    survey: Survey,
+    /// Seed of the draw
+    #[arg(long, default_value_t = 1, global = true)]
+    seed: u64,
+    /// One JSON object on standard output and nothing else
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand, Debug)]
+enum Survey {
+    /// Compare the verdicts with what the tests then do: exit status 1 where a test was called stable and ran away
+    Verdicts {
+        /// How many rigs
+        #[arg(default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+        rigs: u64,
+    },
+    /// Try the interlocks on this many sound tests, and on a quarter as many in which something breaks
+    Monitor {
+        /// How many sound tests
+        #[arg(default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
+        tests: u64,
+    },
+}
+
+/// A survey as JSON.
+#[derive(Serialize)]
+struct Answer<'a, P, R, C> {
+    seed: u64,
+    promise: P,
+    rows: &'a [R],
+    cases: &'a [C],
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let held = match arguments.survey {
+        Survey::Verdicts { rigs } => survey(rigs as usize, &arguments),
+        Survey::Monitor { tests } => monitor(tests as usize, &arguments),
+    };
+    match held {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(failure) => {
+            eprintln!("check-surveys: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn print_json(answer: &impl Serialize) {
+    let text = serde_json::to_string_pretty(answer).unwrap_or_else(|e| e.to_string());
+    println!("{text}");
+}
+
+fn table<const N: usize>(head: [&str; N]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(presets::ASCII_MARKDOWN).set_header(head);
+    table
+}
+
+/// The interlocks over many tests; true where no sound test was stopped.
+fn monitor(sound: usize, arguments: &Arguments) -> Result<bool, Failure> {
+    let plans = monitor::draw(sound, sound / 4, arguments.seed);
+    let progress = ProgressBar::new(plans.len() as u64);
+    let cases = monitor::run(&plans, || progress.inc(1))?;
+    progress.finish_and_clear();
+    let rows = monitor::table(&cases);
+    let promise = MonitorPromise::of(&rows);
+    if arguments.json {
+        print_json(&Answer {
+            seed: arguments.seed,
+            promise,
+            rows: &rows,
+            cases: &cases,
+        });
+        return Ok(promise.sound_stopped == 0);
+    }
+    let [energy, hsem, displacement, tracking, reading] = monitor::INDICATORS;
+    let mut t = table([
+        "tests",
+        "",
+        "not counted",
+        energy,
+        displacement,
+        tracking,
+        reading,
+        "any of the four",
+        hsem,
+    ]);
+    for r in &rows {
+        let [energy, hsem, displacement, tracking, reading] = r.stopped.map(|n| n.to_string());
+        t.add_row([
+            r.kind.name().to_owned(),
+            r.count.to_string(),
+            r.others.to_string(),
+            energy,
+            displacement,
+            tracking,
+            reading,
+            r.together.to_string(),
+            hsem,
+        ]);
+    }
+    println!("{t}");
+    let [energy, hsem, displacement, tracking, reading] =
+        rows.first().map_or([0.0; 5], |r| r.largest);
+    println!(
+        "Stopped at an energy error of {} of the energy in the test, or where {} of the planned peak are sent or {:.3} of it \
+         are read, or at {} of the planned tracking; broken tests before {} of the peak.\nSound tests came to {energy:.3} by \
+         core's indicator, {hsem:.3} by the published one, {displacement:.3} of the planned peak sent and {reading:.3} of it \
+         read, {tracking:.3} of the planned tracking.",
+        monitor::ENERGY_TRIP,
+        monitor::DISPLACEMENT,
+        monitor::thresholds()[4],
+        monitor::TRACKING,
+        monitor::TOO_FAR,
+    );
+    println!("{}", promise.sentence());
+    Ok(promise.sound_stopped == 0)
+}
+
+/// The verdicts over many rigs; true where no test was called stable and ran away.
+fn survey(rigs: usize, arguments: &Arguments) -> Result<bool, Failure> {
+    let tests = verdicts::draw(rigs, arguments.seed);
+    let progress = ProgressBar::new(rigs as u64);
+    let cases = verdicts::run(&tests, || progress.inc(1))?;
+    progress.finish_and_clear();
+    let rows = verdicts::table(&cases);
+    let promise = SurveyPromise::of(&rows);
+    if arguments.json {
+        print_json(&Answer {
+            seed: arguments.seed,
+            promise,
+            rows: &rows,
+            cases: &cases,
+        });
+    } else {
+        let mut t = table(["tests", "which", "", "stable", "doubtful", "unstable"]);
+        for r in rows.iter().filter(|r| r.count > 0) {
+            let [stable, doubtful, unstable] = r.called.map(|n| n.to_string());
+            t.add_row([
+                r.tests.clone(),
+                r.truth.words().to_owned(),
+                r.count.to_string(),
+                stable,
+                doubtful,
+                unstable,
+            ]);
+        }
+        println!("{t}");
+        println!("{}", promise.sentence());
+    }
+    Ok(promise.ran_away_called_stable == 0)
+}

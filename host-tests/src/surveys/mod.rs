@@ -1,0 +1,11 @@
+//! What `check` and the interlocks of a test are worth, over many drawn tests on simulated rigs.
+//!
+//! | look in | for |
+//! |---|---|
+//! | [`verdicts`] | the verdicts of `check` against what the tests then do |
+//! | [`monitor`] | the interlocks over sound tests and over such in which something breaks |
+//! | [`promise`] | what both have to hold, and by how much they miss it |
+
+pub mod monitor;
+pub mod promise;
+pub mod verdicts;

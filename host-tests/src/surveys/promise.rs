@@ -1,0 +1,196 @@
+//! What was asked of verdicts and monitor, and by how much it is missed.
+
+use super::monitor::{BreakageKind, StopCounts};
+use super::verdicts::{ActualOutcome, VerdictCounts};
+use outerloop_core::Prediction;
+use serde::Serialize;
+
+/// Most sound tests that may be called doubtful, as a share.
+const MOST_DOUBTFUL: f64 = 0.05;
+
+/// Required of the verdicts: no test that runs away is called stable, and few that are sound are called otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct SurveyPromise {
+    /// Tests that ran away.
+    pub ran_away: usize,
+    /// Of them, called stable.
+    pub ran_away_called_stable: usize,
+    /// Sound tests.
+    pub sound: usize,
+    /// Of them, called doubtful.
+    pub sound_called_doubtful: usize,
+    /// Of them, called unstable.
+    pub sound_called_unstable: usize,
+    /// Of the sound ones that were called doubtful or unstable, those with `amb`.
+    pub of_them_amb: usize,
+}
+
+impl SurveyPromise {
+    /// Of [`super::verdicts::table`].
+    pub fn of(rows: &[VerdictCounts]) -> Self {
+        let of = |tests: &str, truth| {
+            let row = rows.iter().find(|r| r.tests == tests && r.truth == truth);
+            row.map_or((0, [0; 3]), |r| (r.count, r.called))
+        };
+        let (ran_away, [stable, ..]) = of("all", ActualOutcome::RanAway);
+        let (sound, [_, doubtful, unstable]) = of("all", ActualOutcome::Sound);
+        let amb = format!("predictor {}", Prediction::Amb.name());
+        let (_, [_, amb_doubtful, amb_unstable]) = of(&amb, ActualOutcome::Sound);
+        Self {
+            ran_away,
+            ran_away_called_stable: stable,
+            sound,
+            sound_called_doubtful: doubtful,
+            sound_called_unstable: unstable,
+            of_them_amb: amb_doubtful + amb_unstable,
+        }
+    }
+
+    /// Reached, or missed by how much.
+    pub fn sentence(&self) -> String {
+        let share = |n: usize| 100.0 * n as f64 / self.sound.max(1) as f64;
+        let (doubtful, unstable) = (self.sound_called_doubtful, self.sound_called_unstable);
+        let not_stable = share(doubtful + unstable);
+        let over = not_stable - 100.0 * MOST_DOUBTFUL;
+        let said = match self.ran_away_called_stable {
+            0 if over <= 0.0 => "reached".to_owned(),
+            0 => format!(
+                "missed by {over:.1} points: {} of them have `amb`, which is doubtful with its published gains beyond the motion \
+                 that these are for",
+                self.of_them_amb
+            ),
+            wrong => format!("missed: {wrong} tests ran away after a yes"),
+        };
+        format!(
+            "Ran away and called stable: {} of {} (asked for: none). Sound and called doubtful: {doubtful} of {}, {:.1} %, \
+             with {unstable} called unstable {not_stable:.1} % (asked for: at most {:.0} %): {said}.",
+            self.ran_away_called_stable,
+            self.ran_away,
+            self.sound,
+            share(doubtful),
+            100.0 * MOST_DOUBTFUL,
+        )
+    }
+}
+
+/// Least share of broken tests that are to be stopped in time.
+const LEAST_STOPPED: f64 = 0.99;
+
+/// Required of the monitor: no sound test is stopped, and a broken one in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct MonitorPromise {
+    /// Sound tests that count.
+    pub sound: usize,
+    /// Of them, stopped.
+    pub sound_stopped: usize,
+    /// Broken tests that count.
+    pub broken: usize,
+    /// Of them, stopped in time.
+    pub broken_stopped: usize,
+}
+
+impl MonitorPromise {
+    /// Of [`super::monitor::table`].
+    pub fn of(rows: &[StopCounts]) -> Self {
+        let mut promise = Self {
+            sound: 0,
+            sound_stopped: 0,
+            broken: 0,
+            broken_stopped: 0,
+        };
+        for row in rows {
+            let (all, stopped) = match row.kind {
+                BreakageKind::Sound => (&mut promise.sound, &mut promise.sound_stopped),
+                _ => (&mut promise.broken, &mut promise.broken_stopped),
+            };
+            *all += row.count;
+            *stopped += row.together;
+        }
+        promise
+    }
+
+    /// Reached, or missed by how much.
+    pub fn sentence(&self) -> String {
+        let share = self.broken_stopped as f64 / self.broken.max(1) as f64;
+        let said = match self.sound_stopped {
+            0 if self.broken == 0 || share >= LEAST_STOPPED => "reached".to_owned(),
+            0 => format!("missed by {:.1} points", 100.0 * (LEAST_STOPPED - share)),
+            stopped => format!("missed: {stopped} sound tests were stopped"),
+        };
+        format!(
+            "Sound and stopped: {} of {} (asked for: none). Broken and stopped in time: {} of {}, {:.1} % (asked for: at least \
+             {:.0} %): {said}.",
+            self.sound_stopped,
+            self.sound,
+            self.broken_stopped,
+            self.broken,
+            100.0 * share,
+            100.0 * LEAST_STOPPED
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_survey_that_misses_says_by_how_much() {
+        let row = |tests: &str, truth, called: [usize; 3]| VerdictCounts {
+            tests: tests.into(),
+            truth,
+            count: called.iter().sum(),
+            called,
+        };
+        let rows = |doubtful| {
+            [
+                row(
+                    "all",
+                    ActualOutcome::Sound,
+                    [100 - doubtful - 1, doubtful, 1],
+                ),
+                row("predictor amb", ActualOutcome::Sound, [1, 3, 0]),
+                row("all", ActualOutcome::RanAway, [0, 3, 7]),
+            ]
+        };
+        let kept = SurveyPromise::of(&rows(4)).sentence();
+        assert!(
+            kept.contains("0 of 10") && kept.ends_with("reached."),
+            "{kept}"
+        );
+        let missed = SurveyPromise::of(&rows(6)).sentence();
+        assert!(
+            missed.contains("6 of 100, 6.0 %, with 1 called unstable 7.0 %"),
+            "{missed}"
+        );
+        assert!(
+            missed.contains("missed by 2.0 points: 3 of them have `amb`"),
+            "{missed}"
+        );
+    }
+
+    #[test]
+    fn a_monitor_that_misses_says_by_how_much() {
+        let row = |kind, count, together| StopCounts {
+            kind,
+            count,
+            others: 0,
+            stopped: [0; 5],
+            together,
+            largest: [0.0; 5],
+        };
+        let sentence = |stopped| {
+            MonitorPromise::of(&[
+                row(BreakageKind::Sound, 900, 0),
+                row(BreakageKind::Gain, 100, stopped),
+                row(BreakageKind::DeadSensor, 100, 100),
+            ])
+            .sentence()
+        };
+        assert!(sentence(99).contains("0 of 900") && sentence(99).ends_with("reached."));
+        assert!(
+            sentence(90).contains("190 of 200, 95.0 %")
+                && sentence(90).contains("missed by 4.0 points")
+        );
+    }
+}

@@ -1,0 +1,39 @@
+//! The verdicts of `check` and the interlocks over some of the drawn tests that the command `check-surveys` draws many of.
+
+use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
+use host_tests::surveys::verdicts::ActualOutcome;
+use host_tests::surveys::{monitor, verdicts};
+
+#[test]
+fn verdicts_over_drawn_rigs_are_never_a_false_yes() {
+    let cases = verdicts::run(&verdicts::draw(51, 1), || ()).expect("tests that can be judged");
+    let rows = verdicts::table(&cases);
+    let called = |truth| {
+        let mut own = rows.iter().filter(|r| r.tests == "all" && r.truth == truth);
+        own.next().expect("a row for each outcome").called
+    };
+    let (sound, ran_away) = (called(ActualOutcome::Sound), called(ActualOutcome::RanAway));
+    assert_eq!(ran_away[0], 0);
+    let promise = SurveyPromise::of(&rows);
+    assert_eq!(promise.ran_away_called_stable, 0);
+    assert_eq!(promise.sound_called_doubtful, sound[1]);
+    let all: usize = sound.iter().sum();
+    assert!(all > 15, "{all} of 51 are sound");
+    assert!(sound[1] + sound[2] <= 1 + all / 20, "{sound:?}");
+    assert!(ran_away.iter().sum::<usize>() > 3);
+}
+
+#[test]
+fn the_monitor_stops_what_breaks_and_nothing_else() {
+    let cases = monitor::run(&monitor::draw(60, 15, 1), || ()).expect("tests that can run");
+    let rows = monitor::table(&cases);
+    assert!(rows[0].count > 45);
+    assert_eq!(rows[0].together, 0, "{:?}", rows[0]);
+    let broken = &rows[1..];
+    let all: usize = broken.iter().map(|row| row.count).sum();
+    let stopped: usize = broken.iter().map(|row| row.together).sum();
+    assert!(all >= 4 && stopped == all, "{stopped} of {all}");
+    let promise = MonitorPromise::of(&rows);
+    assert_eq!(promise.sound_stopped, 0);
+    assert_eq!([promise.broken, promise.broken_stopped], [all, stopped]);
+}

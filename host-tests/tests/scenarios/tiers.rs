@@ -1,0 +1,56 @@
+//! Every file of tests stands in CONTRIBUTING's table of tiers, and the tiers' lists name files that there are.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn top() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Names of the files of tests of all crates.
+fn files_of_tests() -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for crates in top().read_dir().unwrap() {
+        let Ok(tests) = crates.unwrap().path().join("tests").read_dir() else {
+            continue;
+        };
+        for entry in tests {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "rs") || path.join("main.rs").is_file() {
+                names.insert(path.file_stem().unwrap().to_string_lossy().into_owned());
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn every_file_of_tests_stands_in_the_table_of_tiers() {
+    let text = std::fs::read_to_string(top().join("CONTRIBUTING.md")).unwrap();
+    let (_, table) = text.split_once("## Which tests hold what").unwrap();
+    let (table, _) = table.split_once("\n## ").unwrap();
+    let mut missing = files_of_tests();
+    // It is flashed and run on a board by hand.
+    missing.remove("on_target");
+    missing.retain(|name| !table.contains(&format!("`{name}`")));
+    assert!(missing.is_empty(), "in no row: {missing:?}");
+}
+
+#[test]
+fn the_lists_of_the_tiers_name_files_of_tests() {
+    let text = std::fs::read_to_string(top().join("scripts/tiers")).unwrap();
+    let there = files_of_tests();
+    let mut lists = 0;
+    for line in text.lines() {
+        let list = line.split_once("=(").and_then(|(_, l)| l.strip_suffix(')'));
+        // The others are names within a file, or not in the head of the script.
+        let Some(list) = list.filter(|l| !l.contains("::") && !line.starts_with(' ')) else {
+            continue;
+        };
+        lists += 1;
+        for name in list.split_whitespace() {
+            assert!(there.contains(name), "{name}: {line}");
+        }
+    }
+    assert!(lists >= 5, "{lists}");
+}
