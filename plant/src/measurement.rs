@@ -152,23 +152,15 @@ impl SensorsSpec {
         [1e-3 * mm, force_n]
     }
 
-    pub(crate) fn build(
-        &self,
-        stiffness_n_per_m: &[f64],
-        additions: &[Additions],
-        rate_hz: f64,
-        seed: u64,
-    ) -> Result<Vec<Channels>, RigError> {
-        let check = |name: &str, value: f64, accept: Accept| {
-            accept.check(&format!("plant.sensors.{name}"), value)
-        };
-        let mm = |name, mm, accept| Ok::<_, RigError>(1e-3 * check(name, mm, accept)?);
+    /// The transducers' errors of displacement and of force, in m and N.
+    fn sensors(&self) -> Result<[SensorSpec; 2], RigError> {
+        let mm = |name, mm, accept| Ok::<_, RigError>(1e-3 * checked(name, mm, accept)?);
         let corner_hz = self.coloured_noise_corner_hz;
-        let corner_hz = check("coloured_noise_corner_hz", corner_hz, CORNER)?;
-        let hum_hz = check("hum_hz", self.hum_hz, HUM)?;
+        let corner_hz = checked("coloured_noise_corner_hz", corner_hz, CORNER)?;
+        let hum_hz = checked("hum_hz", self.hum_hz, HUM)?;
         let coloured_mm = self.displacement_coloured_noise_mm;
         let displacement = SensorSpec {
-            gain: check("displacement_gain", self.displacement_gain, GAIN)?,
+            gain: checked("displacement_gain", self.displacement_gain, GAIN)?,
             offset: mm("displacement_offset_mm", self.displacement_offset_mm, AT_MM)?,
             white_rms: mm("displacement_noise_mm", self.displacement_noise_mm, MM)?,
             coloured_rms: mm("displacement_coloured_noise_mm", coloured_mm, MM)?,
@@ -178,20 +170,25 @@ impl SensorsSpec {
         };
         let coloured_n = self.force_coloured_noise_n;
         let force = SensorSpec {
-            gain: check("force_gain", self.force_gain, GAIN)?,
-            offset: check("force_offset_n", self.force_offset_n, AT_N)?,
-            white_rms: check("force_noise_n", self.force_noise_n, N)?,
-            coloured_rms: check("force_coloured_noise_n", coloured_n, N)?,
+            gain: checked("force_gain", self.force_gain, GAIN)?,
+            offset: checked("force_offset_n", self.force_offset_n, AT_N)?,
+            white_rms: checked("force_noise_n", self.force_noise_n, N)?,
+            coloured_rms: checked("force_coloured_noise_n", coloured_n, N)?,
             coloured_corner_hz: corner_hz,
-            hum_amplitude: check("force_hum_n", self.force_hum_n, N)?,
+            hum_amplitude: checked("force_hum_n", self.force_hum_n, N)?,
             hum_hz,
         };
+        Ok([displacement, force])
+    }
+
+    /// The ranges of the converters, m and N, where there are any.
+    fn ranges(&self, stiffness_n_per_m: &[f64]) -> Result<[Option<f64>; 2], RigError> {
         if let Some(bits) = self.bits {
-            check("bits", f64::from(bits), BITS)?;
+            checked("bits", f64::from(bits), BITS)?;
         }
         let range = |name, value: Option<f64>, most, unit| {
             let accept = Accept::new(1e-6, most, unit);
-            value.map(|value| check(name, value, accept)).transpose()
+            value.map(|value| checked(name, value, accept)).transpose()
         };
         let range_m = range(
             "displacement_range_mm",
@@ -206,7 +203,19 @@ impl SensorsSpec {
             None => self.bits.and(range_m).map(|range_m| stiffest * range_m),
             given => given,
         };
-        let skew = check("skew_ms", self.skew_ms, SKEW)? * rate_hz / 1e3;
+        Ok([range_m, range_n])
+    }
+
+    pub(crate) fn build(
+        &self,
+        stiffness_n_per_m: &[f64],
+        additions: &[Additions],
+        rate_hz: f64,
+        seed: u64,
+    ) -> Result<Vec<Channels>, RigError> {
+        let [displacement, force] = self.sensors()?;
+        let [range_m, range_n] = self.ranges(stiffness_n_per_m)?;
+        let skew = checked("skew_ms", self.skew_ms, SKEW)? * rate_hz / 1e3;
         let channel = |late: f64, spec: &SensorSpec, normal, range, added: &ChannelAdditions| {
             let mut before_sampling = added.before_sampling.clone();
             if late > 0.0 {
@@ -235,6 +244,10 @@ impl SensorsSpec {
         };
         Ok(additions.iter().enumerate().map(axis).collect())
     }
+}
+
+fn checked(name: &str, value: f64, accept: Accept) -> Result<f64, RigError> {
+    accept.check(&format!("plant.sensors.{name}"), value)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use experiment::files::look_ahead;
 use experiment::judged::JudgedRun;
 use experiment::method;
 use experiment::stability::perturbed::Spread;
+use experiment::stability::variation::Variation;
 use experiment::summary::Summary;
 use experiment::trace::Response;
 use outerloop_core::Method;
@@ -98,25 +99,7 @@ impl MonteCarlo {
         let progress = Progress::over("tests", (steps * self.tests) as u64);
         let began = Instant::now();
         interrupt::watch();
-        let parts: Vec<Vec<(usize, Summary)>> = rigs
-            .par_chunks(TOGETHER)
-            .enumerate()
-            .filter(|_| !interrupt::asked())
-            .map(|(part, rigs)| {
-                let own: Vec<Experiment> = rigs.iter().map(|rig| experiment.on_rig(rig)).collect();
-                let plants: Vec<_> = own.iter().map(|o| o.test.plant.clone()).collect();
-                let ideals = experiment.ideals(&plants)?;
-                let pairs = own.into_iter().zip(ideals).enumerate();
-                pairs
-                    .map(|(i, pair)| {
-                        let number = part * TOGETHER + i;
-                        let one = self.one_rig(pair, kind, number, Some(&progress))?;
-                        Ok((number, one.run.summary))
-                    })
-                    .collect()
-            })
-            .collect::<Result<_, Failure>>()?;
-        let (numbers, summaries): (Vec<usize>, Vec<Summary>) = parts.into_iter().flatten().unzip();
+        let (numbers, summaries) = self.on_all(&experiment, &rigs, kind, &progress)?;
         let rigs: Vec<_> = numbers.iter().map(|i| rigs[*i]).collect();
         if summaries.is_empty() {
             return require_all_ran(0, self.tests);
@@ -152,6 +135,36 @@ impl MonteCarlo {
             || print(&outcome, kind.name()),
         )?;
         require_all_ran(summaries.len(), self.tests)
+    }
+
+    /// The test on all rigs, on all cores, until somebody stops it: the numbers of those that were run, and what became of
+    /// them.
+    fn on_all(
+        &self,
+        experiment: &Experiment,
+        rigs: &[Variation],
+        kind: Method,
+        progress: &Progress,
+    ) -> Result<(Vec<usize>, Vec<Summary>), Failure> {
+        let parts: Vec<Vec<(usize, Summary)>> = rigs
+            .par_chunks(TOGETHER)
+            .enumerate()
+            .filter(|_| !interrupt::asked())
+            .map(|(part, rigs)| {
+                let own: Vec<Experiment> = rigs.iter().map(|rig| experiment.on_rig(rig)).collect();
+                let plants: Vec<_> = own.iter().map(|o| o.test.plant.clone()).collect();
+                let ideals = experiment.ideals(&plants)?;
+                let pairs = own.into_iter().zip(ideals).enumerate();
+                pairs
+                    .map(|(i, pair)| {
+                        let number = part * TOGETHER + i;
+                        let one = self.one_rig(pair, kind, number, Some(progress))?;
+                        Ok((number, one.run.summary))
+                    })
+                    .collect()
+            })
+            .collect::<Result<_, Failure>>()?;
+        Ok(parts.into_iter().flatten().unzip())
     }
 
     /// The test on the `i`-th rig against its own ideal: what is wrong with a specimen is no error of the test. Every step

@@ -204,10 +204,32 @@ fn decide(
     spread: &Spread,
     runs: &Runs,
 ) -> (SoundnessVerdict, String) {
-    use SoundnessVerdict::{Doubtful, Stable, Unstable};
-    let own = &runs.own;
     let fixed = fixed(&e.test);
     let elastic = e.test.plant.specimen.kind == SpecimenKind::Linear;
+    of_small_and_planned_motion(small, &runs.own, fixed, elastic)
+        .or_else(|| of_rigs_that_differ(e, small, spread, runs))
+        .unwrap_or_else(|| {
+            let by = if fixed && elastic {
+                "small motions decay, and the planned motion"
+            } else {
+                "small motions do not decide over such a loop; the planned motion"
+            };
+            let said = format!(
+                "{by} ran to its end on the simulated rig, and on two that differ from it, with an error of {} rms",
+                percent(runs.own.eps_rms)
+            );
+            (SoundnessVerdict::Stable, said)
+        })
+}
+
+/// What is wrong on the simulated rig itself.
+fn of_small_and_planned_motion(
+    small: &Small,
+    own: &Summary,
+    fixed: bool,
+    elastic: bool,
+) -> Option<(SoundnessVerdict, String)> {
+    use SoundnessVerdict::{Doubtful, Unstable};
     let grows = format!(
         "small motions grow by {} a second",
         percent(small.growth_per_s.exp_m1())
@@ -223,32 +245,43 @@ fn decide(
              displacement{grows}",
             percent(own.eps_max)
         );
-        return (Unstable, said);
+        return Some((Unstable, said));
     }
     if fixed && elastic && !small.stable {
-        return (Unstable, grows);
+        return Some((Unstable, grows));
     }
     if let (TestVerdict::Tripped, Some(fault)) = (own.verdict, own.trip) {
         let by = own
             .trip_detail
             .map_or_else(String::new, |t| format!(": {}", against_limit(t)));
         let said = format!("the planned motion trips on {fault} on the simulated rig{by}");
-        return (Doubtful, said);
+        return Some((Doubtful, said));
     }
     if own.eps_rms > POOR_EPS_RMS {
         let said = format!(
             "the planned motion stays bounded, but its error is {} rms: that is not the structure's response",
             percent(own.eps_rms)
         );
-        return (Doubtful, said);
+        return Some((Doubtful, said));
     }
-    if fixed && !small.stable {
+    (fixed && !small.stable).then(|| {
         let said = format!(
             "{grows} while the specimen is elastic; the planned motion ran to its end with {} rms only because it yields",
             percent(own.eps_rms)
         );
-        return (Doubtful, said);
-    }
+        (Doubtful, said)
+    })
+}
+
+/// What is wrong on the two that differ from it, or would be with another motion.
+fn of_rigs_that_differ(
+    e: &Experiment,
+    small: &Small,
+    spread: &Spread,
+    runs: &Runs,
+) -> Option<(SoundnessVerdict, String)> {
+    use SoundnessVerdict::Doubtful;
+    let own = &runs.own;
     let method = e.test.config.compensation.kind;
     let differing = runs.later.eps_rms.max(runs.sooner.eps_rms);
     let force_only = method.force != Force::None && method.predictor == Prediction::None;
@@ -261,7 +294,7 @@ fn decide(
             percent(differing),
             percent(spread.delay)
         );
-        return (Doubtful, said);
+        return Some((Doubtful, said));
     }
     for (run, sign, how) in [
         (&runs.later, '+', "later and stronger"),
@@ -273,10 +306,10 @@ fn decide(
                 percent(spread.delay),
                 percent(spread.gain)
             );
-            return (Doubtful, said);
+            return Some((Doubtful, said));
         }
     }
-    if amb_gains_of_another_motion(&e.test.config, own.peak_displacement_m) {
+    amb_gains_of_another_motion(&e.test.config, own.peak_displacement_m).then(|| {
         let said = format!(
             "the planned motion has an error of {} rms, but `amb` has the gains published for motions of {:.0} mm and \
              this one is of {:.0} mm: with other noise such a test may run away; state compensation.amb.gains",
@@ -284,18 +317,8 @@ fn decide(
             PUBLISHED_AMB_PEAK_M * 1e3,
             own.peak_displacement_m * 1e3
         );
-        return (Doubtful, said);
-    }
-    let by = if fixed && elastic {
-        "small motions decay, and the planned motion"
-    } else {
-        "small motions do not decide over such a loop; the planned motion"
-    };
-    let said = format!(
-        "{by} ran to its end on the simulated rig, and on two that differ from it, with an error of {} rms",
-        percent(own.eps_rms)
-    );
-    (Stable, said)
+        (Doubtful, said)
+    })
 }
 
 /// The other compensations with which the planned motion runs to its end with an error of at most `eps_rms`, the best

@@ -94,6 +94,25 @@ const ZETA: Accept = Accept::new(0.01, 10.0, "");
 const DEVIATION: Accept = Accept::new(0.0, 0.5, "");
 const JUMP_S: Accept = Accept::new(0.0, 1e6, "s");
 
+/// One axis, with its values checked.
+struct Axis {
+    number: usize,
+    delay_ms: f64,
+    lag_ms: f64,
+    /// The longest delay, steps, that it will ever have.
+    longest_delay_steps: f64,
+    jump: Option<Jump>,
+    /// Damping ratio of a second-order axis.
+    zeta: f64,
+    /// Standard deviation of a random multiplier.
+    deviation: f64,
+    /// What the specimen puts on it.
+    stiffness_n_per_m: f64,
+    mass_kg: f64,
+    rate_hz: f64,
+    seed: u64,
+}
+
 impl ActuatorSpec {
     /// Transport delay and first-order lag of an axis, ms; `None` of a kind that is something else.
     pub fn times_ms(&self, axis: usize) -> Option<[f64; 2]> {
@@ -155,32 +174,10 @@ impl ActuatorSpec {
             "plant.actuator.multiplier_sd",
             self.multiplier_sd.unwrap_or(0.05),
         )?;
-        let step_s = 1.0 / rate_hz;
         if self.kind == ActuatorKind::ServoHydraulic {
-            // A proportional loop without delay would have an infinite gain.
-            let beside = "beside plant.actuator.kind = \"servo_hydraulic\"";
-            let later = self.delay_jump.iter().map(|jump| jump.delay_ms);
-            for ms in delay_ms.iter().copied().chain(later) {
-                SERVO_MS
-                    .check("plant.actuator.delay_ms", ms)
-                    .map_err(|e| RigError {
-                        accepted: format!("{} {beside}", e.accepted),
-                        ..e
-                    })?;
-            }
+            self.refuse_an_infinite_gain(&delay_ms)?;
         }
-        let jump = match self.delay_jump {
-            None => None,
-            Some(jump) => {
-                let at_s = JUMP_S.check("plant.actuator.delay_jump.at_s", jump.at_s)?;
-                let delay_ms =
-                    TIME_MS.check("plant.actuator.delay_jump.delay_ms", jump.delay_ms)?;
-                Some(Jump {
-                    steps_left: (at_s * rate_hz).round() as u64,
-                    delay_s: delay_ms * 1e-3,
-                })
-            }
-        };
+        let jump = self.jump(rate_hz)?;
         let longest = jump.map_or(0.0, |jump| jump.delay_s * rate_hz);
         (0..axes)
             .map(|axis| {
@@ -196,56 +193,96 @@ impl ActuatorSpec {
                     &mut motion,
                     rate_hz,
                 )?;
-                let delay_s = delay_ms * 1e-3;
-                let line = || DelayLine::new(delay_ms * rate_hz / 1e3, longest);
-                let dynamics = match self.kind {
-                    ActuatorKind::Ideal => Dynamics::Ideal,
-                    ActuatorKind::Delay => Dynamics::Delay(line()),
-                    ActuatorKind::FirstOrder => {
-                        Dynamics::FirstOrder(FirstOrder::new(delay_s, step_s))
-                    }
-                    ActuatorKind::SecondOrder => Dynamics::SecondOrder {
-                        lag: SecondOrder::with_delay(delay_s, zeta, step_s),
-                        zeta,
-                    },
-                    ActuatorKind::LagDelay => Dynamics::LagDelay {
-                        line: line(),
-                        lag: FirstOrder::new(lag_ms * 1e-3, step_s),
-                    },
-                    ActuatorKind::RandomMultiplier => {
-                        Dynamics::RandomMultiplier(RandomMultiplier::new(
-                            delay_s,
-                            deviation,
-                            step_s,
-                            Normal::new(seed, Purpose::RandomMultiplier, axis),
-                        ))
-                    }
-                    ActuatorKind::ServoHydraulic => {
-                        let servo = ServoHydraulic::new(
-                            &self.servo.unwrap_or_default(),
-                            delay_s,
-                            jump.map(|jump| jump.delay_s),
-                            stiffness_n_per_m[axis],
-                            mass_kg[axis],
-                            step_s,
-                        )?;
-                        Dynamics::ServoHydraulic(Box::new(servo))
-                    }
-                };
                 Ok(Actuator {
-                    dynamics,
+                    dynamics: self.dynamics(&Axis {
+                        number: axis,
+                        delay_ms,
+                        lag_ms,
+                        longest_delay_steps: longest,
+                        jump,
+                        zeta,
+                        deviation,
+                        stiffness_n_per_m: stiffness_n_per_m[axis],
+                        mass_kg: mass_kg[axis],
+                        rate_hz,
+                        seed,
+                    })?,
                     gain: gain[axis],
                     motion,
-                    step_s,
+                    step_s: 1.0 / rate_hz,
                     jump,
                     held_m: 0.0,
                     own_s: match self.kind {
-                        ActuatorKind::FirstOrder => [0.0, delay_s],
-                        _ => [delay_s, lag_ms * 1e-3],
+                        ActuatorKind::FirstOrder => [0.0, delay_ms * 1e-3],
+                        _ => [delay_ms * 1e-3, lag_ms * 1e-3],
                     },
                 })
             })
             .collect()
+    }
+
+    /// A proportional loop without delay would have an infinite gain.
+    fn refuse_an_infinite_gain(&self, delay_ms: &[f64]) -> Result<(), RigError> {
+        let beside = "beside plant.actuator.kind = \"servo_hydraulic\"";
+        let later = self.delay_jump.iter().map(|jump| jump.delay_ms);
+        for ms in delay_ms.iter().copied().chain(later) {
+            SERVO_MS
+                .check("plant.actuator.delay_ms", ms)
+                .map_err(|e| RigError {
+                    accepted: format!("{} {beside}", e.accepted),
+                    ..e
+                })?;
+        }
+        Ok(())
+    }
+
+    /// When the delay becomes another, and which.
+    fn jump(&self, rate_hz: f64) -> Result<Option<Jump>, RigError> {
+        let Some(jump) = self.delay_jump else {
+            return Ok(None);
+        };
+        let at_s = JUMP_S.check("plant.actuator.delay_jump.at_s", jump.at_s)?;
+        let delay_ms = TIME_MS.check("plant.actuator.delay_jump.delay_ms", jump.delay_ms)?;
+        Ok(Some(Jump {
+            steps_left: (at_s * rate_hz).round() as u64,
+            delay_s: delay_ms * 1e-3,
+        }))
+    }
+
+    /// What lies between the command and the motion of one axis.
+    fn dynamics(&self, axis: &Axis) -> Result<Dynamics, RigError> {
+        let step_s = 1.0 / axis.rate_hz;
+        let delay_s = axis.delay_ms * 1e-3;
+        let line = || DelayLine::new(axis.delay_ms * axis.rate_hz / 1e3, axis.longest_delay_steps);
+        Ok(match self.kind {
+            ActuatorKind::Ideal => Dynamics::Ideal,
+            ActuatorKind::Delay => Dynamics::Delay(line()),
+            ActuatorKind::FirstOrder => Dynamics::FirstOrder(FirstOrder::new(delay_s, step_s)),
+            ActuatorKind::SecondOrder => Dynamics::SecondOrder {
+                lag: SecondOrder::with_delay(delay_s, axis.zeta, step_s),
+                zeta: axis.zeta,
+            },
+            ActuatorKind::LagDelay => Dynamics::LagDelay {
+                line: line(),
+                lag: FirstOrder::new(axis.lag_ms * 1e-3, step_s),
+            },
+            ActuatorKind::RandomMultiplier => Dynamics::RandomMultiplier(RandomMultiplier::new(
+                delay_s,
+                axis.deviation,
+                step_s,
+                Normal::new(axis.seed, Purpose::RandomMultiplier, axis.number),
+            )),
+            ActuatorKind::ServoHydraulic => {
+                Dynamics::ServoHydraulic(Box::new(ServoHydraulic::new(
+                    &self.servo.unwrap_or_default(),
+                    delay_s,
+                    axis.jump.map(|jump| jump.delay_s),
+                    axis.stiffness_n_per_m,
+                    axis.mass_kg,
+                    step_s,
+                )?))
+            }
+        })
     }
 
     /// The largest transport delay, ms, of an axis with these times whose timing errors begin one after the other.
