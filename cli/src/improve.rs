@@ -128,41 +128,14 @@ impl Improvement {
             ran(site.run(&experiment, method, &ideal, seed, true, progress.observer())?)?;
         let (train, held_out) = split_record(&experiment, &before)?;
         let (mut train, held_out) = (vec![train], vec![held_out]);
-        let ask = |train: &[Recording]| {
-            let found = diagnosis::diagnose(model, train, &held_out, &[]);
-            found.map_err(Failure::input)
-        };
-        let first = ask(&train)?;
+        let first = ask(model, &train, &held_out)?;
         let mut changes = Vec::new();
-        let mut designed: Vec<DesignedTest> = Vec::new();
-        let limited = with_limits(model, &experiment.test);
-        while designed.len() < DESIGNED {
-            let found = designed.last().map_or(&first, |d| &d.diagnosis);
-            if !found.channels.iter().any(is_open) {
-                break;
-            }
-            // Where no motion inside the limits would be more informative, none is made.
-            let next = diagnosis::next(&limited, found, &train, &held_out).ok();
-            let tells = |n: &Next| n.channels.iter().any(|o| o.tells);
-            let Some(next) = next.filter(tells) else {
-                break;
-            };
-            let signal = SignalPoints::of(&next)?;
-            let played = site.play(&experiment.test, &signal, seed + 1 + designed.len() as u64)?;
-            // A test that the rig ended early is not used.
-            if let Some(why) = &played.early {
-                changes.push(format!(
-                    "a designed test is left out: it ended early, {why}"
-                ));
-                break;
-            }
-            train.push(played.recording()?);
-            designed.push(DesignedTest {
-                next,
-                played,
-                diagnosis: ask(&train)?,
-            });
-        }
+        let designed = closing_tests(
+            (&experiment.test, model, site, seed),
+            &first,
+            (&mut train, &held_out),
+            &mut changes,
+        )?;
         let found = designed.last().map_or(&first, |d| &d.diagnosis).clone();
         let mut improved = experiment.clone();
         let (known, left) = worth_acting_on(&found, model, before.summary.eps_rms);
@@ -180,14 +153,9 @@ impl Improvement {
         let (train, held_out) = split_record(&improved, &after)?;
         let remains = diagnosis::diagnose(&found.improved, &[train], &[held_out], &[]);
         let remains = remains.map_err(Failure::input)?;
-        let possible = if undeclared(&experiment).is_empty() {
-            None
-        } else {
-            let mut without = experiment.clone();
-            let test = &mut without.test;
-            test.plant = declared::as_declared(&test.config, &test.plant, test.declared.as_ref());
-            Some(site.run(&without, method, &ideal, seed, false, progress.observer())?)
-        };
+        let possible = without_what_is_undeclared(&experiment)
+            .map(|without| site.run(&without, method, &ideal, seed, false, progress.observer()))
+            .transpose()?;
         Ok(Self {
             experiment,
             ideal,
@@ -247,6 +215,60 @@ impl Improvement {
         }
         or_nothing(&names)
     }
+}
+
+fn ask(model: &Model, train: &[Recording], held_out: &[Recording]) -> Result<Diagnosis, Failure> {
+    diagnosis::diagnose(model, train, held_out, &[]).map_err(Failure::input)
+}
+
+/// Designs and plays tests as long as a channel is open and one would tell something; what they give joins the training
+/// records. A test that the rig ended early is not used, and that is told among the `changes`.
+fn closing_tests(
+    (test, model, site, seed): (&TestFile, &Model, &impl TestSite, u64),
+    first: &Diagnosis,
+    (train, held_out): (&mut Vec<Recording>, &[Recording]),
+    changes: &mut Vec<String>,
+) -> Result<Vec<DesignedTest>, Failure> {
+    let mut designed: Vec<DesignedTest> = Vec::new();
+    let limited = with_limits(model, test);
+    while designed.len() < DESIGNED {
+        let found = designed.last().map_or(first, |d| &d.diagnosis);
+        if !found.channels.iter().any(is_open) {
+            break;
+        }
+        // Where no motion inside the limits would be more informative, none is made.
+        let next = diagnosis::next(&limited, found, train, held_out).ok();
+        let tells = |n: &Next| n.channels.iter().any(|o| o.tells);
+        let Some(next) = next.filter(tells) else {
+            break;
+        };
+        let signal = SignalPoints::of(&next)?;
+        let played = site.play(test, &signal, seed + 1 + designed.len() as u64)?;
+        if let Some(why) = &played.early {
+            changes.push(format!(
+                "a designed test is left out: it ended early, {why}"
+            ));
+            break;
+        }
+        train.push(played.recording()?);
+        designed.push(DesignedTest {
+            next,
+            played,
+            diagnosis: ask(model, train, held_out)?,
+        });
+    }
+    Ok(designed)
+}
+
+/// The test on the declared rig, where the simulated one differs from it.
+fn without_what_is_undeclared(experiment: &Experiment) -> Option<Experiment> {
+    if undeclared(experiment).is_empty() {
+        return None;
+    }
+    let mut without = experiment.clone();
+    let test = &mut without.test;
+    test.plant = declared::as_declared(&test.config, &test.plant, test.declared.as_ref());
+    Some(without)
 }
 
 /// A test that nobody stopped.
