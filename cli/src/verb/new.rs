@@ -67,6 +67,8 @@ enum Example {
     Hybrid,
     /// A frame on two coupled actuators: displacement and rotation
     CoupledFrame,
+    /// A servo-hydraulic ram that stands for a real one: the tutorial's
+    HydraulicRam,
 }
 
 impl Example {
@@ -77,6 +79,7 @@ impl Example {
             Self::ThreeStorey => include_str!("../../../examples/three-storey.toml"),
             Self::Hybrid => include_str!("../../../examples/hybrid.toml"),
             Self::CoupledFrame => include_str!("../../../examples/coupled-frame.toml"),
+            Self::HydraulicRam => include_str!("../../../examples/hydraulic-ram.toml"),
         }
     }
 }

@@ -93,7 +93,13 @@ fn a_trip_is_exit_status_1_and_says_which_limit() {
 
 #[test]
 fn every_example_completes() {
-    for example in ["table1", "steel-frame", "three-storey", "hybrid"] {
+    for example in [
+        "table1",
+        "steel-frame",
+        "three-storey",
+        "hybrid",
+        "hydraulic-ram",
+    ] {
         let file = format!("examples/{example}.toml");
         let r = json(&["run", &file, "--json"]);
         assert_eq!(r["verdict"], "completed", "{example}");

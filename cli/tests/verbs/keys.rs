@@ -38,6 +38,7 @@ fn every_key_of_every_example_is_listed_and_in_the_schema() {
         "three-storey",
         "hybrid",
         "coupled-frame",
+        "hydraulic-ram",
     ] {
         let text =
             std::fs::read_to_string(root().join(format!("examples/{example}.toml"))).unwrap();

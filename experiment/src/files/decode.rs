@@ -1,9 +1,9 @@
 //! Text in the encodings that laboratories export: UTF-8, UTF-16, and the one of Western Windows.
 
-use super::{look_ahead, plain};
+use super::{look_ahead, plain, third_party};
 use crate::failure::Failure;
 use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// Reads a file as bytes; `-` is standard input.
@@ -18,7 +18,7 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 /// The same of a file that will be written back.
 ///
 /// # Errors
-/// A file that cannot be read, by its name.
+/// A file that cannot be read, by its name; of a third-party one that is not there, where it is published.
 pub fn bytes_to_edit(path: &Path) -> Result<Vec<u8>, Failure> {
     let read = if path == Path::new("-") {
         let mut all = Vec::new();
@@ -27,11 +27,17 @@ pub fn bytes_to_edit(path: &Path) -> Result<Vec<u8>, Failure> {
         std::fs::read(path)
     };
     read.map_err(|e| {
-        Failure::input(format!(
-            "{}: cannot be read: {}",
-            path.display(),
-            plain::reason(&e)
-        ))
+        let published = match e.kind() {
+            ErrorKind::NotFound => third_party::missing(path),
+            _ => None,
+        };
+        published.unwrap_or_else(|| {
+            Failure::input(format!(
+                "{}: cannot be read: {}",
+                path.display(),
+                plain::reason(&e)
+            ))
+        })
     })
 }
 

@@ -28,6 +28,7 @@ pub mod serve;
 pub mod signal;
 pub mod table;
 pub mod test;
+pub mod third_party;
 pub mod units;
 pub mod watch;
 

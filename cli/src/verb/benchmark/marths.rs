@@ -89,7 +89,7 @@ impl Marths {
         let records = records
             .into_iter()
             .map(|name| {
-                let file = data_file(data, &format!("ground-motion/RTHSBENCH_{name}.csv"))?;
+                let file = data_file(data, &format!("ground-motion/RTHSBENCH_{name}.csv"));
                 let motion = GroundMotionFile::load(&file, ColumnChoice::default())?;
                 let points: Vec<f64> = motion.acc_m_per_s2.iter().copied().map(f64::from).collect();
                 problem
@@ -205,7 +205,7 @@ fn of_record(name: &str) -> String {
 
 /// The problem from its files.
 fn load(data: Option<&Path>) -> Result<Problem, Failure> {
-    let read = |name: &str| read(&data_file(data, &format!("marths/{name}"))?);
+    let read = |name: &str| read(&data_file(data, &format!("marths/{name}")));
     Problem::parse(
         &read("K_matrix.csv")?,
         &read("M_matrix.csv")?,

@@ -201,8 +201,8 @@ impl Rths {
             data_file(self.data.as_deref(), &path)
         };
         let files: Vec<PathBuf> = match (&self.record[..], &self.records[..]) {
-            ([], []) => RECORDS.into_iter().map(own).collect::<Result<_, _>>()?,
-            ([], names) => names.iter().map(|n| own(n)).collect::<Result<_, _>>()?,
+            ([], []) => RECORDS.into_iter().map(own).collect(),
+            ([], names) => names.iter().map(|n| own(n)).collect(),
             (files, _) => files.to_vec(),
         };
         files

@@ -43,23 +43,13 @@ pub(super) fn check_plants(plants: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A third-party file by its path in the folder of data: as given, else `OUTERLOOP_DATA`, else beside the checkout.
-///
-/// # Errors
-/// A file that is not there: where it is published.
-pub(super) fn data_file(given: Option<&Path>, path: &str) -> Result<PathBuf, Failure> {
+/// Where a third-party file should be, by its path in the folder of data: as given, else `OUTERLOOP_DATA`, else beside the
+/// checkout.
+pub(super) fn data_file(given: Option<&Path>, path: &str) -> PathBuf {
     let folder = given.map(Path::to_owned).unwrap_or_else(|| {
         std::env::var_os("OUTERLOOP_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from)
     });
-    let file = folder.join(path);
-    if file.exists() {
-        return Ok(file);
-    }
-    Err(Failure::input(format!(
-        "{}: is not there: it is other people's and no part of outerloop; docs/data.md says where it is published, \
-         `scripts/fetch-data` brings what has an open address, and --data or OUTERLOOP_DATA names another folder",
-        file.display()
-    )))
+    folder.join(path)
 }
 
 /// A table without lines between its rows.

@@ -1,0 +1,266 @@
+//! The documents' commands, read from the documents: each of the README runs on a fresh clone without any data, or says in
+//! one sentence what it lacks and where that is to be had; every verb and option that a page shows exists.
+
+use crate::common::root;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+/// The fenced blocks of a page in a language, each as its lines.
+pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<Vec<&'a str>> {
+    let mut found = Vec::new();
+    let mut open: Option<(bool, Vec<&str>)> = None;
+    for line in page.lines() {
+        match (&mut open, line.strip_prefix("```")) {
+            (None, Some(name)) => open = Some((name == language, Vec::new())),
+            (Some(_), Some(_)) => found.extend(open.take().filter(|b| b.0).map(|b| b.1)),
+            (Some((_, lines)), None) => lines.push(line),
+            (None, None) => {}
+        }
+    }
+    found
+}
+
+/// The commands of a page's blocks for a shell, one a line, continued lines joined, comments left out.
+fn commands(page: &str) -> Vec<String> {
+    let joined = |block: Vec<&str>| block.join("\n").replace("\\\n", " ");
+    ["sh", ""]
+        .iter()
+        .flat_map(|language| blocks(page, language))
+        .map(joined)
+        .flat_map(|block| block.lines().map(without_comment).collect::<Vec<_>>())
+        .chain(
+            blocks(page, "console")
+                .into_iter()
+                .map(joined)
+                .flat_map(|block| {
+                    block
+                        .lines()
+                        .filter_map(|l| l.strip_prefix("$ ").map(without_comment))
+                        .collect::<Vec<_>>()
+                }),
+        )
+        .map(|line| line.replace("cargo run --release -- ", "outerloop "))
+        .filter(|line| !line.is_empty())
+        .collect()
+}
+
+/// A comment stands behind two blanks or begins the line.
+fn without_comment(line: &str) -> String {
+    let end = [" #", "\t#"]
+        .iter()
+        .filter_map(|mark| line.find(mark))
+        .min();
+    let line = if line.starts_with('#') { "" } else { line };
+    line[..end.unwrap_or(line.len()).min(line.len())]
+        .trim()
+        .to_owned()
+}
+
+fn pages() -> Vec<PathBuf> {
+    let mut all = vec![root().join("README.md")];
+    all.extend(
+        fs::read_dir(root().join("docs"))
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.extension().is_some_and(|e| e == "md")),
+    );
+    all.sort();
+    all
+}
+
+/// A folder outside any checkout, with the examples in it.
+fn stranger() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&root().join("examples"), &folder.path().join("examples"));
+    folder
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &to);
+        } else {
+            fs::copy(entry.path(), to).unwrap();
+        }
+    }
+}
+
+/// A command as a shell runs it, without third-party data, image or emulator.
+fn shell(folder: &Path, line: &str) -> Command {
+    let program = Path::new(env!("CARGO_BIN_EXE_outerloop"));
+    let path = format!("{}:/usr/bin:/bin", program.parent().unwrap().display());
+    let mut command = Command::new("sh");
+    command
+        .args(["-c", &format!("exec {line}")])
+        .current_dir(folder)
+        .env("PATH", path)
+        .env("OUTERLOOP_DATA", folder.join("no-data"));
+    for name in ["IMAGE", "IMAGE_16", "IMAGE_3", "EMULATOR"] {
+        command.env_remove(format!("OUTERLOOP_{name}"));
+    }
+    command
+}
+
+/// What a command may lack on a fresh clone, and a word of the sentence that says where to get it.
+fn lacks(line: &str) -> Option<&'static str> {
+    let table = [
+        ("--port", "--port"),
+        ("--emulated", "OUTERLOOP_EMULATOR"),
+        ("benchmark", "scripts/fetch-data"),
+        ("diagnose", "cannot be read"),
+        ("--record", "scripts/fetch-data"),
+    ];
+    table
+        .iter()
+        .find(|(word, _)| line.contains(word))
+        .map(|(_, said)| *said)
+}
+
+#[track_caller]
+fn runs_or_says_what_it_lacks(line: &str, output: &Output) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    match (output.status.code(), lacks(line)) {
+        (Some(0), _) => {}
+        (Some(2), Some(word)) => {
+            assert_eq!(said.trim().lines().count(), 1, "{line}: {said}");
+            assert!(said.contains(word), "{line}: {said}");
+        }
+        (status, _) => panic!("{line}: exit status {status:?}: {said}"),
+    }
+}
+
+/// A server waits for its client until it is told to stop.
+fn waits_and_stops(folder: &Path, line: &str) {
+    let mut server = shell(folder, line).spawn().unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(
+        server.try_wait().unwrap().is_none(),
+        "{line}: it waits for a client"
+    );
+    crate::common::send_signal(&server, "-INT");
+    assert!(server.wait().unwrap().success(), "{line}");
+}
+
+#[test]
+fn every_command_of_the_readme_runs_on_a_fresh_clone_or_says_what_it_lacks() {
+    let folder = stranger();
+    let page = fs::read_to_string(root().join("README.md")).unwrap();
+    let lines: Vec<String> = commands(&page)
+        .into_iter()
+        .filter(|line| line.starts_with("outerloop "))
+        .collect();
+    assert!(lines.len() >= 6, "{lines:?}");
+    for line in &lines {
+        if line.starts_with("outerloop serve") && lacks(line).is_none() {
+            waits_and_stops(folder.path(), line);
+        } else {
+            runs_or_says_what_it_lacks(line, &shell(folder.path(), line).output().unwrap());
+        }
+    }
+}
+
+/// The options that a verb has, by what its help says.
+fn options(verb: &str) -> String {
+    let words: Vec<&str> = verb.split(' ').chain(["--help"]).collect();
+    let output = crate::common::outerloop(&words);
+    assert!(output.status.success(), "`outerloop {verb}` is no verb");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The verb of a command and the options that it is given.
+fn verb_and_options(line: &str) -> Option<(String, Vec<String>)> {
+    let words: Vec<&str> = line
+        .strip_prefix("outerloop ")?
+        .split_whitespace()
+        .collect();
+    let verb = words.iter().find(|w| !w.starts_with('-'))?;
+    let verb = match (*verb, words.iter().skip_while(|w| *w != verb).nth(1)) {
+        ("board" | "benchmark", Some(second)) if second.starts_with(char::is_alphabetic) => {
+            format!("{verb} {second}")
+        }
+        _ => (*verb).to_owned(),
+    };
+    let options = words
+        .iter()
+        .map(|w| w.trim_matches(['[', ']', '(', ')', ';']))
+        .filter(|w| w.starts_with("--") && w.len() > 2)
+        .map(|w| w.split('=').next().unwrap().to_owned())
+        .collect();
+    Some((verb, options))
+}
+
+#[test]
+fn every_verb_and_option_that_a_page_shows_exists() {
+    let mut help = BTreeMap::new();
+    let mut seen = 0;
+    for path in pages() {
+        let page = fs::read_to_string(&path).unwrap();
+        for line in commands(&page) {
+            let Some((verb, given)) = verb_and_options(&line) else {
+                continue;
+            };
+            let known = help.entry(verb.clone()).or_insert_with(|| options(&verb));
+            for option in given {
+                let at = path.display();
+                assert!(
+                    known.contains(&option),
+                    "{at}: `{line}`: {verb} has no {option}"
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 50, "{seen}");
+}
+
+#[test]
+fn every_script_and_file_of_tests_that_a_page_names_exists() {
+    let mut seen = 0;
+    for path in pages() {
+        let page = fs::read_to_string(&path).unwrap();
+        for quoted in page
+            .split('`')
+            .skip(1)
+            .step_by(2)
+            .map(str::to_owned)
+            .chain(commands(&page))
+        {
+            let words: Vec<&str> = quoted.split_whitespace().collect();
+            for (i, word) in words.iter().enumerate() {
+                let at = path.display();
+                if word.starts_with("scripts/") {
+                    let file = word.trim_end_matches(['.', ',', ';', ')']);
+                    assert!(
+                        root().join(file).exists(),
+                        "{at}: `{quoted}`: there is no {file}"
+                    );
+                    seen += 1;
+                }
+                if words[0] == "cargo" && *word == "--test" {
+                    let name = words.get(i + 1).expect("the name of a file of tests");
+                    assert!(
+                        is_test(name),
+                        "{at}: `{quoted}`: there is no file of tests {name}"
+                    );
+                    seen += 1;
+                }
+            }
+        }
+    }
+    assert!(seen > 30, "{seen}");
+}
+
+fn is_test(name: &str) -> bool {
+    let crates = fs::read_dir(root())
+        .unwrap()
+        .map(|e| e.unwrap().path().join("tests"));
+    crates.into_iter().any(|tests| {
+        tests.join(format!("{name}.rs")).exists() || tests.join(name).join("main.rs").exists()
+    })
+}
