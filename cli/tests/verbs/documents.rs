@@ -135,9 +135,10 @@ fn runs_or_says_what_it_lacks(line: &str, output: &Output) {
     }
 }
 
-/// A server waits for its client until it is told to stop.
+/// A server waits for its client until it is told to stop; here at a port that nobody else has.
 fn waits_and_stops(folder: &Path, line: &str) {
-    let mut server = shell(folder, line).spawn().unwrap();
+    let line = format!("{line} --listen 127.0.0.1:0");
+    let mut server = shell(folder, &line).spawn().unwrap();
     std::thread::sleep(Duration::from_secs(2));
     assert!(
         server.try_wait().unwrap().is_none(),

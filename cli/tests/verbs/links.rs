@@ -73,6 +73,29 @@ fn every_link_leads_to_a_file_and_a_heading_that_are_there() {
     assert!(seen > 60, "{seen}");
 }
 
+/// A page of the book links to nothing outside it: there it would lead nowhere.
+#[test]
+fn the_book_has_every_page_of_docs_and_no_link_out_of_it() {
+    let summary = fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();
+    let chapters = links(&summary);
+    let docs = root().join("docs");
+    for path in pages().iter().filter(|p| p.starts_with(&docs)) {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let listed = chapters.iter().filter(|c| **c == name).count();
+        assert_eq!(
+            listed,
+            usize::from(name != "SUMMARY.md"),
+            "docs/SUMMARY.md: {name}"
+        );
+        let text = fs::read_to_string(path).unwrap();
+        let prose = prose(&text);
+        let out = links(&prose)
+            .into_iter()
+            .find(|link| link.starts_with(".."));
+        assert_eq!(out, None, "{name}");
+    }
+}
+
 #[test]
 fn a_heading_becomes_the_anchor_that_readers_link_to() {
     assert_eq!(anchor("## What `q` means, and why"), "what-q-means-and-why");
