@@ -75,7 +75,7 @@ pub fn of_comparison(rows: &[ComparedTest], lead: &str) -> String {
     html += "<p>Every compensation on the same tests. An error is eps_rms, Eq 18: the rms of the difference to the same \
              integration with an ideal actuator, relative to its largest displacement. Means are geometric; a test that \
              tripped or ran away counts as 100 %.</p>";
-    html += "<h2>Error over the delay</h2><p>The worse of the ground motions. The delay is told exactly.</p>";
+    html += "<h2>Error over the delay</h2><p>The worse of the ground motions. The configured delay is exact.</p>";
     for family in [Family::Linear, Family::Yielding] {
         let _ = write!(
             html,

@@ -125,7 +125,7 @@ fn shares(a: &ChannelAnswer) -> Option<Table> {
     if r.shares.is_empty() && r.lines.is_empty() {
         return None;
     }
-    let head = format!("rest of the {}: depends on", a.channel.name());
+    let head = format!("residual of the {}: depends on", a.channel.name());
     let mut t = table(&[&head, "share of squares", "odd", "even"]);
     let part = |x: f64| if x > 0.0 { percent(x) } else { "-".into() };
     for s in &r.shares {

@@ -22,10 +22,10 @@ pub struct Diagnose {
     /// The declared model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// Data to search in; may be given several times
+    /// Training record, in which effects are searched; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
     train: Vec<FilePart>,
-    /// Data to judge on, which takes no part in the search; may be given several times
+    /// Held-out record, which judges the answer and takes no part in the search; may be given several times
     #[arg(long, value_name = "FILE[@T0..T1]", required = true)]
     test: Vec<FilePart>,
     /// Data without motion, from which the noise is estimated; left out: looked for before and after the motion

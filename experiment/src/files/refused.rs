@@ -31,7 +31,7 @@ pub fn sentence(e: &Refusal, config: &Config, plant: &RigSpec, expected: Expecte
                 Err(own) => own.to_string(),
                 Ok(_) => format!(
                     "plant.actuator.delay_ms and lag_ms are {} together: accepted are {accepted} where nothing else says what \
-                     the compensation is told (compensation.delay_ms, [declared.actuator])",
+                     delay the compensation works with (compensation.delay_ms, [declared.actuator])",
                     e.value
                 ),
             }
