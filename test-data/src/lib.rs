@@ -28,7 +28,8 @@ pub fn file(path: &str) -> Option<PathBuf> {
     let found = folder().map(|f| f.join(path)).filter(|f| f.exists());
     if found.is_none() {
         not_run(&format!(
-            "{path} is missing (docs/data.md says where it is published; OUTERLOOP_DATA names the folder of the data)"
+            "{path} is missing (docs/data.md says where it is published, scripts/fetch-data brings what has an open address; OUTERLOOP_DATA \
+             names the folder of the data)"
         ));
     }
     found
