@@ -108,14 +108,14 @@ fn errors(a: &ChannelAnswer) -> String {
     }
     let mut tiles = vec![(
         quantity(before.test_rms, &a.unit),
-        "error of the declared model on held-out data, rms",
+        "error of the refitted model on held-out data, rms",
     )];
     if !a.effects.is_empty() {
         tiles.push((quantity(after.test_rms, &a.unit), "with what was found"));
         let [low, high] = a.improvement_ci90.map(|x| quantity(x, &a.unit));
         tiles.push((
             format!("{low} to {high}"),
-            "is the fall on held-out data, 90 % interval",
+            "fall on held-out data, 90 % interval",
         ));
     }
     if !a.noise_floor_rms.is_nan() {
@@ -127,7 +127,7 @@ fn errors(a: &ChannelAnswer) -> String {
             percent(before.train_nrmse),
             percent(after.train_nrmse)
         ),
-        "of what moves, on training data, before / after",
+        "of the signal's deviation, on training data, before / after",
     ));
     tiles.push((
         format!(
@@ -135,7 +135,7 @@ fn errors(a: &ChannelAnswer) -> String {
             percent(before.test_nrmse),
             percent(after.test_nrmse)
         ),
-        "of what moves, on held-out data, before / after",
+        "of the signal's deviation, on held-out data, before / after",
     ));
     format!("<div class=\"tiles broad\">{}</div>", each_tile(&tiles))
 }
