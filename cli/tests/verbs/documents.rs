@@ -2,7 +2,7 @@
 //! one sentence what it lacks and where that is to be had; every verb and option that a page shows exists.
 
 use crate::common::root;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -23,28 +23,34 @@ pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<Vec<&'a str>> {
     found
 }
 
+/// The lines of a page that are set in by four blanks, outside its fenced blocks, as one block.
+fn set_in(page: &str) -> Vec<&str> {
+    let outside = page.split("```").step_by(2);
+    outside
+        .flat_map(str::lines)
+        .filter_map(|line| line.strip_prefix("    "))
+        .collect()
+}
+
 /// The commands of a page's blocks for a shell, one a line, continued lines joined, comments left out.
 fn commands(page: &str) -> Vec<String> {
-    let joined = |block: Vec<&str>| block.join("\n").replace("\\\n", " ");
-    ["sh", ""]
+    let plain = ["sh", ""]
         .iter()
         .flat_map(|language| blocks(page, language))
-        .map(joined)
-        .flat_map(|block| block.lines().map(without_comment).collect::<Vec<_>>())
-        .chain(
-            blocks(page, "console")
-                .into_iter()
-                .map(joined)
-                .flat_map(|block| {
-                    block
-                        .lines()
-                        .filter_map(|l| l.strip_prefix("$ ").map(without_comment))
-                        .collect::<Vec<_>>()
-                }),
-        )
-        .map(|line| line.replace("cargo run --release -- ", "outerloop "))
-        .filter(|line| !line.is_empty())
-        .collect()
+        .chain([set_in(page)])
+        .map(|block| (block, ""));
+    let console = blocks(page, "console")
+        .into_iter()
+        .map(|block| (block, "$ "));
+    let mut all = Vec::new();
+    for (block, prompt) in plain.chain(console) {
+        let joined = block.join("\n").replace("\\\n", " ");
+        let lines = joined.lines().filter_map(|line| line.strip_prefix(prompt));
+        let lines = lines
+            .map(|line| without_comment(line).replace("cargo run --release -- ", "outerloop "));
+        all.extend(lines.filter(|line| !line.is_empty()));
+    }
+    all
 }
 
 /// A comment stands behind two blanks or begins the line.
@@ -167,11 +173,16 @@ fn every_command_of_the_readme_runs_on_a_fresh_clone_or_says_what_it_lacks() {
 }
 
 /// The options that a verb has, by what its help says.
-fn options(verb: &str) -> String {
+fn options(verb: &str) -> BTreeSet<String> {
     let words: Vec<&str> = verb.split(' ').chain(["--help"]).collect();
     let output = crate::common::outerloop(&words);
     assert!(output.status.success(), "`outerloop {verb}` is no verb");
-    String::from_utf8(output.stdout).unwrap()
+    let help = String::from_utf8(output.stdout).unwrap();
+    let words = help.split(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+    words
+        .filter(|w| w.starts_with("--"))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The verb of a command and the options that it is given.
