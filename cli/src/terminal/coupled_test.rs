@@ -17,6 +17,9 @@ pub const SUMMARY_HEAD: [&str; 9] = [
     "energy error",
 ];
 
+/// Columns of it that a narrow terminal may leave out: tracking, then the share of each coordinate.
+pub const LEAST_IMPORTANT: [usize; 2] = [7, 4];
+
 /// What the columns of [`SUMMARY_HEAD`] mean.
 pub const LEGEND: &str = "\
 eps_max, eps_rms   largest and rms difference to the same test on ideal actuators, of its largest motion, worst coordinate (Eqs 17, 18)

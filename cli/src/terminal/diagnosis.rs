@@ -153,7 +153,10 @@ fn candidate_table(a: &ChannelAnswer) -> Table {
         "left, rms",
         "evidence (fall of BIC)",
     ]);
-    for e in a.tried.iter().take(LISTED) {
+    let (listed, others) = a.tried.split_at(a.tried.len().min(LISTED));
+    let nearest = a.nearest.as_ref().map(|n| n.name);
+    let named = others.iter().find(|e| Some(e.name) == nearest);
+    for e in listed.iter().chain(named) {
         t.add_row([
             e.name.name().to_owned(),
             quantity(e.rms_left, &a.unit),

@@ -1,5 +1,6 @@
 //! Tables and progress on the terminal.
 
+mod bond;
 pub mod coupled;
 pub mod coupled_test;
 mod diagnosis;

@@ -3,6 +3,7 @@
 //! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
 //! [`finish`] returns it when the verb has finished.
 
+use super::bond;
 use experiment::failure::Failure;
 use experiment::files::plain;
 use std::fmt::Arguments;
@@ -33,6 +34,19 @@ pub fn columns() -> Option<u16> {
     terminal.or_else(said).filter(|columns| *columns > 0)
 }
 
+/// Columns of a page where there is no terminal.
+const PAGE: u16 = 100;
+
+/// Columns of text that is read where it is printed or piped to: those of the terminal, else of a page.
+pub fn page_columns() -> u16 {
+    columns().unwrap_or(PAGE)
+}
+
+/// Text that is read, broken between words also where there is no terminal.
+pub fn for_reading(text: &str) -> String {
+    wrapped(text, page_columns().into())
+}
+
 /// Where the text begins whose rest goes below it: behind a label and a gap, else where the line begins, columns.
 fn hanging(line: &str, columns: usize) -> usize {
     let start = line.len() - line.trim_start_matches(' ').len();
@@ -51,6 +65,7 @@ fn wrapped(text: &str, columns: usize) -> String {
         }
         let sentence = line.trim_start_matches(' ');
         let indent = &line[..line.len() - sentence.len()];
+        let sentence = bond::bound(sentence);
         let below = " ".repeat(hanging(line, columns));
         // A path or a command that is longer than the line stays whole, so that it can be copied.
         let options = textwrap::Options::new(columns)
@@ -59,7 +74,7 @@ fn wrapped(text: &str, columns: usize) -> String {
             .word_separator(textwrap::WordSeparator::AsciiSpace)
             .word_splitter(textwrap::WordSplitter::NoHyphenation)
             .break_words(false);
-        textwrap::fill(sentence, options)
+        bond::loosened(&textwrap::fill(&sentence, options))
     });
     lines.collect::<Vec<_>>().join("\n")
 }
@@ -127,6 +142,10 @@ mod tests {
         assert_eq!(
             wrapped(text, 24),
             "short\n    the restoring force\n    of the specimen in\n    newtons\n  /a/very/long/path/that/goes/on.csv"
+        );
+        assert_eq!(
+            wrapped("an error of 12.5 %, rms", 18),
+            "an error of\n12.5 %, rms"
         );
         // A label keeps its column to itself.
         assert_eq!(

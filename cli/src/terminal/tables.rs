@@ -1,100 +1,136 @@
 //! Tables on the terminal: as wide as it is, and never broken inside a word or a number.
 
+use super::bond;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{
-    CellAlignment, ColumnConstraint, ContentArrangement, Row, TableComponent, Width,
+    Cell, CellAlignment, ColumnConstraint, ContentArrangement, Row, TableComponent, Width,
 };
 use experiment::numbers::{joule, length, percent};
 use experiment::summary::Summary;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
+use textwrap::core::display_width;
 
 /// Columns of a terminal from which on tables are set with room around each cell.
-const SPACIOUS: u16 = 120;
+const SPACIOUS: usize = 120;
 /// A longer word, such as a path, may be broken.
-const LONGEST_WORD: usize = 28;
+const LONGEST_WORD: usize = 44;
 
-/// A table for people. Where the terminal is too narrow for its longest words side by side, each row is a block of lines.
+/// A table for people. Where the terminal is too narrow for its longest words side by side, columns that matter least are left
+/// out and named below it; where it is too narrow for the others, each row is a block of lines.
 #[derive(Clone, Debug)]
-pub struct Table(comfy_table::Table);
+pub struct Table {
+    all: comfy_table::Table,
+    /// Columns that may be left out, the first one first.
+    least_important: &'static [usize],
+}
 
 impl Deref for Table {
     type Target = comfy_table::Table;
 
     fn deref(&self) -> &Self::Target {
-        &self.0
+        &self.all
     }
 }
 
 impl DerefMut for Table {
     fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.0
+        &mut self.all
     }
 }
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.longest_words();
-        // Blanks beside a cell: one where the terminal is narrow, else one on each side.
-        let narrow = self.0.width().is_some_and(|columns| columns < SPACIOUS);
-        let padding = if narrow { 1 } else { 2 };
-        let needed: usize = words.iter().map(|word| word + padding).sum();
-        if self
-            .0
-            .width()
-            .is_some_and(|columns| needed > usize::from(columns))
-        {
-            return self.as_blocks(f);
-        }
-        let mut table = self.0.clone();
-        for (column, word) in table.column_iter_mut().zip(words) {
-            let least = Width::Fixed((word + padding) as u16);
-            column.set_constraint(ColumnConstraint::LowerBoundary(least));
-            if padding == 1 {
-                column.set_padding((0, 1));
+        let table = self.bound();
+        let Some(columns) = table.width().map(usize::from) else {
+            return f.write_str(&loosened(&table));
+        };
+        let room: &[(u16, u16)] = match columns < SPACIOUS {
+            true => &[(0, 1), (0, 0)],
+            false => &[(1, 1), (0, 1), (0, 0)],
+        };
+        let mut widths = Widths::of(&table);
+        for left_out in 0..=self.least_important.len() {
+            for padding in room {
+                if let Some(found) = widths.within(columns, *padding) {
+                    f.write_str(&loosened(&set(table, &found, *padding)))?;
+                    return self.name(&self.least_important[..left_out], f);
+                }
+            }
+            if let Some(column) = self.least_important.get(left_out) {
+                widths.leave_out(*column);
             }
         }
-        table.fmt(f)
+        self.as_blocks(f)
     }
+}
+
+/// The table with columns of these widths, blanks beside the cells included; those of no width are not shown.
+fn set(mut table: comfy_table::Table, widths: &[usize], padding: (u16, u16)) -> comfy_table::Table {
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        column.set_constraint(match width {
+            0 => ColumnConstraint::Hidden,
+            width => ColumnConstraint::Absolute(Width::Fixed(*width as u16)),
+        });
+        column.set_padding(padding);
+    }
+    table
 }
 
 impl Table {
     /// The same with words in the first `columns`, to the left.
     pub fn with_words(mut self, columns: usize) -> Self {
-        for column in self.0.column_iter_mut().take(columns) {
+        for column in self.all.column_iter_mut().take(columns) {
             column.set_cell_alignment(CellAlignment::Left);
         }
         self
     }
 
-    fn rows(&self) -> impl Iterator<Item = &Row> {
-        self.0.header().into_iter().chain(self.0.row_iter())
+    /// The same with columns that a narrow terminal may leave out, the first one first.
+    pub fn least_important(mut self, columns: &'static [usize]) -> Self {
+        self.least_important = columns;
+        self
     }
 
-    /// Of each column, its head included.
-    fn longest_words(&self) -> Vec<usize> {
-        let width = self.rows().map(Row::cell_count).max().unwrap_or(0);
-        let mut longest = vec![0; width];
-        for row in self.rows() {
-            for (cell, longest) in row.cell_iter().zip(&mut longest) {
-                let content = cell.content();
-                let words = content.split_whitespace().map(|w| w.chars().count());
-                *longest = words.max().unwrap_or(0).min(LONGEST_WORD).max(*longest);
-            }
+    /// The same for reading: no wider than a page where there is no terminal.
+    pub fn of_text(mut self) -> Self {
+        self.all.set_width(super::output::page_columns());
+        self
+    }
+
+    /// The same with each unit bound to its number.
+    fn bound(&self) -> comfy_table::Table {
+        let mut table = self.all.clone();
+        for row in table.row_iter_mut() {
+            let cells = contents(Some(row));
+            *row = cells
+                .iter()
+                .map(|cell| bond::bound(cell))
+                .collect::<Vec<_>>()
+                .into();
         }
-        longest
+        table
+    }
+
+    /// What a wider terminal would show, too.
+    fn name(&self, left_out: &[usize], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if left_out.is_empty() {
+            return Ok(());
+        }
+        let heads = contents(self.all.header());
+        let names: Vec<&str> = left_out.iter().map(|c| heads[*c].as_str()).collect();
+        write!(f, "\nOn a wider terminal also: {}.", names.join(", "))
     }
 
     /// Each row as lines: the head of a column, and its cell.
     fn as_blocks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let cells = |row: &Row| -> Vec<String> { row.cell_iter().map(|c| c.content()).collect() };
-        let heads = self.0.header().map(cells).unwrap_or_default();
-        let wide = heads.iter().map(|h| h.chars().count()).max().unwrap_or(0);
-        for (i, row) in self.0.row_iter().enumerate() {
+        let heads = contents(self.all.header());
+        let wide = heads.iter().map(|h| display_width(h)).max().unwrap_or(0);
+        for (i, row) in self.all.row_iter().enumerate() {
             if i > 0 {
                 writeln!(f)?;
             }
-            let lines = heads.iter().zip(cells(row));
+            let lines = heads.iter().zip(contents(Some(row)));
             for (k, (head, cell)) in lines.filter(|(_, cell)| !cell.is_empty()).enumerate() {
                 if i + k > 0 {
                     writeln!(f)?;
@@ -103,6 +139,67 @@ impl Table {
             }
         }
         Ok(())
+    }
+}
+
+/// The table as text, its bonds blanks again.
+fn loosened(table: &comfy_table::Table) -> String {
+    bond::loosened(&table.to_string())
+}
+
+fn contents(row: Option<&Row>) -> Vec<String> {
+    row.into_iter()
+        .flat_map(Row::cell_iter)
+        .map(Cell::content)
+        .collect()
+}
+
+/// How wide the text of each column may be; 0: the column is left out.
+struct Widths {
+    /// At least: its longest word.
+    least: Vec<usize>,
+    /// At most: its longest line.
+    most: Vec<usize>,
+}
+
+impl Widths {
+    fn of(table: &comfy_table::Table) -> Self {
+        let (mut least, mut most) = (Vec::new(), Vec::new());
+        for row in table.header().into_iter().chain(table.row_iter()) {
+            for (i, cell) in row.cell_iter().enumerate() {
+                least.resize(least.len().max(i + 1), 1);
+                most.resize(least.len(), 1);
+                for line in cell.content().lines() {
+                    let words = line.split(' ').map(display_width);
+                    let word = words.max().unwrap_or(0).min(LONGEST_WORD);
+                    least[i] = word.max(least[i]);
+                    most[i] = display_width(line).max(most[i]);
+                }
+            }
+        }
+        Self { least, most }
+    }
+
+    fn leave_out(&mut self, column: usize) {
+        (self.least[column], self.most[column]) = (0, 0);
+    }
+
+    /// Widths that fit into so many columns, blanks beside each cell included: the widest give way first. `None`: none do.
+    fn within(&self, columns: usize, (left, right): (u16, u16)) -> Option<Vec<usize>> {
+        let padding = usize::from(left + right);
+        let shown = self.most.iter().filter(|most| **most > 0).count();
+        // And a blank where other tables have a line.
+        let room = columns.checked_sub(shown * padding + shown.saturating_sub(1))?;
+        let at_most = |cap: usize| -> Vec<usize> {
+            let both = self.most.iter().zip(&self.least);
+            both.map(|(most, least)| *most.min(&cap).max(least))
+                .collect()
+        };
+        let cap = (0..=room)
+            .rev()
+            .find(|cap| at_most(*cap).iter().sum::<usize>() <= room)?;
+        let with_padding = |width: usize| if width > 0 { width + padding } else { 0 };
+        Some(at_most(cap).into_iter().map(with_padding).collect())
     }
 }
 
@@ -123,7 +220,10 @@ pub fn table(head: &[&str]) -> Table {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    Table(table)
+    Table {
+        all: table,
+        least_important: &[],
+    }
 }
 
 /// One row a test; the ground motion where there is more than one.
@@ -141,7 +241,8 @@ pub fn summaries(rows: &[Summary]) -> Table {
         "energy ratio",
     ];
     head.drain(..usize::from(!several));
-    let mut t = table(&head);
+    // The ratio, then the added damping.
+    let mut t = table(&head).least_important(if several { &[8, 6] } else { &[7, 5] });
     for s in rows {
         let cells = [
             s.record.clone(),
@@ -192,10 +293,36 @@ mod tests {
                 "{columns}:\n{text}"
             );
         }
+        // A unit stays beside its number.
+        for columns in [80, 60, 50] {
+            assert!(of(columns).contains("0.06455 mm"), "{}", of(columns));
+        }
         assert!(of(40).contains("held out rms after  0.06455 mm"));
         assert!(
             !of(40).contains("held out rms after  \n"),
             "an empty cell needs no line"
         );
+    }
+
+    #[test]
+    fn what_matters_least_is_left_out_and_named_before_a_row_becomes_a_block() {
+        let text = |columns: u16| {
+            let mut t = table(&["compensation", "eps_rms", "damping"]).least_important(&[2]);
+            t.set_width(columns);
+            t.add_row(["tangent", "0.00106 %", "3.47 %"]);
+            t.to_string()
+        };
+        assert!(text(40).contains("3.47 %"));
+        let narrow = text(28);
+        assert!(!narrow.contains("3.47 %"), "{narrow}");
+        assert!(
+            narrow.ends_with("\nOn a wider terminal also: damping."),
+            "{narrow}"
+        );
+        assert!(
+            narrow.lines().take(4).all(|l| display_width(l) <= 28),
+            "{narrow}"
+        );
+        assert!(text(18).contains("damping       3.47 %"), "{}", text(18));
     }
 }

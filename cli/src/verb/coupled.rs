@@ -6,7 +6,8 @@ use crate::archive::{self, FinishedTest};
 use crate::provenance::WithProvenance;
 use crate::report::{self, CoupledSection};
 use crate::terminal::coupled_test::{
-    FOUND_HEAD, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row, summary_row,
+    FOUND_HEAD, LEAST_IMPORTANT, LEGEND, LIMIT_HEAD, SUMMARY_HEAD, found_row, limit_row,
+    summary_row,
 };
 use crate::terminal::{self, Progress, plot, table};
 use experiment::Experiment;
@@ -156,7 +157,7 @@ fn print(rows: &[CoupledSummary]) {
         if group.len() < rows.len() {
             println!("{}", group[0].record);
         }
-        let mut t = table(&SUMMARY_HEAD);
+        let mut t = table(&SUMMARY_HEAD).least_important(&LEAST_IMPORTANT);
         t.add_rows(group.iter().map(summary_row));
         println!("{t}");
     }

@@ -40,7 +40,8 @@ impl Effects {
             answer!("{}", json!(entries));
             return Ok(());
         }
-        let mut t = table(&["family", "effect", "channels", "parameters [unit]"]).with_words(4);
+        let head = ["family", "effect", "channels", "parameters [unit]"];
+        let mut t = table(&head).with_words(4).of_text();
         let mut family = "";
         for e in catalogue() {
             let same = family == e.family.name();

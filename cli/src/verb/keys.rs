@@ -2,7 +2,7 @@
 
 use super::json;
 use crate::keys;
-use crate::terminal::table;
+use crate::terminal::{output, table};
 use experiment::failure::Failure;
 
 /// List every key of a test file: unit, default, what is accepted, meaning
@@ -50,8 +50,10 @@ impl Keys {
             answer!("{}", json(&groups)?);
         } else {
             for group in &groups {
-                answer!("[{}]  {}", group.path, group.meaning);
-                let mut t = table(&["key", "unit", "default", "accepted", "meaning"]).with_words(5);
+                let head = format!("[{}]  {}", group.path, group.meaning);
+                answer!("{}", output::for_reading(&head));
+                let head = ["key", "unit", "default", "accepted", "meaning"];
+                let mut t = table(&head).with_words(5).of_text();
                 for key in &group.keys {
                     let name = key.path.rsplit('.').next().unwrap_or(&key.path);
                     t.add_row([

@@ -31,10 +31,15 @@ pub fn headline(a: &ChannelAnswer) -> String {
             let nearest = a.nearest.as_ref().filter(|n| n.explained >= 0.01);
             let nearest = nearest.map_or(String::new(), |n| {
                 format!(
-                    " The nearest is {}, which explains {:.0} % of its squares and cannot be vouched for; a saved model has it \
+                    " The nearest is {}, which explains {:.0} % of its squares{} and cannot be vouched for; a saved model has it \
                      switched off.",
                     n.name.name(),
-                    100.0 * n.explained
+                    100.0 * n.explained,
+                    // The list of what was tried has each effect alone.
+                    match a.tried.is_empty() || a.tried.iter().any(|t| t.name == n.name) {
+                        true => "",
+                        false => " in the search over several effects at once",
+                    }
                 )
             });
             format!(
@@ -86,6 +91,14 @@ pub fn sureness(a: &ChannelAnswer) -> Option<String> {
     ))
 }
 
+/// So many times; where there is next to no noise nobody wants to know how many.
+fn times(x: f64) -> String {
+    if x > 1e3 {
+        return "more than a thousand".into();
+    }
+    format!("{x:.1}")
+}
+
 /// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
 pub fn next(a: &ChannelAnswer) -> Option<String> {
     let left = a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE);
@@ -103,9 +116,10 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
     Some(match a.verdict {
         Verdict::NotAssessed => return None,
         Verdict::None if left > MORE => format!(
-            "Next: the training data needs no more than the declared model, but on the held-out data it is {left:.1} \
+            "Next: the training data needs no more than the declared model, but on the held-out data it is {} \
              times the noise off: look for what differs between the two, a zero that was set anew or another amplitude \
-             or rate."
+             or rate.",
+            times(left)
         ),
         Verdict::None if a.refitted.iter().any(|r| r.tolerances().abs() > 1.0) => {
             "Next: nothing is missing, but a declared parameter is off by more than its tolerance: keep the refitted model \
@@ -118,7 +132,8 @@ pub fn next(a: &ChannelAnswer) -> Option<String> {
             .into(),
         Verdict::Effect if left > MORE => format!(
             "Next: keep the improved model (--save-model) and diagnose again with it: what is left on the held-out data \
-             is {left:.1} times the noise, so something smaller is missing too."
+             is {} times the noise, so something smaller is missing too.",
+            times(left)
         ),
         Verdict::Effect => {
             "Next: keep the improved model (--save-model) and take it into the next test (run --model).".into()

@@ -19,6 +19,7 @@ mod identify;
 mod improve;
 mod keys;
 mod links;
+mod narrow;
 mod outputs;
 mod refusals;
 mod reports;

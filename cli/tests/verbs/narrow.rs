@@ -1,0 +1,191 @@
+//! On a terminal of 80 columns: no line is wider, and no unit stands on a line of its own.
+#![cfg(unix)]
+
+use crate::common::command;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::process::Stdio;
+
+const COLUMNS: u16 = 80;
+
+/// Verbs that print no table: scripts for a shell and for `man`; questions; what a test with a board or a client looks at.
+const WITHOUT_TABLE: [&str; 7] = [
+    "completions",
+    "man",
+    "new",
+    "board",
+    "serve",
+    "benchmark",
+    "help",
+];
+
+/// What the verbs print that a table or a sentence stands in; `o` is a folder in which nothing is.
+const LINES: [&str; 20] = [
+    "demo",
+    "run examples/table1.toml --out o/first",
+    "run examples/table1.toml --compensation tangent --out o/second",
+    "run examples/three-storey.toml --duration 8",
+    "run examples/coupled-frame.toml --duration 4",
+    "replay o/first/record.h5",
+    "diff o/first o/second",
+    "compare examples/table1.toml --duration 8",
+    "compare examples/table1.toml --duration 8 --record o/one.csv --record o/two.csv --compensations none,tangent+ats",
+    "compare examples/coupled-frame.toml --duration 4",
+    "check examples/table1.toml --plants 4",
+    "monte-carlo examples/table1.toml --tests 4",
+    "sweep examples/table1.toml --duration 8 --over plant.actuator.delay_ms=2,8 --compensations none,paper,tangent,ats,amb,feedforward-feedback,tangent+ats",
+    "sweep examples/table1.toml --over excitation.scale=.5,1 --record o/one.csv --record o/two.csv --limit-mm 60",
+    "diagnose --model o/model.toml --train o/first/record.csv@..20 --test o/first/record.csv@20.. --remainder",
+    "improve examples/undeclared/calibration.toml",
+    "identify o/first/record.csv",
+    "effects",
+    "keys",
+    "keys plant.actuator",
+];
+
+/// Units as they stand behind a number.
+const UNITS: [&str; 17] = [
+    "%", "m", "mm", "um", "mrad", "s", "ms", "us", "Hz", "N", "kN", "J", "mJ", "kJ", "MJ", "m/s",
+    "N/m",
+];
+
+/// What a terminal of so many columns is told, both streams, and the exit status.
+fn told(folder: &Path, line: &str) -> (Option<i32>, String) {
+    let size = nix::pty::Winsize {
+        ws_row: 24,
+        ws_col: COLUMNS,
+        ws_xpixel: 0,
+        ws_ypixel: 0,
+    };
+    let terminal = nix::pty::openpty(Some(&size), None).unwrap();
+    let inside = |word: &str| match word.strip_prefix("o/") {
+        Some(rest) => folder.join(rest).display().to_string(),
+        None => word.to_owned(),
+    };
+    let words: Vec<String> = line.split(' ').map(inside).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let mut command = command(&words);
+    let end = || Stdio::from(terminal.slave.try_clone().unwrap());
+    command.stdin(end()).stdout(end()).stderr(end());
+    let mut child = command.spawn().unwrap();
+    // The other end is open as long as anybody here holds it.
+    drop((command, terminal.slave));
+    let mut bytes = Vec::new();
+    // Linux ends a terminal that nobody holds by an error.
+    let _ = File::from(terminal.master).read_to_end(&mut bytes);
+    let status = child.wait().unwrap().code();
+    (status, String::from_utf8(bytes).unwrap())
+}
+
+/// Lines as they are seen: without colours, and of a line that was written over and over the last state.
+fn seen(text: &str) -> Vec<String> {
+    let mut plain = String::new();
+    let mut rest = text;
+    while let Some((before, behind)) = rest.split_once("\u{1b}[") {
+        plain += before;
+        let end = behind.find(|c: char| c.is_ascii_alphabetic());
+        rest = &behind[end.map_or(behind.len(), |at| at + 1)..];
+    }
+    plain += rest;
+    let lines = plain.split("\r\n");
+    let last = |line: &str| line.rsplit('\r').next().unwrap_or_default().to_owned();
+    lines.map(last).collect()
+}
+
+fn check(line: &str, text: &str) {
+    for shown in seen(text) {
+        let width = textwrap::core::display_width(&shown);
+        // A path may be longer than any terminal, and stays whole.
+        let path = shown.trim().contains('/') && !shown.trim().contains("  ");
+        assert!(
+            width <= usize::from(COLUMNS) || path,
+            "{line}: {width} columns: {shown}\n{text}"
+        );
+        let words: Vec<&str> = shown.split_whitespace().collect();
+        assert!(
+            words.is_empty() || !words.iter().all(|word| UNITS.contains(word)),
+            "{line}: units without numbers: {shown}\n{text}"
+        );
+    }
+}
+
+#[test]
+fn every_verb_fits_a_terminal_of_80_columns() {
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path();
+    let model = "[actuator]\ndelay_ms = { value = 3, tolerance = 0.5 }\n\
+                 [specimen]\nstiffness_n_per_mm = { value = 158, tolerance = 2 }\n";
+    std::fs::write(folder.join("model.toml"), model).unwrap();
+    for (name, hz) in [("one.csv", 2.1), ("two.csv", 1.3)] {
+        let row = |i: i32| {
+            let t = 0.01 * f64::from(i);
+            let a = 0.2 * (hz * std::f64::consts::TAU * t).sin() * (-t / 4.0).exp();
+            format!("{t:.2},{a:.5}\n")
+        };
+        let rows: String = (0..1500).map(row).collect();
+        std::fs::write(folder.join(name), format!("time_s,acc_g\n{rows}")).unwrap();
+    }
+    let mut tried = BTreeSet::new();
+    for line in LINES {
+        let (status, text) = told(folder, line);
+        // A method that runs away is a result.
+        assert!(matches!(status, Some(0 | 1)), "{line}: {text}");
+        assert!(text.lines().count() > 1, "{line}: {text}");
+        check(line, &text);
+        tried.insert(line.split(' ').next().unwrap());
+    }
+    let help = told(folder, "--help").1;
+    let verbs = help.split("Commands:").nth(1).unwrap();
+    let verbs = verbs.split("Options:").next().unwrap();
+    let mut known = 0;
+    for line in verbs.lines().filter(|line| line.starts_with("  ")) {
+        let Some(verb) = line
+            .strip_prefix("  ")
+            .filter(|line| !line.starts_with(' '))
+        else {
+            continue;
+        };
+        let verb = verb.split(' ').next().unwrap();
+        assert!(
+            tried.contains(verb) || WITHOUT_TABLE.contains(&verb),
+            "{verb} is not tried above"
+        );
+        known += 1;
+        if verb != "help" {
+            let line = format!("{verb} --help");
+            check(&line, &told(folder, &line).1);
+        }
+    }
+    assert!(known > 15, "the help is not read any more: {help}");
+}
+
+#[test]
+fn both_benchmarks_fit_a_terminal_of_80_columns() {
+    if test_data::file("marths/K_matrix.csv").is_none()
+        || test_data::file("ground-motion/RTHSBENCH_Kobe.csv").is_none()
+    {
+        return;
+    }
+    for line in [
+        "benchmark marths --records Kobe --controllers none,coupled-fixed,coupled --plants 1",
+        "benchmark rths --records Kobe --controllers none,tangent,feedforward-feedback --plants 1",
+    ] {
+        let data = test_data::folder().unwrap();
+        let line = format!("{line} --data {}", data.display());
+        let (status, text) = told(Path::new(""), &line);
+        assert_eq!(status, Some(0), "{text}");
+        check(&line, &text);
+    }
+}
+
+#[test]
+fn what_is_read_is_no_wider_than_a_page_where_there_is_no_terminal() {
+    for verb in ["keys", "effects"] {
+        let text = crate::common::outerloop(&[verb]).stdout;
+        let text = String::from_utf8(text).unwrap();
+        let widest = text.lines().map(textwrap::core::display_width).max();
+        assert!((60..=100).contains(&widest.unwrap()), "{verb}: {widest:?}");
+    }
+}
