@@ -72,4 +72,4 @@ pub use next::{Form, Narrowed, Next, Origin, Outlook, Phase, Prediction, TestLim
 pub use recording::{FEWEST_SAMPLES, Recording};
 pub use refusal::Refusal;
 pub use saved_element::SavedElement;
-pub use stamps::{gaps, usual_interval_s};
+pub use stamps::{gaps, missing_rows, usual_interval_s};

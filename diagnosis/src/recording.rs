@@ -92,16 +92,20 @@ impl Recording {
         stamps::backward_at(&self.time_s)
     }
 
-    /// The same samples where time is even, else as many on an even grid, straight between those that were recorded;
-    /// what the file holds before them is laid on the same grid, as far back as it has no gap. A remark says so.
+    /// The same samples where time is even, else on an even grid, straight between those that were recorded: as many, or
+    /// where rows are missing at the distance of the others, which stay as they are. What the file holds before them is laid
+    /// on the same grid, as far back as it has no gap. A remark says so.
     ///
     /// # Errors
     /// Too short; time that does not increase, or a gap in it; columns of another length; NaN or infinite values.
     pub fn made_even(mut self) -> Result<Self, Refusal> {
         self.check_samples()?;
-        let h = self.interval_s();
+        let mut h = self.interval_s();
         if self.uneven_at().is_some() {
             stamps::refuse_unusable(&self.name, &self.time_s)?;
+            if !stamps::missing_rows(&self.time_s).is_empty() {
+                h = stamps::usual_interval_s(&self.time_s);
+            }
             let steps = self.time_s.windows(2).map(|t| t[1] - t[0]);
             let (least, most) = steps.fold((f64::MAX, 0.0_f64), |(a, b), s| (a.min(s), b.max(s)));
             let times = stamps::grid(self.time_s[0], &self.time_s, h);

@@ -9,6 +9,12 @@ const BLOCK: usize = 100;
 /// So many rows in a row may be missing and are no gap: a logger that is late now and then. They lie on the line between their
 /// neighbours, which is said with the grid.
 const BRIDGED: f64 = 20.0;
+/// A step that is longer than so many usual ones has rows missing in it, where the others show it.
+const LONG: f64 = 1.5;
+/// A step is a whole number of usual ones to this share of one.
+const WHOLE: f64 = 0.1;
+/// Steps of a logger of one rate are whole to this share.
+const MOST_WHOLE: f64 = 0.9;
 /// Share of the steps by which their scatter is judged.
 const MOST_REGULAR: f64 = 0.9;
 /// A gap is longer than so many mean intervals and than this share of the record.
@@ -42,43 +48,62 @@ pub fn backward_at(time_s: &[f64]) -> Option<usize> {
 }
 
 /// The samples before which rows are missing: steps that are longer than the usual one by more than their own scatter, and
-/// by more than the digits that time is written with can make of an even one. Up to twenty rows that are missing are no gap.
-/// Empty where time is even.
-pub fn gaps(time_s: &[f64]) -> Vec<usize> {
-    if time_s.len() < 2 || uneven_at(time_s).is_none() {
+/// by more than the digits that time is written with can make of an even one: with no finer digits than the step itself one row
+/// in thousands is a clock that is a little slow. Empty where time is even.
+pub fn missing_rows(time_s: &[f64]) -> Vec<usize> {
+    if time_s.len() < 3 || uneven_at(time_s).is_none() {
         return Vec::new();
     }
-    let coarse = (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| {
-        time_s
-            .iter()
-            .all(|t| (t / u - (t / u).round()).abs() < 1e-6)
-    });
+    let steps = || time_s.windows(2).map(|t| t[1] - t[0]);
+    let longer = |limit: f64| -> Vec<usize> {
+        let long = steps().enumerate().filter(|(_, step)| *step > limit);
+        long.map(|(i, _)| i + 1).collect()
+    };
     let usual = usual_interval_s(time_s);
-    let mut apart: Vec<f64> = time_s
-        .windows(2)
-        .map(|t| (t[1] - t[0] - usual).abs())
-        .collect();
+    let unit = (1..=6).map(|p| 0.1_f64.powi(p)).find(|u| {
+        let odd = |t: &f64| (t / u - (t / u).round()).abs() > 1e-6;
+        !time_s.iter().any(odd)
+    });
+    let digit = 1.1 * unit.unwrap_or(0.0);
+    // Where rounding to the last digit explains all shorter steps, only longer ones are rows that are missing.
+    let beyond_digits = longer(usual + digit.max((LONG - 1.0) * usual));
+    let edges = [&[0], &beyond_digits[..], &[time_s.len()]].concat();
+    let even = |e: &[usize]| e[1] - e[0] < 3 || uneven_at(&time_s[e[0]..e[1]]).is_none();
+    if edges.windows(2).all(even) {
+        return beyond_digits;
+    }
+    let whole = |step: &f64| (step / usual - (step / usual).round()).abs() < WHOLE;
+    let most_whole = MOST_WHOLE * (time_s.len() - 1) as f64;
+    if digit < LONG * usual && steps().filter(whole).count() as f64 >= most_whole {
+        return longer(LONG * usual);
+    }
+    let mut apart: Vec<f64> = steps().map(|step| (step - usual).abs()).collect();
     let most = (MOST_REGULAR * (apart.len() - 1) as f64) as usize;
     let scatter = *apart.select_nth_unstable_by(most, f64::total_cmp).1;
-    let doubt = (BRIDGED * usual).max(1.1 * coarse.unwrap_or(0.0));
-    let limit = usual + doubt.max(4.0 * scatter);
-    let long = time_s
-        .windows(2)
-        .enumerate()
-        .filter(|(_, t)| t[1] - t[0] > limit);
-    long.map(|(i, _)| i + 1).collect()
+    longer(usual + (LONG * usual).max(4.0 * scatter).max(digit))
 }
 
-/// The usual distance of two samples, s: the median, which missing rows do not change.
+/// Those of [`missing_rows`] that are gaps: more than twenty rows.
+pub fn gaps(time_s: &[f64]) -> Vec<usize> {
+    let mut missing = missing_rows(time_s);
+    if !missing.is_empty() {
+        let longest = (1.0 + BRIDGED) * usual_interval_s(time_s);
+        missing.retain(|i| time_s[*i] - time_s[*i - 1] > longest);
+    }
+    missing
+}
+
+/// The usual distance of two samples, s: the mean of the steps near the median, which missing rows do not change.
 pub fn usual_interval_s(time_s: &[f64]) -> f64 {
     let mut steps: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
     let middle = steps.len() / 2;
-    let (_, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    match *median {
+    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    steps.retain(|step| (step / median - 1.0).abs() < LONG - 1.0);
+    if steps.is_empty() {
         // Times of few digits stand still for some samples and then take a step of the last digit.
-        median if median > 0.0 => median,
-        _ => interval_s(time_s),
+        return interval_s(time_s);
     }
+    steps.iter().sum::<f64>() / steps.len() as f64
 }
 
 /// Where nothing was recorded for too long to be bridged: the sample after it.
@@ -188,6 +213,7 @@ mod tests {
         let lost = |i: &usize| !(500..700).contains(i) && *i != 1500;
         let rows = || (0..3000).filter(lost);
         let even: Vec<f64> = rows().map(|i| i as f64 * 1.003e-3).collect();
+        assert_eq!(missing_rows(&even), [500, 1300]);
         assert_eq!(gaps(&even), [500], "a single row is bridged");
         assert!((usual_interval_s(&even) - 1.003e-3).abs() < 1e-12);
         // 970 Hz in milliseconds takes two of them now and then.

@@ -153,7 +153,9 @@ pub fn parts_of(
         .filter(|piece| piece.start < rows.end && rows.start < piece.end)
         .collect();
     if let [piece] = &touched[..] {
-        return Ok(vec![part_of(recording, piece.clone(), span_s)?]);
+        let mut part = part_of(recording, piece.clone(), span_s)?;
+        part.remarks.splice(0..0, missing(recording, &rows)?);
+        return Ok(vec![part]);
     }
     if let Some([from_s, to_s]) = span_s {
         let (first, last) = (recording.time_s[0], recording.time_s[n - 1]);
@@ -163,7 +165,7 @@ pub fn parts_of(
             return Err(outside(&recording.file, [from_s, to_s], [first, last]));
         }
     }
-    let remark = missing(recording, &gaps, &rows)?;
+    let remark = missing(recording, &rows)?.unwrap_or_default();
     let long = |piece: &Range<usize>| {
         piece.end.min(rows.end) - piece.start.max(rows.start) >= diagnosis::FEWEST_SAMPLES
     };
@@ -219,38 +221,35 @@ pub fn longest_part_of(
     Ok(longest)
 }
 
-/// What is said of rows that are missing between some.
+/// What is said of rows that are missing between some; `None`: none is.
 ///
 /// # Errors
 /// So many that what is left is no record of the motion.
-fn missing(
-    recording: &SiRecording,
-    gaps: &[usize],
-    rows: &Range<usize>,
-) -> Result<String, Failure> {
-    let time_s = &recording.time_s;
-    let usual_s = diagnosis::usual_interval_s(&time_s[rows.clone()]);
-    let inside: Vec<[f64; 2]> = gaps
-        .iter()
-        .filter(|gap| (rows.start + 1..rows.end).contains(*gap))
-        .map(|gap| [time_s[gap - 1], time_s[*gap]])
-        .collect();
-    let named: Vec<String> = inside
-        .iter()
-        .take(MOST_NAMED)
-        .map(|[from, to]| {
-            format!(
-                "{from} s to {to} s ({:.0} rows)",
-                (to - from) / usual_s - 1.0
-            )
-        })
-        .collect();
+fn missing(recording: &SiRecording, rows: &Range<usize>) -> Result<Option<String>, Failure> {
+    let time_s = &recording.time_s[rows.clone()];
+    let lost = diagnosis::missing_rows(time_s);
+    if lost.is_empty() {
+        return Ok(None);
+    }
+    let usual_s = diagnosis::usual_interval_s(time_s);
+    let mut inside: Vec<[f64; 2]> = lost.iter().map(|i| [time_s[i - 1], time_s[*i]]).collect();
+    let lost_s: f64 = inside.iter().map(|[from, to]| to - from - usual_s).sum();
+    let whole_s = time_s[time_s.len() - 1] - time_s[0];
     let more = match inside.len().saturating_sub(MOST_NAMED) {
         0 => String::new(),
         more => format!(", and in {more} gaps more"),
     };
-    let lost_s: f64 = inside.iter().map(|[from, to]| to - from - usual_s).sum();
-    let whole_s = time_s[rows.end - 1] - time_s[rows.start];
+    // The longest are named, as they come.
+    inside.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    inside.truncate(MOST_NAMED);
+    inside.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let named: Vec<String> = inside
+        .iter()
+        .map(|[from, to]| match (to - from) / usual_s - 1.0 {
+            rows if rows < 1.5 => format!("{from} s to {to} s (1 row)"),
+            rows => format!("{from} s to {to} s ({rows:.0} rows)"),
+        })
+        .collect();
     let said = format!(
         "{}: nothing was recorded from {}{more}",
         recording.file,
@@ -264,9 +263,18 @@ fn missing(
             percent(MOST_MISSING)
         )));
     }
-    Ok(format!(
-        "{said}. Nothing is put there; what has memory begins again behind it."
-    ))
+    let gaps = diagnosis::gaps(time_s).len();
+    let becomes = match (gaps, lost.len() - gaps) {
+        (_, 0) => "Nothing is put there; what has memory begins again behind it.",
+        (0, _) => {
+            "Up to twenty rows are put there, straight between their neighbours; the others stay as they are."
+        }
+        _ => {
+            "Up to twenty rows are put in, straight between their neighbours; where more are missing nothing is put there, and \
+             what has memory begins again behind it."
+        }
+    };
+    Ok(Some(format!("{said}. {becomes}")))
 }
 
 /// The part of a piece without gaps between two times, on an even grid.
@@ -276,11 +284,13 @@ fn part_of(
     span_s: Option<[f64; 2]>,
 ) -> Result<diagnosis::Recording, Failure> {
     let whole = in_mm(recording, sound.clone());
-    // All parts of a file on one grid, where one can be laid through the whole of it.
-    let whole = whole.clone().made_even().unwrap_or(whole);
     let used = match span_s {
         None => whole,
-        Some(span_s) => inside(&whole, span_s)?,
+        Some(span_s) => match inside(&whole, span_s)? {
+            even if even.uneven_at().is_none() => even,
+            // Uneven parts of a file on one grid, where one can be laid through the whole of it.
+            _ => inside(&whole.clone().made_even().unwrap_or(whole), span_s)?,
+        },
     };
     // A step backward has a line in the file; what else is wrong has none.
     if used.uneven_at().is_some()
@@ -474,6 +484,34 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(e.contains("and in 56 gaps more") && e.contains("33"), "{e}");
+    }
+
+    #[test]
+    fn a_few_missing_rows_are_named_and_move_no_other_sample() {
+        let recording = with_lost(|i| (5000..5010).contains(&i) || (9000..9003).contains(&i));
+        let part = |span| longest_part_of(&recording, span).unwrap();
+        let all = part(None);
+        assert_eq!(all.time_s.len(), 20_000);
+        assert!((all.interval_s() - 1e-3).abs() < 1e-9);
+        for said in ["4.999 s to 5.01 s (10 rows)", "8.999 s to 9.003 s (3 rows)"] {
+            assert!(all.remarks[0].contains(said), "{:?}", all.remarks);
+        }
+        let x = all.displacement_mm.as_ref().unwrap();
+        let written = |i: &usize| (x[*i] - (6e-3 * *i as f64).sin()).abs() < 1e-9;
+        assert!(
+            (0..5000)
+                .chain(5010..9000)
+                .chain(9003..20_000)
+                .all(|i| written(&i))
+        );
+        let before = part(Some([0.0, 4.9]));
+        assert_eq!((before.time_s.len(), &before.remarks[..]), (4900, &[][..]));
+        // Every third row, one by one.
+        let e = parts_of(&with_lost(|i| i % 3 == 2), None).unwrap_err();
+        assert!(
+            e.to_string().contains("33.3 % of the time has no rows"),
+            "{e}"
+        );
     }
 
     #[test]
