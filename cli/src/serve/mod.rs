@@ -7,6 +7,7 @@
 //!
 //! | look in | for |
 //! |---|---|
+//! | `waiting_room` | who has connected and is not served yet |
 //! | [`wire`] | the bytes |
 //! | `session` | one client from its first message to its last |
 //! | `mover` | what a session requires of a rig |
@@ -23,6 +24,7 @@ mod served_rig;
 mod session;
 mod simulated;
 mod travel;
+mod waiting_room;
 pub mod wire;
 
 pub use board_rig::serve_on_board;
@@ -31,3 +33,4 @@ pub use mover::{Mover, Stop, TargetMeasurement};
 pub use session::{DeclaredElement, Served, serve_client};
 pub use simulated::simulated;
 pub(crate) use travel::shear_frame;
+pub use waiting_room::{Arrival, WaitingRoom};

@@ -3,6 +3,7 @@
 use super::ledger::{Ledger, SessionSummary, SessionVerdict};
 use super::mover::{Mover, Stop, TargetMeasurement};
 use super::travel::shear_frame;
+use super::waiting_room::Arrival;
 use super::wire::{Action, ClientConnection, ClientGone, TrialResponse};
 use crate::terminal::interrupt;
 use experiment::failure::Failure;
@@ -10,7 +11,6 @@ use experiment::files::serve::Settings;
 use experiment::files::test::TestFile;
 use outerloop_core::Pace;
 use std::fmt;
-use std::net::TcpStream;
 use std::time::Instant;
 
 /// Share of the stroke within which two displacements of a step are one.
@@ -161,12 +161,7 @@ impl Served {
 }
 
 /// Serves one client with `rig` and gives the permission to move back, whatever happens.
-pub fn serve_client(
-    stream: TcpStream,
-    client: &str,
-    element: &DeclaredElement,
-    rig: &mut dyn Mover,
-) -> Served {
+pub fn serve_client(arrival: Arrival, element: &DeclaredElement, rig: &mut dyn Mover) -> Served {
     let mut session = Session {
         element,
         rig,
@@ -177,7 +172,8 @@ pub fn serve_client(
         first: None,
         answered: None,
     };
-    let (end, wire) = session.talk(stream);
+    let client = arrival.client.to_string();
+    let (end, wire) = session.talk(arrival);
     let ended = session.rig.end();
     let listens = !matches!(end, End::Completed | End::Client(_) | End::Nonsense(_));
     // A rig that could not be ended is worse than whatever came before.
@@ -186,18 +182,23 @@ pub fn serve_client(
         Ok(()) => end,
     };
     Served {
-        summary: session.summary(client, end),
+        summary: session.summary(&client, end),
         spoke: wire.is_some(),
         wire: wire.filter(|_| listens),
     }
 }
 
 impl Session<'_> {
-    fn talk(&mut self, stream: TcpStream) -> (End, Option<ClientConnection>) {
+    fn talk(&mut self, arrival: Arrival) -> (End, Option<ClientConnection>) {
         let patience_s = self.element.settings.patience_s;
         let rig = &mut *self.rig;
         let watch = || operator().and_then(|()| Ok(rig.meanwhile()?));
-        match ClientConnection::open(stream, self.element.storeys, patience_s, watch) {
+        match ClientConnection::open(
+            (arrival.stream, arrival.at),
+            self.element.storeys,
+            patience_s,
+            watch,
+        ) {
             Ok(mut wire) => {
                 let end = self
                     .answer_client(&mut wire)

@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 
 /// Integers of the first message.
 const HEADER: usize = 11;
+/// The first message, bytes.
+pub const FIRST_MESSAGE: usize = 4 * HEADER;
 /// The longest message, doubles: its default is 256.
 const LONGEST: i32 = 65_536;
 
@@ -195,16 +197,22 @@ pub struct ClientConnection {
 const GLANCE: Duration = Duration::from_millis(1);
 /// How long a read waits where the rig needs nobody.
 const REST: Duration = Duration::from_millis(50);
-/// How long the first message may take, s: whoever only looks whether somebody listens does not hold the rig up.
+/// How long the first message may take, s.
 const FIRST_MESSAGE_S: f64 = 5.0;
 
+/// How long the first message of a client may take that may be silent for `patience_s` later, s.
+pub fn first_message_s(patience_s: f64) -> f64 {
+    FIRST_MESSAGE_S.min(patience_s)
+}
+
 impl ClientConnection {
-    /// Takes a connection and receives its first message. `meanwhile` is called while nothing comes.
+    /// Takes a connection that was accepted `at` a time and receives its first message. `meanwhile` is called while nothing
+    /// comes.
     ///
     /// # Errors
     /// Why there is none.
     pub fn open<E: From<ClientGone>>(
-        stream: TcpStream,
+        (stream, at): (TcpStream, Instant),
         axes: usize,
         patience_s: f64,
         mut meanwhile: impl FnMut() -> Result<(), E>,
@@ -219,16 +227,16 @@ impl ClientConnection {
                 time: 0,
                 message: 0,
             },
-            bytes: vec![0; 4 * HEADER],
+            bytes: vec![0; FIRST_MESSAGE],
             filled: 0,
             heard: Instant::now(),
             patience: Duration::MAX,
             owes: false,
         };
-        let (began, first_s) = (Instant::now(), FIRST_MESSAGE_S.min(patience_s));
+        let first_s = first_message_s(patience_s);
         // Of the whole message: byte by byte it takes no longer.
         while !wire.receive()? {
-            if began.elapsed().as_secs_f64() > first_s {
+            if at.elapsed().as_secs_f64() > first_s {
                 return Err(ClientGone::Speechless(first_s).into());
             }
             meanwhile()?;
@@ -344,7 +352,8 @@ impl ClientConnection {
     }
 }
 
-fn waits(kind: ErrorKind) -> bool {
+/// True if what failed may do later.
+pub(super) fn waits(kind: ErrorKind) -> bool {
     matches!(
         kind,
         ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted

@@ -7,7 +7,8 @@ use crate::provenance::WithProvenance;
 use crate::report::{self, SessionSection};
 use crate::scope::Scoped;
 use crate::serve::{
-    DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board, simulated,
+    DeclaredElement, Mover, SessionSummary, SessionVerdict, WaitingRoom, serve_client,
+    serve_on_board, simulated, wire::first_message_s,
 };
 use crate::terminal::interrupt;
 use experiment::failure::Failure;
@@ -86,8 +87,9 @@ impl Serve {
             ))
         })?;
         let cannot = |e: std::io::Error| Failure::test(format!("the network is lost: {e}"));
-        listener.set_nonblocking(true).map_err(cannot)?;
         let address = listener.local_addr().map_err(cannot)?;
+        let patience = Duration::from_secs_f64(first_message_s(test.serve.patience_s));
+        let mut waiting = WaitingRoom::new(listener, patience).map_err(cannot)?;
         interrupt::watch_rig();
         eprintln!(
             "outerloop: serves {} at {address}; Ctrl-C ends it",
@@ -102,17 +104,11 @@ impl Serve {
         // Where the last client's results went.
         let mut kept_in: Option<PathBuf> = None;
         while !interrupt::asked() {
-            let (stream, client) = match listener.accept() {
-                Ok(accepted) => accepted,
-                Err(e) if e.kind() == std::io::ErrorKind::WouldBlock => {
-                    wait(rig.as_mut())?;
-                    continue;
-                }
-                Err(e) => return Err(cannot(e)),
+            let Some(arrival) = waiting.next().map_err(cannot)? else {
+                wait(rig.as_mut())?;
+                continue;
             };
-            stream.set_nonblocking(false).map_err(cannot)?;
-            let client = client.to_string();
-            let served = serve_client(stream, &client, &element, rig.as_mut());
+            let served = serve_client(arrival, &element, rig.as_mut());
             let trace = rig.take_trace();
             // Whoever never spoke leaves nothing to keep.
             if let (Some(first), Some(trace), true) = (out, &trace, served.spoke) {

@@ -5,7 +5,7 @@ use experiment::trace::Trace;
 use host_tests::loopback::Loopback;
 use outerloop_cli::board::{self, BoardConnection, Connection, Operator, Port, Timeouts};
 use outerloop_cli::serve::{
-    DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board,
+    Arrival, DeclaredElement, Mover, SessionSummary, SessionVerdict, serve_client, serve_on_board,
 };
 use plant::Rig;
 use std::io::{Read, Write};
@@ -89,8 +89,10 @@ fn session(
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let (address, path) = (listener.local_addr().unwrap(), path.to_vec());
     let outside = std::thread::spawn(move || client(address, path));
-    let (stream, _) = listener.accept().unwrap();
-    let served = serve_client(stream, "client", &DeclaredElement::of(test).unwrap(), rig);
+    let (stream, client) = listener.accept().unwrap();
+    let at = std::time::Instant::now();
+    let arrival = Arrival { stream, client, at };
+    let served = serve_client(arrival, &DeclaredElement::of(test).unwrap(), rig);
     let summary = served.summary.clone();
     served.answer_nan_until_gone();
     let trace = rig.take_trace().unwrap();
