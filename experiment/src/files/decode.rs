@@ -58,7 +58,7 @@ fn decoded(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
     if let Some(encoding) = wide(&bytes) {
         return Ok(encoding.decode(&bytes).0.into_owned());
     }
-    if bytes.contains(&0) {
+    if is_binary(&bytes) {
         return Err(Failure::input(format!(
             "{file}: is a binary file{}: accepted are CSV and other text, MAT (5 and 7.3) and HDF5",
             kind(&bytes)
@@ -72,6 +72,11 @@ fn decoded(file: &str, bytes: Vec<u8>) -> Result<String, Failure> {
         // Every byte is a letter there: an umlaut in a title, a degree sign, a superscript two.
         Err(e) => Ok(WINDOWS_1252.decode(e.as_bytes()).0.into_owned()),
     }
+}
+
+/// True if the bytes are text in no encoding.
+pub fn is_binary(bytes: &[u8]) -> bool {
+    wide(bytes).is_none() && bytes.contains(&0)
 }
 
 /// UTF-16, by its mark or because every other byte is zero, as of digits and Western letters.
@@ -103,6 +108,7 @@ fn kind(bytes: &[u8]) -> &'static str {
         }
         [b'P', b'K', 3, 4, ..] => ", a ZIP archive such as .xlsx or .npz: export its table as CSV",
         [0xd0, 0xcf, 0x11, 0xe0, ..] => ", an Excel workbook (.xls): export its table as CSV",
+        [0x1f, 0x8b, ..] => ", compressed by gzip: unpack it first",
         [b'T', b'D', b'S', b'm', ..] => {
             " of LabVIEW (TDMS): export it as text, or read it with npTDMS and save it as MAT"
         }
@@ -120,8 +126,41 @@ fn kind(bytes: &[u8]) -> &'static str {
         | [b'M', b'S', 3, ..] => {
             " of MiniSEED, which is read as a ground motion alone: ObsPy writes it as text"
         }
+        _ if is_sac(bytes) => " of SAC: ObsPy reads it and writes it as MiniSEED or as text",
+        _ if is_mat_4(bytes) => {
+            " of MATLAB 4: save it with `-v7`, or load it with scipy.io.loadmat and save it again"
+        }
         _ => "",
     }
+}
+
+/// A seismologist's file: the version of its header, the 77th word of four bytes, is 6 or 7.
+fn is_sac(bytes: &[u8]) -> bool {
+    matches!(
+        bytes.get(304..308),
+        Some([6 | 7, 0, 0, 0] | [0, 0, 0, 6 | 7])
+    )
+}
+
+/// Five numbers (type, rows, columns, whether it is complex, length of the name) and a name that ends with a zero.
+fn is_mat_4(bytes: &[u8]) -> bool {
+    let (words, _) = bytes.as_chunks::<4>();
+    let (Some(words), true) = (words.get(..5), bytes.len() > 20) else {
+        return false;
+    };
+    let number = |read: fn([u8; 4]) -> u32, at: usize| read(words[at]) as usize;
+    [u32::from_le_bytes as fn([u8; 4]) -> u32, u32::from_be_bytes]
+        .into_iter()
+        .any(|read| {
+            let (kind, complex, length) = (number(read, 0), number(read, 3), number(read, 4));
+            let name = bytes.get(20..20 + length.min(64));
+            kind < 5000 && complex < 2 && length > 1 && {
+                name.and_then(<[u8]>::split_last)
+                    .is_some_and(|(end, name)| {
+                        *end == 0 && name.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_')
+                    })
+            }
+        })
 }
 
 #[cfg(test)]
@@ -156,12 +195,20 @@ mod tests {
 
     #[test]
     fn a_binary_file_is_named() {
+        let mut sac = vec![0x11; 632];
+        sac[304..308].copy_from_slice(&[6, 0, 0, 0]);
         for (bytes, said) in [
             (&b"\x93NUMPY\x01\x00v\x00"[..], "NumPy"),
             (b"000001D IU \x00\x00", "MiniSEED"),
             (b"MS\x03\x04\x00\x00", "MiniSEED"),
             (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1\x00\x00", ".xls"),
             (b"PK\x03\x04\x00\x00", "ZIP"),
+            (b"\x1f\x8b\x08\x00\x00", "gzip"),
+            (&sac, "SAC"),
+            (
+                b"\0\0\0\0\x09\0\0\0\x01\0\0\0\0\0\0\0\x05\0\0\0time\0\0\0",
+                "MATLAB 4",
+            ),
         ] {
             let e = text("f", bytes.to_vec()).unwrap_err().to_string();
             assert!(e.contains(said), "{e}");

@@ -29,7 +29,16 @@ const UNITS: &[(&str, &[&str])] = &[
     ),
     ("min", &["min", "mins", "minute", "minutes"]),
     ("m", &["m", "meter", "metre", "meters", "metres"]),
-    ("mm", &["mm", "millimeter", "millimetre"]),
+    (
+        "mm",
+        &[
+            "mm",
+            "millimeter",
+            "millimetre",
+            "millimeters",
+            "millimetres",
+        ],
+    ),
     (
         "um",
         &[
@@ -45,7 +54,7 @@ const UNITS: &[(&str, &[&str])] = &[
     ("cm", &["cm"]),
     ("in", &["in", "inch", "inches"]),
     ("n", &["n", "newton", "newtons"]),
-    ("kn", &["kn", "kilonewton"]),
+    ("kn", &["kn", "kilonewton", "kilonewtons"]),
     ("mn", &["mn", "meganewton"]),
     ("lbf", &["lbf", "lb"]),
     ("kip", &["kip", "kips"]),

@@ -4,13 +4,22 @@ use super::header::Header;
 
 /// What the first line of such a file begins with.
 const MAGIC: &str = "LabVIEW Measurement";
+/// What a column of times is called.
+const TIMES: &str = "X_Value";
 /// What ends each of the two headers.
 const END: &str = "***End_of_Header***";
 
 /// The text with its table alone: the lines before it are blank, so that messages keep their line, and the units of
-/// `Y_Unit_Label` stand in the names. A file without a column of times has those of `X0` and `Delta_X`. `None`: the text is no
-/// such file, or one with times for each channel.
-pub fn as_table(text: &str) -> Option<String> {
+/// `Y_Unit_Label` stand in the names. A file without a column of times has those of `X0` and `Delta_X`; one with times for each
+/// channel is a table where these are the same. `None`: the text is no such file.
+///
+/// # Errors
+/// Channels at different times, by the line.
+pub fn as_table(text: &str) -> Result<Option<String>, String> {
+    table(text).transpose()
+}
+
+fn table(text: &str) -> Option<Result<String, String>> {
     if !text.starts_with(MAGIC) {
         return None;
     }
@@ -28,7 +37,7 @@ pub fn as_table(text: &str) -> Option<String> {
     };
     let first = |name: &str| key(name)?.first()?.replace(',', ".").parse::<f64>().ok();
     let clock = match *key("X_Columns")?.first()? {
-        "One" => None,
+        "One" | "Multi" => None,
         "No" => Some((first("X0")?, first("Delta_X")?)),
         _ => return None,
     };
@@ -46,17 +55,29 @@ pub fn as_table(text: &str) -> Option<String> {
     };
     // Behind the last channel stands a column for comments, empty in most rows.
     let names = names.trim_end().split(separator);
-    let names: Vec<String> = names
-        .filter(|name| name.trim() != "Comment")
-        .enumerate()
-        .map(named)
-        .collect();
+    let names: Vec<&str> = names.filter(|name| name.trim() != "Comment").collect();
+    // The times of further channels, which have to be the first one's.
+    let is_time = |at: &usize| *at > 0 && names[*at].trim() == TIMES;
+    let (times, kept): (Vec<usize>, Vec<usize>) = (0..names.len()).partition(is_time);
+    let heads: Vec<String> = kept.iter().map(|at| named((*at, names[*at]))).collect();
     let mut table = "\n".repeat(end + 1);
-    table += &names.join(&separator.to_string());
+    table += &heads.join(&separator.to_string());
     for (row, line) in lines[end + 2..].iter().enumerate() {
+        let all: Vec<&str> = line.trim_end().split(separator).collect();
+        let seconds = |at: usize| all.get(at)?.replace(',', ".").parse::<f64>().ok();
+        if let Some(at) = times
+            .iter()
+            .find(|at| seconds(**at).is_some_and(|s| Some(s) != seconds(0)))
+        {
+            return Some(Err(format!(
+                "line {}: a LabVIEW file with times for each channel (X_Columns Multi), of which those of `{}` are others: \
+                 accepted are channels that were sampled together",
+                end + 3 + row,
+                names.get(at + 1).unwrap_or(&TIMES)
+            )));
+        }
         let time = clock.map(|(from_s, step_s)| (from_s + row as f64 * step_s).to_string());
-        let cells = line.trim_end().splitn(names.len() + 1, separator);
-        let mut cells: Vec<&str> = cells.take(names.len()).collect();
+        let mut cells: Vec<&str> = kept.iter().map_while(|at| all.get(*at).copied()).collect();
         if let (Some(time), [empty, ..]) = (&time, &mut cells[..])
             && empty.trim().is_empty()
         {
@@ -66,7 +87,7 @@ pub fn as_table(text: &str) -> Option<String> {
         table += &cells.join(&separator.to_string());
     }
     table.push('\n');
-    Some(table)
+    Some(Ok(table))
 }
 
 #[cfg(test)]
@@ -79,7 +100,7 @@ mod tests {
 
     #[test]
     fn the_second_header_ends_at_the_table() {
-        let table = as_table(TEXT).unwrap();
+        let table = as_table(TEXT).unwrap().unwrap();
         assert_eq!(
             table.lines().count(),
             TEXT.lines().count(),
@@ -103,7 +124,7 @@ mod tests {
             .replace("0.002\t0.002", "0,002\t0,002")
             .replace("\n0.000\t", "\n\t")
             .replace("\n0.002\t", "\n\t");
-        let table = as_table(&text).unwrap();
+        let table = as_table(&text).unwrap().unwrap();
         assert!(
             table.ends_with("\n0\t-1.5\t0.25\n0.002\t-1.6\t0.26\n"),
             "{table}"
@@ -111,8 +132,29 @@ mod tests {
     }
 
     #[test]
-    fn what_has_times_for_each_channel_is_left_as_it_is() {
-        assert_eq!(as_table(&TEXT.replace("\tOne", "\tMulti")), None);
-        assert_eq!(as_table("time_s,a\n0,1\n"), None);
+    fn times_for_each_channel_are_one_where_they_are_the_same() {
+        let head = TEXT.split("X_Value").next().unwrap();
+        let head = head
+            .replace("\tOne", "\tMulti")
+            .replace("mm\tkN", "mm\t\tkN");
+        let of = |row: &str| {
+            as_table(&format!(
+                "{head}X_Value\tCommand\tX_Value\tForce\tComment\n0.000\t-1.5\t0.000\t0.25\n{row}\n"
+            ))
+        };
+        let table = of("0.002\t-1.6\t0.002\t0.26").unwrap().unwrap();
+        let rows: Vec<&str> = table.lines().filter(|line| !line.is_empty()).collect();
+        let expected = [
+            "Time (s)\tCommand (mm)\tForce (kN)",
+            "0.000\t-1.5\t0.25",
+            "0.002\t-1.6\t0.26",
+        ];
+        assert_eq!(rows, expected);
+        let e = of("0.002\t-1.6\t0.003\t0.26").unwrap_err();
+        assert!(
+            e.starts_with("line 14: a LabVIEW file") && e.contains("`Force`"),
+            "{e}"
+        );
+        assert_eq!(as_table("time_s,a\n0,1\n").unwrap(), None);
     }
 }

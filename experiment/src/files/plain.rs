@@ -47,7 +47,7 @@ const WORDS: [(&str, &str); 16] = [
     // The tables that are read apart from the rest.
     (
         "expected one of `structure`",
-        "expected one of `plant`, `excitation`, `declared`, `board`, `serve`, `structure`",
+        "expected one of `plant`, `excitation`, `declared`, `board`, `serve`, `watch`, `coupled`, `structure`",
     ),
 ];
 
@@ -60,11 +60,31 @@ pub fn sentence(said: &str) -> String {
     if let Some((before, _)) = text.split_once("expected struct ") {
         text = format!("{before}expected a table");
     }
+    if let Some(kinds) = text.strip_prefix("invalid type: ")
+        && let Some((found, wanted)) = kinds.rsplit_once(", expected ")
+    {
+        text = format!("{} stands there: accepted is {wanted}", plain_kind(found));
+    }
     // A list is read until it is full: how long it was meant to be is not known.
     if text.starts_with("invalid length ") && text.ends_with("expected a sequence") {
         text = "has too many values: accepted are at most 8 values".into();
     }
     text
+}
+
+/// A value of the wrong kind, as the readers show it, in plain words.
+fn plain_kind(found: &str) -> String {
+    let quoted = |text: &str| text.trim_matches('`').to_owned();
+    match found.split_once(' ') {
+        Some(("string", text)) => format!("the text {text}"),
+        Some(("integer" | "boolean", value)) => quoted(value),
+        Some(("floating", rest)) => quoted(rest.trim_start_matches("point ")),
+        _ => match found {
+            "map" => "a table".into(),
+            "sequence" => "a list".into(),
+            other => other.to_owned(),
+        },
+    }
 }
 
 /// The line of a file that a mistake in its TOML stands in, and what is wrong there.
@@ -121,7 +141,27 @@ pub fn part<T: DeserializeOwned + Default>(name: &str, value: Option<Value>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::in_line;
+    use super::{in_line, sentence};
+
+    #[test]
+    fn a_value_of_another_kind_is_named_in_plain_words() {
+        for (said, plain) in [
+            (
+                "invalid type: string \"a, b\", expected f64",
+                "the text \"a, b\" stands there: accepted is a number",
+            ),
+            (
+                "invalid type: floating point `4.5`, expected usize",
+                "4.5 stands there: accepted is a whole number",
+            ),
+            (
+                "invalid type: map, expected a string",
+                "a table stands there: accepted is a text",
+            ),
+        ] {
+            assert_eq!(sentence(said), plain);
+        }
+    }
 
     #[test]
     fn a_line_that_is_no_toml_is_quoted_and_says_how_a_number_is_written() {

@@ -172,14 +172,19 @@ impl SiRecording {
             let (column, factor) = match assigned.iter().find(|(at, _)| *at == j) {
                 Some((_, a)) => assigned_column(&table, header, a)?,
                 None => {
-                    // Times of day need no unit where --rate stands for them.
-                    if let Some(bad) = bad_in(j).filter(|_| said.rate.is_some())
-                        && header.likely() == Some("time")
-                    {
-                        notes.push(left_out(&table, bad));
-                        continue;
-                    }
-                    let found = column(&table, header)?;
+                    let clock = header.likely() == Some("time") || header.base.starts_with("time");
+                    let found = match (bad_in(j).filter(|_| clock), said.rate) {
+                        (None, _) => column(&table, header)?,
+                        // Times of day need no unit where --rate stands for them.
+                        (Some(bad), Some(_)) => {
+                            notes.push(left_out(&table, bad));
+                            continue;
+                        }
+                        // No unit makes seconds of them.
+                        (Some(bad), None) => {
+                            column(&table, header).map_err(|_| table.refuse_cell(bad))?
+                        }
+                    };
                     // What was said on the command line stands above what a name suggests.
                     let taken =
                         |(_, a): &(usize, &ColumnAssignment)| a.quantity == found.0.quantity;

@@ -59,7 +59,8 @@ impl NumberTable {
     /// # Errors
     /// As [`NumberTable::parse`], but for the cells, and for the header where `by_number`.
     pub fn parse_with_bad_cells(file: &str, text: &str, by_number: bool) -> Result<Self, Failure> {
-        let of_labview = labview::as_table(text);
+        let of_labview =
+            labview::as_table(text).map_err(|why| Failure::input(format!("{file}, {why}")))?;
         let text = of_labview.as_deref().unwrap_or(text);
         let lines: Vec<Line<'_>> = text
             .lines()

@@ -1,7 +1,7 @@
 //! The test file: what is tested, how, and on which simulated rig.
 
 use super::plain::{self, part, typed};
-use super::{read, refused, units};
+use super::{decode, refused, units};
 use crate::compensation::Compensation;
 use crate::coupled::part::CoupledPart;
 use crate::failure::Failure;
@@ -157,7 +157,14 @@ impl TestFile {
     pub fn load_any(path: &Path, overrides: &[String]) -> Result<Self, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = path.display().to_string();
-        Self::parse(&read(path)?, &file, folder, overrides)
+        let bytes = decode::bytes(path)?;
+        if decode::is_binary(&bytes) {
+            return Err(Failure::input(format!(
+                "{file}: is a binary file, and no test file: accepted is one in TOML, as `outerloop new` writes it; \
+                 `outerloop replay` and `diff` take the archive of a test"
+            )));
+        }
+        Self::parse(&decode::text(&file, bytes)?, &file, folder, overrides)
     }
 
     /// What only a test of two coupled actuators has.
