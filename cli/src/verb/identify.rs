@@ -3,6 +3,7 @@
 use super::{json, look_at_report};
 use crate::provenance::WithProvenance;
 use crate::report;
+use crate::terminal;
 use crate::wording::digits;
 use diagnosis::{Identified, Recording};
 use experiment::actuator_doubt::doubt;
@@ -44,11 +45,13 @@ impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
         look_ahead::file(self.write.as_deref())?;
         let out = look_ahead::folder(self.out.as_deref(), &["report.html", "response.json"])?;
-        let recording = RecordFiles::with(&self.columns).longest(&self.record)?;
+        let read = || RecordFiles::with(&self.columns).longest(&self.record);
+        let recording = terminal::while_waiting("reading the record", read)?;
         for remark in &recording.remarks {
             eprintln!("outerloop: note: {remark}");
         }
-        let found = diagnosis::identify(&recording).map_err(Failure::input)?;
+        let fit = || diagnosis::identify(&recording);
+        let found = terminal::while_waiting("fitting the actuator", fit).map_err(Failure::input)?;
         let doubt = doubt(&recording, &found);
         if let Some(path) = &self.write {
             match &doubt {
@@ -90,7 +93,7 @@ impl Identify {
         );
         if let Some(path) = &self.write {
             println!(
-                "{}: plant.actuator, compensation.delay_ms and estimation are set.",
+                "{}: plant.actuator, compensation.delay_ms and estimation are set; comments are left as they were.",
                 path.display()
             );
         }

@@ -38,9 +38,23 @@ impl ManPage {
         command.build();
         let page = clap_mangen::Man::new(command.clone());
         page.render(&mut text).map_err(cannot)?;
+        // The generator takes each verb for a page of its own; here it is a section below.
+        let mut text = own_sections(&command, &String::from_utf8_lossy(&text)).into_bytes();
         verbs(&command, "outerloop", &mut text).map_err(cannot)?;
         print(&text)
     }
+}
+
+/// The page with `outerloop run` in place of the page `outerloop-run(1)`, and so for each verb.
+fn own_sections(command: &clap::Command, page: &str) -> String {
+    let verbs = command.get_subcommands().map(clap::Command::get_name);
+    verbs.fold(page.to_owned(), |page, verb| {
+        let verb = verb.replace('-', "\\-");
+        page.replace(
+            &format!("outerloop\\-{verb}(1)"),
+            &format!("outerloop {verb}"),
+        )
+    })
 }
 
 /// A section for each verb of `command`, and for each verb of it.

@@ -18,6 +18,8 @@ fn completions_and_the_man_page_know_every_verb() {
         out.status.success() && text.contains(".TH outerloop 1"),
         "{text}"
     );
+    // Pages that are none are not named.
+    assert!(!text.contains("outerloop\\-"), "{text}");
     for verb in [
         "OUTERLOOP RUN",
         "OUTERLOOP SERVE",
