@@ -1,6 +1,6 @@
 //! `outerloop effects`: every effect by the name that files and answers use.
 
-use crate::terminal::table;
+use crate::terminal::{output, table};
 use experiment::failure::Failure;
 use plant::catalogue;
 use serde_json::json;
@@ -64,7 +64,7 @@ impl Effects {
                 parameters.join("\n"),
             ]);
         }
-        answer!("{t}");
+        answer!("{}", output::for_reading(&t.to_string()));
         Ok(())
     }
 }

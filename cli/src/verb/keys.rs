@@ -50,8 +50,6 @@ impl Keys {
             answer!("{}", json(&groups)?);
         } else {
             for group in &groups {
-                let head = format!("[{}]  {}", group.path, group.meaning);
-                answer!("{}", output::for_reading(&head));
                 let head = ["key", "unit", "default", "accepted", "meaning"];
                 let mut t = table(&head).with_words(5).of_text();
                 for key in &group.keys {
@@ -64,7 +62,8 @@ impl Keys {
                         &key.meaning,
                     ]);
                 }
-                answer!("{t}\n");
+                let text = format!("[{}]  {}\n{t}\n", group.path, group.meaning);
+                answer!("{}", output::for_reading(&text));
             }
         }
         Ok(())

@@ -13,6 +13,7 @@ pub mod header;
 mod labview;
 pub mod look_ahead;
 pub mod measured;
+mod missing_rows;
 pub mod model;
 pub mod near_fault;
 mod note;
