@@ -5,7 +5,7 @@ use super::page::{each_tile, escape};
 use super::plot::{Curve, HALF, IDEAL, TALL, TESTED, WRONG, history, path, plot};
 use crate::terminal::percent;
 use crate::wording::{
-    corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted,
+    corrected, depends_on, digits, headline, next, parameter, predicted, quantity, refitted,
     rest as sentence,
 };
 use diagnosis::{ChannelAnswer, Traces, Verdict};
@@ -68,7 +68,7 @@ fn details(a: &ChannelAnswer) -> String {
     html += &errors(a);
     for sentence in corrected(a)
         .into_iter()
-        .chain(foretold(a))
+        .chain(predicted(a))
         .chain(refitted(a))
     {
         let _ = write!(html, "<p>{}</p>", escape(&sentence));

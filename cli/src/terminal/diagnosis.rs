@@ -3,7 +3,7 @@
 use super::tables::{Table, table};
 use crate::improve::Improvement;
 use crate::wording::{
-    corrected, depends_on, digits, foretold, headline, next, parameter, quantity, refitted, rest,
+    corrected, depends_on, digits, headline, next, parameter, predicted, quantity, refitted, rest,
     sureness, verdict,
 };
 use diagnosis::{ChannelAnswer, Diagnosis};
@@ -33,7 +33,7 @@ pub fn diagnosis(d: &Diagnosis) -> String {
         for sentence in rest(a)
             .into_iter()
             .chain(corrected(a))
-            .chain(foretold(a))
+            .chain(predicted(a))
             .chain(refitted(a))
             .chain(next(a))
         {

@@ -12,7 +12,7 @@ pub fn headline(a: &ChannelAnswer) -> String {
     let found = found.join(" and ");
     match a.verdict {
         Verdict::None => {
-            format!("Nothing is missing in the {channel} model that the noise would show.")
+            format!("The {channel} model lacks nothing that shows above the noise.")
         }
         Verdict::Effect => format!("The {channel} model lacks {found}. {}", change(a)),
         Verdict::Ambiguous => {
@@ -43,7 +43,7 @@ pub fn headline(a: &ChannelAnswer) -> String {
                 )
             });
             format!(
-                "Something is missing in the {channel} model, and no effect that is known here accounts for it.{nearest}"
+                "Something is missing in the {channel} model, and no effect of the library accounts for it.{nearest}"
             )
         }
         // The first note says why.
@@ -82,7 +82,7 @@ pub fn sureness(a: &ChannelAnswer) -> Option<String> {
         let each = a.members.iter();
         let each = each.map(|m| format!("{} {:.0} %", m.name, 100.0 * m.probability));
         let all: Vec<String> = each.collect();
-        return Some(format!("How probable each is: {}.", all.join(", ")));
+        return Some(format!("Probabilities: {}.", all.join(", ")));
     }
     let q = a.effects.iter().filter_map(|e| e.q).reduce(f64::max)?;
     Some(format!(
@@ -229,24 +229,24 @@ pub const fn depends_on(d: DependsOn, channel: Channel) -> &'static str {
 pub fn corrected(a: &ChannelAnswer) -> Option<String> {
     let with = a.error_with_remainder?;
     Some(format!(
-        "Held out: {} rms as declared, {} with what has a name, {} with the rest's correction, which has none.",
+        "Held out: {} rms refitted, {} with what has a name, {} with a correction for the residual, which has none.",
         quantity(a.error_before.test_rms, &a.unit),
         quantity(a.error_after.test_rms, &a.unit),
         quantity(with.test_rms, &a.unit)
     ))
 }
 
-/// What was foretold of the held-out data, in one sentence.
-pub fn foretold(a: &ChannelAnswer) -> Option<String> {
+/// The error that was predicted for the held-out data, in one sentence.
+pub fn predicted(a: &ChannelAnswer) -> Option<String> {
     let [low, high] = a.next_error_ci90?;
     let reached = a.error_after.test_rms;
     let held = if (low..=high).contains(&reached) {
         "it is"
     } else {
-        "it is outside of that,"
+        "it is outside, at"
     };
     Some(format!(
-        "From the training data and the held-out motion alone an error of {} to {} rms is foretold (90 %); {held} {}.",
+        "The training data and the held-out motion alone predict an error of {} to {} rms (90 %); {held} {}.",
         digits(low),
         quantity(high, &a.unit),
         quantity(reached, &a.unit)
@@ -282,7 +282,7 @@ pub fn rest(a: &ChannelAnswer) -> Option<String> {
         ));
     }
     Some(format!(
-        "Of what is left, {} rms, {}.",
+        "Of the residual, {} rms, {}.",
         quantity(r.rms, &a.unit),
         parts.join("; ")
     ))
@@ -311,7 +311,7 @@ pub fn parameter(p: &FoundParameter) -> String {
     }
     let [low, high] = p.ci90;
     if low < 0.0 && high > 0.0 && high - low > TOLD * p.value.abs() {
-        return format!("{} = {value}  (not told by this record)", p.name);
+        return format!("{} = {value}  (this record does not determine it)", p.name);
     }
     format!(
         "{} = {value}  (90 %: {} to {})",
@@ -426,7 +426,7 @@ mod tests {
         };
         let said = [[-9.9, 10.2], [-0.1, 0.5], [0.1, 0.26]].map(|ci90| parameter(&give(ci90)));
         assert!(
-            said[0].ends_with("(not told by this record)"),
+            said[0].ends_with("(this record does not determine it)"),
             "{}",
             said[0]
         );

@@ -70,8 +70,8 @@ pub fn expectation(o: &Outlook) -> String {
         let narrowing = o.parameters.iter().map(|p| p.half_then / p.half_now);
         let least = narrowing.fold(1.0, f64::min);
         return format!(
-            "In the {channel} nothing rivals what the model has: the test makes its numbers better known, the best of them \
-             {} times.",
+            "In the {channel} no rival is left: the test narrows the intervals of the model's numbers, the best of them {} \
+             times.",
             digits(1.0 / least)
         );
     };

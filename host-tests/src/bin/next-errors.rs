@@ -1,4 +1,4 @@
-//! The table of errors foretold and errors that came.
+//! The table of errors predicted and errors that came.
 
 use comfy_table::{Table, presets};
 use exam::Class;
@@ -32,7 +32,7 @@ fn print(what: &str, pairs: &[Pair]) {
     let mut table = Table::new();
     table.load_preset(presets::ASCII_MARKDOWN).set_header([
         "trained on",
-        "foretold, rms",
+        "predicted, rms",
         "came",
         "holds",
     ]);
