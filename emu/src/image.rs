@@ -1,7 +1,10 @@
 //! The image as it is flashed.
 
+use object::read::elf::{ElfFile32, ElfSymbol32};
+use object::{Object, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
 use rigless::symbols::Symbols;
+use std::ops::Range;
 use std::path::Path;
 
 /// An ELF file, its symbols and its sizes.
@@ -46,6 +49,35 @@ impl Firmware {
         self.symbols.get(name).map_err(|e| e.to_string())
     }
 
+    /// Where the one variable lies whose name has `part` in it, as the compiler writes names: each word behind its length.
+    ///
+    /// # Errors
+    /// A sentence: there is none, or more than one.
+    pub fn variable(&self, part: &str) -> Result<Range<u64>, String> {
+        let bytes = self.images.first().map_or(&[][..], Image::bytes);
+        let file: ElfFile32<'_> = ElfFile32::parse(bytes).map_err(|e| e.to_string())?;
+        let named = |symbol: &ElfSymbol32<'_, '_>| {
+            let name = symbol.name().unwrap_or_default();
+            symbol.kind() == SymbolKind::Data && symbol.size() > 0 && name.contains(part)
+        };
+        let mut found = file.symbols().filter(named);
+        match (found.next(), found.next()) {
+            (Some(one), None) => Ok(one.address()..one.address() + one.size()),
+            (None, _) => Err(format!("the image has no variable with {part} in its name")),
+            (Some(_), Some(_)) => Err(format!(
+                "the image has several variables with {part} in their names"
+            )),
+        }
+    }
+
+    /// Where in the flash it is stored.
+    pub fn stored(&self) -> Vec<Range<u64>> {
+        let stored = self.images.iter().take(1).flat_map(Image::segments);
+        stored
+            .map(|(at, bytes)| at..at + bytes.len() as u64)
+            .collect()
+    }
+
     /// Bytes of its variables, without the stack.
     ///
     /// # Errors
@@ -56,7 +88,9 @@ impl Firmware {
 
     /// Bytes that the image takes in flash: everything that is stored.
     pub fn flash_bytes(&self) -> u64 {
-        let stored = self.images.iter().take(1).flat_map(Image::segments);
-        stored.map(|(_, bytes)| bytes.len() as u64).sum()
+        self.stored()
+            .iter()
+            .map(|range| range.end - range.start)
+            .sum()
     }
 }

@@ -6,6 +6,7 @@ mod faults;
 mod motion;
 mod pins;
 mod timer;
+mod turned;
 mod updates;
 
 use crate::chain::{Chain, Converters, Instant, Shown};

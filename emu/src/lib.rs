@@ -9,6 +9,7 @@
 //!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
+//!  flips        bits that turn over by themselves in a running test
 //!  image        the ELF, its sizes and symbols
 //!  gaps         addresses at which the chip has nothing
 //!  run          power on
@@ -25,6 +26,8 @@
 #![cfg(feature = "emulator")]
 
 pub mod chain;
+#[cfg(unix)]
+pub mod flips;
 mod gaps;
 pub mod image;
 pub mod laboratory;

@@ -1,5 +1,6 @@
 //! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
 
+use crate::flips::CoreBits;
 use crate::wire::{BoardEnd, Wire};
 use rigless::machine::armv7m::{Core, Fpu, MpuRegions, Variant};
 use rigless::machine::{Board, Target};
@@ -35,6 +36,8 @@ pub const RIGHT_CRYSTAL_HZ: u64 = 8_000_000;
 pub struct Nucleo {
     /// The chip.
     pub chip: Stm32f427,
+    /// Bits of the processor that turn over.
+    core_bits: Option<CoreBits>,
 }
 
 impl Nucleo {
@@ -52,7 +55,17 @@ impl Nucleo {
             converter.set_reference(REFERENCE);
         }
         chip.usart[USART3].attach(BoardEnd(wire));
-        Ok(Self { chip })
+        Ok(Self {
+            chip,
+            core_bits: None,
+        })
+    }
+
+    /// With a processor whose bits turn over.
+    #[must_use]
+    pub(crate) fn with_core_bits(mut self, bits: CoreBits) -> Self {
+        self.core_bits = Some(bits);
+        self
     }
 }
 
@@ -85,6 +98,10 @@ impl Board for Nucleo {
         };
         let windows = rigless::cpu::armv7m::windows(Mcu::bus(&self.chip));
         let spec = core.spec_with_parts(&windows, Fpu::FpV4Sp, MpuRegions::Eight);
+        let spec = match &self.core_bits {
+            Some(bits) => bits.before(spec),
+            None => spec,
+        };
         vec![Target::new(MCU, &mut self.chip, spec)]
     }
 }

@@ -23,6 +23,8 @@ pub struct Ad7606 {
     results: [i16; 8],
     /// DOUTA's level, if it is stuck.
     pub stuck: Option<Level>,
+    /// The bit of the next frame that turns over on its way.
+    pub turned: Option<u32>,
     /// Bits that have been brought out since CS fell.
     out: u32,
 }
@@ -76,7 +78,8 @@ impl Peer for Ad7606 {
             } else {
                 0
             };
-            word = word << 1 | bit;
+            let turned = self.turned.take_if(|place| *place == self.out).is_some();
+            word = word << 1 | bit ^ u32::from(turned);
             self.out += 1;
         }
         match self.stuck {

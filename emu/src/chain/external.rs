@@ -295,6 +295,20 @@ pub fn dip_input(session: &mut Session<Nucleo>) {
     }
 }
 
+/// A bit of the AD7606's next frame turns over on its way.
+pub fn turn_over_input(session: &mut Session<Nucleo>, bit: u32) {
+    if let Some(adc) = chip::<Ad7606>(session, SPI1) {
+        adc.turned = Some(bit);
+    }
+}
+
+/// A bit of the next command turns over on its way.
+pub fn turn_over_output(session: &mut Session<Nucleo>, bit: u32) {
+    if let Some(bus) = chip::<OnBus>(session, SPI3) {
+        bus.turned = Some(bit);
+    }
+}
+
 /// An actuator's output stays where it is from now on.
 pub fn break_output(session: &mut Session<Nucleo>, actuator: usize) {
     if let Some(dac) = output(session) {

@@ -242,6 +242,20 @@ impl Chain {
         }
     }
 
+    /// A bit of the next frame from the input converter outside the chip turns over.
+    pub fn turn_over_input(&mut self, session: &mut Session<Nucleo>, bit: u32) {
+        if let Self::External(_) = self {
+            external::turn_over_input(session, bit);
+        }
+    }
+
+    /// A bit of the next command to the output converter outside the chip turns over.
+    pub fn turn_over_output(&mut self, session: &mut Session<Nucleo>, bit: u32) {
+        if let Self::External(_) = self {
+            external::turn_over_output(session, bit);
+        }
+    }
+
     /// An actuator's output no longer follows its command.
     pub fn break_output(&mut self, session: &mut Session<Nucleo>, actuator: usize) {
         match self {

@@ -35,6 +35,8 @@ pub struct OnBus {
     shift: Shift,
     /// What the last command asked for.
     answer: u32,
+    /// The bit of the next command that turns over on its way.
+    pub turned: Option<u32>,
 }
 
 impl OnBus {
@@ -44,6 +46,7 @@ impl OnBus {
             chip: Box::new(chip),
             shift: Shift::default(),
             answer: 0,
+            turned: None,
         }
     }
 }
@@ -62,7 +65,8 @@ impl Peer for OnBus {
 
     fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
         if let Some(command) = self.shift.end() {
-            self.answer = self.chip.execute(context.now().0, command);
+            let turned = self.turned.take().map_or(0, |bit| 1 << bit);
+            self.answer = self.chip.execute(context.now().0, command ^ turned);
         }
     }
 }

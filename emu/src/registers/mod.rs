@@ -61,7 +61,7 @@ pub const GPIOF_MODER: u64 = 0x4002_1400;
 pub const GPIOF_BSRR: u64 = 0x4002_1418;
 
 /// Every register that is kept.
-const KEPT: [u64; 44] = [
+pub(crate) const KEPT: [u64; 44] = [
     ADC2_CR1,
     ADC2_CR2,
     ADC2_SMPR1,

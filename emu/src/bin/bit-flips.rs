@@ -1,0 +1,60 @@
+//! `bit-flips --image IMAGE`: what becomes of a running test when single bits turn over, as a table with a bound.
+
+use clap::Parser;
+use emu::Firmware;
+use emu::flips::{Table, Trials, run};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Bits that turn over while a test runs on the flashed image for one actuator and external converters
+#[derive(Parser, Debug)]
+#[command(version, about)]
+struct Arguments {
+    /// The image as it is flashed, an ELF file; without it the one that OUTERLOOP_IMAGE_16 names
+    #[arg(long)]
+    image: Option<PathBuf>,
+    /// Number of flips
+    #[arg(long, default_value_t = 2000)]
+    flips: usize,
+    /// Of the dice
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Processes at once
+    #[arg(long, default_value_t = 2)]
+    jobs: usize,
+    /// Each flip on a line of its own, on standard error
+    #[arg(long)]
+    each: bool,
+}
+
+fn main() -> ExitCode {
+    match table(&Arguments::parse()) {
+        Ok(table) => {
+            print!("{table}");
+            ExitCode::SUCCESS
+        }
+        Err(sentence) => {
+            eprintln!("bit-flips: {sentence}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn table(arguments: &Arguments) -> Result<Table, String> {
+    let image = arguments.image.clone();
+    let image = image.or_else(|| std::env::var_os("OUTERLOOP_IMAGE_16").map(PathBuf::from));
+    let image = image.ok_or("no image: accepted is --image with the ELF file of nucleo_f429zi_16, which `scripts/cross build` makes")?;
+    let firmware = Firmware::read(&image)?;
+    let trials = Trials {
+        flips: arguments.flips,
+        seed: arguments.seed,
+        jobs: arguments.jobs,
+        only: None,
+    };
+    let each = arguments.each;
+    run(&firmware, &trials, move |line| {
+        if each {
+            eprintln!("{line}");
+        }
+    })
+}

@@ -1,0 +1,262 @@
+//! The processor, with registers in which a bit can be turned over between two instructions.
+
+use rigless::emulator::{
+    BitAlias, CoreBus, CoreSpec, DataModel, Error, Exit, HaltReason, HostCall, Processor,
+    ProcessorConstructor, Queued,
+};
+use rigless::soc::{Endian, Width};
+use rigless::time::VirtualNanos;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Numbers by which GDB knows a register of this processor lie below this.
+const NUMBERS: usize = 64;
+
+/// A bit of the processor's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CoreBit {
+    /// Of one of the registers that a program computes with, by a number that is taken modulo of what there is.
+    Register(u32),
+    /// Of a register of the processor's own peripherals: interrupts, memory protection.
+    System {
+        /// The register.
+        address: u64,
+        /// The bit.
+        bit: u32,
+        /// Now.
+        at: VirtualNanos,
+    },
+}
+
+#[derive(Debug, Default)]
+struct Asked {
+    turn: Option<CoreBit>,
+    stack_pointer: u64,
+}
+
+/// What is asked of the processor, and what it tells. Clones are of the same processor.
+#[derive(Clone, Debug, Default)]
+pub struct CoreBits(Arc<Mutex<Asked>>);
+
+impl CoreBits {
+    fn asked(&self) -> MutexGuard<'_, Asked> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Turns a bit over before the next instruction.
+    pub(super) fn turn_over(&self, bit: CoreBit) {
+        self.asked().turn = Some(bit);
+    }
+
+    /// Where the stack pointer is.
+    pub(super) fn stack_pointer(&self) -> u64 {
+        self.asked().stack_pointer
+    }
+
+    /// The core with its processor behind these.
+    pub(crate) fn before(&self, mut core: CoreSpec) -> CoreSpec {
+        let (inner, bits) = (core.processor, self.clone());
+        let processor: ProcessorConstructor = Arc::new(move |endian| {
+            Ok(Box::new(Turned {
+                inner: inner(endian)?,
+                bits: bits.clone(),
+            }) as Box<dyn Processor>)
+        });
+        core.processor = processor;
+        core
+    }
+}
+
+/// A processor, and what is asked of it.
+#[derive(Debug)]
+struct Turned {
+    inner: Box<dyn Processor>,
+    bits: CoreBits,
+}
+
+impl Turned {
+    fn turn_over(&mut self, bit: CoreBit) {
+        match bit {
+            CoreBit::Register(place) => {
+                let all: Vec<(usize, Vec<u8>)> = (0..NUMBERS)
+                    .filter_map(|number| Some((number, self.inner.gdb_register(number)?)))
+                    .collect();
+                let bits: usize = all.iter().map(|(_, bytes)| 8 * bytes.len()).sum();
+                let mut place = place as usize % bits.max(1);
+                for (number, mut bytes) in all {
+                    if let Some(byte) = bytes.get_mut(place / 8) {
+                        *byte ^= 1 << (place % 8);
+                        self.inner.set_gdb_register(number, &bytes);
+                        return;
+                    }
+                    place -= 8 * bytes.len();
+                }
+            }
+            CoreBit::System { address, bit, at } => {
+                let mut access = |write| self.inner.debugger_access(write, address, Width::W32, at);
+                if let Some(value) = access(None) {
+                    access(Some(value ^ 1 << bit));
+                }
+            }
+        }
+    }
+}
+
+impl Processor for Turned {
+    fn run(&mut self, budget: u32, bus: &mut dyn CoreBus) -> (Exit, u64) {
+        let turn = self.bits.asked().turn.take();
+        if let Some(bit) = turn {
+            self.turn_over(bit);
+        }
+        let ran = self.inner.run(budget, bus);
+        let pointer = self.inner.gdb_register(13);
+        let pointer = pointer.and_then(|bytes| Some(u32::from_le_bytes(bytes.try_into().ok()?)));
+        self.bits.asked().stack_pointer = pointer.unwrap_or(0).into();
+        ran
+    }
+
+    // What follows is the processor's.
+
+    fn retired(&self) -> u64 {
+        self.inner.retired()
+    }
+
+    fn ask(&mut self, queued: Queued) {
+        self.inner.ask(queued);
+    }
+
+    fn maps(&self, start: u64, length: u64) -> bool {
+        self.inner.maps(start, length)
+    }
+
+    fn page_size(&self) -> u64 {
+        self.inner.page_size()
+    }
+
+    unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, writable: bool) {
+        // SAFETY: what the caller promises is promised on.
+        unsafe { self.inner.map(start, length, host, writable) };
+    }
+
+    fn boot(&mut self, table: u64, read: &dyn Fn(u64, Width) -> Option<u64>) {
+        self.inner.boot(table, read);
+    }
+
+    fn reset(&mut self) {
+        self.inner.reset();
+    }
+
+    fn take_reset_request(&mut self) -> bool {
+        self.inner.take_reset_request()
+    }
+
+    fn next_event(&self) -> Option<VirtualNanos> {
+        self.inner.next_event()
+    }
+
+    fn on_event(&mut self, now: VirtualNanos) {
+        self.inner.on_event(now);
+    }
+
+    fn waiting(&self) -> bool {
+        self.inner.waiting()
+    }
+
+    fn pc(&self) -> u64 {
+        self.inner.pc()
+    }
+
+    fn add_breakpoint(&mut self, address: u64) -> bool {
+        self.inner.add_breakpoint(address)
+    }
+
+    fn remove_breakpoint(&mut self, address: u64) {
+        self.inner.remove_breakpoint(address);
+    }
+
+    fn pass_breakpoint(&mut self, address: u64) {
+        self.inner.pass_breakpoint(address);
+    }
+
+    fn attach_debugger(&mut self, attached: bool) {
+        self.inner.attach_debugger(attached);
+    }
+
+    fn hold_interrupts(&mut self, held: bool) {
+        self.inner.hold_interrupts(held);
+    }
+
+    fn gdb_register(&self, number: usize) -> Option<Vec<u8>> {
+        self.inner.gdb_register(number)
+    }
+
+    fn set_gdb_register(&mut self, number: usize, bytes: &[u8]) -> bool {
+        self.inner.set_gdb_register(number, bytes)
+    }
+
+    fn debugger_access(
+        &mut self,
+        write: Option<u64>,
+        address: u64,
+        width: Width,
+        now: VirtualNanos,
+    ) -> Option<u64> {
+        self.inner.debugger_access(write, address, width, now)
+    }
+
+    fn take_debugger_trace(&mut self) -> Vec<u8> {
+        self.inner.take_debugger_trace()
+    }
+
+    fn target_xml(&self) -> &'static str {
+        self.inner.target_xml()
+    }
+
+    fn data_model(&self) -> DataModel {
+        self.inner.data_model()
+    }
+
+    fn byte_order(&self, address: u64) -> Endian {
+        self.inner.byte_order(address)
+    }
+
+    fn save(&self) -> Vec<u8> {
+        self.inner.save()
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.inner.load(bytes)
+    }
+
+    fn monitor_command(&mut self, command: &str) -> Option<String> {
+        self.inner.monitor_command(command)
+    }
+
+    fn debugger_halted(&mut self, why: HaltReason) -> bool {
+        self.inner.debugger_halted(why)
+    }
+
+    fn bit_alias(&self, address: u64, width: Width) -> Option<BitAlias> {
+        self.inner.bit_alias(address, width)
+    }
+
+    fn own_ranges(&self) -> Vec<Range<u64>> {
+        self.inner.own_ranges()
+    }
+
+    fn check_reads(&mut self, every: bool) {
+        self.inner.check_reads(every);
+    }
+
+    fn check_words(&mut self, words: &[u64]) {
+        self.inner.check_words(words);
+    }
+
+    fn host_call(&self, read: &mut dyn FnMut(u64, Width) -> Option<u64>) -> Option<HostCall> {
+        self.inner.host_call(read)
+    }
+
+    fn answer_host_call(&mut self, answer: Option<u64>) {
+        self.inner.answer_host_call(answer);
+    }
+}
