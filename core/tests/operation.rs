@@ -235,6 +235,9 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         sample.fault = Some(fault);
         outer.step(&sample, &ground(&points));
         assert_eq!(outer.trip().map(|t| t.fault), Some(fault));
+        while outer.state() == Mode::Stopping {
+            outer.step(&sample, &ground(&points));
+        }
         outer.handle(Event::Clear).unwrap();
         outer.step(&sample, &ground(&points));
         assert_eq!(outer.handle(Event::Arm).unwrap_err().obstacle, Some(fault));
@@ -242,6 +245,90 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         outer.step(&good, &ground(&points));
         assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
     }
+}
+
+#[test]
+fn a_fault_that_is_no_emergency_ends_on_the_ramp_and_permit_falls_when_the_command_stands() {
+    let points = shaking(RECORD_S);
+    for kind in [Method::Paper, Method::None] {
+        let mut config = table1();
+        config.compensation.kind = kind;
+        let mut rig = Rig::new(8);
+        let mut outer = started(&config, &mut rig, &ground(&points));
+        let (mut speed, mut steps) = (0.0_f32, 0);
+        while speed < 2e-5 || steps < 1000 {
+            let before = rig.sent;
+            rig.step(&mut outer, &ground(&points));
+            (speed, steps) = ((rig.sent - before).abs(), steps + 1);
+        }
+        let mut ramp = 0;
+        loop {
+            let mut sample = rig.sample();
+            sample.fault = Some(Fault::LinkLost);
+            let before = rig.sent;
+            let step = outer.step(&sample, &ground(&points));
+            let (permit, now) = (step.permit, step.command_m[0]);
+            rig.sent = now;
+            if !permit {
+                assert_eq!(now, before, "it stands");
+                break;
+            }
+            let slower = (now - before).abs();
+            // The first is the test's own next step.
+            assert!(ramp == 0 || slower < speed, "{slower} after {speed}");
+            (speed, ramp) = (slower, ramp + 1);
+        }
+        assert!(ramp > 10, "{ramp} steps");
+        let trip = outer.trip().unwrap();
+        assert_eq!(
+            (outer.state(), trip.fault),
+            (Mode::Tripped, Fault::LinkLost)
+        );
+        // The history ends with the step of the fault, and not with the ramp.
+        assert_eq!(outer.history().last().unwrap().tick, trip.tick);
+    }
+}
+
+#[test]
+fn an_emergency_drops_permit_at_once_also_on_the_ramp_and_beside_what_is_none() {
+    let points = shaking(RECORD_S);
+    let mut rig = Rig::new(8);
+    let mut outer = started(&table1(), &mut rig, &ground(&points));
+    for _ in 0..2000 {
+        rig.step(&mut outer, &ground(&points));
+    }
+    let mut sample = rig.sample();
+    sample.fault = Some(Fault::LinkLost);
+    assert!(outer.step(&sample, &ground(&points)).permit);
+    assert_eq!(outer.state(), Mode::Stopping);
+    for event in [Event::Start, Event::Hold, Event::Stop, Event::Clear] {
+        assert!(outer.handle(event).is_err(), "{event:?}");
+    }
+    sample.fault = Some(Fault::EmergencyStop);
+    assert!(!outer.step(&sample, &ground(&points)).permit);
+    assert_eq!(outer.trip().unwrap().fault, Fault::LinkLost);
+
+    let mut limited = table1();
+    limited.limits.force_n = Some(20_000.0);
+    let mut rig = Rig::new(8);
+    let mut outer = started(&limited, &mut rig, &ground(&points));
+    let mut sample = rig.sample();
+    (sample.force_n, sample.fault) = ([25_000.0], Some(Fault::LinkLost));
+    assert!(!outer.step(&sample, &ground(&points)).permit);
+    assert_eq!(outer.trip().unwrap().fault, Fault::Force);
+}
+
+#[test]
+fn a_loop_that_has_seen_no_sample_is_not_armed() {
+    let mut outer = OuterLoop::<1>::new(Design::new(&table1()).unwrap());
+    let unseen = outer.handle(Event::Arm).unwrap_err();
+    assert_eq!(unseen.obstacle, Some(Fault::StaleSample));
+    outer.step(&Sample::new([0.01], [0.0]), &GroundMotion::none());
+    assert_eq!(outer.handle(Event::Arm), Ok(Mode::Approaching));
+    assert_eq!(outer.handle(Event::Stop), Ok(Mode::Idle));
+    // After an exchange nobody knows it either.
+    outer.configure(Design::new(&table1()).unwrap()).unwrap();
+    assert!(outer.handle(Event::Arm).is_err());
 }
 
 #[test]

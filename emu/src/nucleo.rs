@@ -31,6 +31,9 @@ pub const USUAL_LSI_HZ: u64 = 32_000;
 /// The clock that the ST-LINK feeds in, Hz.
 pub const RIGHT_CRYSTAL_HZ: u64 = 8_000_000;
 
+/// The board's supply, mV.
+pub const HEALTHY_MV: u32 = 3300;
+
 /// A NUCLEO-F429ZI.
 #[derive(Debug)]
 pub struct Nucleo {
@@ -50,7 +53,7 @@ impl Nucleo {
         let mut chip = Stm32f427::new()?;
         chip.rcc.attach_crystals(crystal_hz, 0);
         chip.rcc.calibrate_lsi(lsi_hz);
-        chip.set_supply(3300);
+        chip.set_supply(HEALTHY_MV);
         for converter in &mut chip.adc {
             converter.set_reference(REFERENCE);
         }
@@ -59,6 +62,13 @@ impl Nucleo {
             chip,
             core_bits: None,
         })
+    }
+
+    /// With a supply of so many mV, 3300 on a healthy board.
+    #[must_use]
+    pub fn supplied(mut self, supply_mv: u32) -> Self {
+        self.chip.set_supply(supply_mv);
+        self
     }
 
     /// With a processor whose bits turn over.

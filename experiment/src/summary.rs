@@ -133,7 +133,15 @@ pub struct Summary {
 const fn is_fact(fault: Fault) -> bool {
     matches!(
         fault,
-        Fault::AdcRail | Fault::DeadlineMissed | Fault::LinkLost | Fault::EmergencyStop
+        Fault::AdcRail
+            | Fault::DeadlineMissed
+            | Fault::LinkLost
+            | Fault::EmergencyStop
+            | Fault::PermitChain
+            | Fault::Output
+            | Fault::Disagree
+            | Fault::ForceStands
+            | Fault::Starved
     )
 }
 

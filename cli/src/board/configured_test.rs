@@ -123,7 +123,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     pub fn end<P: Port>(&mut self, board: &mut Connection<P>, by: Event) -> Result<(), Failure> {
         match self.send(board, by) {
             Err(refused) => match status(board)?.state {
-                Mode::Finished | Mode::Tripped => Ok(()),
+                Mode::Finished | Mode::Stopping | Mode::Tripped => Ok(()),
                 _ => Err(refused),
             },
             sent => sent,

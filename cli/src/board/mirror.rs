@@ -239,7 +239,13 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let codes = (0..self.actuators.len()).filter_map(|actuator| report.codes(actuator));
         let rail = codes.flatten().any(|code| self.codes.at_rail(code));
         let latched = after.and_then(StepReport::fault);
+        let ends = after.and_then(StepReport::state) == Some(Mode::Tripped);
         match latched {
+            // Of an emergency on the ramp of a fault that is none, the reason is not told; the end of the ramp is no
+            // other than that of one.
+            Some(_) if report.state() == Some(Mode::Stopping) => {
+                ends.then_some(Fault::EmergencyStop)
+            }
             // The board's own knowledge; nothing in its codes shows it.
             Some(
                 Fault::EmergencyStop
@@ -248,7 +254,8 @@ impl<'a, const N: usize> Mirror<'a, N> {
                 | Fault::PermitChain
                 | Fault::Output
                 | Fault::Disagree
-                | Fault::ForceStands,
+                | Fault::ForceStands
+                | Fault::Starved,
             ) if report.state() != Some(Mode::Tripped) => latched,
             _ if rail => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),

@@ -120,6 +120,7 @@ pub(super) fn event<P: Port>(board: &mut Connection<P>, event: Event) -> Result<
         Event::Finish => "finish",
         Event::Fault => "fault",
         Event::Clear => "clear",
+        Event::MinorFault => "minor fault",
     };
     done(board, what, &Command::Event(event))
 }

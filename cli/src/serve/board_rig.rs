@@ -354,6 +354,8 @@ impl<const N: usize> BoardRig<N> {
                 Mode::Idle => return Ok(()),
                 Mode::Tripped if self.real => return Ok(()),
                 Mode::Finished | Mode::Tripped => clear(&mut self.board)?,
+                // It comes to a standstill by itself.
+                Mode::Stopping => {}
                 _ => drop(done(&mut self.board, "stop", &Command::Event(Event::Stop))?),
             }
         }

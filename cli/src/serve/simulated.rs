@@ -193,6 +193,9 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
 
     fn end(&mut self) -> Result<(), Failure> {
         self.clock = None;
+        while self.outer.state() == Mode::Stopping {
+            let _ = self.period();
+        }
         if !matches!(
             self.outer.state(),
             Mode::Idle | Mode::Armed | Mode::Approaching | Mode::Finished | Mode::Tripped

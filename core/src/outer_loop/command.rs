@@ -187,26 +187,36 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             first_fault(&self.design.limits, &checked),
             self.rig.first_fault(&self.aimed_m, &aim_m),
         );
-        // A fault that the board reports comes first; only a NaN comes before it.
+        // A fault that the board reports comes first; only a NaN comes before it, and an emergency before one that is none.
         let finding = match sample.fault {
             None => found,
             Some(fault) => {
-                let not_finite = found.filter(|f| f.fault == Fault::NonFinite);
-                not_finite.or(Some(Finding::fact(fault)))
+                let before = |f: &Finding| {
+                    f.fault == Fault::NonFinite || f.fault.is_emergency() && !fault.is_emergency()
+                };
+                found.filter(before).or(Some(Finding::fact(fault)))
             }
         };
         self.obstacle = finding;
-        if let (Some(f), Ok(tripped)) = (finding, self.mode.after(Event::Fault)) {
-            self.mode = tripped;
-            self.trip = Some(Trip {
-                fault: f.fault,
-                axis: f.axis,
-                value: f.value,
-                limit: f.limit,
-                tick: self.tick,
-            });
-            return self.sent_m;
+        let Some((found, after)) =
+            finding.and_then(|f| Some((f, self.mode.after(Event::of(f.fault)).ok()?)))
+        else {
+            return self.send(0, target_m, aim_m, send_m);
+        };
+        // The first fault is the reason, also of what happens on the ramp.
+        self.trip.get_or_insert(Trip {
+            fault: found.fault,
+            axis: found.axis,
+            value: found.value,
+            limit: found.limit,
+            tick: self.tick,
+        });
+        if after == Mode::Stopping {
+            // No limit forbids this command, and the ramp begins at it.
+            self.send(0, target_m, aim_m, send_m);
+            self.stop_at_command();
         }
-        self.send(0, target_m, aim_m, send_m)
+        self.mode = after;
+        self.sent_m
     }
 }

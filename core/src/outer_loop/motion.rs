@@ -28,6 +28,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             Mode::Returning => self.return_to_target(),
             Mode::Commissioning => self.follow_commissioning_signal(),
             Mode::Holding | Mode::Finished => self.slow_down(),
+            Mode::Stopping => self.stop_on_fault(),
             Mode::Tripped => self.aimed_m,
         }
     }
@@ -97,6 +98,15 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     pub(super) fn finish(&mut self) {
         self.stop_at_command();
         self.mode = Mode::Finished;
+    }
+
+    /// A step of the ramp after a fault that is no emergency; at its end PERMIT falls.
+    fn stop_on_fault(&mut self) -> [f32; N] {
+        let next_m = self.slow_down();
+        if *self.signal.velocity_m() == [0.0; N] {
+            self.mode = Mode::Tripped;
+        }
+        next_m
     }
 
     /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.

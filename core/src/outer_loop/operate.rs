@@ -5,7 +5,7 @@ use super::{
     SignalGenerator, Trip,
 };
 use crate::rig::Rig;
-use crate::supervise::{Event, Rejected};
+use crate::supervise::{Event, Fault, Rejected};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What the loop is doing.
@@ -33,14 +33,16 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// # Errors
     /// The event means nothing in this mode, or an interlock stands against arming; nothing has changed then.
     pub fn handle(&mut self, event: Event) -> Result<Mode, Rejected> {
+        // Where nothing has been sampled yet, nobody knows where the actuator stands.
+        let unseen = self.idle_mean_m.is_none().then_some(Fault::StaleSample);
         let rejected = Rejected {
             state: self.mode,
             event,
-            obstacle: self.obstacle.map(|f| f.fault),
+            obstacle: self.obstacle.map(|f| f.fault).or(unseen),
         };
         let mut next = self.mode.after(event)?;
         match next {
-            Mode::Approaching if self.obstacle.is_some() => return Err(rejected),
+            Mode::Approaching if rejected.obstacle.is_some() => return Err(rejected),
             Mode::Approaching => {
                 // The mean of where the rig stands goes on: what is followed until the chain has closed.
                 let idle_mean_m = self.idle_mean_m;
@@ -50,7 +52,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
                     next = Mode::Armed;
                 }
             }
-            Mode::Holding | Mode::Finished => self.stop_at_command(),
+            Mode::Holding | Mode::Finished | Mode::Stopping => self.stop_at_command(),
             Mode::Idle => {
                 self.trip = None;
                 self.idle_mean_m = None;

@@ -232,7 +232,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             flags |= flag::CLAMPED;
         }
         let fault = self.trip.map_or(0, |t| u32::from(t.fault.code()));
-        *self.history.place(self.mode != Mode::Tripped) = Record {
+        *self.history.place(!self.mode.is_faulted()) = Record {
             tick: self.tick,
             step: self.step,
             flags: self.mode as u32 | fault << 8 | flags,

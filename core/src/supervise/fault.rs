@@ -68,12 +68,25 @@ faults! {
     Disagree = 17, "disagree", "";
     /// The force stood at zero while the displacement moved: the load cell is dead.
     ForceStands = 18, "force_stands", "";
+    /// A task of the board has not run for too long: the program hangs, and the watchdog is about to reset the chip.
+    Starved = 19, "starved", "";
 }
 
 impl Fault {
     /// The number; 0 is no fault.
     pub const fn code(self) -> u8 {
         self as u8
+    }
+
+    /// Whether PERMIT has to fall at once. Where command, sensors and actuator are in order, the test ends on the deceleration
+    /// ramp: a command that stops in one step is harder on the specimen than the fault.
+    pub const fn is_emergency(self) -> bool {
+        !matches!(self, Self::EnergyRatio | Self::TargetLate | Self::LinkLost)
+    }
+
+    /// In what order faults of one step count: emergencies first, then by their numbers.
+    pub const fn rank(self) -> (bool, u8) {
+        (!self.is_emergency(), self.code())
     }
 
     /// The fault with this number.
@@ -136,6 +149,15 @@ impl Trip {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn three_faults_are_no_emergency_and_count_behind_every_other() {
+        let mut all = Fault::ALL;
+        all.sort_by_key(|fault| fault.rank());
+        let minor = [Fault::EnergyRatio, Fault::TargetLate, Fault::LinkLost];
+        assert_eq!(all[all.len() - 3..], minor);
+        assert!(all[..all.len() - 3].iter().all(|f| f.is_emergency()));
+    }
 
     #[test]
     fn numbers_and_names_are_unique_and_for_ever() {

@@ -49,11 +49,11 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// The first of two in the order of the fault numbers.
+    /// The first of two in the order of [`Fault::rank`].
     #[inline]
     pub fn first(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         match (one, other) {
-            (Some(a), Some(b)) if b.fault.code() < a.fault.code() => Some(b),
+            (Some(a), Some(b)) if b.fault.rank() < a.fault.rank() => Some(b),
             (None, other) => other,
             (one, _) => one,
         }
@@ -120,7 +120,7 @@ fn room(limit: f32, value: f32) -> i32 {
     (limit.to_bits() as i32).wrapping_sub(value.abs().to_bits() as i32)
 }
 
-/// The first limit that is passed, in the order of the fault numbers; looked for only when there is one.
+/// The first limit that is passed, in the order of [`Fault::rank`]; looked for only when there is one.
 #[cold]
 #[inline(never)]
 pub fn first_fault<const N: usize>(
@@ -131,7 +131,7 @@ pub fn first_fault<const N: usize>(
     let mut worst: Option<Finding> = None;
     let mut found = |fault: Fault, axis: usize, value: f32, limit: f32| {
         let first = match worst {
-            Some(w) => fault.code() < w.fault.code(),
+            Some(w) => fault.rank() < w.fault.rank(),
             None => true,
         };
         if first {

@@ -50,6 +50,8 @@ modes! {
     Resuming = 8, "resuming";
     /// A commissioning signal gives the command in place of the test.
     Commissioning = 9, "commissioning";
+    /// A fault that is no emergency is latched: the command slows down, and PERMIT falls when it stands.
+    Stopping = 10, "stopping on a fault";
 }
 
 impl Mode {
@@ -58,6 +60,12 @@ impl Mode {
         // One bit a mode: a test of it costs less than two comparisons in every step.
         const STANDS: u32 = 1 << Mode::Idle as u32 | 1 << Mode::Tripped as u32;
         STANDS >> self as u32 & 1 == 0
+    }
+
+    /// True if a fault is latched and the last steps before it are kept.
+    pub const fn is_faulted(self) -> bool {
+        const FAULTED: u32 = 1 << Mode::Tripped as u32 | 1 << Mode::Stopping as u32;
+        FAULTED >> self as u32 & 1 == 1
     }
 
     /// True if the equation of motion is integrated.
@@ -90,11 +98,13 @@ pub enum Event {
     Fault,
     /// The operator has seen the end or the fault.
     Clear,
+    /// An interlock acts whose fault is no emergency.
+    MinorFault,
 }
 
 impl Event {
     /// Every event.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Arm,
         Self::Start,
         Self::Hold,
@@ -102,7 +112,19 @@ impl Event {
         Self::Finish,
         Self::Fault,
         Self::Clear,
+        Self::MinorFault,
     ];
+}
+
+impl Event {
+    /// What a fault is to a test.
+    pub const fn of(fault: Fault) -> Self {
+        if fault.is_emergency() {
+            Self::Fault
+        } else {
+            Self::MinorFault
+        }
+    }
 }
 
 /// An event that means nothing in the present mode. Nothing has changed.
@@ -143,41 +165,57 @@ impl Mode {
                 | Event::Stop
                 | Event::Finish
                 | Event::Fault
-                | Event::Clear => None,
+                | Event::Clear
+                | Event::MinorFault => None,
             },
+            // The command is slow, or stands.
             Self::Approaching => match event {
                 Event::Stop => Some(Self::Idle),
-                Event::Fault => Some(Self::Tripped),
+                Event::Fault | Event::MinorFault => Some(Self::Tripped),
                 Event::Arm | Event::Start | Event::Hold | Event::Finish | Event::Clear => None,
             },
             Self::Armed => match event {
                 Event::Start => Some(Self::Running),
                 Event::Stop => Some(Self::Idle),
-                Event::Fault => Some(Self::Tripped),
+                Event::Fault | Event::MinorFault => Some(Self::Tripped),
                 Event::Arm | Event::Hold | Event::Finish | Event::Clear => None,
             },
             Self::Running | Self::Resuming | Self::Returning => match event {
                 Event::Hold => Some(Self::Holding),
                 Event::Stop | Event::Finish => Some(Self::Finished),
                 Event::Fault => Some(Self::Tripped),
+                Event::MinorFault => Some(Self::Stopping),
                 Event::Arm | Event::Start | Event::Clear => None,
             },
             Self::Commissioning => match event {
                 // A signal has no way back after a hold.
                 Event::Hold | Event::Stop | Event::Finish => Some(Self::Finished),
                 Event::Fault => Some(Self::Tripped),
+                Event::MinorFault => Some(Self::Stopping),
                 Event::Arm | Event::Start | Event::Clear => None,
             },
             Self::Holding => match event {
                 Event::Start => Some(Self::Returning),
                 Event::Stop => Some(Self::Finished),
                 Event::Fault => Some(Self::Tripped),
+                Event::MinorFault => Some(Self::Stopping),
                 Event::Arm | Event::Hold | Event::Finish | Event::Clear => None,
             },
             Self::Finished => match event {
                 Event::Fault => Some(Self::Tripped),
+                Event::MinorFault => Some(Self::Stopping),
                 Event::Clear => Some(Self::Idle),
                 Event::Arm | Event::Start | Event::Hold | Event::Stop | Event::Finish => None,
+            },
+            Self::Stopping => match event {
+                Event::Fault => Some(Self::Tripped),
+                Event::Arm
+                | Event::Start
+                | Event::Hold
+                | Event::Stop
+                | Event::Finish
+                | Event::Clear
+                | Event::MinorFault => None,
             },
             Self::Tripped => match event {
                 Event::Clear => Some(Self::Idle),
@@ -186,7 +224,8 @@ impl Mode {
                 | Event::Hold
                 | Event::Stop
                 | Event::Finish
-                | Event::Fault => None,
+                | Event::Fault
+                | Event::MinorFault => None,
             },
         };
         match after {
@@ -206,17 +245,18 @@ mod tests {
 
     /// One row a mode, one column an event; a dot is refused.
     const TABLE: &str = "
-        .              Arm          Start      Hold      Stop      Finish    Fault    Clear
-        Idle           Approaching  .          .         .         .         .        .
-        Armed          .            Running    .         Idle      .         Tripped  .
-        Running        .            .          Holding   Finished  Finished  Tripped  .
-        Holding        .            Returning  .         Finished  .         Tripped  .
-        Finished       .            .          .         .         .         Tripped  Idle
-        Tripped        .            .          .         .         .         .        Idle
-        Approaching    .            .          .         Idle      .         Tripped  .
-        Returning      .            .          Holding   Finished  Finished  Tripped  .
-        Resuming       .            .          Holding   Finished  Finished  Tripped  .
-        Commissioning  .            .          Finished  Finished  Finished  Tripped  .";
+        .              Arm          Start      Hold      Stop      Finish    Fault    Clear  MinorFault
+        Idle           Approaching  .          .         .         .         .        .      .
+        Armed          .            Running    .         Idle      .         Tripped  .      Tripped
+        Running        .            .          Holding   Finished  Finished  Tripped  .      Stopping
+        Holding        .            Returning  .         Finished  .         Tripped  .      Stopping
+        Finished       .            .          .         .         .         Tripped  Idle   Stopping
+        Tripped        .            .          .         .         .         .        Idle   .
+        Approaching    .            .          .         Idle      .         Tripped  .      Tripped
+        Returning      .            .          Holding   Finished  Finished  Tripped  .      Stopping
+        Resuming       .            .          Holding   Finished  Finished  Tripped  .      Stopping
+        Commissioning  .            .          Finished  Finished  Finished  Tripped  .      Stopping
+        Stopping       .            .          .         .         .         Tripped  .      .";
 
     #[test]
     fn every_pair_of_mode_and_event_does_what_the_table_says() {

@@ -17,6 +17,13 @@ const NUMBERS: usize = 64;
 pub(super) enum CoreBit {
     /// Of one of the registers that a program computes with, by a number that is taken modulo of what there is.
     Register(u32),
+    /// Of a byte of the memory, the flash among it.
+    Memory {
+        /// The byte.
+        address: u64,
+        /// The bit.
+        bit: u32,
+    },
     /// Of a register of the processor's own peripherals: interrupts, memory protection.
     System {
         /// The register.
@@ -60,6 +67,7 @@ impl CoreBits {
             Ok(Box::new(Turned {
                 inner: inner(endian)?,
                 bits: bits.clone(),
+                mapped: Vec::new(),
             }) as Box<dyn Processor>)
         });
         core.processor = processor;
@@ -72,6 +80,8 @@ impl CoreBits {
 struct Turned {
     inner: Box<dyn Processor>,
     bits: CoreBits,
+    /// Addresses of the memory, and where this process has it.
+    mapped: Vec<(Range<u64>, usize)>,
 }
 
 impl Turned {
@@ -92,6 +102,7 @@ impl Turned {
                     place -= 8 * bytes.len();
                 }
             }
+            CoreBit::Memory { address, bit } => self.turn_over_memory(address, bit),
             CoreBit::System { address, bit, at } => {
                 let mut access = |write| self.inner.debugger_access(write, address, Width::W32, at);
                 if let Some(value) = access(None) {
@@ -99,6 +110,19 @@ impl Turned {
                 }
             }
         }
+    }
+}
+
+impl Turned {
+    /// The emulator itself writes no flash of this chip.
+    fn turn_over_memory(&mut self, address: u64, bit: u32) {
+        let mut mapped = self.mapped.iter();
+        let place = mapped.find(|(range, _)| range.contains(&address));
+        let (range, host) = place.expect("there is memory at the address");
+        let byte = (host + (address - range.start) as usize) as *mut u8;
+        // SAFETY: `map` was given these bytes, which the run has allocated and which outlive the processor; nothing runs now.
+        unsafe { *byte ^= 1 << bit };
+        self.inner.ask(Queued::Invalidate(address, address + 1));
     }
 }
 
@@ -134,6 +158,7 @@ impl Processor for Turned {
     }
 
     unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, writable: bool) {
+        self.mapped.push((start..start + length, host as usize));
         // SAFETY: what the caller promises is promised on.
         unsafe { self.inner.map(start, length, host, writable) };
     }

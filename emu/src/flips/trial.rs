@@ -18,7 +18,6 @@ use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rigless::emulator::{Driver, Host, Settled, Stop};
 use rigless::session::Session;
-use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 use std::fs::File;
@@ -295,9 +294,12 @@ impl Trial {
                 let pointer = self.bits.stack_pointer();
                 let bits = 8 * stack_top.saturating_sub(pointer);
                 let bit = u64::from(number) % bits.max(1);
-                turn_over_byte(host, pointer + bit / 8, (bit % 8) as u32);
+                self.bits.turn_over(CoreBit::Memory {
+                    address: pointer + bit / 8,
+                    bit: (bit % 8) as u32,
+                });
             }
-            Place::Memory(address, bit) => turn_over_byte(host, address, bit),
+            Place::Memory(address, bit) => self.bits.turn_over(CoreBit::Memory { address, bit }),
             Place::Peripheral(address, bit) => {
                 self.laboratory
                     .turn_over_register(session, host, stop, address, bit);
@@ -346,17 +348,6 @@ impl Trial {
                 }
                 false
             }
-        }
-    }
-}
-
-/// A bit of a byte of the memory, or of the flash.
-fn turn_over_byte(host: &mut dyn Host, address: u64, bit: u32) {
-    if let Ok(byte) = host.read(address, Width::W8) {
-        let byte = byte ^ 1 << bit;
-        if host.write(address, Width::W8, byte).is_err() {
-            // It is flash, where an image was placed: there is such a byte.
-            let _ = host.program(address, Width::W8, byte);
         }
     }
 }

@@ -1,12 +1,14 @@
 //! What ends the program, or should: each leaves PERMIT low, the command where it stood, and the reason readable.
 
 use crate::desk::{Bench, Course, Desk, PERIOD_NS, codes, fine};
+use emu::nucleo::HEALTHY_MV;
 use emu::{InjectedFault, LoggedEvent, PlannedFault};
 use link::command::Command;
 use link::reply::{Obstacle, Reply};
 use link::status::{CrashCause, CrashReport, StartCause, Status};
 use outerloop_cli::board::Image;
 use outerloop_core::{Event, Fault, Mode};
+use std::time::Duration;
 
 const MS: u64 = 1_000_000;
 
@@ -332,6 +334,21 @@ fn the_reset_button_on_a_rig_that_sinks_without_permit() {
     assert!(off_m.abs() < 2e-4, "{off_m} m from where the rig is");
     desk.start();
     desk.until(Mode::Running);
+}
+
+#[test]
+fn a_supply_that_is_low_from_the_start_is_waited_for() {
+    for (supply_mv, begins) in [(HEALTHY_MV, true), (2_800, false)] {
+        let desk = Desk::with(Bench {
+            supply_mv,
+            ..Bench::default()
+        });
+        // The laboratory looks twice a millisecond while nothing samples.
+        while desk.log().position_m.len() < 400 {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert_eq!(desk.log().periods > 0, begins, "{supply_mv} mV");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
-use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
+use emu::nucleo::{HEALTHY_MV, Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
 use emu::{Converters, Firmware, Laboratory, Log, LoggedEvent, Mutant, PlannedFault, Wire};
 use link::command::Command;
 use link::frame::checksum;
@@ -120,6 +120,7 @@ pub struct Bench {
     pub firmware: Option<Firmware>,
     pub crystal_hz: u64,
     pub lsi_hz: u64,
+    pub supply_mv: u32,
     pub plan: Option<PlannedFault>,
     /// What goes wrong after that, each behind a reset.
     pub then: Vec<PlannedFault>,
@@ -140,6 +141,7 @@ impl Default for Bench {
             firmware: None,
             crystal_hz: RIGHT_CRYSTAL_HZ,
             lsi_hz: USUAL_LSI_HZ,
+            supply_mv: HEALTHY_MV,
             plan: None,
             then: Vec::new(),
             mutant: None,
@@ -214,7 +216,8 @@ impl Desk {
             let run = || {
                 let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
                     .map_err(|e| e.to_string())?
-                    .with_converters(CONVERTERS);
+                    .with_converters(CONVERTERS)
+                    .supplied(bench.supply_mv);
                 emu::run(board, &firmware.images, laboratory)
             };
             let ended = run();

@@ -7,6 +7,7 @@ use outerloop_cli::board::Image;
 /// The image of these tests.
 const IMAGE: Image = Image::External;
 
+mod bit_flips;
 mod converters;
 #[path = "../rig/crashes.rs"]
 mod crashes;

@@ -165,6 +165,7 @@ impl PlantBench<'_> {
                 | Mode::Commissioning
                 | Mode::Holding
                 | Mode::Finished
+                | Mode::Stopping
                 | Mode::Tripped => observer.on_idle_step(&step.record.into()),
             }
             // What means nothing in this mode is refused, and nothing happens.

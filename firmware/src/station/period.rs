@@ -241,8 +241,8 @@ impl<const A: usize> Station<A> {
             Some(Fault::EmergencyStop)
         } else if chain {
             Some(Fault::PermitChain)
-        } else if starved.is_some() || self.heartbeats.pc_is_lost(timeouts) {
-            Some(Fault::LinkLost)
+        } else if starved.is_some() {
+            Some(Fault::Starved)
         } else if self.output_lost || self.output_differs {
             Some(Fault::Output)
         } else if rail {
@@ -253,6 +253,9 @@ impl<const A: usize> Station<A> {
             Some(Fault::Displacement)
         } else if late {
             Some(Fault::DeadlineMissed)
+        } else if self.heartbeats.pc_is_lost(timeouts) {
+            // No emergency: behind all that are.
+            Some(Fault::LinkLost)
         } else {
             None
         }

@@ -241,7 +241,7 @@ fn every_fault_drops_the_permission_and_holds_the_converter() {
 
 #[test]
 fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
-    trips(Fault::LinkLost, 202, |b| b.alive[0] = Heartbeat::Pc);
+    trips(Fault::Starved, 202, |b| b.alive[0] = Heartbeat::Pc);
     let mut b = bench();
     let fed = b.hardware.board.fed;
     for _ in 0..500 {

@@ -90,6 +90,8 @@ pub fn guard_supply() {
         w.set_pls(SUPPLY_2_9_V);
         w.set_pvde(true);
     });
+    // A supply that is low from the start makes no edge: nothing begins until it is there.
+    while pac::PWR.csr1().read().pvdo() {}
     pac::EXTI.rtsr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
     pac::EXTI.pr(0).write(|w| w.set_line(SUPPLY_LINE, true));
     pac::EXTI.imr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
