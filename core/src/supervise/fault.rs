@@ -52,7 +52,7 @@ faults! {
     EnergyRatio = 9, "energy_ratio", "";
     /// The target of an integration step was late for too long.
     TargetLate = 10, "target_late", "steps";
-    /// The control step did not finish in its period.
+    /// The control step did not finish in its period, or the period was too long.
     DeadlineMissed = 11, "deadline_missed", "";
     /// The link to the PC was lost.
     LinkLost = 12, "link_lost", "";

@@ -5,6 +5,7 @@
 //! writes into their registers is kept here, and the laboratory acts by it.
 
 pub mod beside;
+mod clocks;
 pub mod external;
 pub mod internal;
 
@@ -301,7 +302,11 @@ pub struct Registers(HashMap<u64, u64>);
 impl Registers {
     /// A write, of a whole register.
     pub fn write(&mut self, address: u64, value: u64) {
-        if KEPT.contains(&address) {
+        for peripheral in clocks::put_back(address, value) {
+            self.0.retain(|kept, _| !peripheral.contains(kept));
+        }
+        let is_kept = KEPT.contains(&address) || clocks::is_enable(address);
+        if is_kept && clocks::is_clocked(address, |enable| self.read(enable)) {
             self.0.insert(address, value);
         }
     }

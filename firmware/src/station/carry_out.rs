@@ -109,10 +109,7 @@ impl<const A: usize> Station<A> {
             configured: self.setup.configured,
             points: self.motion.as_ref().map_or(0, |m| m.count() as u32),
             timing: Timing {
-                period_cycles: self
-                    .setup
-                    .period_ticks
-                    .wrapping_mul(self.stopwatch_per_timer_tick),
+                period_cycles: self.period_cycles(),
                 shortest_period_cycles: self.spacing.shortest(),
                 longest_period_cycles: self.spacing.longest(),
                 worst_step_cycles: time.worst_ticks(),

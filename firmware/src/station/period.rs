@@ -131,6 +131,13 @@ impl<const A: usize> Station<A> {
         }
     }
 
+    /// The control period as it was set, in ticks of the stopwatch.
+    #[inline]
+    pub(super) fn period_cycles(&self) -> u32 {
+        let ticks = self.setup.period_ticks;
+        ticks.wrapping_mul(self.stopwatch_per_timer_tick)
+    }
+
     /// Where the test stands.
     pub fn state(&self) -> Mode {
         self.setup.outer.state()
@@ -147,8 +154,8 @@ impl<const A: usize> Station<A> {
     #[inline]
     pub fn period<H: Hardware<A>>(&mut self, hardware: &mut H) {
         let begin = hardware.now();
-        self.spacing.begin(begin);
-        let late = self.late || hardware.began_late();
+        let slow = self.spacing.begin(begin, self.period_cycles());
+        let late = self.late || slow || hardware.began_late();
         let starved = self.heartbeats.starved(self.setup.timeouts);
         self.hold_by_button(hardware.hold_pressed());
 

@@ -18,15 +18,17 @@ impl Spacing {
         }
     }
 
-    /// A step begins at `now`; the counter may turn over.
+    /// A step begins at `now`; the counter may turn over. Whether it begins more than half a `period` late by this clock: what
+    /// makes the period cannot tell that it has become slow.
     #[inline]
-    pub fn begin(&mut self, now: u32) {
-        if let Some(last) = self.last {
-            let distance = now.wrapping_sub(last);
+    pub fn begin(&mut self, now: u32, period: u32) -> bool {
+        let distance = self.last.map(|last| now.wrapping_sub(last));
+        if let Some(distance) = distance {
             self.shortest = Some(self.shortest.unwrap_or(distance).min(distance));
             self.longest = self.longest.max(distance);
         }
         self.last = Some(now);
+        distance.is_some_and(|distance| distance > period.saturating_add(period / 2))
     }
 
     /// Shortest distance; 0 before the second step.
@@ -48,8 +50,16 @@ mod tests {
     fn keeps_the_shortest_and_the_longest() {
         let mut spacing = Spacing::new();
         for now in [u32::MAX - 50, 49, 150, 249] {
-            spacing.begin(now);
+            assert!(!spacing.begin(now, 100));
         }
         assert_eq!((spacing.shortest(), spacing.longest()), (99, 101));
+    }
+
+    #[test]
+    fn a_period_that_has_become_half_as_long_again_is_late_by_another_clock() {
+        let mut spacing = Spacing::new();
+        assert!(!spacing.begin(u32::MAX, 100), "nothing was before it");
+        assert!(!spacing.begin(149, 100));
+        assert!(spacing.begin(300, 100));
     }
 }

@@ -236,7 +236,8 @@ fn every_fault_drops_the_permission_and_holds_the_converter() {
     trips(Fault::PermitChain, 8, |b| {
         b.hardware.broken.chain = Some(false)
     });
-    trips(Fault::LinkLost, 1002, |b| b.alive[2] = Heartbeat::Listen);
+    // The deceleration ramp included.
+    trips(Fault::LinkLost, 1200, |b| b.alive[2] = Heartbeat::Listen);
 }
 
 #[test]

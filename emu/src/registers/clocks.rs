@@ -1,0 +1,95 @@
+//! What the chip's clock and reset lines do to the registers of its peripherals: without its clock a peripheral takes no write,
+//! and its reset line puts it back. RM0090 section 6.3.
+
+use std::ops::Range;
+
+/// RCC's reset registers; the enable register of each is [`TO_ENABLE`] behind it.
+const AHB1RSTR: u64 = 0x4002_3810;
+const APB1RSTR: u64 = 0x4002_3820;
+const APB2RSTR: u64 = 0x4002_3824;
+const TO_ENABLE: u64 = 0x20;
+
+/// A line of a reset register: the register, bits of its reset, bits of which one gives it its clock, and the addresses of the
+/// peripheral.
+type Line = (u64, u64, u64, Range<u64>);
+
+/// Those with registers that are kept. The three ADCs have one reset and a clock each; ADC3 is not used.
+const LINES: [Line; 13] = [
+    (AHB1RSTR, 1, 1, 0x4002_0000..0x4002_0400),
+    (AHB1RSTR, 1 << 1, 1 << 1, 0x4002_0400..0x4002_0800),
+    (AHB1RSTR, 1 << 2, 1 << 2, 0x4002_0800..0x4002_0c00),
+    (AHB1RSTR, 1 << 3, 1 << 3, 0x4002_0c00..0x4002_1000),
+    (AHB1RSTR, 1 << 4, 1 << 4, 0x4002_1000..0x4002_1400),
+    (AHB1RSTR, 1 << 5, 1 << 5, 0x4002_1400..0x4002_1800),
+    (APB1RSTR, 1, 1, 0x4000_0000..0x4000_0400),
+    (APB1RSTR, 1 << 2, 1 << 2, 0x4000_0800..0x4000_0c00),
+    (APB1RSTR, 1 << 15, 1 << 15, 0x4000_3c00..0x4000_4000),
+    (APB1RSTR, 1 << 28, 1 << 28, 0x4000_7000..0x4000_7400),
+    (APB1RSTR, 1 << 29, 1 << 29, 0x4000_7400..0x4000_7800),
+    (APB2RSTR, 1 << 8, 3 << 8, 0x4001_2000..0x4001_2400),
+    (APB2RSTR, 1 << 12, 1 << 12, 0x4001_3000..0x4001_3400),
+];
+
+/// An address at which clocks are switched.
+pub(super) fn is_enable(address: u64) -> bool {
+    let resets = [AHB1RSTR, APB1RSTR, APB2RSTR];
+    resets.iter().any(|reset| reset + TO_ENABLE == address)
+}
+
+/// What a write puts back: the addresses of the peripherals whose reset it sets.
+pub(super) fn put_back(address: u64, value: u64) -> impl Iterator<Item = Range<u64>> {
+    let hit = move |line: &&Line| line.0 == address && value & line.1 != 0;
+    LINES.iter().filter(hit).map(|line| line.3.clone())
+}
+
+/// Whether the peripheral at `address` takes a write, with its enable register by `read`.
+pub(super) fn is_clocked(address: u64, read: impl Fn(u64) -> u64) -> bool {
+    let line = LINES.iter().find(|line| line.3.contains(&address));
+    line.is_none_or(|(reset, _, clocks, _)| read(reset + TO_ENABLE) & clocks != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::registers::{ADC1_CR2, ADC2_CR2, EXTI_IMR, GPIOE_MODER, Registers, TIM2_ARR};
+
+    const AHB1ENR: u64 = 0x4002_3830;
+    const APB1ENR: u64 = 0x4002_3840;
+    const APB2ENR: u64 = 0x4002_3844;
+    const APB2RSTR: u64 = 0x4002_3824;
+
+    #[test]
+    fn a_peripheral_without_its_clock_takes_no_write() {
+        for (address, enable, clock) in [
+            (TIM2_ARR, APB1ENR, 1),
+            (ADC1_CR2, APB2ENR, 1 << 8),
+            (GPIOE_MODER, AHB1ENR, 1 << 4),
+        ] {
+            let mut registers = Registers::default();
+            registers.write(address, 7);
+            assert_eq!(registers.read(address), 0, "{address:x}");
+            registers.write(enable, clock);
+            registers.write(address, 7);
+            assert_eq!(registers.read(address), 7, "{address:x}");
+            registers.write(enable, 0);
+            registers.write(address, 9);
+            assert_eq!(registers.read(address), 7, "{address:x}");
+        }
+        // The external interrupts have no clock of their own.
+        let mut registers = Registers::default();
+        registers.write(EXTI_IMR, 1);
+        assert_eq!(registers.read(EXTI_IMR), 1);
+    }
+
+    #[test]
+    fn the_one_reset_of_the_converters_puts_all_of_them_back_and_nothing_else() {
+        let mut registers = Registers::default();
+        registers.write(APB2ENR, 3 << 8);
+        registers.write(APB1ENR, 1);
+        for address in [ADC1_CR2, ADC2_CR2, TIM2_ARR] {
+            registers.write(address, 5);
+        }
+        registers.write(APB2RSTR, 1 << 8);
+        let held = [ADC1_CR2, ADC2_CR2, TIM2_ARR].map(|address| registers.read(address));
+        assert_eq!(held, [0, 0, 5]);
+    }
+}
