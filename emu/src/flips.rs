@@ -2,7 +2,6 @@
 //!
 //! ```text
 //!  target     where a bit turns over, and how it is drawn
-//!  registers  the processor's own bits
 //!  pc         a PC that goes by the board's time
 //!  trial      one test, from which a process of its own goes off at each flip
 //!  outcome    what became of it, against the same test without a flip
@@ -15,13 +14,11 @@
 
 mod outcome;
 mod pc;
-mod registers;
 mod table;
 mod target;
 mod trial;
 
 pub use outcome::Outcome;
-pub use registers::CoreBits;
 pub use table::{Table, upper_bound};
 pub use target::Target;
 pub use trial::{Trials, run};

@@ -9,6 +9,7 @@
 //!  permission   what hangs on PERMIT: monostable, relay, contact
 //!  laboratory   takes its turn at every period of the sampling timer: rig, converters, faults
 //!  log          what can go wrong there, and what is seen
+//!  core_bits    the processor, in whose registers and memory a bit can turn over
 //!  flips        bits that turn over by themselves in a running test
 //!  image        the ELF, its sizes and symbols
 //!  gaps         addresses at which the chip has nothing
@@ -26,6 +27,8 @@
 #![cfg(feature = "emulator")]
 
 pub mod chain;
+#[cfg_attr(not(unix), allow(dead_code))]
+mod core_bits;
 #[cfg(unix)]
 pub mod flips;
 mod gaps;

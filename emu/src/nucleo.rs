@@ -1,6 +1,6 @@
 //! The board: an STM32F429 as far as the image uses it, its clock, its supply and its serial line.
 
-use crate::flips::CoreBits;
+use crate::core_bits::CoreBits;
 use crate::wire::{BoardEnd, Wire};
 use rigless::machine::armv7m::{Core, Fpu, MpuRegions, Variant};
 use rigless::machine::{Board, Target};

@@ -2,10 +2,10 @@
 
 use super::outcome::{Outcome, Reference, Watch};
 use super::pc::{Pc, STIFFNESS_N_PER_M};
-use super::registers::{CoreBit, CoreBits};
 use super::table::Table;
 use super::target::{Flip, Memory, Place, Target};
 use crate::chain::Converters;
+use crate::core_bits::{CoreBit, CoreBits};
 use crate::image::Firmware;
 use crate::laboratory::Laboratory;
 use crate::log::Log;

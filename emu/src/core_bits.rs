@@ -14,7 +14,7 @@ const NUMBERS: usize = 64;
 
 /// A bit of the processor's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum CoreBit {
+pub(crate) enum CoreBit {
     /// Of one of the registers that a program computes with, by a number that is taken modulo of what there is.
     Register(u32),
     /// Of a byte of the memory, the flash among it.
@@ -51,12 +51,12 @@ impl CoreBits {
     }
 
     /// Turns a bit over before the next instruction.
-    pub(super) fn turn_over(&self, bit: CoreBit) {
+    pub(crate) fn turn_over(&self, bit: CoreBit) {
         self.asked().turn = Some(bit);
     }
 
     /// Where the stack pointer is.
-    pub(super) fn stack_pointer(&self) -> u64 {
+    pub(crate) fn stack_pointer(&self) -> u64 {
         self.asked().stack_pointer
     }
 
