@@ -59,6 +59,8 @@ pub fn headline(a: &ChannelAnswer) -> String {
 
 /// How much larger than the noise an error may be before it is said that more is missing.
 const MORE: f64 = 1.5;
+/// A share of the motion that is what rounding leaves, of a simulated record without noise.
+const EXACT: f64 = 1e-9;
 /// Up to so many times the noise nothing remains beside it.
 const NOTHING: f64 = 1.1;
 /// From this share of the squares on, lines that stand in a rest, too, are what is left.
@@ -101,7 +103,10 @@ fn times(x: f64) -> String {
 
 /// What to do next, in one sentence; nothing where there was no verdict, since the notes say what stands against one.
 pub fn next(a: &ChannelAnswer) -> Option<String> {
-    let left = a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE);
+    let left = match a.error_after.test_nrmse < EXACT {
+        true => 0.0,
+        false => a.error_after.test_rms / a.noise_floor_rms.max(f64::MIN_POSITIVE),
+    };
     if let Some(disturbed) = disturbed(a) {
         let model = if a.effects.is_empty() {
             "nothing is added to the model"
@@ -388,6 +393,14 @@ mod tests {
         assert_eq!(nothing.verdict, Verdict::None);
         assert!(next(&nothing).unwrap().contains("no reason to change"));
         assert!(refitted(&nothing).unwrap().contains("stiffness_n_per_mm"));
+
+        // A simulated record has no noise: what rounding leaves is nothing, and nobody reads 300 digits.
+        let mut exact = nothing.clone();
+        exact.noise_floor_rms = 0.0;
+        (exact.error_after.test_rms, exact.error_after.test_nrmse) = (1e-14, 1e-16);
+        assert!(!next(&exact).unwrap().contains("times the noise"));
+        (exact.error_after.test_rms, exact.error_after.test_nrmse) = (1.0, 0.1);
+        assert!(next(&exact).unwrap().contains("more than a thousand times"));
 
         let cubic = answer(|x, _| 0.4 * x * x * x);
         assert!(!cubic.effects.is_empty(), "{cubic:?}");
