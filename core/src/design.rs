@@ -13,6 +13,7 @@ use crate::rig::{CommandMap, DirectRig, Rig};
 use crate::signal;
 use crate::structure::{Structure, storey_stiffness};
 use crate::supervise;
+use crate::watch::steps_in_block;
 
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
@@ -56,6 +57,8 @@ pub(crate) struct StepConstants<const N: usize> {
     /// By how much the share of the prediction grows in a control step after a hold.
     pub(crate) resume_step: f32,
     pub(crate) physical: usize,
+    /// Control steps in a block of the watch.
+    pub(crate) block_steps: u16,
 }
 
 impl<const N: usize> Design<N> {
@@ -155,6 +158,7 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
             // Half a second: a bump of 10 mm becomes 20 mm/s.
             resume_step: (2.0 * control_step_s) as f32,
             physical: structure.physical.min(N),
+            block_steps: steps_in_block(t.rate_hz),
         };
         Ok(Self {
             law: Law::design(&context),

@@ -7,6 +7,7 @@
 //! | `command.rs` | from target to command: prediction, interlocks, what is sent |
 //! | `operate.rs` | what the operator does between steps |
 //! | `outside.rs` | targets from a numerical part outside |
+//! | `watched.rs` | what the rig watch is given and what it asks for |
 //!
 //! The target `u_c` of the integration and the command that is sent for it are two things: a predictor sends the
 //! actuator ahead of the target. Energies and errors are measured on the target; interlocks, the estimator's known input
@@ -17,6 +18,7 @@ mod motion;
 mod operate;
 mod outside;
 mod step;
+mod watched;
 
 use crate::design::{Design, StepConstants};
 use crate::energy::{EnergyErrors, Monitor};
@@ -28,6 +30,7 @@ use crate::record::Record;
 use crate::rig::{DirectRig, Rig};
 use crate::signal::SignalGenerator;
 use crate::supervise::{Fault, Finding, History, LockWatch, Mode, StaleWatch, Trip};
+use crate::watch::Post;
 
 /// What was measured in a control step, and what the board knows about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +135,7 @@ pub struct OuterLoop<const N: usize, R: Rig<N> = DirectRig<N>> {
     pace: Option<Pace>,
     next_target_m: Option<[f32; N]>,
     answer_n: [f32; N],
+    post: Post<N>,
 }
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
@@ -176,6 +180,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             pace: None,
             next_target_m: None,
             answer_n: [0.0; N],
+            post: Post::new(design.block_steps),
             design,
         }
     }

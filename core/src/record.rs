@@ -90,6 +90,14 @@ pub mod flag {
     pub const STALE: u32 = 1 << 23;
     /// The approach waits for the contact behind PERMIT.
     pub const CHAIN_OPEN: u32 = 1 << 24;
+    /// The watch holds an adaptive compensation at what was declared.
+    pub const GUARDED: u32 = 1 << 25;
+    /// The watch corrects command or reading.
+    pub const ADJUSTED: u32 = 1 << 26;
+    /// The watch was not worked out in time and has ended.
+    pub const WATCH_LATE: u32 = 1 << 27;
+    /// Where the two bits of the watch's state begin.
+    pub const WATCH_STATE_SHIFT: u32 = 28;
 }
 
 impl<const N: usize> Record<N> {

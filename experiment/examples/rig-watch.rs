@@ -349,7 +349,15 @@ struct Row {
     settled_right: usize,
     one: usize,
     cycles: Vec<f64>,
+    /// Error without the effect, with it, and corrected, sums over those that matter.
+    eps: [f64; 3],
+    worse: usize,
 }
+
+/// What the loop may correct for.
+const CORRECT: &str = "[watch]\ncorrect = ['lateness', 'gain', 'late_sensor']\n";
+/// A correction that makes the error larger by more than this has made it worse, of the peak.
+const WORSE: f64 = 0.01;
 
 fn holds(event: &WatchEvent, right: &[(&str, &str)]) -> bool {
     event.set.iter().any(|c| right.contains(&(c.name, c.side)))
@@ -410,6 +418,9 @@ fn main() {
         let (Some(sound), Some(faulty)) = (run(&rig, "", seed), run(&rig, &effect, seed)) else {
             continue;
         };
+        let Some(corrected) = run(&rig, &format!("{effect}{CORRECT}"), seed) else {
+            continue;
+        };
         let row = rows.entry(name).or_default();
         row.tests += 1;
         let frozen = name.starts_with("frozen");
@@ -420,6 +431,15 @@ fn main() {
             continue;
         }
         row.matter += 1;
+        let eps = [&sound, &faulty, &corrected].map(|r| r.summary.eps_rms.min(1.0));
+        row.eps.iter_mut().zip(eps).for_each(|(sum, e)| *sum += e);
+        row.worse += usize::from(eps[2] > eps[1] + WORSE);
+        if eps[2] > eps[1] + WORSE {
+            println!(
+                "worse by its correction: {name} seed {seed}: {:.3} to {:.3}",
+                eps[1], eps[2]
+            );
+        }
         let Some(watch) = faulty.summary.watch else {
             continue;
         };
@@ -452,11 +472,12 @@ fn main() {
         }
     }
     println!(
-        "{:22} tests matter named first settled one cycles p90",
+        "{:22} tests matter named first settled one cycles p90  eps % without, with, corrected; worse",
         "effect from mid-test"
     );
     for (name, mut row) in rows {
         row.cycles.sort_by(f64::total_cmp);
+        let mean = |sum: f64| 100.0 * sum / row.matter as f64;
         let at = |share: f64| {
             row.cycles
                 .get((share * row.cycles.len() as f64) as usize)
@@ -464,7 +485,7 @@ fn main() {
                 .unwrap_or(f64::NAN)
         };
         println!(
-            "{name:22} {:5} {:6} {:5} {:5} {:7} {:3} {:6.1} {:3.1}",
+            "{name:22} {:5} {:6} {:5} {:5} {:7} {:3} {:6.1} {:3.1} {:14.1} {:5.1} {:10.1} {:6}",
             row.tests,
             row.matter,
             row.named,
@@ -472,7 +493,11 @@ fn main() {
             row.settled_right,
             row.one,
             at(0.5),
-            at(0.9)
+            at(0.9),
+            mean(row.eps[0]),
+            mean(row.eps[1]),
+            mean(row.eps[2]),
+            row.worse
         );
     }
 }

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::score::Score;
 use crate::summary::Summary;
 use crate::trace::{Response, TestObserver, Trace};
-use crate::watch::TestWatch;
+use crate::watch::{Place, TestWatch};
 
 /// A test that has run.
 #[derive(Clone, Debug)]
@@ -70,9 +70,9 @@ impl Experiment {
     ///
     /// # Errors
     /// A parameter that is refused, with its name and value; a bench that cannot be set up.
-    pub fn run_on(
+    pub fn run_on<B: Bench>(
         &self,
-        bench: &impl Bench,
+        bench: &B,
         compensation: impl Into<Compensation>,
         ideal: &Response,
         keep: bool,
@@ -86,7 +86,13 @@ impl Experiment {
         }
         let trace = keep.then(|| self.test.trace());
         let hz = self.natural_frequencies_hz().first().copied();
-        let watch = TestWatch::of(&self.test, &ideal.peaks_m(), hz.unwrap_or_default())?;
+        let place = Place {
+            ideal,
+            first_hz: hz.unwrap_or_default(),
+            seconds: self.seconds,
+            obeys: B::OBEYS_WATCH,
+        };
+        let watch = TestWatch::of(&own.test, &place)?;
         let mut observers = (Score::against(ideal), (watch, (trace, observer)));
         let ending = own.run_config(bench, config, &mut observers)?;
         let (score, (watch, (trace, _))) = observers;

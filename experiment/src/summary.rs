@@ -4,7 +4,7 @@ use crate::bench::{Ending, OnBoard};
 use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
-use crate::numbers::{percent, si};
+use crate::numbers::{percent, si, three};
 use crate::score::Score;
 use crate::watch::WatchReport;
 use outerloop_core::coupled::Plant;
@@ -149,7 +149,6 @@ const fn is_fact(fault: Fault) -> bool {
 const STOPPED: &str =
     " The simulation was stopped there: no limit was declared, and no rig could follow.";
 
-/// The value of a fault against its limit.
 /// What tripped, beside its limit.
 pub fn against_limit(t: Trip) -> String {
     let value = si(f64::from(t.value), t.fault.unit());
@@ -266,6 +265,19 @@ impl Summary {
                     self.steps as f64 / self.rate_hz,
                 )
             }
+            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Watch => format!(
+                "Stopped by the rig watch after {:.2} s of the laboratory: {}.",
+                self.steps as f64 / self.rate_hz,
+                if t.limit == 0.0 {
+                    "a sensor stands still while the rest moves".to_owned()
+                } else {
+                    format!(
+                        "what it named would bring the error to {} rms of the largest displacement, against watch.trip_eps = {}",
+                        percent(f64::from(t.value)),
+                        three(f64::from(t.limit))
+                    )
+                }
+            ),
             (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Reading => format!(
                 "Tripped on {} after {:.2} s of the laboratory: the actuator was read further out than it was sent, {}.",
                 t.fault.name(),

@@ -1,5 +1,6 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
+use outerloop_core::watch::{Alarm, AxisOrders, Block, State};
 use outerloop_core::{EnergyWords, Event, Mode, Record, flag};
 use plant::coupled::CoupledReading;
 
@@ -96,6 +97,17 @@ pub trait TestObserver {
     fn requested_event(&mut self) -> Option<Event> {
         None
     }
+
+    /// Asked by a bench whose loop obeys the rig watch: whether the observer is one, and then whether it may correct.
+    fn watches_the_loop(&mut self) -> Option<bool> {
+        None
+    }
+
+    /// Blocks of the running test, one for each axis; `orders` are given for each in answer.
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+        let _ = (blocks, orders);
+        (State::Sound, None)
+    }
 }
 
 impl TestObserver for () {
@@ -118,6 +130,16 @@ impl<W: TestObserver + ?Sized> TestObserver for &mut W {
     fn requested_event(&mut self) -> Option<Event> {
         (**self).requested_event()
     }
+
+    #[inline]
+    fn watches_the_loop(&mut self) -> Option<bool> {
+        (**self).watches_the_loop()
+    }
+
+    #[inline]
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+        (**self).judge(blocks, orders)
+    }
 }
 
 impl<W: TestObserver> TestObserver for Option<W> {
@@ -139,6 +161,17 @@ impl<W: TestObserver> TestObserver for Option<W> {
     fn requested_event(&mut self) -> Option<Event> {
         self.as_mut()?.requested_event()
     }
+
+    #[inline]
+    fn watches_the_loop(&mut self) -> Option<bool> {
+        self.as_mut()?.watches_the_loop()
+    }
+
+    #[inline]
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+        self.as_mut()
+            .map_or((State::Sound, None), |own| own.judge(blocks, orders))
+    }
 }
 
 impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
@@ -159,6 +192,21 @@ impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
         self.0
             .requested_event()
             .or_else(|| self.1.requested_event())
+    }
+
+    #[inline]
+    fn watches_the_loop(&mut self) -> Option<bool> {
+        self.0
+            .watches_the_loop()
+            .or_else(|| self.1.watches_the_loop())
+    }
+
+    /// One of the two at most is the watch.
+    #[inline]
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+        let first = self.0.judge(blocks, orders);
+        let second = self.1.judge(blocks, orders);
+        (first.0.max(second.0), first.1.or(second.1))
     }
 }
 
@@ -223,6 +271,18 @@ impl Response {
         (0..self.floors)
             .map(|j| self.floor(j).fold(0.0, |p, u| f64::from(u).abs().max(p)))
             .collect()
+    }
+
+    /// Displacement of a floor in each of `P` equal parts of the test, rms, m.
+    pub fn rms_m<const P: usize>(&self, floor: usize) -> [f64; P] {
+        let (mut square_m2, mut count) = ([0.0; P], [0.0_f64; P]);
+        let steps = self.steps().max(1);
+        for (i, u) in self.floor(floor).enumerate() {
+            let part = (i * P / steps).min(P - 1);
+            square_m2[part] += f64::from(u) * f64::from(u);
+            count[part] += 1.0;
+        }
+        std::array::from_fn(|part| (square_m2[part] / count[part].max(1.0)).sqrt())
     }
 }
 

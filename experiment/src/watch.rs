@@ -4,9 +4,12 @@ use crate::failure::Failure;
 use crate::files::test::TestFile;
 use crate::numbers::three;
 use crate::rig::{Departures, Quantity, noise_rms};
-use crate::trace::{AnyRecord, TestObserver};
+use crate::trace::{AnyRecord, Response, TestObserver};
 use diagnosis::Model;
-use outerloop_core::watch::{Declared, DeclaredActuator, State, Tap, Watch};
+use outerloop_core::watch::{
+    Actions, Alarm, AxisOrders, Block, Cause, Declared, DeclaredActuator, ErrorLimit, State, Tap,
+    Watch,
+};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -26,6 +29,9 @@ pub struct NamedCause {
     pub unit: &'static str,
     /// Interval of 90 %.
     pub ci90: [f64; 2],
+    /// How much of it the loop corrects for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corrected: Option<f64>,
 }
 
 /// A change of state or set. The keys are a contract.
@@ -37,8 +43,28 @@ pub struct WatchEvent {
     pub state: &'static str,
     /// The causes that the motion does not tell apart.
     pub set: Vec<NamedCause>,
-    /// True if the loop corrects for it.
+    /// True if the loop corrects for one of them.
     pub corrected: bool,
+    /// True if what the adaptive compensation has learnt is held at what was declared.
+    pub held: bool,
+}
+
+/// A correction as it was changed: 50 ms or more after the last one. The keys are a contract.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CorrectionStep {
+    /// When it was asked for, s of the model from the first control step of the running test.
+    pub t_s: f64,
+    /// The effect's name in the catalogue.
+    pub name: &'static str,
+    /// Where it is.
+    pub side: &'static str,
+    /// Of which actuator, from 1, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<usize>,
+    /// How much is corrected for from then on, in `unit`.
+    pub corrected: f64,
+    /// Its unit; empty for a share.
+    pub unit: &'static str,
 }
 
 /// What the watch had to say of a test. The keys are a contract.
@@ -48,6 +74,9 @@ pub struct WatchReport {
     pub state: &'static str,
     /// Every change; the last holds what had settled at the end.
     pub events: Vec<WatchEvent>,
+    /// Every correction, 20 a second while it moves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub corrections: Vec<CorrectionStep>,
     /// What could not be watched, and why, in sentences.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_watched: Vec<String>,
@@ -79,9 +108,34 @@ impl WatchReport {
         } else {
             ""
         };
+        let held = self
+            .events
+            .iter()
+            .find(|e| e.held)
+            .map_or(String::new(), |e| {
+                format!(
+                    " From {:.2} s on the compensation was held at what was declared.",
+                    e.t_s
+                )
+            });
         format!(
-            "The watch named, first at {:.2} s: {what}.{stopped}",
-            first.t_s
+            "The watch named, first at {:.2} s: {what}.{}{held}{stopped}",
+            first.t_s,
+            self.corrected_in_words()
+        )
+    }
+
+    /// What was corrected for: from when, and by how much in the end.
+    fn corrected_in_words(&self) -> String {
+        let (Some(first), Some(last)) = (self.corrections.first(), self.corrections.last()) else {
+            return String::new();
+        };
+        let unit = if last.unit.is_empty() { "" } else { " " };
+        format!(
+            " From {:.2} s on it was corrected for, in the end by {}{unit}{}.",
+            first.t_s,
+            three(last.corrected),
+            last.unit
         )
     }
 }
@@ -109,84 +163,157 @@ impl NamedCause {
     }
 }
 
-/// Watches a running test.
+/// Where a test is watched.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// What the motion is planned to be.
+    pub ideal: &'a Response,
+    /// First natural frequency, Hz of the model.
+    pub first_hz: f64,
+    /// Length of the test, s of the model.
+    pub seconds: f64,
+    /// True if the loop does what the watch asks for.
+    pub obeys: bool,
+}
+
+/// Watches a running test: from within a loop that obeys it, or by the records of one that does not.
 #[derive(Clone, Debug)]
 pub struct TestWatch {
     actuators: Vec<(Tap, Watch)>,
     events: Vec<WatchEvent>,
+    corrections: Vec<CorrectionStep>,
     not_watched: Vec<String>,
     steps: u64,
     steps_per_s: f64,
+    /// True if the loop gives the blocks, and whether it may be corrected.
+    in_loop: bool,
+    corrects: bool,
+    learns: bool,
 }
 
+/// A correction is noted when it has changed by more than this, in its unit, and so long after the last one, s of the model.
+const CHANGED: f64 = 1e-3;
+const LEAST_S: f64 = 0.05;
+
 impl TestWatch {
-    /// For `test`, which is planned to move by `peaks_m`, floor by floor, of a structure with this first natural frequency.
-    /// `None` where the watch is off or nothing moves.
+    /// For `test`. `None` where the watch is off or nothing moves.
     ///
     /// # Errors
-    /// A declared value that cannot be watched.
-    pub fn of(test: &TestFile, peaks_m: &[f64], first_hz: f64) -> Result<Option<Self>, Failure> {
+    /// A declared value that cannot be watched; something to do where it cannot be done.
+    pub fn of(test: &TestFile, place: &Place<'_>) -> Result<Option<Self>, Failure> {
+        let (settings, hz) = (&test.watch, place.first_hz);
         // Of two actuators on one coupler the coordinates are not the actuators'.
-        if !test.watch.on || test.coupled.is_some() || first_hz <= 0.0 || first_hz.is_nan() {
+        if !settings.on || test.coupled.is_some() || hz <= 0.0 || hz.is_nan() {
             return Ok(None);
         }
         let timing = &test.config.timing;
         let mut not_watched = Vec::new();
         let mut actuators = Vec::new();
-        let floors = test.config.physical_storeys().min(peaks_m.len());
+        let peaks_m = place.ideal.peaks_m();
+        let floors = test.config.physical_storeys();
         for (j, &peak_m) in peaks_m.iter().enumerate().take(floors) {
-            let declared = declared(test, j, peak_m, TAU * first_hz / timing.time_scale);
+            let actions = actions(test, place, (j, peak_m))?;
+            let declared = declared(test, j, peak_m, TAU * hz / timing.time_scale);
             for sentence in gaps(test, &declared) {
                 if !not_watched.contains(&sentence) {
                     not_watched.push(sentence);
                 }
             }
-            match Watch::new(&declared) {
+            match Watch::new(&declared, actions) {
                 Ok(watch) => actuators.push((Tap::new(timing.rate_hz), watch)),
                 Err(refusal) => not_watched.push(format!("Actuator {}: {refusal}", j + 1)),
             }
         }
+        if !place.obeys {
+            not_watched.push(
+                "A board only gives the records: it holds no compensation and stops no test for what is named."
+                    .to_owned(),
+            );
+        }
         Ok(Some(Self {
             actuators,
             events: Vec::new(),
+            corrections: Vec::new(),
             not_watched,
             steps: 0,
             steps_per_s: timing.rate_hz * timing.time_scale,
+            in_loop: false,
+            corrects: !settings.correct.is_empty(),
+            learns: test.config.compensation.kind.predictor.learns(),
         }))
     }
 
     fn state(&self) -> State {
         let states = self.actuators.iter().map(|(_, watch)| watch.state());
-        states.max_by_key(|state| *state as u8).unwrap_or_default()
+        states.max().unwrap_or_default()
+    }
+
+    fn number(&self, j: usize) -> Option<usize> {
+        (self.actuators.len() > 1).then_some(j + 1)
     }
 
     fn set(&self) -> Vec<NamedCause> {
-        let several = self.actuators.len() > 1;
         let mut set = Vec::new();
         for (j, (_, watch)) in self.actuators.iter().enumerate() {
             set.extend(watch.findings().map(|f| {
                 let (value, sd) = (f64::from(f.value), f64::from(f.sd));
+                let corrected = f64::from(watch.corrected(f.cause));
                 NamedCause {
                     name: f.cause.name(),
                     side: f.cause.side().name(),
-                    actuator: several.then_some(j + 1),
+                    actuator: self.number(j),
                     value,
                     unit: f.cause.unit(),
                     ci90: [value - NINETY * sd, value + NINETY * sd],
+                    corrected: (corrected != 0.0).then_some(corrected),
                 }
             }));
         }
         set
     }
 
+    fn now_s(&self) -> f64 {
+        self.steps as f64 / self.steps_per_s
+    }
+
     fn note(&mut self) {
+        let set = self.set();
+        let holds = |(_, watch): &(Tap, Watch)| watch.axis_orders().hold;
         let event = WatchEvent {
-            t_s: self.steps as f64 / self.steps_per_s,
+            t_s: self.now_s(),
             state: self.state().name(),
-            set: self.set(),
-            corrected: false,
+            corrected: set.iter().any(|cause| cause.corrected.is_some()),
+            held: self.learns && self.in_loop && self.actuators.iter().any(holds),
+            set,
         };
         self.events.push(event);
+    }
+
+    /// Notes the corrections that have changed, at most 20 times a second.
+    fn note_corrections(&mut self) {
+        let now_s = self.now_s();
+        for (j, (_, watch)) in self.actuators.iter().enumerate() {
+            for &cause in Cause::ALL {
+                let corrected = f64::from(watch.corrected(cause));
+                let actuator = self.number(j);
+                let own = |c: &&CorrectionStep| {
+                    (c.name, c.side, c.actuator) == (cause.name(), cause.side().name(), actuator)
+                };
+                let last = self.corrections.iter().rev().find(own);
+                let (last_s, before) = last.map_or((-1.0, 0.0), |c| (c.t_s, c.corrected));
+                if now_s - last_s < LEAST_S || (corrected - before).abs() <= CHANGED {
+                    continue;
+                }
+                self.corrections.push(CorrectionStep {
+                    t_s: now_s,
+                    name: cause.name(),
+                    side: cause.side().name(),
+                    actuator,
+                    corrected,
+                    unit: cause.unit(),
+                });
+            }
+        }
     }
 
     /// What it had to say. The last event is what had settled at the end.
@@ -197,6 +324,7 @@ impl TestWatch {
         WatchReport {
             state: self.state().name(),
             events: self.events,
+            corrections: self.corrections,
             not_watched: self.not_watched,
         }
     }
@@ -205,17 +333,76 @@ impl TestWatch {
 impl TestObserver for TestWatch {
     fn on_step(&mut self, record: &AnyRecord<'_>) {
         self.steps += 1;
+        if self.in_loop {
+            return;
+        }
         let mut changed = false;
         for (j, (tap, watch)) in self.actuators.iter_mut().enumerate() {
             let (command, x) = (record.sent_m[j], record.displacement_m[j]);
-            if let Some(block) = tap.add(command, x, record.force_n[j]) {
-                changed |= watch.add(&block);
+            if tap.add(command, x, record.force_n[j]) {
+                changed |= watch.add(&tap.close());
             }
         }
         if changed {
             self.note();
         }
     }
+
+    fn watches_the_loop(&mut self) -> Option<bool> {
+        self.in_loop = true;
+        Some(self.corrects)
+    }
+
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+        let (mut changed, mut alarm) = (false, None);
+        let actuators = self.actuators.iter_mut().zip(blocks).zip(orders);
+        for (j, (((_, watch), block), orders)) in actuators.enumerate() {
+            changed |= watch.add(block);
+            *orders = watch.axis_orders();
+            alarm = alarm.or_else(|| watch.alarm(j as u8));
+        }
+        if changed {
+            self.note();
+        }
+        if self.corrects {
+            self.note_corrections();
+        }
+        (self.state(), alarm)
+    }
+}
+
+/// What the watch of `test` may do about the actuator of a floor that is planned to move by so much.
+fn actions(
+    test: &TestFile,
+    place: &Place<'_>,
+    (floor, peak_m): (usize, f64),
+) -> Result<Actions, Failure> {
+    let (settings, config) = (&test.watch, &test.config);
+    let correct = settings.corrections().map_err(Failure::input)?;
+    if !place.obeys {
+        let looks = settings.only_looks("on a board, which does not run the watch yet");
+        return looks.map(|()| Actions::default()).map_err(Failure::input);
+    }
+    let method = config.compensation.kind;
+    if (correct.lateness || correct.gain) && method.predictor.learns() {
+        return Err(Failure::input(format!(
+            "watch.correct = {:?} is refused with the compensation {method}, which learns lateness and gain itself: accepted with \
+             it is [\"late_sensor\"]",
+            settings.correct
+        )));
+    }
+    let ratio = config.structure.damping_ratio.first().copied();
+    Ok(Actions {
+        hold: settings.guard,
+        trip: true,
+        correct,
+        error_limit: settings.trip_eps.map(|largest| ErrorLimit {
+            largest,
+            damping_ratio: ratio.unwrap_or(0.0),
+            duration_s: place.seconds * config.timing.time_scale,
+            planned_rms: place.ideal.rms_m(floor).map(|rms| rms / peak_m),
+        }),
+    })
 }
 
 /// What the watch of actuator `j` is told.
@@ -259,6 +446,7 @@ fn declared(test: &TestFile, j: usize, peak_m: f64, omega_rad_per_s: f64) -> Dec
                 1e-3 * tolerance(actuator.offset_mm),
             ],
         },
+        alone: single,
         has_actuator: model.actuator.is_some() && can_be_told(&model, true),
         has_specimen: single && specimen.stiffness_n_per_mm.is_some() && can_be_told(&model, false),
         elastic: specimen.effects.is_empty() && specimen.elements.is_empty(),

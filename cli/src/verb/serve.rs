@@ -64,6 +64,10 @@ impl Serve {
         let out = look_ahead::folder(self.out.as_deref(), &FILES)?;
         let out = out.as_deref();
         let test = TestFile::load(&self.test, &self.overrides)?;
+        let looks = test
+            .watch
+            .only_looks("by serve, whose targets come from outside");
+        looks.map_err(Failure::input)?;
         let element = DeclaredElement::of(&test)?;
         let title = format!("serves {}", self.test.display());
         let rate_hz = test.config.timing.rate_hz;

@@ -4,6 +4,7 @@ use super::{OuterLoop, Pace, Sample};
 use crate::float::unlikely;
 use crate::ground_motion::GroundMotion;
 use crate::predict::{LastCommand, TargetMotion};
+use crate::record::flag;
 use crate::rig::{Asked, Rig};
 use crate::supervise::{Checked, Event, Fault, Finding, Mode, Trip, first_fault, within};
 
@@ -17,6 +18,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         next_m: [f32; N],
         usable: bool,
     ) -> [f32; N] {
+        let held = self.post.flags() & flag::GUARDED != 0;
+        if held {
+            self.unlearn_held();
+        }
         let k = &self.design;
         let live = self.mode.integrates() && self.pace != Some(Pace::StopAndGo);
         let (velocity_m, acceleration_m) = if live {
@@ -25,11 +30,12 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         } else {
             unlikely(([0.0; N], [0.0; N]))
         };
+        let adjusted = self.post.flags() & flag::ADJUSTED != 0;
         let followed = core::array::from_fn(|j| LastCommand {
             target_m: self.target_m[j] + self.lead_m[j],
             sent_m: self.aimed_m[j],
             measured_m: measured_m[j],
-            learn: live && usable,
+            learn: live && usable && !(held && self.post.axis(j).hold),
         });
         let mut ahead: [TargetMotion; N] = core::array::from_fn(|j| TargetMotion {
             displacement_m: next_m[j],
@@ -37,10 +43,10 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             acceleration_m: acceleration_m[j],
         });
         let mut send_m = next_m;
-        if k.lead_steps != 0.0 {
+        if k.lead_steps != 0.0 || adjusted {
             // Numerical degrees of freedom are sent where they are wanted.
             for j in 0..N {
-                ahead[j] = ahead[j].led_by(k.lead_steps);
+                ahead[j] = ahead[j].led_by(k.lead_steps + self.post.axis(j).lead_steps);
                 self.lead_m[j] = ahead[j].displacement_m - next_m[j];
                 if j < k.physical {
                     send_m[j] = ahead[j].displacement_m;
@@ -77,7 +83,13 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             ground,
             step: self.step,
         };
-        self.rig.commands(&self.design.command, &asked)
+        let mut commands_m = self.rig.commands(&self.design.command, &asked);
+        if self.post.flags() & flag::ADJUSTED != 0 {
+            for (j, command_m) in commands_m.iter_mut().enumerate() {
+                *command_m *= self.post.axis(j).command_scale;
+            }
+        }
+        commands_m
     }
 
     /// The ramp to a standstill begins at what was sent and not at the target behind it.

@@ -141,6 +141,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             pace: _,
             next_target_m,
             answer_n,
+            post,
         } = self;
         *mode = Mode::Idle;
         (*step, *flags) = (0, 0);
@@ -161,5 +162,6 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         history.clear();
         predictor.rest();
         rig.rest();
+        post.rest();
     }
 }

@@ -26,7 +26,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// call.
     #[inline(never)]
     pub fn step(&mut self, sample: &Sample<N>, ground: &GroundMotion<'_>) -> Step<'_, N> {
-        self.flags = 0;
+        self.flags = self.post.flags();
         let Staleness {
             usable,
             steps: stale_steps,
@@ -58,6 +58,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             let copy_m = displacement_m;
             self.trip_or_send(sample, &copy_m, stale_steps, [next_m, aim_m, send_m])
         };
+        if self.post.is_on() && self.mode.integrates() {
+            self.show_to_watch();
+        }
         if integrates_here && self.step > ground.steps() && self.mode.integrates() {
             self.finish();
         }
@@ -195,6 +198,12 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         let (mut displacement_m, mut force_n) = (sample.displacement_m, sample.force_n);
         self.rig
             .correct(&self.sent_m, &mut displacement_m, &mut force_n);
+        if self.post.flags() & flag::ADJUSTED != 0 && self.mode.integrates() {
+            let velocity_m = self.signal.velocity_m();
+            for j in 0..N {
+                displacement_m[j] += self.post.axis(j).reading_late_steps * velocity_m[j];
+            }
+        }
         (displacement_m, force_n)
     }
 

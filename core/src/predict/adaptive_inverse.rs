@@ -77,6 +77,10 @@ impl PredictAxis for AdaptiveInverse {
         let next = ahead.displacement_m;
         next + self.delay * (next - u)
     }
+
+    fn unlearn(&mut self, k: &Constants) {
+        self.delay = k.learning.delay(self.delay, k.delay - self.delay);
+    }
 }
 
 #[cfg(test)]

@@ -73,6 +73,11 @@ impl PredictAxis for Afp {
         self.velocity_m = ahead.velocity_m;
         (1.0 + self.gain) * ahead.after(self.delay)
     }
+
+    fn unlearn(&mut self, k: &Constants) {
+        self.delay = k.learning.delay(self.delay, k.delay - self.delay);
+        self.gain = k.learning.gain(self.gain, -self.gain);
+    }
 }
 
 #[cfg(test)]

@@ -17,9 +17,12 @@ use super::interface::{LastCommand, PredictAxis, TargetMotion};
 use crate::config::{Compensation, Timing};
 use crate::context::ActuatorContext;
 use crate::estimate::prewarped;
-use crate::float::larger;
+use crate::float::{larger, smaller};
 use crate::method::Prediction;
 use crate::refusal::{Refusal, accept, between};
+
+/// Share of what was learnt that is taken back in a second, where it has to be.
+const UNLEARNS_A_SECOND: f32 = 4.0;
 
 /// Constants of the compensator; derivatives in powers of a control step.
 #[derive(Clone, Copy, Debug)]
@@ -172,6 +175,13 @@ impl PredictAxis for Amb {
         self.acceleration_m = ahead.acceleration_m;
         let [a0, a1, a2, a3] = self.coefficients;
         a0 * ahead.displacement_m + a1 * ahead.velocity_m + a2 * ahead.acceleration_m + a3 * jerk_m
+    }
+
+    fn unlearn(&mut self, k: &Constants) {
+        let share = smaller(UNLEARNS_A_SECOND / k.per_step[1], 1.0);
+        for (coefficient, start) in self.coefficients.iter_mut().zip(k.start) {
+            *coefficient += share * (start - *coefficient);
+        }
     }
 }
 

@@ -145,23 +145,36 @@ impl PredictAxis for Ats {
             for (sum, z) in self.products.iter_mut().zip(z) {
                 *sum = k.memory * *sum + y * z;
             }
-            let wanted = least_squares(&self.squares, &self.products);
-            let (tolerance, per_unit) = (k.learning.gain_tolerance, 1.0 / k.unit);
-            let (longest, limit) = (k.learning.longest * per_unit, k.learning.limit * per_unit);
-            // The second coefficient is half of the square of the first: its bound and its rate follow.
-            let bounds = [
-                (k.learning.gain_limit, 1.0 - tolerance, 1.0 + tolerance),
-                (limit, 0.0, longest),
-                (limit * longest, 0.0, 0.5 * longest * longest),
-            ];
-            for (i, (limit, low, high)) in bounds.into_iter().enumerate() {
-                let step = start[i] + wanted[i] - self.coefficients[i];
-                self.coefficients[i] = learnt(self.coefficients[i], step, limit, low, high);
-            }
+            let [a, b, c] = least_squares(&self.squares, &self.products);
+            self.move_towards(k, [start[0] + a, start[1] + b, start[2] + c]);
         }
         let [a, b, c] = self.coefficients;
         a * ahead.displacement_m
             + k.unit * (b * ahead.velocity_m + c * k.unit * ahead.acceleration_m)
+    }
+
+    fn unlearn(&mut self, k: &Constants) {
+        (self.squares, self.products) = ([0.0; 6], [0.0; 3]);
+        self.move_towards(k, [1.0, k.start[0], k.start[1]]);
+    }
+}
+
+impl Ats {
+    /// A bounded step of the coefficients towards those that are wanted.
+    #[inline]
+    fn move_towards(&mut self, k: &Constants, wanted: [f32; 3]) {
+        let (tolerance, per_unit) = (k.learning.gain_tolerance, 1.0 / k.unit);
+        let (longest, limit) = (k.learning.longest * per_unit, k.learning.limit * per_unit);
+        // The second coefficient is half of the square of the first: its bound and its rate follow.
+        let bounds = [
+            (k.learning.gain_limit, 1.0 - tolerance, 1.0 + tolerance),
+            (limit, 0.0, longest),
+            (limit * longest, 0.0, 0.5 * longest * longest),
+        ];
+        for (i, (limit, low, high)) in bounds.into_iter().enumerate() {
+            let step = wanted[i] - self.coefficients[i];
+            self.coefficients[i] = learnt(self.coefficients[i], step, limit, low, high);
+        }
     }
 }
 

@@ -2,6 +2,9 @@
 
 use super::adaptation::Learning;
 use super::interface::{LastCommand, PredictAxis, TargetMotion};
+use crate::config::Config;
+use crate::design::Design;
+use crate::method::{Method, Prediction};
 
 /// Angular frequency of the motion, 1 per control step: 2 Hz at 2 kHz.
 pub(crate) const OMEGA: f32 = 0.006_283;
@@ -79,4 +82,61 @@ pub(crate) fn run<P: PredictAxis>(k: &P::Constants, actuator: Axis) -> (P, f32) 
         }
     }
     (axis, worst / peak)
+}
+
+#[test]
+fn every_predictor_that_learns_goes_back_to_what_was_declared_when_it_has_to() {
+    for &prediction in Prediction::ALL {
+        if !prediction.learns() {
+            continue;
+        }
+        let mut config = Config::shear_frame([4000.0], [632e3], [0.02]);
+        config.compensation.kind = Method::None.behind(prediction);
+        config.compensation.delay_ms = 2.0.into();
+        config.compensation.amb.gains = [1e8, 1e6, 1e3, 0.0];
+        let mut taught = Design::<1>::new(&config).unwrap().predictor;
+        let mut fresh = taught.clone();
+        let mut line = [0.0_f32; 32];
+        let mut apart = [0.0_f32; 2];
+        let mut followed = AT_REST;
+        for i in 0..80_000_usize {
+            let (sin, cos) = libm::sincosf(OMEGA * i as f32);
+            let ahead = [TargetMotion {
+                displacement_m: 0.02 * sin,
+                velocity_m: 0.02 * OMEGA * cos,
+                acceleration_m: -0.02 * OMEGA * OMEGA * sin,
+            }];
+            let learn = i < 40_000;
+            if !learn {
+                taught.unlearn(0);
+            }
+            let mut commands = [[ahead[0].displacement_m]; 2];
+            taught.command(
+                &[LastCommand { learn, ..followed }],
+                &ahead,
+                1,
+                &mut commands[0],
+            );
+            let plain = LastCommand {
+                learn: false,
+                ..followed
+            };
+            fresh.command(&[plain], &ahead, 1, &mut commands[1]);
+            let [[sent_m], [declared_m]] = commands;
+            let end = usize::from(!learn);
+            if i % 40_000 > 38_000 {
+                apart[end] = apart[end].max((sent_m - declared_m).abs() / 0.02);
+            }
+            line[i % 32] = sent_m;
+            followed = LastCommand {
+                target_m: ahead[0].displacement_m,
+                sent_m,
+                measured_m: 0.95 * line[(i + 32 - 10) % 32],
+                learn,
+            };
+        }
+        let [learnt, left] = apart;
+        assert!(learnt > 0.005, "{prediction:?} learnt {learnt}");
+        assert!(left < 1e-4, "{prediction:?} keeps {left} of {learnt}");
+    }
 }

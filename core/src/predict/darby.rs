@@ -79,6 +79,10 @@ impl PredictAxis for Darby {
         k.extrapolation
             .ahead(&mut self.past, ahead.displacement_m, self.delay)
     }
+
+    fn unlearn(&mut self, k: &Constants) {
+        self.delay = k.learning.delay(self.delay, k.delay - self.delay);
+    }
 }
 
 /// Within .025 of the hyperbolic tangent, with its slope at 0 and its value from 3 on.

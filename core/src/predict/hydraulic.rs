@@ -128,6 +128,9 @@ fn plant(c: &Compensation, delay_ms: f64, stiffness_n_per_m: f64) -> config::Hyd
     c.hydraulic.clone().unwrap_or_else(guessed)
 }
 
+/// Share of what was learnt that is taken back in a control step, where it has to be.
+const UNLEARNS_A_STEP: f32 = 0.002;
+
 /// One axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Hydraulic {
@@ -249,6 +252,12 @@ impl PredictAxis for Hydraulic {
             self.learn(k, &phi, followed.measured_m - estimate_m);
         }
         inverse(&alpha, k.sixth, ahead, &mut self.past)
+    }
+
+    fn unlearn(&mut self, _: &Constants) {
+        for theta in &mut self.theta {
+            *theta *= 1.0 - UNLEARNS_A_STEP;
+        }
     }
 }
 

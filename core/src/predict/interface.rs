@@ -103,6 +103,11 @@ pub(crate) trait Predict<const N: usize>: Sized {
         physical: usize,
         command_m: &mut [f32; N],
     );
+
+    /// What the actuator `axis` has learnt goes back to what was declared by a bounded step, and is forgotten.
+    fn unlearn(&mut self, k: &Self::Constants, axis: usize) {
+        let _ = (k, axis);
+    }
 }
 
 /// A predictor that works axis by axis.
@@ -130,6 +135,11 @@ pub(crate) trait PredictAxis: Sized {
     /// One control step: learns from what was followed and gives the command to send, m.
     fn command(&mut self, k: &Self::Constants, followed: &LastCommand, ahead: &TargetMotion)
     -> f32;
+
+    /// A control step in which what was learnt goes back to what was declared, by a bounded step.
+    fn unlearn(&mut self, k: &Self::Constants) {
+        let _ = k;
+    }
 }
 
 /// Once in an image, for every number of floors and every axis.
@@ -171,6 +181,13 @@ impl<P: PredictAxis, const N: usize> Predict<N> for Axes<P, N> {
     ) {
         for j in 0..actuated::<N>(physical) {
             command_m[j] = self.0[j].command(&k[j], &followed[j], &ahead[j]);
+        }
+    }
+
+    #[inline(never)]
+    fn unlearn(&mut self, k: &Self::Constants, axis: usize) {
+        if let (Some(own), Some(k)) = (self.0.get_mut(axis), k.get(axis)) {
+            own.unlearn(k);
         }
     }
 }

@@ -86,6 +86,12 @@ impl PredictAxis for Mcs {
         self.demand_m = demand_m;
         (1.0 + gains[0]) * demand_m + gains[1] * followed.measured_m
     }
+
+    fn unlearn(&mut self, k: &Constants) {
+        for gain in &mut self.gains {
+            *gain = learnt(*gain, -*gain, k.learning.gain_limit, -MOST, MOST);
+        }
+    }
 }
 
 #[cfg(test)]

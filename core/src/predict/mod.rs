@@ -107,6 +107,14 @@ macro_rules! predictors {
                 }
             }
 
+            /// What the actuator `axis` has learnt goes back to what was declared by a bounded step, before its next command.
+            pub fn unlearn(&mut self, axis: usize) {
+                match self {
+                    Self::None => {}
+                    $(Self::$V(axes, k) => Predict::<N>::unlearn(axes, k, axis),)*
+                }
+            }
+
             /// One control step of the axes `0..physical`: replaces the targets in `command_m` by what is to be sent.
             pub fn command(
                 &mut self,

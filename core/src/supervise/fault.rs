@@ -70,6 +70,8 @@ faults! {
     ForceStands = 18, "force_stands", "";
     /// A task of the board has not run for too long: the program hangs, and the watchdog is about to reset the chip.
     Starved = 19, "starved", "";
+    /// The rig watch: a sensor stands still (no limit), or the error that what it named will add passes its limit.
+    Watch = 20, "watch", "";
 }
 
 impl Fault {

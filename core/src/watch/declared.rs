@@ -18,6 +18,8 @@ pub struct Declared {
     pub stiffness_tolerance: f64,
     /// From command to displacement.
     pub actuator: DeclaredActuator,
+    /// True if no other actuator moves what it moves: its force is that of its own displacement.
+    pub alone: bool,
     /// True if the actuator was declared: its lateness, gain and offset can be judged.
     pub has_actuator: bool,
     /// True if the specimen was declared.

@@ -1,5 +1,6 @@
 //! Sensors that stand still: with the same word for ever, or with their noise around one value.
 
+use crate::float::{larger, smaller};
 use libm::sqrtf;
 
 /// Blocks whose mean is looked at, and how many such means in a row.
@@ -10,8 +11,9 @@ const STANDS: f32 = 4.0;
 const STANDS_PEAKS: f32 = 1e-3;
 /// What it should have followed moves in each by at least so much, peaks.
 const MOVES: f32 = 0.02;
-/// Way there and back over which a force that never changed is no specimen's, peaks.
+/// Way there and back over which a force that never changed is no specimen's, peaks, and of what counts as standing.
 const THERE_AND_BACK: f32 = 0.05;
+const TIMES_STILL: f32 = 3.0;
 /// Equal words while what is measured moves by so much, peaks, and so many control steps.
 const SAME_STEPS: u16 = 40;
 
@@ -30,7 +32,10 @@ pub(super) struct Frozen {
     count: u8,
     /// Means in a row in which displacement and force stood while the rest moved.
     stood: [u8; 2],
-    /// Way that the displacement has gone either way while the force stood.
+    /// The force from which on it has stood, and the least and largest displacement since.
+    from: f32,
+    span: [f32; 2],
+    /// The furthest that the displacement has come back from either of them.
     ways: [f32; 2],
     /// The declared way when the words last changed.
     since: [f32; 2],
@@ -81,26 +86,76 @@ impl Frozen {
         // The force goes on with the motion: it is the reading that stands, not the ram.
         if dx.abs() < still(0) && dy.abs() > clearly(0) && dr.abs() > clearly(1).max(0.2 * dy.abs())
         {
-            self.stood[0] += 1;
+            self.stood[0] = self.stood[0].saturating_add(1);
         } else if dx.abs() >= still(0) {
             self.stood[0] = 0;
         }
-        if dr.abs() < still(1) && means[2].abs() > 0.05 {
+        let [_, x, r] = means;
+        if (r - self.from).abs() < still(1) && r.abs() > 0.05 {
+            let [low, high] = self.span;
+            self.span = [smaller(low, x), larger(high, x)];
+            self.ways = [
+                larger(self.ways[0], x - low),
+                larger(self.ways[1], high - x),
+            ];
             if dx.abs() > still(0) {
-                self.stood[1] += 1;
-                self.ways[usize::from(dx > 0.0)] += dx.abs();
+                self.stood[1] = self.stood[1].saturating_add(1);
             }
         } else {
             (self.stood[1], self.ways) = (0, [0.0; 2]);
+            (self.from, self.span) = (r, [x; 2]);
         }
         let enough = |stood: u8| stood >= IN_A_ROW;
-        let both_ways = self.ways.iter().all(|way| *way > THERE_AND_BACK);
+        let noise = larger(still(0), still(1));
+        let both_ways = |way: &f32| *way > larger(THERE_AND_BACK, TIMES_STILL * noise);
+        let both_ways = self.ways.iter().all(both_ways);
         if enough(self.stood[0]) {
             Some(Standing::Displacement)
         } else if enough(self.stood[1]) && both_ways {
             Some(Standing::Force)
         } else {
             None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What stands of 60 s of a motion of 1 Hz on a specimen that yields at `yields`, with noise of so much a block; after 5 s
+    /// the force stands at what it was, if it does.
+    fn standing(sigma: f32, yields: f32, stands: bool) -> Option<Standing> {
+        let mut frozen = Frozen::default();
+        let (mut seed, mut plastic, mut kept) = (1_u32, 0.0_f32, 0.3);
+        let mut noise = || {
+            seed ^= seed << 13;
+            seed ^= seed >> 17;
+            seed ^= seed << 5;
+            3.46 * sigma * ((seed >> 8) as f32 / 16_777_216.0 - 0.5)
+        };
+        let mut found = None;
+        for i in 0..30_000 {
+            let x = libm::sinf(i as f32 * 0.004 * core::f32::consts::PI);
+            plastic = larger(smaller(plastic, x + yields), x - yields);
+            if i < 2500 || !stands {
+                kept = x - plastic;
+            }
+            let raw = [x, x + noise(), kept + noise()];
+            found = found.or(frozen.add(raw, [sigma; 2], [0; 2]));
+        }
+        found
+    }
+
+    #[test]
+    fn a_force_that_stands_is_found_and_one_under_noise_or_on_a_plateau_is_not() {
+        for sigma in [1e-4, 1e-3, 1e-2, 0.1, 0.6] {
+            for yields in [9.0, 0.3] {
+                assert_eq!(standing(sigma, yields, false), None, "{sigma} {yields}");
+            }
+        }
+        for sigma in [1e-4, 1e-3, 1e-2] {
+            assert_eq!(standing(sigma, 0.3, true), Some(Standing::Force), "{sigma}");
         }
     }
 }

@@ -1,25 +1,26 @@
 //! From hypotheses to causes: which of them, on which side, since when.
 
 use super::declared::Declared;
-use super::name::{Cause, Set};
+use super::hypothesis::Hypothesis;
+use super::name::{Cause, Set, Side};
 use super::regression::{ACTUATOR, Answer, FORCE, FRESH, LONGEST as REFERENCE, UNLOADING, WINDOWS};
 use super::signals::Row;
 use super::state::{Finding, State};
 use heapless::Vec;
 use libm::sqrtf;
 
+/// Columns of the regression of the actuator whose side another channel can tell.
+const OFFSET: usize = 0;
+const GAIN: usize = 1;
+const LATE: usize = 2;
 /// Blocks from one judgement to the next: 50 ms.
 pub(super) const BLOCKS_A_ROUND: u8 = 25;
 /// Causes whose values are kept.
 const MOST_FINDINGS: usize = 8;
-/// Twice the logarithm of the likelihood ratio from which there is a doubt, and a name: of the actuator, of the force, of the
-/// unloading.
+/// Twice the logarithm of the likelihood ratio from which there is a doubt: of the actuator, of the force, of the unloading.
 const DOUBT: [f32; 3] = [8.0, 8.0, 32.0];
-const NAME: [f32; 3] = [12.0, 12.0, 48.0];
-/// By how many standard deviations a value is beyond its tolerance of two halves.
-const BEYOND: [f32; 3] = [2.0, 2.0, 5.0];
-/// Share of the residual that the free fit has to explain.
-const EXPLAINED: f32 = 0.7;
+/// Judgements after which a set that is still the same has settled.
+const SETTLED: u8 = 5;
 /// Rounds in a row.
 const ROUNDS: u8 = 3;
 /// A doubt without a name falls back after so many natural periods; a new largest motion is new for so many.
@@ -90,6 +91,8 @@ pub(super) struct Judge {
     since_largest: u32,
     limits: [f32; 2],
     speed: f32,
+    /// Judgements since the set was another one.
+    unchanged: u8,
 }
 
 impl Judge {
@@ -110,6 +113,7 @@ impl Judge {
             since_largest: 0,
             limits: [0.0; 2],
             speed: 0.0,
+            unchanged: 0,
         }
     }
 
@@ -130,6 +134,25 @@ impl Judge {
             // Its secant has fallen where it goes further than ever: it yields, whatever was declared.
             self.elastic &= x < WORTH_A_SECANT || row.r.abs() > SECANT * x;
         }
+    }
+
+    /// The causes of a set that has settled, with their values.
+    pub(super) fn settled(&self) -> impl Iterator<Item = &Finding> {
+        let set = if self.unchanged < SETTLED {
+            Set::EMPTY
+        } else {
+            self.published
+        };
+        self.findings.iter().filter(move |f| set.has(f.cause))
+    }
+
+    /// The one cause that can be corrected of a set that has settled, where it is alone or all of them are the actuator's.
+    pub(super) fn settled_to_correct(&self) -> Option<&Finding> {
+        let settled = || self.settled();
+        let mut can_be = settled().filter(|f| f.cause.can_be_corrected());
+        let one = can_be.next().filter(|_| can_be.next().is_none())?;
+        let actuators = settled().all(|f| f.cause.side() == Side::Actuator);
+        (actuators || settled().count() == 1).then_some(one)
     }
 
     pub(super) fn speed(&self) -> f32 {
@@ -171,16 +194,20 @@ impl Judge {
         self.note(Cause::Play, width * k.peak_m, 0.15 * width * k.peak_m);
     }
 
-    /// Latches a trip; true if it is new.
+    /// Latches a trip on a sensor that stands still; true if it is new.
     pub(super) fn trip(&mut self, cause: Cause) -> bool {
-        if self.state == State::Trip {
+        if !self.stop() {
             return false;
         }
-        self.state = State::Trip;
         self.note(cause, 0.0, 0.0);
         self.published = Set::EMPTY;
         self.published.add(cause);
         true
+    }
+
+    /// Latches a trip on what is named; true if it is new.
+    pub(super) fn stop(&mut self) -> bool {
+        core::mem::replace(&mut self.state, State::Trip) != State::Trip
     }
 
     /// A cause of this round with its value in SI units.
@@ -237,6 +264,11 @@ impl Judge {
         }
         let before = (self.state, self.published);
         self.settle(k, doubtful);
+        self.unchanged = if before.1 == self.published {
+            self.unchanged.saturating_add(1)
+        } else {
+            0
+        };
         before != (self.state, self.published)
     }
 
@@ -269,33 +301,32 @@ impl Judge {
         let mut only_actuator = true;
         for column in best.set() {
             let answer = &best.answer;
-            let (theta, sd) = (answer.theta[column], answer.sd[column]);
+            let theta = answer.theta[column];
             let half = k.half.actuator[column];
-            let cause = match column {
-                0 => Cause::ActuatorOffset,
-                1 => Cause::ActuatorGain,
-                2 => Cause::ActuatorLate,
-                4 if theta > 0.0 => Cause::ActuatorFriction,
-                5 => Cause::RateLimit,
-                6 => Cause::StrokeLimit,
+            let (cause, unit) = match column {
+                OFFSET => (Cause::ActuatorOffset, k.peak_m),
+                GAIN => (Cause::ActuatorGain, 1.0),
+                LATE => (Cause::ActuatorLate, 1.0 / k.omega),
+                4 if theta > 0.0 => (Cause::ActuatorFriction, k.peak_m),
+                5 => {
+                    let speed = self.limits[0] * k.omega * k.peak_m;
+                    self.note(Cause::RateLimit, speed, 0.05 * speed);
+                    continue;
+                }
+                6 => {
+                    let way = self.limits[1] * k.peak_m;
+                    self.note(Cause::StrokeLimit, way, 0.02 * way);
+                    continue;
+                }
                 // The bend of the phase is a part of the lateness; friction that pushes is none.
                 _ => continue,
             };
-            let (value, sd) = match cause {
-                Cause::ActuatorGain => (theta * half, sd * half),
-                Cause::ActuatorLate => (theta * half / k.omega, sd * half / k.omega),
-                Cause::RateLimit => {
-                    let speed = self.limits[0] * k.omega * k.peak_m;
-                    (speed, 0.05 * speed)
-                }
-                Cause::StrokeLimit => (self.limits[1] * k.peak_m, 0.02 * self.limits[1] * k.peak_m),
-                _ => (theta * half * k.peak_m, sd * half * k.peak_m),
-            };
+            let (value, sd) = (theta * half * unit, answer.sd[column] * half * unit);
             let Some(twin) = cause.twin() else {
                 self.note(cause, value, sd);
                 continue;
             };
-            let [actuator, sensor] = self.sides(k, cause, theta * half);
+            let [actuator, sensor] = self.sides(k, column, theta * half);
             if actuator {
                 self.note(cause, value, sd);
             }
@@ -307,33 +338,22 @@ impl Judge {
         only_actuator
     }
 
-    /// Which sides are possible of a cause that shows between command and displacement: actuator, displacement transducer.
-    /// A wrong transducer makes the force look wrong as well, by as much; a wrong actuator does not.
-    fn sides(&self, k: &Constants, cause: Cause, value: f32) -> [bool; 2] {
-        let (regression, column, half, implied, off) = match (cause, self.elastic) {
-            (Cause::ActuatorGain, true) => (
-                FORCE,
-                1,
-                k.half.force[1],
-                1.0 / (1.0 + value) - 1.0,
-                SLOPE_OFF,
-            ),
-            (Cause::ActuatorGain, false) => (
-                UNLOADING,
-                0,
-                k.half.unloading[0],
-                1.0 / (1.0 + value) - 1.0,
-                SLOPE_OFF,
-            ),
-            (Cause::ActuatorLate, true) => {
+    /// Which sides are possible of a column between command and displacement: actuator, displacement transducer. A wrong
+    /// transducer makes the force look wrong as well, by as much; a wrong actuator does not.
+    fn sides(&self, k: &Constants, column: usize, value: f32) -> [bool; 2] {
+        let slope = 1.0 / (1.0 + value) - 1.0;
+        let (regression, column, half, implied, off) = match (column, self.elastic) {
+            (GAIN, true) => (FORCE, 1, k.half.force[1], slope, SLOPE_OFF),
+            (GAIN, false) => (UNLOADING, 0, k.half.unloading[0], slope, SLOPE_OFF),
+            (LATE, true) => {
                 let half = k.half.force[2];
                 (FORCE, 2, half, value, LATE_OFF * half)
             }
-            (Cause::ActuatorLate, false) => {
+            (LATE, false) => {
                 let half = k.half.unloading[1];
                 (UNLOADING, 1, half, value, LATE_OFF * half)
             }
-            (Cause::ActuatorOffset, true) => (FORCE, 0, k.half.force[0], -value, OFFSET_OFF),
+            (OFFSET, true) => (FORCE, 0, k.half.force[0], -value, OFFSET_OFF),
             _ => return [true; 2],
         };
         let fresh = self.answers[FRESH][regression].or(self.answers[0][regression]);
@@ -467,30 +487,5 @@ impl Judge {
         } else {
             State::Sound
         };
-    }
-}
-
-/// The best single cause of a regression in a window.
-#[derive(Clone, Copy, Debug)]
-struct Hypothesis {
-    d: f32,
-    column: usize,
-    answer: Answer,
-}
-
-impl Hypothesis {
-    /// True if it stands out enough for a name.
-    fn is_name(&self, regression: usize) -> bool {
-        let (theta, sd) = (self.answer.theta[self.column], self.answer.sd[self.column]);
-        self.d > NAME[regression]
-            && theta.abs() > 2.0 + BEYOND[regression] * sd
-            && self.answer.explained > EXPLAINED
-    }
-
-    /// The columns that explain it about as well.
-    fn set(&self) -> impl Iterator<Item = usize> {
-        let least = 0.92 * self.d - 6.0;
-        let d = self.answer.d;
-        (0..d.len()).filter(move |j| d[*j] > 0.0 && d[*j] > least)
     }
 }

@@ -4,43 +4,63 @@
 //!  interrupt: command, displacement, force ─► Tap: sums of a few steps, run lengths ─► Block, 500 a second
 //!  thread:    Block ─► declared model, filters ─► Row, 125 a second ─► three regressions, four windows
 //!                   └► noise, hum, standing sensors, play            20 times a second ─► hypotheses ─► state, set
+//!  interrupt: orders ◄─ hold, correct, trip ◄──────────────────────────────────────────────────────────────────┘
 //! ```
 //!
 //! | file | what is there |
 //! |---|---|
-//! | `tap.rs` | what is done in the control interrupt |
+//! | `tap.rs`, `post.rs` | what is done in the control interrupt: blocks go out, orders come back after a fixed time |
+//! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
 //! | `unloading.rs` | which samples tell of the specimen's elastic stiffness while it yields |
 //! | `regression.rs`, `normal.rs` | normal equations; every single cause from one inverse |
 //! | `noise.rs`, `frozen.rs`, `play.rs` | what is no regression |
 //! | `state.rs`, `name.rs` | states, causes with their sides, sets |
-//! | `judge.rs` | from hypotheses to causes: which side, which set, when |
+//! | `hypothesis.rs`, `judge.rs` | from hypotheses to causes: which side, which set, when |
 //!
 //! A cause is named when letting it alone go explains the residual far better than the declared tolerances do: twice the
 //! logarithm of the likelihood ratio above 12, a value beyond its tolerance by two standard deviations, 70 % of the residual
 //! explained, three times in a row (150 ms). A motion that tells nothing of a cause gives it no freedom, and so no name.
 //! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic.
 
+mod correction;
 mod declared;
+mod foresight;
 mod frozen;
+mod hypothesis;
 mod judge;
 mod name;
 mod noise;
 mod normal;
+mod orders;
 mod play;
+#[cfg(feature = "watch")]
+mod post;
 mod regression;
 mod signals;
 mod state;
 mod tap;
 mod unloading;
+#[cfg(not(feature = "watch"))]
+mod unwatched;
 
+pub use correction::Corrections;
 pub use declared::{Declared, DeclaredActuator};
+pub use foresight::{ErrorLimit, PARTS};
 pub use name::{Cause, Set, Side};
+pub use orders::{Alarm, AxisOrders, Orders};
+#[cfg(feature = "watch")]
+pub(crate) use post::Post;
 pub use state::{Finding, State};
+pub(crate) use tap::steps_in_block;
 pub use tap::{Block, Tap};
+#[cfg(not(feature = "watch"))]
+pub(crate) use unwatched::Post;
 
 use crate::refusal::Refusal;
+use correction::Corrector;
+use foresight::Foresight;
 use frozen::{Frozen, Standing};
 use judge::{BLOCKS_A_ROUND, Judge};
 use noise::{Heard, Listener};
@@ -54,10 +74,26 @@ const LEAST_NOISE: [f32; 2] = [1e-4, 2e-4];
 /// Speed, peaks times omega, from which a converter's steps are noise.
 const MOVES: f32 = 0.05;
 
+/// What the watch may ask of the loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actions {
+    /// Hold an adaptive compensation while the displacement transducer is among the causes.
+    pub hold: bool,
+    /// Stop the test on a sensor that stands still.
+    pub trip: bool,
+    /// Correct for these.
+    pub correct: Corrections,
+    /// Stop the test on the error that what is named will add to it.
+    pub error_limit: Option<ErrorLimit>,
+}
+
 /// Watches one actuator.
 #[derive(Clone, Debug)]
 pub struct Watch {
     constants: Constants,
+    corrector: Corrector,
+    /// Predicted error that passed its limit; 0 where a sensor stands still.
+    alarm: Option<f32>,
     signals: Signals,
     regressions: Regressions,
     unloading: Unloading,
@@ -75,9 +111,15 @@ struct Constants {
     regression: regression::Constants,
     noise: noise::Constants,
     judge: judge::Constants,
+    correction: correction::Constants,
+    hold: bool,
+    trip: bool,
+    foresight: Option<Foresight>,
+    block_s: f32,
     /// Noise of a block that is declared, peaks.
     least_noise: [f32; 2],
     has: [bool; 2],
+    alone: bool,
 }
 
 impl Watch {
@@ -85,7 +127,7 @@ impl Watch {
     ///
     /// # Errors
     /// A number of `declared` that cannot be what it stands for.
-    pub fn new(declared: &Declared) -> Result<Self, Refusal> {
+    pub fn new(declared: &Declared, actions: Actions) -> Result<Self, Refusal> {
         declared.check()?;
         let steps = f64::from(tap::steps_in_block(declared.rate_hz));
         let blocks_hz = declared.rate_hz / steps;
@@ -102,9 +144,19 @@ impl Watch {
                 regression: regression::Constants::new(declared, rows_hz),
                 noise: noise::Constants::new(blocks_hz),
                 judge: judge::Constants::new(declared, blocks_hz),
+                correction: correction::Constants::new(declared, actions.correct, blocks_hz),
+                hold: actions.hold,
+                trip: actions.trip,
+                foresight: actions
+                    .error_limit
+                    .map(|limit| Foresight::new(declared, &limit)),
+                block_s: (1.0 / blocks_hz) as f32,
                 least_noise: [0, 1].map(|j| noise(j).max(LEAST_NOISE[j])),
                 has: [declared.has_actuator, declared.has_specimen],
+                alone: declared.alone,
             },
+            corrector: Corrector::default(),
+            alarm: None,
             signals: Signals::at_rest(),
             regressions: Regressions::new(),
             unloading: Unloading::default(),
@@ -133,6 +185,30 @@ impl Watch {
         self.judge.findings.iter().filter(move |f| set.has(f.cause))
     }
 
+    /// How much of `cause` is corrected for, in the unit of the cause.
+    pub fn corrected(&self, cause: Cause) -> f32 {
+        self.corrector.of(cause)
+    }
+
+    /// What is asked of the loop for this actuator.
+    pub fn axis_orders(&self) -> AxisOrders {
+        let k = &self.constants;
+        let hold = k.hold && self.judge.published.touches(Side::Displacement);
+        self.corrector.orders(&k.correction, hold)
+    }
+
+    /// Why the test has to stop, if it has: `axis` is this actuator's.
+    pub fn alarm(&self, axis: u8) -> Option<Alarm> {
+        let foresight = self.constants.foresight.as_ref();
+        self.alarm.map(|value| Alarm {
+            axis,
+            value,
+            limit: foresight
+                .filter(|_| value > 0.0)
+                .map_or(0.0, Foresight::largest),
+        })
+    }
+
     /// Takes a block in. It does a bounded piece of the work and gives true when state or set have changed.
     pub fn add(&mut self, block: &Block) -> bool {
         let k = &self.constants;
@@ -142,6 +218,7 @@ impl Watch {
         self.blocks = self.blocks.wrapping_add(1);
         let row = self.signals.add(&k.signals, block);
         self.judge.pass_block();
+        self.corrector.pass_block(&k.correction);
         let changed = self.look_at_block(block);
         if let Some(row) = row {
             let k = &self.constants;
@@ -175,14 +252,47 @@ impl Watch {
             return false;
         }
         let sigma = [self.listeners[0].sigma(), self.listeners[1].sigma()];
-        if let Some(width) = self.play.add(x, r) {
+        if let Some(width) = self.play.add(x, r)
+            && k.alone
+        {
             self.judge.name_play(&k.judge, width);
         }
         match self.frozen.add([y, x, r], sigma, block.same) {
-            Some(Standing::Displacement) if k.has[0] => self.judge.trip(Cause::FrozenDisplacement),
-            Some(Standing::Force) => self.judge.trip(Cause::FrozenForce),
-            Some(Standing::Displacement) | None => false,
+            Some(Standing::Displacement) if k.has[0] => self.stop(Cause::FrozenDisplacement),
+            Some(Standing::Force) if k.alone => self.stop(Cause::FrozenForce),
+            Some(Standing::Displacement | Standing::Force) | None => false,
         }
+    }
+
+    /// A sensor stands still.
+    fn stop(&mut self, cause: Cause) -> bool {
+        if self.constants.trip && self.alarm.is_none() {
+            self.alarm = Some(0.0);
+        }
+        self.judge.trip(cause)
+    }
+
+    /// What follows from a set that has settled: a correction of the one of them that can be corrected, and a stop where all that
+    /// it can be will add more than the declared error. True if it stops.
+    fn act(&mut self) -> bool {
+        let k = &self.constants;
+        if let Some(one) = self.judge.settled_to_correct() {
+            self.corrector.aim(&k.correction, one);
+        }
+        let Some(foresight) = &k.foresight else {
+            return false;
+        };
+        let now_s = self.blocks as f32 * k.block_s;
+        let errors = self.judge.settled().map(|f| {
+            let corrected = self.corrector.will_be_of(f.cause);
+            foresight.error(f, corrected, now_s)
+        });
+        let least = errors.reduce(f32::min).unwrap_or(0.0);
+        if !(least > foresight.largest()) || self.alarm.is_some() {
+            return false;
+        }
+        self.alarm = Some(least);
+        self.judge.stop()
     }
 
     /// One piece of a round: a solve, or the judgement.
@@ -214,6 +324,6 @@ impl Watch {
         if self.judge.doubts() && !doubted {
             self.regressions.begin_fresh();
         }
-        changed
+        self.act() | changed
     }
 }

@@ -2,18 +2,19 @@
 
 use super::name::Cause;
 
-/// What the watch has to say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What the watch has to say. The numbers are in records and never change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
 pub enum State {
     /// The rig does what its model says.
     #[default]
-    Sound,
+    Sound = 0,
     /// Something may be wrong.
-    Doubtful,
+    Doubtful = 1,
     /// Something is wrong, and it is one of a set.
-    Named,
+    Named = 2,
     /// The test has to stop.
-    Trip,
+    Trip = 3,
 }
 
 impl State {

@@ -4,7 +4,7 @@
 const BLOCKS_HZ: f64 = 500.0;
 
 /// Control steps in a block at `rate_hz`.
-pub(super) fn steps_in_block(rate_hz: f64) -> u16 {
+pub(crate) fn steps_in_block(rate_hz: f64) -> u16 {
     let steps = rate_hz / BLOCKS_HZ + 0.5;
     if steps < 1.0 { 1 } else { steps as u16 }
 }
@@ -22,6 +22,16 @@ pub struct Block {
     pub same: [u16; 2],
 }
 
+impl Block {
+    /// Of nothing.
+    pub const EMPTY: Self = Self {
+        command_m: 0.0,
+        displacement_m: 0.0,
+        force_n: 0.0,
+        same: [0; 2],
+    };
+}
+
 /// Collects control steps.
 #[derive(Clone, Debug)]
 pub struct Tap {
@@ -36,7 +46,11 @@ pub struct Tap {
 impl Tap {
     /// For a loop of this rate, Hz.
     pub fn new(rate_hz: f64) -> Self {
-        let steps = steps_in_block(rate_hz);
+        Self::of(steps_in_block(rate_hz))
+    }
+
+    /// In blocks of so many control steps.
+    pub(super) fn of(steps: u16) -> Self {
         Self {
             sums: [0.0; 3],
             last: [0; 2],
@@ -47,9 +61,14 @@ impl Tap {
         }
     }
 
-    /// Takes a control step in; gives a block when it is full.
+    /// As new.
+    pub fn rest(&mut self) {
+        *self = Self::of(self.steps);
+    }
+
+    /// Takes a control step in; true if a block is full.
     #[inline]
-    pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> Option<Block> {
+    pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
         self.sums[0] += command_m;
         self.sums[1] += displacement_m;
         self.sums[2] += force_n;
@@ -62,11 +81,12 @@ impl Tap {
             };
             *last = word;
         }
-        self.left -= 1;
-        (self.left == 0).then(|| self.close())
+        self.left = self.left.saturating_sub(1);
+        self.left == 0
     }
 
-    fn close(&mut self) -> Block {
+    /// The full block; the next one begins.
+    pub fn close(&mut self) -> Block {
         let [command, displacement, force] = self.sums;
         self.sums = [0.0; 3];
         self.left = self.steps;

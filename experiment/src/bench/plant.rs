@@ -7,6 +7,7 @@ use crate::trace::{AnyRecord, TestObserver};
 use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
+use outerloop_core::watch::Orders;
 use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
@@ -43,6 +44,8 @@ pub struct PlantBench<'a> {
 }
 
 impl Bench for PlantBench<'_> {
+    const OBEYS_WATCH: bool = true;
+
     fn run<const N: usize>(
         &self,
         test: &PreparedTest<'_, N>,
@@ -132,6 +135,9 @@ impl PlantBench<'_> {
         let began = Instant::now();
         let mut by_hand = false;
         let mut outer = OuterLoop::new(test.design.clone());
+        if let Some(corrects) = observer.watches_the_loop() {
+            outer.watch(corrects);
+        }
         let mut command_m = [0.0; N];
         let (mut idle, mut done) = (0, 0);
         while done < test.steps {
@@ -153,6 +159,11 @@ impl PlantBench<'_> {
                             .any(|u| f64::from(u.abs()) > self.stop_beyond_m)
                     {
                         break;
+                    }
+                    if let Some(blocks) = outer.next_block() {
+                        let mut orders = Orders::NONE;
+                        (orders.state, orders.alarm) = observer.judge(&blocks, &mut orders.axes);
+                        outer.order(orders);
                     }
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {

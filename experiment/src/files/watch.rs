@@ -1,16 +1,20 @@
 //! `[watch]` of a test file.
 
+use outerloop_core::watch::Corrections;
 use serde::{Deserialize, Serialize};
 
-/// `[watch]`: whether the running test is watched for what its declared model lacks.
+/// `[watch]`: whether the running test is watched for what its declared model lacks, and what the watch may do about it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WatchSettings {
-    /// Watch the running test: name what the rig does otherwise than declared.
+    /// Watch the running test: name what the rig does otherwise than declared, and stop the test where a sensor stands still.
     pub on: bool,
-    /// Causes that the loop shall correct for while the test runs: none can be yet, so the list is empty.
+    /// Hold what an adaptive compensation has learnt at what was declared while the displacement transducer is among the causes.
+    pub guard: bool,
+    /// What the loop corrects for once it has a settled name: `lateness` and `gain` of the actuator, `late_sensor`.
     pub correct: Vec<String>,
-    /// Largest predicted error at the end of the test: the loop cannot trip on it yet, so it is left out.
+    /// Largest error, rms and of the planned peak, that what is named may be predicted to add by the end of the test; beyond, the
+    /// test is stopped. Left out: it is not predicted.
     pub trip_eps: Option<f64>,
 }
 
@@ -18,6 +22,7 @@ impl Default for WatchSettings {
     fn default() -> Self {
         Self {
             on: true,
+            guard: true,
             correct: Vec::new(),
             trip_eps: None,
         }
@@ -28,20 +33,63 @@ impl WatchSettings {
     /// That it asks for nothing that is not done.
     ///
     /// # Errors
-    /// A correction or a trip.
+    /// An unknown correction; a limit that is none; something to do for a watch that is off.
     pub fn check(&self) -> Result<(), String> {
-        if let Some(name) = self.correct.first() {
+        self.corrections()?;
+        if let Some(eps) = self.trip_eps.filter(|eps| !(1e-4..=10.0).contains(eps)) {
             return Err(format!(
-                "watch.correct = [\"{name}\"] is refused: accepted is the empty list, since the watch names causes and does not correct \
-                 for them"
+                "watch.trip_eps = {eps} is refused: accepted are shares of the planned peak, 0.0001 to 10"
             ));
         }
-        if let Some(eps) = self.trip_eps {
-            return Err(format!(
-                "watch.trip_eps = {eps} is refused: accepted is to leave it out, since the watch does not trip a test; limits.energy_trip \
-                 does"
-            ));
+        let asks = !self.correct.is_empty() || self.trip_eps.is_some();
+        if asks && !self.on {
+            return Err(
+                "watch.on = false is refused beside watch.correct or watch.trip_eps: accepted is true, since only what is \
+                 watched can be corrected or stopped"
+                    .to_owned(),
+            );
         }
         Ok(())
+    }
+
+    /// That it asks the loop for nothing, which `place` cannot do.
+    ///
+    /// # Errors
+    /// A correction or a limit.
+    pub fn only_looks(&self, place: &str) -> Result<(), String> {
+        if !self.correct.is_empty() {
+            return Err(format!(
+                "watch.correct = {:?} is refused {place}: accepted there is the empty list, and the simulated rig of `run`",
+                self.correct
+            ));
+        }
+        match self.trip_eps {
+            None => Ok(()),
+            Some(eps) => Err(format!(
+                "watch.trip_eps = {eps} is refused {place}: accepted there is to leave it out, and the simulated rig of `run`"
+            )),
+        }
+    }
+
+    /// What may be corrected for.
+    ///
+    /// # Errors
+    /// A name that is none of them.
+    pub fn corrections(&self) -> Result<Corrections, String> {
+        let mut all = Corrections::default();
+        for name in &self.correct {
+            match name.as_str() {
+                "lateness" => all.lateness = true,
+                "gain" => all.gain = true,
+                "late_sensor" => all.late_sensor = true,
+                other => {
+                    return Err(format!(
+                        "watch.correct = [\"{other}\"] is refused: accepted are \"lateness\" and \"gain\" of the actuator, and \
+                         \"late_sensor\""
+                    ));
+                }
+            }
+        }
+        Ok(all)
     }
 }

@@ -10,6 +10,7 @@ use core::hint::black_box;
 use core::mem::MaybeUninit;
 use firmware as _;
 use outerloop_core::coupled::CoupledRig;
+use outerloop_core::watch::Orders;
 use outerloop_core::{Event, GroundMotion, OuterLoop, Rig, Sample};
 
 unsafe extern "C" {
@@ -27,6 +28,11 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 fn period<const N: usize, R: Rig<N>>(outer: &mut OuterLoop<N, R>) {
     let _ = black_box(outer.handle(black_box(Event::Start)));
     outer.set_commissioning_command(black_box(None));
+    outer.watch(black_box(true));
+    if let Some(blocks) = outer.next_block() {
+        black_box(blocks);
+        outer.order(black_box(Orders::NONE));
+    }
     let sample = black_box(Sample::new([0.0; N], [0.0; N]));
     black_box(outer.step(&sample, &black_box(GroundMotion::none())));
 }

@@ -1,0 +1,109 @@
+//! What the rig watch does to the loop: when its orders come into force, and how it stops a test.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::{Rig, shaking, table1};
+use outerloop_core::watch::{Alarm, AxisOrders, Orders, State};
+use outerloop_core::{Design, Event, Fault, GroundMotion, Method, Mode, OuterLoop, Record, flag};
+
+const RECORD_S: f64 = 6.0;
+
+fn ground(points: &[f32]) -> GroundMotion<'_> {
+    GroundMotion::new(points, 0.01, 5e-4).unwrap()
+}
+
+/// A test whose watch asks for more lead, another scale and a later reading by what it sees, and takes its blocks up so many
+/// blocks late; at the end it gives an alarm. The hash of all records, and the flags and mode at the end.
+fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
+    let points = shaking(RECORD_S);
+    let mut config = table1();
+    config.compensation.kind = Method::from_name("paper+inverse").unwrap();
+    config.compensation.delay_ms = 3.0.into();
+    let mut rig = Rig::new(8);
+    let mut outer = OuterLoop::new(Design::new(&config).unwrap());
+    outer.watch(true);
+    rig.step(&mut outer, &ground(&points));
+    outer.handle(Event::Arm).unwrap();
+    rig.step(&mut outer, &ground(&points));
+    outer.handle(Event::Start).unwrap();
+    let (mut hash, mut flags) = (Record::<1>::HASH_START, 0);
+    // Four control steps are a block.
+    for i in 0..8000_usize {
+        let record = rig.step(&mut outer, &ground(&points)).record;
+        (hash, flags) = (record.hash(hash), record.flags);
+        if i / 4 < behind || i % 4 != 3 || !answers {
+            continue;
+        }
+        if let Some([block]) = outer.next_block() {
+            let mut orders = Orders::NONE;
+            let mm = 1e3 * block.displacement_m;
+            orders.axes[0] = AxisOrders {
+                lead_steps: 2.0 + 0.1 * mm,
+                command_scale: 1.0 + 1e-3 * mm,
+                reading_late_steps: 0.1 * mm,
+                hold: false,
+            };
+            orders.state = State::Named;
+            outer.order(orders);
+        }
+    }
+    (hash, flags, outer)
+}
+
+#[test]
+fn the_watch_changes_the_loop_at_the_same_step_however_soon_its_thread_is_done() {
+    let (soon, flags, outer) = watched(0, true);
+    assert_eq!(outer.state(), Mode::Running);
+    let named = (State::Named as u32) << flag::WATCH_STATE_SHIFT;
+    let of_the_watch =
+        3 << flag::WATCH_STATE_SHIFT | flag::ADJUSTED | flag::GUARDED | flag::WATCH_LATE;
+    assert_eq!(flags & of_the_watch, flag::ADJUSTED | named);
+    for behind in [1, 5, 7] {
+        assert_eq!(watched(behind, true).0, soon, "{behind} blocks behind");
+    }
+    let (late, flags, outer) = watched(8, true);
+    assert!(late != soon && flags & flag::WATCH_LATE != 0);
+    assert_eq!(outer.state(), Mode::Running, "the test goes on");
+    let (_, flags, _) = watched(0, false);
+    assert!(flags & (flag::WATCH_LATE | flag::ADJUSTED) == flag::WATCH_LATE);
+}
+
+#[test]
+fn the_watch_stops_a_test() {
+    let points = shaking(RECORD_S);
+    let mut rig = Rig::new(8);
+    let mut outer = OuterLoop::new(Design::new(&table1()).unwrap());
+    outer.watch(false);
+    for event in [Event::Arm, Event::Start] {
+        rig.step(&mut outer, &ground(&points));
+        outer.handle(event).unwrap();
+    }
+    let mut steps = 0;
+    let sent = loop {
+        let step = rig.step(&mut outer, &ground(&points));
+        let (sent, permit) = (step.command_m, step.permit);
+        steps += 1;
+        if let Some(blocks) = outer.next_block() {
+            let mut orders = Orders::NONE;
+            orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {
+                axis: 0,
+                value: 0.2,
+                limit: 0.1,
+            });
+            outer.order(orders);
+        }
+        assert_eq!(permit, outer.state() != Mode::Tripped);
+        if outer.state() == Mode::Tripped {
+            break sent;
+        }
+        assert!(steps < 8000);
+    };
+    let trip = outer.trip().unwrap();
+    assert_eq!(
+        (trip.fault, trip.value, trip.limit),
+        (Fault::Watch, 0.2, 0.1)
+    );
+    let after = rig.step(&mut outer, &ground(&points)).command_m;
+    assert_eq!(after, sent, "it stands");
+}
