@@ -43,6 +43,22 @@ fn what_is_sent_ahead_of_a_target_is_no_dead_output() {
     assert!(off_m < 1e-4, "{off_m}");
 }
 
+/// The board's time is its own: the archive holds all that repeats it.
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn an_archived_test_on_an_emulated_board_is_replayed_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let test = test_file(folder.path()).display().to_string();
+    let file = folder.path().join("test.h5").display().to_string();
+    let run = ["run", &test, "--emulated", "--duration", "1"];
+    let archived = ["--compensation", "lagrange", "--archive", &file];
+    assert!(command(&run).args(archived).status().unwrap().success());
+    let output = command(&["replay", &file, "--json"]).output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["values_different"], 0, "{found}");
+    assert!(found["steps"].as_u64().unwrap() >= 1000, "{found}");
+}
+
 #[test]
 #[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
 fn three_actuators_of_the_emulated_board_are_each_found() {

@@ -17,7 +17,7 @@ use crate::registers::{
     GPIOE_BSRR, GUARDS, Mutant, Registers, TIM2_ARR, TIM2_CR1, TIM2_EGR, Violation,
 };
 use crate::servo::Servo;
-use crate::wire::Wire;
+use crate::wire::{TURN_NS, Wire};
 use clock::WallClock;
 use link::{Calibration, MAX_ACTUATORS};
 use pins::{PERMIT_PIN, PULSE_PIN, STEP_PIN, chain_contact, stop_contact};
@@ -27,17 +27,10 @@ use rigless::session::Session;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 use timer::{Sampling, UG};
 
 /// While nothing samples: how often the laboratory looks, ns.
 const IDLE_TURN_NS: u64 = 500_000;
-
-/// After so many steps without a byte from the PC the board's time stands still for it.
-const PC_STEPS: u32 = 400;
-
-/// For so long, and no longer.
-const PC_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The rig, the converters, and what goes wrong.
 pub struct Laboratory {
@@ -48,8 +41,6 @@ pub struct Laboratory {
     plan: VecDeque<PlannedFault>,
     gone_wrong: usize,
     drill_address: u64,
-    /// The board's time waits for the PC.
-    patient: bool,
     /// It goes by the wall clock.
     wall: Option<WallClock>,
     ends_at_ns: u64,
@@ -79,9 +70,8 @@ pub struct Laboratory {
     active: Option<InjectedFault>,
     frozen: Shown,
     resets: usize,
-    quiet_steps: u32,
-    /// Messages of the PC that have been counted.
-    heard: u64,
+    /// When it is the PC's turn next, ns.
+    pc_turn_ns: u64,
     step_began: u64,
     awaiting_command: bool,
 }
@@ -97,7 +87,6 @@ impl Laboratory {
             plan: VecDeque::new(),
             gone_wrong: 0,
             drill_address,
-            patient: true,
             wall: None,
             ends_at_ns: u64::MAX,
             log: Arc::default(),
@@ -121,8 +110,7 @@ impl Laboratory {
             active: None,
             frozen: Shown::default(),
             resets: 0,
-            quiet_steps: 0,
-            heard: 0,
+            pc_turn_ns: 0,
             step_began: 0,
             awaiting_command: false,
         }
@@ -173,6 +161,12 @@ impl Laboratory {
     /// With valves that let their actuators go no faster than this, m/s.
     pub fn with_valves(mut self, m_per_s: f64) -> Self {
         self.valve_m_per_s = m_per_s;
+        self
+    }
+
+    /// The PC lives in the driver's own turns and not beside it: nothing waits for it.
+    pub(crate) fn with_pc_inside(mut self) -> Self {
+        self.pc_turn_ns = u64::MAX;
         self
     }
 
@@ -268,22 +262,6 @@ impl Laboratory {
         self.log_mut().violations.extend(found);
     }
 
-    /// The board's time runs on only with the PC: a PC that is kept from running is no lost PC.
-    fn keep_pace(&mut self) {
-        // Not what stands on the line: the board may have taken it since the last period.
-        let sent = self.wire.sent();
-        if sent != self.heard {
-            self.heard = sent;
-            self.quiet_steps = 0;
-            return;
-        }
-        self.quiet_steps += 1;
-        if self.patient && self.quiet_steps > PC_STEPS && !self.wire.is_cut() {
-            self.wire.wait_for_pc(self.heard, PC_TIMEOUT);
-            self.quiet_steps = 0;
-        }
-    }
-
     /// PERMIT, its pulses, and the line that is high while a step runs.
     fn port_e(&mut self, session: &mut Session<Nucleo>, now: Instant, value: u64) {
         if value >> STEP_PIN & 1 == 1 {
@@ -370,6 +348,10 @@ impl Driver<Nucleo> for Laboratory {
         if session.resets().len() > self.resets {
             self.pins_float(session, stop.at);
         }
+        if stop.at.0 >= self.pc_turn_ns {
+            self.wire.give_turn(stop.at.0);
+            self.pc_turn_ns = stop.at.0 + TURN_NS;
+        }
         if self.wire.is_closed() || stop.at.0 >= self.ends_at_ns {
             return None;
         }
@@ -377,7 +359,6 @@ impl Driver<Nucleo> for Laboratory {
         let next_ns = match self.sampling {
             Some(sampling) if stop.at.0 < sampling.next_ns => sampling.next_ns,
             Some(_) => {
-                self.keep_pace();
                 if let Some(wall) = &mut self.wall {
                     wall.keep(stop.at.0);
                 }

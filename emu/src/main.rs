@@ -9,7 +9,6 @@ use serde::Deserialize;
 use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
 
 /// The flashed image on an emulated board
 #[derive(Parser, Debug)]
@@ -67,24 +66,30 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     ended
 }
 
-/// Standard input and output are the serial line.
+/// Standard input and output are the serial line, by turns: of the PC its count of bytes (four, little-endian) and the bytes,
+/// of the board its time in nanoseconds (eight), its count and the bytes.
 fn connect(wire: &Wire) {
-    let to = wire.clone();
+    let wire = wire.clone();
     std::thread::spawn(move || {
-        let mut bytes = [0; 4096];
-        while let Ok(count @ 1..) = std::io::stdin().lock().read(&mut bytes) {
-            to.send(&bytes[..count]);
-        }
-        to.close();
+        let _ = take_turns(&wire);
+        wire.close();
     });
-    let from = wire.clone();
-    std::thread::spawn(move || {
-        let mut out = std::io::stdout();
-        while let Some(bytes) = from.receive(Duration::from_millis(100)) {
-            if out.write_all(&bytes).and_then(|()| out.flush()).is_err() {
-                from.close();
-                break;
-            }
-        }
-    });
+}
+
+/// Until the PC is gone, or the board.
+fn take_turns(wire: &Wire) -> std::io::Result<()> {
+    let (mut from, mut to) = (std::io::stdin().lock(), std::io::stdout().lock());
+    loop {
+        let mut count = [0; 4];
+        from.read_exact(&mut count)?;
+        let mut bytes = vec![0; u32::from_le_bytes(count) as usize];
+        from.read_exact(&mut bytes)?;
+        let Some((at_ns, came)) = wire.exchange(&bytes) else {
+            return Ok(());
+        };
+        to.write_all(&at_ns.to_le_bytes())?;
+        to.write_all(&(came.len() as u32).to_le_bytes())?;
+        to.write_all(&came)?;
+        to.flush()?;
+    }
 }

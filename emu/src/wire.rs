@@ -1,4 +1,5 @@
-//! The serial line's bytes, shared between the emulator's thread and the PC's.
+//! The serial line between the board and the PC, who live in turns: while the PC thinks, the board's time stands. So nothing
+//! that the board sees depends on how fast, or how busy, the machine is that emulates it.
 
 use rigless::chip::Timeline;
 use rigless::chip::uart::Peer;
@@ -6,90 +7,94 @@ use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+
+/// A turn of the board, ns of its time: what a PC takes until it answers.
+pub const TURN_NS: u64 = 5_000_000;
 
 #[derive(Debug, Default)]
-struct Bytes {
+struct Line {
     to_board: VecDeque<u8>,
     from_board: VecDeque<u8>,
-    /// Messages of the PC so far, whether or not the board has them by now.
-    sent: u64,
+    /// The board's time stands since then, ns after power-up: it is the PC's turn.
+    stands_ns: Option<u64>,
     closed: bool,
     cut: bool,
 }
 
 /// A serial line. Clones are ends of the same line.
 #[derive(Clone, Debug, Default)]
-pub struct Wire(Arc<(Mutex<Bytes>, Condvar)>);
+pub struct Wire(Arc<(Mutex<Line>, Condvar)>);
 
 impl Wire {
-    fn bytes(&self) -> MutexGuard<'_, Bytes> {
+    fn line(&self) -> MutexGuard<'_, Line> {
         self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The PC sends.
+    /// The PC sends while the board's time stands.
     pub fn send(&self, bytes: &[u8]) {
-        let mut line = self.bytes();
+        let mut line = self.line();
         if !line.cut {
             line.to_board.extend(bytes);
-            line.sent += 1;
         }
-        self.0.1.notify_all();
     }
 
-    /// The PC takes what has come, or waits for it; empty after `timeout`, `None` once the line is closed and empty.
-    pub fn receive(&self, timeout: Duration) -> Option<Vec<u8>> {
-        let mut line = self.bytes();
-        if line.from_board.is_empty() && !line.closed {
-            line = self
-                .0
-                .1
-                .wait_timeout(line, timeout)
-                .map_or_else(|e| e.into_inner().0, |(line, _)| line);
-        }
+    /// What has come for a PC that is asked by the board's own turns.
+    pub fn take(&self) -> Vec<u8> {
+        self.line().from_board.drain(..).collect()
+    }
+
+    /// The PC's turn ends with `bytes`, and the board has its own. What came in it, and the board's time at its end, ns after
+    /// power-up; `None` once the line is closed and empty.
+    pub fn exchange(&self, bytes: &[u8]) -> Option<(u64, Vec<u8>)> {
+        drop(self.pc_turn());
+        self.send(bytes);
+        self.line().stands_ns = None;
+        self.0.1.notify_all();
+        let mut line = self.pc_turn();
         let came: Vec<u8> = line.from_board.drain(..).collect();
-        (!came.is_empty() || !line.closed).then_some(came)
+        let at_ns = line.stands_ns.unwrap_or(0);
+        (!came.is_empty() || !line.closed).then_some((at_ns, came))
+    }
+
+    /// Until it is the PC's turn, or nobody's any more.
+    fn pc_turn(&self) -> MutexGuard<'_, Line> {
+        self.wait(|line| line.stands_ns.is_none())
+    }
+
+    /// The board's turn ends, `at_ns` after power-up: its time stands until the PC has had its own.
+    pub fn give_turn(&self, at_ns: u64) {
+        self.line().stands_ns = Some(at_ns);
+        self.0.1.notify_all();
+        drop(self.wait(|line| line.stands_ns.is_some()));
+    }
+
+    fn wait(&self, still: impl Fn(&Line) -> bool) -> MutexGuard<'_, Line> {
+        let waits = |line: &mut Line| !line.closed && still(line);
+        let woken = self.0.1.wait_while(self.line(), waits);
+        woken.unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Cuts the line both ways.
     pub fn cut(&self) {
-        let mut line = self.bytes();
+        let mut line = self.line();
         line.cut = true;
         line.to_board.clear();
     }
 
-    /// The line is cut.
-    pub fn is_cut(&self) -> bool {
-        self.bytes().cut
-    }
-
     /// Mends it.
     pub fn mend(&self) {
-        self.bytes().cut = false;
+        self.line().cut = false;
     }
 
     /// Nothing will come any more.
     pub fn close(&self) {
-        self.bytes().closed = true;
+        self.line().closed = true;
         self.0.1.notify_all();
     }
 
     /// The line is closed.
     pub fn is_closed(&self) -> bool {
-        self.bytes().closed
-    }
-
-    /// What the PC has sent so far, messages.
-    pub fn sent(&self) -> u64 {
-        self.bytes().sent
-    }
-
-    /// Stands still until the PC says something beyond the first `heard` messages, at most for `timeout`.
-    pub fn wait_for_pc(&self, heard: u64, timeout: Duration) {
-        let line = self.bytes();
-        if line.sent == heard && !line.closed && !line.cut {
-            drop(self.0.1.wait_timeout(line, timeout));
-        }
+        self.line().closed
     }
 }
 
@@ -102,36 +107,50 @@ impl Store for BoardEnd {}
 
 impl Peer for BoardEnd {
     fn receive(&mut self, word: u16, _: &mut Timeline<'_, '_>) {
-        let mut line = self.0.bytes();
+        let mut line = self.0.line();
         if !line.cut {
             line.from_board.push_back(word as u8);
-        }
-        if word == 0 {
-            // The end of a frame: worth looking at.
-            self.0.0.1.notify_all();
         }
     }
 
     fn transmit(&mut self, _: VirtualNanos) -> Option<u16> {
-        self.0.bytes().to_board.pop_front().map(u16::from)
+        self.0.line().to_board.pop_front().map(u16::from)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Instant;
 
     #[test]
-    fn a_message_that_the_board_has_taken_was_heard_all_the_same() {
+    fn the_boards_time_stands_until_the_pc_has_had_its_turn() {
         let wire = Wire::default();
-        let heard = wire.sent();
-        wire.send(&[0]);
-        // The board takes it between two looks.
-        wire.bytes().to_board.clear();
-        let began = Instant::now();
-        wire.wait_for_pc(heard, Duration::from_secs(30));
-        assert!(began.elapsed() < Duration::from_secs(10));
-        assert_eq!(wire.sent(), heard + 1);
+        let board = wire.clone();
+        let turns = std::thread::spawn(move || {
+            let mut heard = Vec::new();
+            for at_ns in (0..).step_by(TURN_NS as usize) {
+                board.give_turn(at_ns);
+                if board.is_closed() {
+                    return heard;
+                }
+                let mut line = board.line();
+                let came: Vec<u8> = line.to_board.drain(..).collect();
+                line.from_board.extend(&came);
+                heard.push((at_ns, came));
+            }
+            heard
+        });
+        for turn in 0..100_u8 {
+            // However long the PC takes.
+            if turn % 10 == 0 {
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+            let (at_ns, came) = wire.exchange(&[turn]).unwrap();
+            assert_eq!((at_ns, came), ((u64::from(turn) + 1) * TURN_NS, vec![turn]));
+        }
+        wire.close();
+        let heard = turns.join().unwrap();
+        assert!((0..100).all(|i| heard[i] == (i as u64 * TURN_NS, vec![i as u8])));
+        assert_eq!(wire.exchange(&[1]), None);
     }
 }

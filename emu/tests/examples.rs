@@ -1,15 +1,18 @@
 //! What `outerloop run --emulated` does with each of the examples, on the flashed image with the chip's own converters: the
-//! first seconds, or the strong part where peaks lie beyond what a board shows that nobody has calibrated.
+//! first seconds, or the strong part where peaks lie beyond what a board shows that nobody has calibrated. And that it does the
+//! same each time, to the bit, however busy this machine is.
 
 #[path = "common/example.rs"]
 mod example;
 
 use experiment::Experiment;
+use experiment::files::channels;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
 use experiment::summary::{Summary, TestVerdict};
 use outerloop_cli::board::emulated::can_run;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 fn file(name: &str) -> TestFile {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -50,6 +53,40 @@ fn the_papers_steel_frame_starts_and_runs_in_its_noise() {
 #[test]
 fn a_frame_whose_first_storey_stands_in_the_laboratory() {
     run("hybrid.toml", 3.0);
+}
+
+/// The bits of every channel of a test's first second, and its control steps' numbers since power-up.
+fn bits(experiment: &Experiment) -> (Vec<(String, Vec<u32>)>, Vec<u32>) {
+    let ideal = experiment.ideal().unwrap();
+    let trace = example::run(experiment, &ideal).trace.unwrap();
+    let channels = channels::of(&trace).into_iter();
+    let of = |values: &[f32]| values.iter().map(|x| x.to_bits()).collect();
+    (
+        channels.map(|c| (c.name, of(c.values))).collect(),
+        trace.tick.clone(),
+    )
+}
+
+/// The rig is noisy, and what the board sees of the PC are its bytes at instants of the board's own time.
+#[test]
+fn a_test_runs_the_same_to_the_bit_again_and_on_a_busy_machine() {
+    let experiment = Experiment::new(file("steel-frame.toml"), &near_fault(), Some(0.2)).unwrap();
+    let first = bits(&experiment);
+    let over = AtomicBool::new(false);
+    let busy = std::thread::scope(|s| {
+        for _ in 0..4 {
+            s.spawn(|| while !over.load(Relaxed) {});
+        }
+        let again = bits(&experiment);
+        over.store(true, Relaxed);
+        again
+    });
+    assert!(first.1.len() >= 400, "{} steps", first.1.len());
+    assert_eq!(first.1, busy.1, "the start falls into another control step");
+    for ((name, was), (_, is)) in first.0.iter().zip(&busy.0) {
+        let off = was.iter().zip(is).position(|(was, is)| was != is);
+        assert_eq!((off, was.len()), (None, is.len()), "{name}");
+    }
 }
 
 #[test]

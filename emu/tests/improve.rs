@@ -73,7 +73,7 @@ fn board(
     let laboratory = EmulatedRig::of(&experiment.test, seed);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory)?;
-    let mut connection = Connection::new(port, Timeouts::EMULATED);
+    let mut connection = Connection::new(port, Timeouts::BOARD);
     calibrate(&mut connection, laboratory.calibration)?;
     let plan = PlannedMotion::of(experiment, ideal);
     Ok(BoardBench::new(connection, plan, Operator::not_asked()))

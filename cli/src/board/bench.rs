@@ -177,6 +177,8 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             (done, observer.requested_event())
         };
         let ended = loop {
+            // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
+            let interrupted = interrupt::asked();
             match self.in_force.next(self.board) {
                 Ok(record) => {
                     let (done, asked) = see(record);
@@ -205,7 +207,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             if matches!(state, Mode::Finished | Mode::Tripped) {
                 break state;
             }
-            if interrupt::asked() && !stopped {
+            if interrupted && !stopped {
                 stopped = true;
                 self.in_force.end(self.board, Event::Stop)?;
                 by_hand = true;

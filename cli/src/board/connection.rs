@@ -10,7 +10,7 @@ use link::telemetry::StepReport;
 use link::{Command, Telemetry, VERSION};
 use outerloop_core::Event;
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The PC sends a heartbeat (it asks for the status) after so many control steps at most: the board gives the PC up after 1000.
 const HEARTBEAT_STEPS: u32 = 200;
@@ -39,13 +39,6 @@ impl Timeouts {
         stop: Duration::from_millis(40),
         silence: Duration::from_secs(1),
     };
-
-    /// For an emulator, whose seconds are longer than the wall's.
-    pub const EMULATED: Self = Self {
-        answer: Duration::from_secs(3),
-        stop: Duration::from_secs(1),
-        silence: Duration::from_secs(30),
-    };
 }
 
 /// A connection to a board.
@@ -60,8 +53,9 @@ pub struct Connection<P> {
     /// A reply came that this program cannot read: of the same version of the link, and of newer firmware.
     foreign: bool,
     steps: VecDeque<(u32, StepReport)>,
-    heard: Instant,
-    last_heartbeat: Instant,
+    /// When the last byte came, by the port's time.
+    heard: Duration,
+    last_heartbeat: Duration,
     steps_since_heartbeat: u32,
 }
 
@@ -71,7 +65,7 @@ pub type BoardConnection = Connection<Box<dyn Port>>;
 impl<P: Port> Connection<P> {
     /// Over `port`. Nothing is sent yet.
     pub fn new(port: P, timeouts: Timeouts) -> Self {
-        let now = Instant::now();
+        let now = port.now();
         Self {
             port,
             timeouts,
@@ -79,7 +73,7 @@ impl<P: Port> Connection<P> {
             frames: Continuity::new(),
             ticks: Ticks::new(),
             // The number of an earlier session's last command must not come again: the board would only repeat itself.
-            sequence: rand_start(),
+            sequence: now.subsec_micros() as u16 ^ now.as_secs() as u16,
             answers: VecDeque::new(),
             foreign: false,
             steps: VecDeque::new(),
@@ -102,20 +96,19 @@ impl<P: Port> Connection<P> {
             command,
             Command::Event(Event::Stop | Event::Hold | Event::Finish | Event::Fault)
         );
-        // What stops is repeated soon; in all it is given as long as any other. A board that is still starting loses what
-        // comes too early, so an emulated one is asked again soon, too.
+        // What stops is repeated soon; in all it is given as long as any other.
         let timeout = if urgent {
             self.timeouts.stop
         } else {
             self.timeouts.answer
         };
-        let given_up = Instant::now() + self.timeouts.silence * ATTEMPTS;
-        while Instant::now() < given_up {
+        let given_up = self.port.now() + self.timeouts.silence * ATTEMPTS;
+        while self.port.now() < given_up {
             // The zero ends whatever stood on the line before.
             self.send(&[0])?;
             self.send(&wire)?;
-            let began = Instant::now();
-            while began.elapsed() < timeout {
+            let until = self.port.now() + timeout;
+            while self.port.now() < until {
                 self.receive()?;
                 while let Some(answer) = self.answers.pop_front() {
                     if answer.request == request {
@@ -147,9 +140,9 @@ impl<P: Port> Connection<P> {
             self.receive()?;
         }
         if self.steps_since_heartbeat >= HEARTBEAT_STEPS
-            || self.last_heartbeat.elapsed() >= HEARTBEAT_INTERVAL
+            || self.port.now() - self.last_heartbeat >= HEARTBEAT_INTERVAL
         {
-            self.last_heartbeat = Instant::now();
+            self.last_heartbeat = self.port.now();
             self.steps_since_heartbeat = 0;
             let request = self.next_request();
             if let Ok(wire) = Command::Status.encode(request) {
@@ -202,12 +195,13 @@ impl<P: Port> Connection<P> {
     fn receive(&mut self) -> Result<(), Failure> {
         let mut bytes = [0; 4096];
         let count = self.port.read(&mut bytes).map_err(|e| lost(&e))?;
+        let silent = self.port.now() - self.heard;
         if count > 0 {
-            self.heard = Instant::now();
-        } else if self.heard.elapsed() > self.timeouts.silence * ATTEMPTS {
+            self.heard = self.port.now();
+        } else if silent > self.timeouts.silence * ATTEMPTS {
             return Err(Failure::test(format!(
                 "the link to the board is lost: nothing came for {:.0} s",
-                self.heard.elapsed().as_secs_f64()
+                silent.as_secs_f64()
             )));
         }
         for &byte in bytes.get(..count).unwrap_or(&[]) {
@@ -236,12 +230,6 @@ impl<P: Port> Connection<P> {
         }
         Ok(())
     }
-}
-
-/// A number that another session hardly began with.
-fn rand_start() -> u16 {
-    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    since.map_or(0, |t| t.subsec_micros() as u16 ^ t.as_secs() as u16)
 }
 
 fn lost(e: &std::io::Error) -> Failure {

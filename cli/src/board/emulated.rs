@@ -2,19 +2,17 @@
 
 use super::build::{built_emulator, built_image};
 use super::image::Image;
+use super::in_turns::{InTurns, Turns};
 use super::limits::PlannedMotion;
-use super::port::Port;
 use experiment::failure::Failure;
 use experiment::files::test::TestFile;
 use link::Calibration;
 use outerloop_core::config::Limits;
 use plant::RigSpec;
 use serde::{Deserialize, Serialize};
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::Duration;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 /// Floors and sampling clock of the images.
 const IMAGE_FLOORS: usize = 3;
@@ -58,9 +56,6 @@ pub fn can_run(test: &TestFile) -> Result<(), Failure> {
     }
     Ok(())
 }
-
-/// How long a read waits for the first byte.
-const WAIT: Duration = Duration::from_millis(5);
 
 /// The rig file that the emulator is started with.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -144,11 +139,14 @@ fn size_above(least: f64) -> f32 {
     sizes.into_iter().find(|s| *s >= least).unwrap_or(least) as f32
 }
 
+/// An emulated board at the other end of a port.
+pub type Emulated = InTurns<Emulator>;
+
 /// An emulator and its pipes.
-pub struct Emulated {
+pub struct Emulator {
     child: Child,
     to: ChildStdin,
-    from: Receiver<Vec<u8>>,
+    from: ChildStdout,
     _laboratory: tempfile::NamedTempFile,
 }
 
@@ -183,19 +181,19 @@ impl Emulated {
             .stdout(Stdio::piped())
             .spawn()
             .map_err(|e| cannot("the emulator does not start", &e))?;
-        let (Some(to), Some(out)) = (child.stdin.take(), child.stdout.take()) else {
+        let (Some(to), Some(from)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(Failure::test("--emulated: the emulator has no pipes"));
         };
-        Ok(Self {
+        Ok(Self::new(Emulator {
             child,
             to,
-            from: listen(out),
+            from,
             _laboratory: file,
-        })
+        }))
     }
 }
 
-impl Drop for Emulated {
+impl Drop for Emulator {
     fn drop(&mut self) {
         // It ends with its pipe; if it does not, it is ended.
         let _ = self.child.kill();
@@ -203,38 +201,30 @@ impl Drop for Emulated {
     }
 }
 
-impl Port for Emulated {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        match self.from.recv_timeout(WAIT) {
-            Ok(came) => {
-                let count = came.len().min(bytes.len());
-                bytes[..count].copy_from_slice(&came[..count]);
-                Ok(count)
+impl Turns for Emulator {
+    fn exchange(&mut self, bytes: &[u8]) -> io::Result<(u64, Vec<u8>)> {
+        self.turn(bytes).map_err(|e| match e.kind() {
+            ErrorKind::UnexpectedEof | ErrorKind::BrokenPipe => {
+                io::Error::other("the emulator has ended")
             }
-            Err(RecvTimeoutError::Timeout) => Ok(0),
-            Err(RecvTimeoutError::Disconnected) => Err(io::Error::other("the emulator has ended")),
-        }
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.to.write_all(bytes)?;
-        self.to.flush()
+            _ => e,
+        })
     }
 }
 
-/// Takes what the emulator says off its pipe, as it comes.
-fn listen(mut out: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = channel();
-    std::thread::spawn(move || {
-        // No more than a reader of the port has room for.
-        let mut bytes = [0; 1024];
-        while let Ok(count @ 1..) = out.read(&mut bytes) {
-            if sender.send(bytes[..count].to_vec()).is_err() {
-                break;
-            }
-        }
-    });
-    receiver
+impl Emulator {
+    /// Counts and bytes as `emu` has them.
+    fn turn(&mut self, bytes: &[u8]) -> io::Result<(u64, Vec<u8>)> {
+        self.to.write_all(&(bytes.len() as u32).to_le_bytes())?;
+        self.to.write_all(bytes)?;
+        self.to.flush()?;
+        let (mut at_ns, mut count) = ([0; 8], [0; 4]);
+        self.from.read_exact(&mut at_ns)?;
+        self.from.read_exact(&mut count)?;
+        let mut came = vec![0; u32::from_le_bytes(count) as usize];
+        self.from.read_exact(&mut came)?;
+        Ok((u64::from_le_bytes(at_ns), came))
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  port         bytes: a serial port, or the pipes of an emulator
+//!  in_turns     the port to an emulated board, whose time stands while this program thinks
 //!  connection   commands and their answers, telemetry in the order of its steps
 //!  mirror       the same loop on the PC, fed with the board's codes: every word of every record, proven by its digest
 //!  setup        a board before a test: idle, calibrated, with limits that can act
@@ -24,6 +25,7 @@ mod connection;
 mod cross_readings;
 pub mod emulated;
 mod image;
+pub mod in_turns;
 pub mod limits;
 mod mirror;
 pub mod operator;

@@ -2,7 +2,8 @@
 
 use experiment::failure::Failure;
 use std::io;
-use std::time::Duration;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How long a read waits for the first byte.
 const WAIT: Duration = Duration::from_millis(5);
@@ -20,6 +21,16 @@ pub trait Port {
     /// # Errors
     /// The other end is gone.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// The time that the other end lives in, since whenever: that of the wall, or a board's own where it is emulated.
+    fn now(&self) -> Duration {
+        static BEGAN: OnceLock<(Instant, Duration)> = OnceLock::new();
+        let (began, at) = BEGAN.get_or_init(|| {
+            let at = SystemTime::now().duration_since(UNIX_EPOCH);
+            (Instant::now(), at.unwrap_or_default())
+        });
+        *at + began.elapsed()
+    }
 }
 
 impl<P: Port + ?Sized> Port for Box<P> {
@@ -28,6 +39,9 @@ impl<P: Port + ?Sized> Port for Box<P> {
     }
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         (**self).write(bytes)
+    }
+    fn now(&self) -> Duration {
+        (**self).now()
     }
 }
 

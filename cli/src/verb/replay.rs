@@ -1,7 +1,8 @@
 //! `outerloop replay`: works an archived test out again and compares every channel, bit by bit.
 
-use super::rig_arguments::RigKind;
+use super::rig_arguments::{RigArguments, RigKind};
 use crate::archive;
+use crate::improve::TestSite;
 use crate::orders::OrderReplay;
 use crate::provenance::{self, WithProvenance};
 use crate::terminal::Progress;
@@ -42,17 +43,11 @@ impl Replay {
     pub fn run(&self) -> Result<(), Failure> {
         let archived = archive::load(&self.archive)?;
         let file = self.archive.display();
-        let board = match archived.repeat.place {
-            RigKind::Simulated => None,
-            RigKind::Emulated => {
-                Some("an emulated board, whose start falls into another instant each time")
-            }
-            RigKind::Board => Some("a board, and a real rig does not repeat itself"),
-        };
-        if let Some(board) = board {
+        if archived.repeat.place == RigKind::Board {
             return Err(Failure::input(format!(
-                "{file}: ran on {board}: accepted are tests on a simulated rig; the board's steps were worked out again while \
-                 it ran, and the summary in the file says with what result"
+                "{file}: ran on a board, and a real rig does not repeat itself: accepted are tests on a simulated rig or an \
+                 emulated board; the board's steps were worked out again while it ran, and the summary in the file says with \
+                 what result"
             )));
         }
         let orders = &archived.repeat.orders;
@@ -62,7 +57,12 @@ impl Replay {
             let ideal = experiment.ideal()?;
             let (compensation, seed) = (archived.compensation(), archived.repeat.seed);
             let observer = (progress.observer(), OrderReplay::new(orders));
-            experiment.run(compensation, &ideal, seed, true, observer)?
+            if archived.repeat.place == RigKind::Emulated {
+                let board = RigArguments::on_board(None, false);
+                board.run(experiment, compensation, &ideal, seed, true, observer)?
+            } else {
+                experiment.run(compensation, &ideal, seed, true, observer)?
+            }
         };
         let trace = run
             .trace

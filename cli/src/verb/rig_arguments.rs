@@ -120,7 +120,7 @@ impl RigArguments {
             .sized_for(&limits, plan)
             .in_real_time(self.real_time);
         let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
-        let mut connection = Connection::new(port, Timeouts::EMULATED);
+        let mut connection = Connection::new(port, Timeouts::BOARD);
         calibrate(&mut connection, laboratory.calibration)?;
         Ok(Some((connection, Operator::not_asked())))
     }

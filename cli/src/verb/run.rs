@@ -139,7 +139,9 @@ impl Run {
             let simulated = self.place.kind() == RigKind::Simulated;
             let scope = self.scope.open(&title, rate_hz, simulated)?;
             let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
-            let by_signal = simulated.then_some(StopBySignal);
+            // What repeats itself is stopped by an order that a replay can give again.
+            let repeats = self.place.kind() != RigKind::Board;
+            let by_signal = repeats.then_some(StopBySignal);
             if simulated {
                 interrupt::watch_rig();
             }

@@ -9,7 +9,6 @@ use link::reply::{NumberedReply, Reply};
 use link::{Calibration, Command, Telemetry};
 use outerloop_core::{Config, Event, Mode, config::Limits};
 use std::collections::VecDeque;
-use std::time::Duration;
 
 /// Stiffness of the specimen, N/m: with 1000 kg a period of half a second.
 pub(super) const STIFFNESS_N_PER_M: f64 = 158e3;
@@ -102,7 +101,7 @@ impl Pc {
 
     /// Its turn: hears what has come, and says what is due.
     pub(super) fn turn(&mut self, at_ns: u64) {
-        for byte in self.wire.receive(Duration::ZERO).unwrap_or_default() {
+        for byte in self.wire.take() {
             self.heard.push(byte);
             self.hear(byte, at_ns);
         }

@@ -122,7 +122,8 @@ fn trial(firmware: &Firmware, role: Role) -> Result<(), String> {
     let (wire, bits) = (Wire::default(), CoreBits::default());
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
         .with_converters(CONVERTERS)
-        .with_valves(VALVE_M_PER_S);
+        .with_valves(VALVE_M_PER_S)
+        .with_pc_inside();
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())
         .map_err(|e| e.to_string())?
         .with_converters(CONVERTERS)

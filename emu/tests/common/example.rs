@@ -15,7 +15,7 @@ pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> 
     let laboratory = EmulatedRig::of(&experiment.test, 1).sized_for(&limits, &plan);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Timeouts::EMULATED);
+    let mut connection = Connection::new(port, Timeouts::BOARD);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     BoardBench::new(connection, plan, Operator::not_asked())
 }

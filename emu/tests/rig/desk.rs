@@ -8,15 +8,14 @@ use link::reply::Reply;
 use link::status::Status;
 use link::telemetry::StepReport;
 use link::{Calibration, CodeRange};
-use outerloop_cli::board::{Connection, Image, Port, Timeouts, calibrate, status};
+use outerloop_cli::board::in_turns::{InTurns, Turns};
+use outerloop_cli::board::{Connection, Image, Timeouts, calibrate, status};
 use outerloop_core::{Config, Event, Mode, config::Limits};
 use plant::{Rig, RigSpec};
-use std::collections::VecDeque;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 /// Table 1 of the paper; the actuator is the desk's.
 pub const TABLE_1: &str = "
@@ -90,28 +89,15 @@ pub fn image() -> &'static Path {
 }
 
 /// The PC's end of the serial line.
-pub struct Line {
-    wire: Wire,
-    came: VecDeque<u8>,
-}
+pub type Line = InTurns<WiredPc>;
 
-impl Port for Line {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        if self.came.is_empty() {
-            let came = self.wire.receive(Duration::from_millis(5));
-            self.came
-                .extend(came.ok_or_else(|| io::Error::other("the emulator has ended"))?);
-        }
-        let count = self.came.len().min(bytes.len());
-        for (place, byte) in bytes.iter_mut().zip(self.came.drain(..count)) {
-            *place = byte;
-        }
-        Ok(count)
-    }
+/// A PC at a wire in this process.
+pub struct WiredPc(Wire);
 
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.wire.send(bytes);
-        Ok(())
+impl Turns for WiredPc {
+    fn exchange(&mut self, bytes: &[u8]) -> io::Result<(u64, Vec<u8>)> {
+        let came = self.0.exchange(bytes);
+        came.ok_or_else(|| io::Error::other("the emulator has ended"))
     }
 }
 
@@ -224,12 +210,9 @@ impl Desk {
             theirs.close();
             ended
         });
-        let line = Line {
-            wire: wire.clone(),
-            came: VecDeque::new(),
-        };
+        let line = Line::new(WiredPc(wire.clone()));
         Self {
-            pc: Connection::new(line, Timeouts::EMULATED),
+            pc: Connection::new(line, Timeouts::BOARD),
             steps: Vec::new(),
             wire,
             log,
@@ -239,11 +222,7 @@ impl Desk {
 
     /// A connection for somebody else, in place of the one here.
     pub fn connection(&self) -> Connection<Line> {
-        let line = Line {
-            wire: self.wire.clone(),
-            came: VecDeque::new(),
-        };
-        Connection::new(line, Timeouts::EMULATED)
+        Connection::new(Line::new(WiredPc(self.wire.clone())), Timeouts::BOARD)
     }
 
     pub fn status(&mut self) -> Status {

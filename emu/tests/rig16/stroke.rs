@@ -32,7 +32,7 @@ fn over_250_mm_the_error_is_within_5_percent_of_the_one_without_converters() {
         .over(HALF_M);
     let emulator = Path::new(env!("CARGO_BIN_EXE_emu"));
     let port = Emulated::with(emulator, &laboratory).unwrap();
-    let mut connection = Connection::new(port, Timeouts::EMULATED);
+    let mut connection = Connection::new(port, Timeouts::BOARD);
     calibrate(&mut connection, laboratory.calibration).unwrap();
     let bench = BoardBench::new(connection, plan, Operator::not_asked()).with_bits(Some(16));
     let run = experiment
