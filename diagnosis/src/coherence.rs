@@ -2,7 +2,6 @@
 //! Random Data, chapter 6).
 
 use fourier::Complex;
-use std::f64::consts::TAU;
 
 /// Hann windows that overlap by half.
 const WINDOWS: usize = 16;
@@ -12,39 +11,15 @@ const APART: f64 = 0.95;
 /// The share of the output's squares; `None` where the record is too short. What rings longer than a window, a
 /// seventeenth of twice the record, counts as if it came from elsewhere.
 pub fn linear_share(input: &[f64], output: &[f64]) -> Option<f64> {
-    let length = 2 * input.len() / (WINDOWS + 1);
-    if length < 32 {
-        return None;
-    }
-    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
-    let plan = fourier::forward(length);
-    let transform = |x: &[f64]| {
-        let mean = x.iter().sum::<f64>() / length as f64;
-        let windowed = |(i, x): (usize, &f64)| Complex::new((x - mean) * hann(i), 0.0);
-        let mut bins: Vec<Complex<f64>> = x.iter().enumerate().map(windowed).collect();
-        plan.process(&mut bins);
-        bins
-    };
-    let half = length / 2;
-    let mut spectra = vec![(0.0, 0.0, Complex::default()); half];
-    let mut windows = 0.0;
-    for start in (0..=input.len() - length).step_by(half) {
-        let [u, y] = [input, output].map(|x| transform(&x[start..start + length]));
-        for (k, (uu, yy, uy)) in spectra.iter_mut().enumerate() {
-            *uu += u[k].norm_sqr();
-            *yy += y[k].norm_sqr();
-            *uy += u[k].conj() * y[k];
-        }
-        windows += APART;
-    }
+    let spectra = fourier::cross_spectra(input, output, WINDOWS)?;
     // The mean squared coherence of signals that have nothing to do with each other.
-    let by_chance = 1.0 / windows;
+    let by_chance = 1.0 / (APART * spectra.windows as f64);
     let of = |(uu, yy, uy): &(f64, f64, Complex<f64>)| {
         let seen = uy.norm_sqr() / (uu * yy).max(f64::MIN_POSITIVE);
         yy * (seen - by_chance) / (1.0 - by_chance)
     };
-    let whole: f64 = spectra.iter().map(|s| s.1).sum();
-    let linear: f64 = spectra.iter().map(of).sum();
+    let whole: f64 = spectra.lines.iter().map(|s| s.1).sum();
+    let linear: f64 = spectra.lines.iter().map(of).sum();
     Some((linear / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0))
 }
 

@@ -5,6 +5,7 @@ pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
 use rustfft::FftPlanner;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// The transform of `n` points, in place and without a factor.
@@ -15,4 +16,50 @@ pub fn forward(n: usize) -> Arc<dyn Fft<f64>> {
 /// Its inverse, without a factor: both one after the other multiply by `n`.
 pub fn inverse(n: usize) -> Arc<dyn Fft<f64>> {
     FftPlanner::new().plan_fft_inverse(n)
+}
+
+/// Sums of an input's and an output's powers over windows that overlap by half, line by line from 0 Hz to below half the sampling
+/// rate (Welch, IEEE Trans. Audio Electroacoust. 15, 1967).
+pub struct CrossSpectra {
+    /// Samples of a window: line `k` is at `k / length` of the sampling rate.
+    pub length: usize,
+    /// How many windows were summed.
+    pub windows: usize,
+    /// The input's power, the output's, and the cross spectrum, which is conjugated in the input.
+    pub lines: Vec<(f64, f64, Complex<f64>)>,
+}
+
+/// Over so many Hann windows of as many samples as the signals have, each without its mean; `None` where a window has less than
+/// 32 samples.
+pub fn cross_spectra(input: &[f64], output: &[f64], windows: usize) -> Option<CrossSpectra> {
+    let samples = input.len().min(output.len());
+    let length = 2 * samples / (windows + 1);
+    if length < 32 {
+        return None;
+    }
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
+    let plan = forward(length);
+    let transform = |x: &[f64]| {
+        let mean = x.iter().sum::<f64>() / length as f64;
+        let windowed = |(i, x): (usize, &f64)| Complex::new((x - mean) * hann(i), 0.0);
+        let mut bins: Vec<Complex<f64>> = x.iter().enumerate().map(windowed).collect();
+        plan.process(&mut bins);
+        bins
+    };
+    let half = length / 2;
+    let mut found = CrossSpectra {
+        length,
+        windows: 0,
+        lines: vec![(0.0, 0.0, Complex::default()); half],
+    };
+    for start in (0..=samples - length).step_by(half) {
+        let [u, y] = [input, output].map(|x| transform(&x[start..start + length]));
+        for ((uu, yy, uy), (u, y)) in found.lines.iter_mut().zip(u.iter().zip(&y)) {
+            *uu += u.norm_sqr();
+            *yy += y.norm_sqr();
+            *uy += u.conj() * y;
+        }
+        found.windows += 1;
+    }
+    Some(found)
 }

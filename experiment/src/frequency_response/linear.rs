@@ -2,7 +2,6 @@
 
 use fourier::Complex;
 use serde::Serialize;
-use std::f64::consts::TAU;
 
 /// Hann windows that overlap by half.
 const WINDOWS: usize = 8;
@@ -28,30 +27,10 @@ pub struct ResponseLine {
 
 /// Lines at which the command moves.
 pub fn lines(command: &[f64], displacement: &[f64], interval_s: f64) -> Vec<ResponseLine> {
-    let length = 2 * command.len() / (WINDOWS + 1);
-    let half = length / 2;
-    if half < 16 {
+    let Some(spectra) = fourier::cross_spectra(command, displacement, WINDOWS) else {
         return Vec::new();
-    }
-    let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos();
-    let plan = fourier::forward(length);
-    let transform = |x: &[f64]| {
-        let mean = x.iter().sum::<f64>() / length as f64;
-        let windowed = |(i, x): (usize, &f64)| Complex::new((x - mean) * hann(i), 0.0);
-        let mut bins: Vec<Complex<f64>> = x.iter().enumerate().map(windowed).collect();
-        plan.process(&mut bins);
-        bins.truncate(half);
-        bins
     };
-    let mut sums = vec![(0.0_f64, 0.0_f64, Complex::<f64>::default()); half];
-    for start in (0..=command.len() - length).step_by(half) {
-        let [u, y] = [command, displacement].map(|x| transform(&x[start..start + length]));
-        for ((uu, yy, uy), (u, y)) in sums.iter_mut().zip(u.iter().zip(&y)) {
-            *uu += u.norm_sqr();
-            *yy += y.norm_sqr();
-            *uy += u.conj() * y;
-        }
-    }
+    let sums = &spectra.lines;
     let largest = sums.iter().skip(1).map(|s| s.0).fold(0.0, f64::max);
     // A recorded command has its converter's noise at all frequencies: it moves up to where nearly all of its power is.
     let whole: f64 = sums.iter().skip(1).map(|s| s.0).sum();
@@ -62,7 +41,7 @@ pub fn lines(command: &[f64], displacement: &[f64], interval_s: f64) -> Vec<Resp
     });
     let top = 1 + top.count();
     let moving = |k: &usize| *k <= top && sums[*k].0 > LEAST_POWER * largest;
-    let used: Vec<usize> = (1..half).filter(moving).collect();
+    let used: Vec<usize> = (1..sums.len()).filter(moving).collect();
     let every = used.len().div_ceil(MOST_LINES).max(1);
     let mut phase_deg = 0.0;
     let mut before = Complex::new(1.0_f64, 0.0);
@@ -74,7 +53,7 @@ pub fn lines(command: &[f64], displacement: &[f64], interval_s: f64) -> Vec<Resp
         before = uy;
         if place % every == 0 {
             found.push(ResponseLine {
-                hz: k as f64 / (length as f64 * interval_s),
+                hz: k as f64 / (spectra.length as f64 * interval_s),
                 gain: uy.norm() / uu,
                 phase_deg,
                 coherence: uy.norm_sqr() / (uu * yy).max(f64::MIN_POSITIVE),
