@@ -3,6 +3,8 @@
 
 /// Ridge, relative to each unknown's own square: columns that are one and the same share their strength.
 const RIDGE: f64 = 1e-9;
+/// The same for free functions: one that a block hardly touches would be anything there.
+const SOFT_RIDGE: f64 = 1e-4;
 
 /// Normal equations; unused rows are 0.
 #[derive(Clone, Debug)]
@@ -15,6 +17,8 @@ pub struct Equations {
     pub right: Vec<f64>,
     /// The target's square.
     pub square: f64,
+    /// From this unknown on they are free functions.
+    pub soft: usize,
 }
 
 impl Equations {
@@ -25,6 +29,7 @@ impl Equations {
             gram: vec![0.0; n * n],
             right: vec![0.0; n],
             square: 0.0,
+            soft: n,
         }
     }
 
@@ -37,6 +42,7 @@ impl Equations {
             *own += weight * more;
         }
         self.square += weight * other.square;
+        self.soft = other.soft;
     }
 
     /// Squares that are left with these values.
@@ -113,7 +119,7 @@ impl Equations {
             for (j, &column) in at[..=i].iter().enumerate() {
                 let mut sum = self.gram[row * n + column];
                 if i == j {
-                    sum *= 1.0 + RIDGE;
+                    sum *= 1.0 + if row < self.soft { RIDGE } else { SOFT_RIDGE };
                 }
                 let (a, b) = (&l[i * m..i * m + j], &l[j * m..j * m + j]);
                 sum -= a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -162,6 +168,7 @@ mod tests {
             gram: vec![dot(&a, &a), dot(&a, &b), dot(&a, &b), dot(&b, &b)],
             right: vec![dot(&a, &y), dot(&b, &y)],
             square: dot(&y, &y),
+            soft: 2,
         };
         let (low, high) = ([-1.0; 2], [2.0; 2]);
         let found = equations.solve(&low, &high).unwrap();

@@ -5,7 +5,7 @@
 //! motion     a record as the laws see it: columns                      gram      their products, block by block
 //! score      the one measure: blocks of the training data left out     search    sets of laws by their products
 //! specimen   the columns                                               polish    a model's shapes at their best
-//! posterior  the probability of each name
+//! free       the rival without a name                              posterior  the probability of each name
 //! verdict    three thresholds                                          figures   a name's parameters with intervals
 //! ```
 //!
@@ -18,6 +18,7 @@
 
 mod bounded;
 mod figures;
+mod free;
 mod gram;
 mod law;
 mod motion;
@@ -87,6 +88,8 @@ pub struct KnownNoise {
     pub told: bool,
 }
 
+/// Models that free functions are put beside.
+const BESIDE_FREE: usize = 10;
 /// So many times a noise without a rest may be what the best model leaves in its quietest blocks.
 const AT_MOST: f64 = 2.5;
 
@@ -108,17 +111,40 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<SpecimenFo
     }
     let mut fits = polished(data, &atoms, &found)?;
     let declared = data.polished(&[])?;
+    let mut all = nameless(data, &fits, &declared);
     fits.push(declared.clone());
-    let posterior = Posterior::of(fits.into_iter().flat_map(|f| candidates(data, f)).collect());
-    let least = if noise.told {
-        verdict::NOTHING
-    } else {
-        2.0 * verdict::NOTHING
-    };
+    all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
+    let posterior = Posterior::of(all);
+    let [sure, most] = verdict::NOTHING;
+    let allowed = if noise.told { [sure; 2] } else { [sure, most] };
     Some(SpecimenFound {
-        said: verdict::verdict(&posterior, least),
+        said: verdict::verdict(&posterior, allowed),
         declared,
     })
+}
+
+/// The declared model and the leading ones with free functions beside them.
+fn nameless(
+    data: &SpecimenData,
+    fits: &[SpecimenModelFit],
+    declared: &SpecimenModelFit,
+) -> Vec<SpecimenCandidate> {
+    let mut leading: Vec<&SpecimenModelFit> = fits.iter().collect();
+    leading.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
+    leading.truncate(BESIDE_FREE);
+    leading.push(declared);
+    let free = data.free();
+    let beside = |fit: &&SpecimenModelFit| {
+        let evidence = data.beside_free(fit, &free)?;
+        Some(SpecimenModelFit {
+            evidence,
+            ..(*fit).clone()
+        })
+    };
+    let fits: Vec<_> = leading.par_iter().filter_map(beside).collect();
+    let mut all: Vec<_> = fits.into_iter().flat_map(|f| candidates(data, f)).collect();
+    all.iter_mut().for_each(|c| c.nameless = true);
+    all
 }
 
 /// The leading models with their shapes at their best, and what the best of them are with one term less.
@@ -199,6 +225,7 @@ fn candidates(data: &SpecimenData, fit: SpecimenModelFit) -> Vec<Candidate<Speci
         names.dedup();
         Candidate {
             names,
+            nameless: false,
             evidence,
             model: SpecimenModelFit {
                 names: own,

@@ -8,9 +8,11 @@ use plant::Effect;
 pub struct Candidate<M> {
     /// The names, rising, each once.
     pub names: Vec<Effect>,
+    /// Free functions are beside the names.
+    pub nameless: bool,
     /// What speaks for it.
     pub evidence: Evidence,
-    /// The model itself.
+    /// The model itself, without free functions.
     pub model: M,
 }
 
@@ -29,7 +31,7 @@ impl<M: Clone> Posterior<M> {
         all.sort_by(|a, b| score(b).total_cmp(&score(a)));
         let mut kept: Vec<Candidate<M>> = Vec::new();
         for c in all {
-            let same = |k: &Candidate<M>| k.names == c.names;
+            let same = |k: &Candidate<M>| (&k.names, k.nameless) == (&c.names, c.nameless);
             if !kept.iter().any(same) {
                 kept.push(c);
             }
@@ -65,7 +67,7 @@ impl<M: Clone> Posterior<M> {
 
     /// The best model without any name.
     pub fn declared(&self) -> Option<&Candidate<M>> {
-        let plain = |c: &&Candidate<M>| c.names.is_empty();
+        let plain = |c: &&Candidate<M>| c.names.is_empty() && !c.nameless;
         self.models.iter().map(|m| &m.0).find(plain)
     }
 }
@@ -84,6 +86,7 @@ mod tests {
         };
         Candidate {
             names: names.to_vec(),
+            nameless: false,
             evidence: score.evidence(&[100.0 * (1.0 + left * left); BLOCKS], price),
             model: (),
         }
@@ -120,9 +123,31 @@ mod tests {
     }
 
     #[test]
+    fn what_free_functions_take_as_well_as_a_law_has_no_name() {
+        let declared = candidate(&[], 9.0, 0.0);
+        let friction = candidate(&[Effect::CoulombFriction], 2.0, 3.0);
+        let nameless = |left: f64| Candidate {
+            nameless: true,
+            ..candidate(&[], left, 9.5)
+        };
+        let of = |left: f64| {
+            let all = vec![declared.clone(), friction.clone(), nameless(left)];
+            verdict(&Posterior::of(all), NOTHING)
+        };
+        assert!(matches!(of(1.9), Said::Names(..)));
+        assert!(matches!(of(0.5), Said::Unknown(Some(_))));
+    }
+
+    #[test]
     fn nothing_is_said_to_be_missing_below_the_noise_and_unknown_above_it() {
         let quiet = Posterior::of(vec![candidate(&[], 0.3, 0.0)]);
         assert!(matches!(verdict(&quiet, NOTHING), Said::Nothing));
+        // Where no rest tells the noise, and then only where no law takes what is left.
+        let louder = [candidate(&[], 0.7, 0.0), candidate(&[Effect::Drift], 0.1, 3.0)];
+        let of = |all: &[Candidate<()>], allowed| verdict(&Posterior::of(all.to_vec()), allowed);
+        assert!(matches!(of(&louder[..1], NOTHING), Said::Nothing));
+        assert!(matches!(of(&louder, NOTHING), Said::Names(..)));
+        assert!(matches!(of(&louder[..1], [NOTHING[0]; 2]), Said::Unknown(None)));
         let loud = Posterior::of(vec![candidate(&[], 5.0, 0.0)]);
         assert!(matches!(verdict(&loud, NOTHING), Said::Unknown(None)));
     }

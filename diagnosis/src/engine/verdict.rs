@@ -3,8 +3,11 @@
 use super::posterior::{Candidate, Posterior};
 use plant::Effect;
 
-/// Structure below this share of the noise is nothing, where a rest tells the noise; twice that where none does.
-pub const NOTHING: f64 = 0.42;
+/// Structure below the first share of the noise is nothing. Where no rest tells the noise, below the second, too, unless a model
+/// speaks against it.
+pub const NOTHING: [f64; 2] = [0.42, 0.84];
+/// By so much, nats: half of the squares.
+pub const SPEAKS: f64 = 5.5;
 /// A name is given that is at least so probable.
 pub const SURE: f64 = 0.72;
 /// A set holds the cause with at least this probability.
@@ -30,23 +33,29 @@ pub enum Said<M> {
     Unknown(Option<Candidate<M>>),
 }
 
-/// What a posterior allows to be said. `least` is what counts as nothing, over the noise.
-pub fn verdict<M: Clone>(posterior: &Posterior<M>, least: f64) -> Said<M> {
-    let left = |c: &Candidate<M>| c.evidence.left_rms();
-    if posterior.declared().is_some_and(|c| left(c) < least) {
+/// What a posterior allows to be said. What counts as nothing, over the noise: in any case, and where no model speaks against it.
+pub fn verdict<M: Clone>(posterior: &Posterior<M>, [sure, most]: [f64; 2]) -> Said<M> {
+    let best = posterior.models.first().map(|m| m.0.evidence.score());
+    let is_nothing = |c: &Candidate<M>| {
+        let left = c.evidence.left_rms();
+        let silent = best.is_none_or(|best| best - c.evidence.score() < SPEAKS);
+        left < sure || left < most && silent
+    };
+    if posterior.declared().is_some_and(is_nothing) {
         return Said::Nothing;
     }
     let names = posterior.names();
     let sure: Vec<(Effect, f64)> = names.iter().copied().filter(|n| n.1 >= SURE).collect();
     let with = |all: &[Effect]| {
-        let has = |c: &&Candidate<M>| all.iter().all(|n| c.names.contains(n));
+        let has = |c: &&Candidate<M>| !c.nameless && all.iter().all(|n| c.names.contains(n));
         posterior.models.iter().map(|m| &m.0).find(has).cloned()
     };
     let only: Vec<Effect> = sure.iter().map(|n| n.0).collect();
     if !sure.is_empty() {
         // The model of exactly these names, where there is one; else the likeliest that has them.
         let exact = |c: &&Candidate<M>| {
-            c.names.len() == only.len() && only.iter().all(|n| c.names.contains(n))
+            let all = only.iter().all(|n| c.names.contains(n));
+            !c.nameless && c.names.len() == only.len() && all
         };
         let model = posterior.models.iter().map(|m| &m.0).find(exact).cloned();
         if let Some(model) = model.or_else(|| with(&only)) {
@@ -54,34 +63,17 @@ pub fn verdict<M: Clone>(posterior: &Posterior<M>, least: f64) -> Said<M> {
         }
     }
     let named = posterior.models.iter().map(|m| &m.0);
-    let likeliest = named.clone().find(|c| !c.names.is_empty()).cloned();
+    let likeliest = named.clone().find(|c| !c.names.is_empty() && !c.nameless);
     // The smallest set of names one of which is in the rig with enough probability.
-    let mut set: Vec<(Effect, f64)> = Vec::new();
-    for name in names {
-        set.push(name);
+    let holds = |set: &[(Effect, f64)]| {
         let hit = |c: &Candidate<M>| set.iter().any(|n| c.names.contains(&n.0));
-        let mass: f64 = posterior
-            .models
-            .iter()
-            .filter(|m| hit(&m.0))
-            .map(|m| m.1)
-            .sum();
-        if mass >= SET {
-            break;
-        }
-        if set.len() == LARGEST_SET {
-            return Said::Unknown(likeliest);
-        }
-    }
-    let hit = |c: &Candidate<M>| set.iter().any(|n| c.names.contains(&n.0));
-    let mass: f64 = posterior
-        .models
-        .iter()
-        .filter(|m| hit(&m.0))
-        .map(|m| m.1)
-        .sum();
-    match with(&[set.first().map_or(Effect::Offset, |n| n.0)]) {
-        Some(model) if mass >= SET && set.len() > 1 => Said::Set(model, set),
-        _ => Said::Unknown(likeliest),
+        let all = posterior.models.iter().filter(|m| hit(&m.0));
+        all.map(|m| m.1).sum::<f64>() >= SET
+    };
+    let smallest = (1..=names.len().min(LARGEST_SET)).find(|n| holds(&names[..*n]));
+    let set = smallest.filter(|n| *n > 1).map(|n| names[..n].to_vec());
+    match set.and_then(|set| Some((with(&[set[0].0])?, set))) {
+        Some((model, set)) => Said::Set(model, set),
+        None => Said::Unknown(likeliest.cloned()),
     }
 }
