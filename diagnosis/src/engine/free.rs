@@ -23,7 +23,11 @@ const RELAXES: [f64; 3] = [0.3, 1.5, 6.0];
 /// The hat of a knot among others at `u`; what is outside counts as the end.
 fn hat(u: f64, knots: &[f64], i: usize) -> f64 {
     let u = u.clamp(knots[0], knots[knots.len() - 1]);
-    let side = if u < knots[i] { i.checked_sub(1) } else { Some(i + 1) };
+    let side = if u < knots[i] {
+        i.checked_sub(1)
+    } else {
+        Some(i + 1)
+    };
     side.and_then(|j| knots.get(j)).map_or_else(
         || f64::from(u8::from(u == knots[i])),
         |far| (1.0 - (u - knots[i]) / (far - knots[i])).max(0.0),

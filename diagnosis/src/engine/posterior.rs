@@ -143,11 +143,17 @@ mod tests {
         let quiet = Posterior::of(vec![candidate(&[], 0.3, 0.0)]);
         assert!(matches!(verdict(&quiet, NOTHING), Said::Nothing));
         // Where no rest tells the noise, and then only where no law takes what is left.
-        let louder = [candidate(&[], 0.7, 0.0), candidate(&[Effect::Drift], 0.1, 3.0)];
+        let louder = [
+            candidate(&[], 0.7, 0.0),
+            candidate(&[Effect::Drift], 0.1, 3.0),
+        ];
         let of = |all: &[Candidate<()>], allowed| verdict(&Posterior::of(all.to_vec()), allowed);
         assert!(matches!(of(&louder[..1], NOTHING), Said::Nothing));
         assert!(matches!(of(&louder, NOTHING), Said::Names(..)));
-        assert!(matches!(of(&louder[..1], [NOTHING[0]; 2]), Said::Unknown(None)));
+        assert!(matches!(
+            of(&louder[..1], [NOTHING[0]; 2]),
+            Said::Unknown(None)
+        ));
         let loud = Posterior::of(vec![candidate(&[], 5.0, 0.0)]);
         assert!(matches!(verdict(&loud, NOTHING), Said::Unknown(None)));
     }
