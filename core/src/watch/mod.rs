@@ -252,7 +252,7 @@ impl Watch {
             return false;
         }
         let sigma = [self.listeners[0].sigma(), self.listeners[1].sigma()];
-        if let Some(width) = self.play.add(x, r)
+        if let Some(width) = self.play.add(x, r, sigma)
             && k.alone
         {
             self.judge.name_play(&k.judge, width);

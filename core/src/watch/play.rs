@@ -1,10 +1,17 @@
 //! Play between actuator and specimen: way without force, whatever the specimen does otherwise.
 
+use libm::sqrtf;
+
 /// Forces, of stiffness times peak, between which the way without force and the ways beside it are compared.
 const FORCE: f32 = 0.07;
 /// Crossings in a row, and the least play of each, peaks.
 const CROSSINGS: u8 = 4;
 const LEAST: f32 = 0.008;
+/// By how many of its standard deviations the mean play of the crossings in a row is beyond none, and the most of them that count.
+const BEYOND: f32 = 6.0;
+const MOST_CROSSINGS: u8 = 16;
+/// Variance of a crossing's play, of that of displacement less force: once each outer level, twice each inner one.
+const VARIANCE: f32 = 10.0;
 
 /// The levels that a crossing passes, in the direction from which it comes.
 const LEVELS: [f32; 4] = [2.0 * FORCE, FORCE, -FORCE, -2.0 * FORCE];
@@ -26,8 +33,8 @@ pub(super) struct Play {
 }
 
 impl Play {
-    /// Takes displacement and force in, peaks. Gives the width of a play, peaks, when it is certain.
-    pub(super) fn add(&mut self, x: f32, r: f32) -> Option<f32> {
+    /// Takes displacement and force in, peaks, with their noise. Gives the width of a play, peaks, when it is certain.
+    pub(super) fn add(&mut self, x: f32, r: f32, [x_sd, r_sd]: [f32; 2]) -> Option<f32> {
         let [last_x, last_r] = core::mem::replace(&mut self.last, [x, r]);
         let (now, before) = (r * self.sign, last_r * self.sign);
         while self.sign != 0.0 && self.passed < 4 && now <= LEVELS[self.passed] {
@@ -51,7 +58,9 @@ impl Play {
                 (self.sign, self.passed) = (sign, 0);
             }
         }
-        (self.crossings >= CROSSINGS).then_some(self.width)
+        let variance = VARIANCE * (x_sd * x_sd + r_sd * r_sd);
+        let least = BEYOND * sqrtf(variance / f32::from(self.crossings.max(1)));
+        (self.crossings >= CROSSINGS && self.width > least).then_some(self.width)
     }
 
     /// The way between the inner levels, less what the slopes beside it explain.
@@ -59,8 +68,8 @@ impl Play {
         let [a, b, c, d] = self.at;
         let play = (b - c).abs() - (a - b).abs() - (c - d).abs();
         if play > LEAST {
-            self.crossings = self.crossings.saturating_add(1);
-            let share = 1.0 / f32::from(self.crossings.min(CROSSINGS));
+            self.crossings = (self.crossings + 1).min(MOST_CROSSINGS);
+            let share = 1.0 / f32::from(self.crossings);
             self.width += share * (play - self.width);
         } else {
             (self.crossings, self.width) = (0, 0.0);
@@ -86,7 +95,7 @@ mod tests {
             let u = x - plastic;
             let r = u - u.clamp(-0.5 * width, 0.5 * width);
             let noise = 0.002 * libm::sinf(517.3 * t);
-            answer = play.add(x, r + noise);
+            answer = play.add(x, r + noise, [0.0, 0.0014]);
         }
         answer
     }
@@ -99,5 +108,32 @@ mod tests {
             let width = found(0.03, yields).unwrap();
             assert!((width - 0.03).abs() < 0.008, "{width}");
         }
+    }
+
+    /// Whether a play is found at any time of a long motion, with white noise of a standard deviation in both channels.
+    fn found_in_noise(width: f32, sd: f32) -> bool {
+        let mut play = Play::default();
+        let mut seed = 1_u32;
+        let mut noise = || {
+            let even = |seed: &mut u32| {
+                *seed ^= *seed << 13;
+                *seed ^= *seed >> 17;
+                *seed ^= *seed << 5;
+                (*seed >> 8) as f32 / 16_777_216.0 - 0.5
+            };
+            sd * (0..12).map(|_| even(&mut seed)).sum::<f32>()
+        };
+        (0..120_000).any(|i| {
+            let x = libm::sinf(i as f32 * 0.01);
+            let r = x - x.clamp(-0.5 * width, 0.5 * width);
+            let (x, r) = (x + noise(), r + noise());
+            play.add(x, r, [sd; 2]).is_some()
+        })
+    }
+
+    #[test]
+    fn noise_alone_is_no_play_and_a_wide_one_is_found_in_it() {
+        assert!(!found_in_noise(0.0, 0.004));
+        assert!(found_in_noise(0.06, 0.004));
     }
 }
