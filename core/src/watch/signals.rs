@@ -16,6 +16,8 @@ const LEAK_PERIODS: f32 = 3.0;
 /// What is faster or further than the model by less than this is no limit.
 const SLOWER: f32 = 0.94;
 const SHORTER: f32 = 0.96;
+/// And by this at least, peaks: how the first cycles of a structure fall short of the model is not the end of a stroke.
+const SHORTER_PEAKS: f32 = 0.02;
 
 /// Constants of the signals.
 #[derive(Clone, Debug)]
@@ -178,7 +180,7 @@ impl Signals {
             *most = larger(*most * k.leak, now);
         }
         let [speed, own_speed, far, own_far] = self.most;
-        let stopped = far < SHORTER * own_far;
+        let stopped = far < smaller(SHORTER * own_far, own_far - SHORTER_PEAKS);
         let clipped = larger(smaller(y[1], far), -far);
         Row {
             y: [y[1], v, acceleration],
@@ -192,5 +194,58 @@ impl Signals {
             stop: if stopped { clipped - y[1] } else { 0.0 },
             limits: [speed, far],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::watch::DeclaredActuator;
+
+    /// The largest that the end of a stroke explains of a motion of so many peaks that goes no further than `stroke` peaks.
+    fn stop(peaks: f32, stroke: f32) -> f32 {
+        let declared = Declared {
+            rate_hz: 1000.0,
+            omega_rad_per_s: 6.0,
+            peak_m: 0.05,
+            stiffness_n_per_m: 1e5,
+            stiffness_tolerance: 0.02,
+            actuator: DeclaredActuator {
+                gain: 1.0,
+                delay_s: 0.0,
+                lag_s: 0.0,
+                offset_m: 0.0,
+                tolerances: [0.0; 3],
+            },
+            alone: true,
+            has_actuator: true,
+            has_specimen: true,
+            elastic: true,
+            damping_n_s_per_m: 0.0,
+            mass_kg: 0.0,
+            force_gain: 1.0,
+            force_offset_n: 0.0,
+            noise: [0.0; 2],
+        };
+        let k = Constants::new(&declared, 500.0);
+        let mut signals = Signals::at_rest();
+        let rows = (0..2000_u16).filter_map(|i| {
+            let way = peaks * libm::sinf(6.0 * f32::from(i) / 500.0);
+            let block = Block {
+                command_m: 0.05 * way,
+                displacement_m: 0.05 * way.clamp(-stroke, stroke),
+                ..Block::EMPTY
+            };
+            signals.add(&k, &block)
+        });
+        rows.map(|row| row.stop.abs()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn a_small_motion_that_falls_short_is_no_end_of_a_stroke_and_a_large_one_is() {
+        assert_eq!(stop(0.05, 0.04), 0.0);
+        let half = stop(1.0, 0.5);
+        assert!((half - 0.5).abs() < 0.03, "{half}");
+        assert!(stop(0.1, 0.05) > 0.04);
     }
 }
