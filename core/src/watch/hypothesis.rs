@@ -9,6 +9,9 @@ const BEYOND: [f32; 3] = [2.0, 2.0, 5.0];
 /// Share of the residual that the free fit has to explain.
 const EXPLAINED: f32 = 0.7;
 
+/// Columns of the actuator's regression that are what it cannot go beyond: a speed, a stroke.
+const LIMITS: [usize; 2] = [5, 6];
+
 /// The best single cause of a regression in a window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hypothesis {
@@ -18,6 +21,16 @@ pub(super) struct Hypothesis {
 }
 
 impl Hypothesis {
+    pub(super) fn of(answer: Answer) -> Self {
+        let (column, d) = answer.best();
+        Self { d, column, answer }
+    }
+
+    /// True if it stands out as a doubt, and a limit of the actuator explains it about as well as anything.
+    pub(super) fn is_limit_in_doubt(&self, doubt: f32) -> bool {
+        self.d > doubt && self.set().any(|column| LIMITS.contains(&column))
+    }
+
     /// True if it stands out enough for a name.
     pub(super) fn is_name(&self, regression: usize) -> bool {
         let (theta, sd) = (self.answer.theta[self.column], self.answer.sd[self.column]);
@@ -31,5 +44,23 @@ impl Hypothesis {
         let least = 0.92 * self.d - 6.0;
         let d = self.answer.d;
         (0..d.len()).filter(move |j| d[*j] > 0.0 && d[*j] > least)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_in_doubt_where_it_explains_what_stands_out_about_as_well_as_the_best() {
+        let in_doubt = |gain: f32, stroke: f32| {
+            let mut answer = Answer::default();
+            (answer.d[1], answer.d[6]) = (gain, stroke);
+            Hypothesis::of(answer).is_limit_in_doubt(8.0)
+        };
+        assert!(in_doubt(100.0, 95.0), "gain fits best, a stroke nearly");
+        assert!(in_doubt(0.0, 9.0), "no name yet");
+        assert!(!in_doubt(100.0, 60.0), "a gain and nothing else");
+        assert!(!in_doubt(5.0, 6.0), "nothing stands out");
     }
 }

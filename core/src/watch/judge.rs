@@ -91,6 +91,8 @@ pub(super) struct Judge {
     since_largest: u32,
     limits: [f32; 2],
     speed: f32,
+    /// A limit may explain what stands out between command and displacement.
+    doubts_limit: bool,
     /// Judgements since the set was another one.
     unchanged: u8,
 }
@@ -113,6 +115,7 @@ impl Judge {
             since_largest: 0,
             limits: [0.0; 2],
             speed: 0.0,
+            doubts_limit: false,
             unchanged: 0,
         }
     }
@@ -146,8 +149,12 @@ impl Judge {
         self.findings.iter().filter(move |f| set.has(f.cause))
     }
 
-    /// The one cause that can be corrected of a set that has settled, where it is alone or all of them are the actuator's.
+    /// The one cause that can be corrected of a set that has settled, where it is alone or all of them are the actuator's. None
+    /// while a limit is in doubt: what goes further then only runs into it sooner.
     pub(super) fn settled_to_correct(&self) -> Option<&Finding> {
+        if self.doubts_limit {
+            return None;
+        }
         let settled = || self.settled();
         let mut can_be = settled().filter(|f| f.cause.can_be_corrected());
         let one = can_be.next().filter(|_| can_be.next().is_none())?;
@@ -236,6 +243,8 @@ impl Judge {
             return false;
         }
         let best: [_; 3] = core::array::from_fn(|regression| self.best(regression));
+        let mut windows = self.answers.iter().filter_map(|window| window[ACTUATOR]);
+        self.doubts_limit = windows.any(|a| Hypothesis::of(a).is_limit_in_doubt(DOUBT[ACTUATOR]));
         let doubtful = best
             .iter()
             .zip(DOUBT)
@@ -282,8 +291,7 @@ impl Judge {
             let Some(answer) = self.answers[window][regression] else {
                 continue;
             };
-            let (column, d) = answer.best();
-            let own = Hypothesis { d, column, answer };
+            let own = Hypothesis::of(answer);
             let better = match &best {
                 None => true,
                 // What can be named goes before what only stands out.
