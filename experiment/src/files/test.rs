@@ -513,7 +513,7 @@ mod tests {
                 "loop.rate_hz=fast",
                 &["loop.rate_hz", "\"fast\"", "a number"],
             ),
-            ("loop=5", &["loop", "expected a table"]),
+            ("loop=5", &["loop", "accepted is a table"]),
             (
                 "loop.substeps=1000000",
                 &["substeps", "a whole number to 65535"],
