@@ -3,7 +3,7 @@
 
 use firmware::sim::{Bench, Plant};
 use firmware::station::Heartbeat;
-use link::frame::{Decoder, Frame, FrameKind};
+use link::frame::{Decoder, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::NumberedReply;
 use link::telemetry::STEPS;
@@ -28,6 +28,33 @@ impl<const A: usize> Plant<A> for BlockedRig<A> {
         }
         std::array::from_fn(|a| [reading.displacement_m[a], reading.force_n[a]])
     }
+}
+
+/// A frame as a build of another version of the link sends it.
+pub fn of_version(version: u8, frame: &Frame<'_>) -> Vec<u8> {
+    let [low, high] = frame.sequence.to_le_bytes();
+    let mut plain = vec![version, frame.kind as u8, low, high];
+    plain.extend(frame.body);
+    plain.extend(checksum(plain.iter().copied()).to_le_bytes());
+    let mut wire = vec![0; plain.len() + plain.len() / 254 + 2];
+    let coded = cobs::encode(&plain, &mut wire);
+    wire.truncate(coded);
+    wire.push(0);
+    wire
+}
+
+/// A command as a program of another version of the link sends it, where the command itself is the same in both.
+///
+/// # Panics
+/// No command is too long for it.
+pub fn command_of_version(version: u8, command: &Command) -> Vec<u8> {
+    let body = postcard::to_stdvec(command).expect("a command has bytes");
+    let frame = Frame {
+        kind: FrameKind::Command,
+        sequence: 77,
+        body: &body,
+    };
+    of_version(version, &frame)
 }
 
 /// What happens to a loopback after some steps of it.

@@ -36,7 +36,7 @@ duration_s = 10
 /// Control period, ns.
 pub const PERIOD_NS: u64 = 500_000;
 
-/// No test of these runs so long, s of the board's time.
+/// So long runs a test of these at most, s of the board's time, unless it says otherwise.
 const LONGEST_S: u64 = 20;
 
 /// What the image of these tests has for converters.
@@ -119,6 +119,8 @@ pub struct Bench {
     pub valve_m_per_s: f64,
     /// The actuator whose sensors go wrong, from 0.
     pub actuator: usize,
+    /// When the emulator ends by itself, s of the board's time.
+    pub longest_s: u64,
 }
 
 impl Default for Bench {
@@ -135,6 +137,7 @@ impl Default for Bench {
             sinks_m_per_s: 0.0,
             valve_m_per_s: f64::INFINITY,
             actuator: 0,
+            longest_s: LONGEST_S,
         }
     }
 }
@@ -195,7 +198,7 @@ impl Desk {
             .with_plan(bench.plan.into_iter().chain(bench.then))
             .at_actuator(bench.actuator)
             .mutated(bench.mutant)
-            .until_ns(LONGEST_S * 1_000_000_000);
+            .until_ns(bench.longest_s * 1_000_000_000);
         let log = laboratory.log();
         let theirs = wire.clone();
         let board = std::thread::spawn(move || {

@@ -59,6 +59,7 @@ fn further_inputs_of_a_converter_that_is_started_follow_the_output() {
     }
 }
 
+// proves: obstacle.converters by ADC2_CR2
 #[test]
 fn a_board_whose_further_converter_nothing_starts_cannot_be_armed() {
     let mut desk = Desk::with(Bench {

@@ -42,6 +42,7 @@ fn an_output_converter_that_has_lost_its_supply_for_a_moment_is_not_armed() {
     refuses(InjectedFault::OutputDips, Fault::Output);
 }
 
+// proves: fault.stale_sample, obstacle.fault by StuckData
 #[test]
 fn a_data_line_that_is_dead_or_stuck_gives_no_sample_and_nothing_is_armed() {
     for high in [false, true] {
@@ -83,6 +84,7 @@ fn trips(fault: InjectedFault) -> (Option<Fault>, f64) {
     (trip, (course.permit_low_ns - course.fault_ns) as f64 * 1e-9)
 }
 
+// proves: fault.output by OutputDips
 #[test]
 fn an_output_that_drops_to_ground_in_a_running_test_trips_before_the_rig_is_far() {
     let (reason, after_s) = trips(InjectedFault::OutputDips);
@@ -91,6 +93,7 @@ fn an_output_that_drops_to_ground_in_a_running_test_trips_before_the_rig_is_far(
     assert!(after_s < 4e-3, "{after_s}");
 }
 
+// proves: fault.stale_sample by StuckData
 #[test]
 fn a_data_line_that_dies_in_a_running_test_trips_as_stale() {
     let (reason, after_s) = trips(InjectedFault::StuckData { high: false });

@@ -11,22 +11,20 @@ use experiment::judged::JudgedRun;
 use experiment::summary::TestVerdict;
 use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
-use link::frame::{Frame, FrameKind};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{self, BoardBench, Connection, Operator, Port, Timeouts, Trajectory};
 use plant::Rig;
-use std::io;
 use std::path::Path;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-const QUICK: Timeouts = Timeouts {
+pub const QUICK: Timeouts = Timeouts {
     answer: Duration::from_millis(200),
     stop: Duration::from_millis(40),
     silence: Duration::from_millis(200),
 };
 
-fn test(overrides: &[&str]) -> TestFile {
+pub fn test(overrides: &[&str]) -> TestFile {
     let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
     let text = "[structure]\nmass_kg = 1000\nstiffness_n_per_m = 158e3\ndamping_ratio = 0.02\n\
                 [plant.actuator]\nkind = \"delay\"\ndelay_ms = 4\n[plant.specimen]\nkind = \"linear\"\n\
@@ -34,7 +32,7 @@ fn test(overrides: &[&str]) -> TestFile {
     TestFile::parse(text, "t.toml", Path::new(""), &overrides).unwrap()
 }
 
-fn loopback(t: &TestFile) -> Loopback {
+pub fn loopback(t: &TestFile) -> Loopback {
     let storeys = &t.config.structure.stiffness_n_per_m;
     Loopback::new(Rig::new(&t.plant, storeys, t.config.timing.rate_hz, 1).unwrap())
 }
@@ -51,7 +49,7 @@ fn run_on(t: &TestFile, board: Loopback) -> Result<JudgedRun, Failure> {
     run_over(t, connect(board))
 }
 
-fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<JudgedRun, Failure> {
+pub fn run_over(t: &TestFile, connection: Connection<impl Port>) -> Result<JudgedRun, Failure> {
     run_by(t, connection, Operator::not_asked())
 }
 
@@ -205,66 +203,6 @@ fn a_test_that_the_board_refuses_says_what_it_would_accept() {
             assert!(said.contains(word), "{word} is not in: {said}");
         }
     }
-}
-
-/// A board that sends one frame of another version, over and over, or nothing at all.
-struct Stranger(Vec<u8>);
-
-impl Port for Stranger {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        bytes[..self.0.len()].copy_from_slice(&self.0);
-        Ok(self.0.len())
-    }
-    fn write(&mut self, _: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-#[test]
-fn another_version_and_silence_are_told_apart() {
-    // COBS of version 99, kind 3, number 1, no body, and its check sum.
-    let plain = [99_u8, 3, 1, 2];
-    let mut wire: Vec<u8> = plain.to_vec();
-    wire.extend(link::frame::checksum(plain).to_le_bytes());
-    assert!(
-        !wire.contains(&0),
-        "a check sum without a zero keeps the coding this simple"
-    );
-    wire.insert(0, wire.len() as u8 + 1);
-    wire.push(0);
-    let t = test(&[]);
-    let Err(Failure::Input(said)) = run_over(&t, Connection::new(Stranger(wire), QUICK)) else {
-        panic!("accepted");
-    };
-    assert!(
-        said.contains(&format!(
-            "another version of the link (99, this program {})",
-            link::VERSION
-        )),
-        "{said}"
-    );
-    // A reply of the same version that ends in the middle of what this program knows.
-    let reply = Frame {
-        kind: FrameKind::Reply,
-        sequence: 1,
-        body: &[1, 250],
-    };
-    let wire = reply.encode().unwrap().to_vec();
-    let Err(Failure::Input(said)) = run_over(&t, Connection::new(Stranger(wire), QUICK)) else {
-        panic!("accepted");
-    };
-    assert!(
-        said.contains("something that this program does not know"),
-        "{said}"
-    );
-    let Err(Failure::Test(said)) = run_over(&t, Connection::new(Stranger(Vec::new()), QUICK))
-    else {
-        panic!("accepted");
-    };
-    assert!(
-        said.contains("the board does not answer") || said.contains("nothing came"),
-        "{said}"
-    );
 }
 
 #[test]

@@ -1,0 +1,169 @@
+//! Every event in every mode, asked of the flashed image over its link: what the table of modes says is what it does.
+
+use crate::desk::{Bench, Desk, config};
+use link::Command;
+use link::command::{CommissioningSignal, SignalShape};
+use link::reply::Reply;
+use outerloop_core::{Event, Method, Mode};
+
+/// So slow that a mode which ends by itself is still there after all that is asked of it.
+const SLOW_M_PER_S: f64 = 0.5e-3;
+
+/// So gently that the ramp to hold lasts longer than that.
+const SLOW_M_PER_S2: f64 = 1.0;
+
+/// Whether it ends without an event, and would too soon.
+fn ends_by_itself(mode: Mode) -> bool {
+    matches!(mode, Mode::Approaching | Mode::Returning | Mode::Stopping)
+}
+
+/// A board that is asked for `mode`. One that is to be approaching has sunk some millimetres.
+fn board(mode: Mode) -> Desk {
+    let mut desk = Desk::with(Bench {
+        sinks_m_per_s: if mode == Mode::Approaching { 0.02 } else { 0.0 },
+        longest_s: 90,
+        ..Bench::default()
+    });
+    desk.load();
+    let mut config = config();
+    // With a predictor, which comes back gradually after a hold.
+    config.compensation.kind = Method::Tangent;
+    if ends_by_itself(mode) {
+        config.timing.approach_m_per_s = SLOW_M_PER_S;
+    }
+    if mode == Mode::Stopping {
+        config.timing.hold_deceleration_m_per_s2 = SLOW_M_PER_S2;
+    }
+    desk.order(Command::Configure(config));
+    wait(&mut desk, 300);
+    desk
+}
+
+fn wait(desk: &mut Desk, steps: usize) {
+    for _ in 0..steps {
+        desk.step();
+    }
+}
+
+/// From idle to `mode`, the shortest way.
+fn go(desk: &mut Desk, mode: Mode) {
+    if mode == Mode::Commissioning {
+        let sine = CommissioningSignal {
+            actuator: 0,
+            shape: SignalShape::Sine { frequency_hz: 2.0 },
+            amplitude_m: 0.002,
+            seconds: 3.0,
+        };
+        desk.order(Command::Signal(Some(sine)));
+    }
+    let way: &[Event] = match mode {
+        Mode::Idle => &[],
+        Mode::Approaching | Mode::Armed => &[Event::Arm],
+        Mode::Running | Mode::Commissioning => &[Event::Arm, Event::Start],
+        Mode::Holding => &[Event::Arm, Event::Start, Event::Hold],
+        Mode::Returning | Mode::Resuming => &[Event::Arm, Event::Start, Event::Hold, Event::Start],
+        Mode::Finished => &[Event::Arm, Event::Start, Event::Stop],
+        Mode::Stopping => &[Event::Arm, Event::Start, Event::MinorFault],
+        Mode::Tripped => &[Event::Arm, Event::Fault],
+    };
+    for event in way {
+        match event {
+            Event::Start if mode != Mode::Returning && mode != Mode::Resuming => {
+                desk.until(Mode::Armed);
+                while desk.step().command_m != 0.0 {}
+            }
+            // In full motion: the ramp ends away from the test.
+            Event::Hold | Event::MinorFault => wait(desk, 700),
+            // It stands.
+            Event::Start if desk.status().state == Mode::Holding => {
+                wait(desk, 400);
+            }
+            Event::Start => desk.until(Mode::Armed),
+            Event::Arm | Event::Stop | Event::Finish | Event::Fault | Event::Clear => {}
+        }
+        desk.order(Command::Event(*event));
+    }
+    desk.until(mode);
+}
+
+/// Back to idle from wherever an event has led.
+fn home(desk: &mut Desk) {
+    loop {
+        let event = match desk.status().state {
+            Mode::Idle => return,
+            Mode::Finished | Mode::Tripped => Event::Clear,
+            Mode::Stopping => {
+                desk.step();
+                continue;
+            }
+            Mode::Armed
+            | Mode::Running
+            | Mode::Holding
+            | Mode::Approaching
+            | Mode::Returning
+            | Mode::Resuming
+            | Mode::Commissioning => Event::Stop,
+        };
+        desk.order(Command::Event(event));
+    }
+}
+
+/// The board in `mode` does with `event` what the table says.
+fn holds(desk: &mut Desk, mode: Mode, event: Event) {
+    let reply = desk.ask(Command::Event(event));
+    match (mode.after(event), reply) {
+        (Ok(after), Reply::Done { state, .. }) => {
+            let ended = match after {
+                // Where the rig stands at the start already there is no way to it.
+                Mode::Approaching => Mode::Armed,
+                // What stands has no ramp.
+                Mode::Stopping => Mode::Tripped,
+                other => other,
+            };
+            assert!(
+                state == after || state == ended,
+                "{mode:?} {event:?}: {state:?}"
+            );
+            let status = desk.status();
+            let permits = status.state.permits_motion();
+            assert_eq!(status.permit, permits, "{mode:?} {event:?}");
+        }
+        (
+            Err(_),
+            Reply::Rejected {
+                state, event: told, ..
+            },
+        ) => {
+            assert_eq!((state, told), (mode, Some(event)));
+        }
+        (said, reply) => panic!("{mode:?} {event:?}: {said:?}, and the board says {reply:?}"),
+    }
+}
+
+// proves: mode.*
+#[test]
+fn every_event_in_every_mode_does_on_the_board_what_the_table_says() {
+    for mode in Mode::ALL {
+        let mut desk = board(mode);
+        go(&mut desk, mode);
+        let (leads_on, refused): (Vec<Event>, Vec<Event>) =
+            Event::ALL.into_iter().partition(|e| mode.after(*e).is_ok());
+        for event in refused {
+            holds(&mut desk, mode, event);
+        }
+        for (place, event) in leads_on.into_iter().enumerate() {
+            if place > 0 {
+                if ends_by_itself(mode) {
+                    // The way home would be as slow.
+                    desk = board(mode);
+                } else {
+                    home(&mut desk);
+                    wait(&mut desk, 100);
+                }
+                go(&mut desk, mode);
+            }
+            holds(&mut desk, mode, event);
+        }
+        println!("{mode:?}: {} events", Event::ALL.len());
+    }
+}
