@@ -15,6 +15,9 @@ use crate::structure::{Structure, storey_stiffness};
 use crate::supervise;
 use crate::watch::steps_in_block;
 
+/// The longest ramp after a fault, s.
+const LONGEST_RAMP_S: f64 = 2.0;
+
 /// Everything that the step of a loop with `N` degrees of freedom uses, in f32, worked out once.
 #[derive(Clone, Debug)]
 pub struct Design<const N: usize, R: Rig<N> = DirectRig<N>> {
@@ -54,6 +57,8 @@ pub(crate) struct StepConstants<const N: usize> {
     pub(crate) approach_step_m: f32,
     /// Deceleration of the ramp to hold, m per control step squared.
     pub(crate) deceleration_step_m: f32,
+    /// The longest ramp after a fault, control steps.
+    pub(crate) longest_ramp_steps: f32,
     /// By how much the share of the prediction grows in a control step after a hold.
     pub(crate) resume_step: f32,
     pub(crate) physical: usize,
@@ -155,6 +160,7 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
             approach_step_m: (t.approach_m_per_s * control_step_s) as f32,
             deceleration_step_m: (t.hold_deceleration_m_per_s2 * control_step_s * control_step_s)
                 as f32,
+            longest_ramp_steps: (LONGEST_RAMP_S / control_step_s) as f32,
             // Half a second: a bump of 10 mm becomes 20 mm/s.
             resume_step: (2.0 * control_step_s) as f32,
             physical: structure.physical.min(N),

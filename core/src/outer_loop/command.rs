@@ -210,7 +210,7 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             }
         };
         self.obstacle = finding;
-        let Some((found, after)) =
+        let Some((found, mut after)) =
             finding.and_then(|f| Some((f, self.mode.after(Event::of(f.fault)).ok()?)))
         else {
             return self.send(0, target_m, aim_m, send_m);
@@ -227,6 +227,9 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
             // No limit forbids this command, and the ramp begins at it.
             self.send(0, target_m, aim_m, send_m);
             self.stop_at_command();
+            if !self.stops_soon() {
+                after = Mode::Tripped;
+            }
         }
         self.mode = after;
         self.sent_m

@@ -109,6 +109,14 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         next_m
     }
 
+    /// False where the ramp would take so long that it is no way to end a test: a command that runs away, or one that is no
+    /// number, stops at once.
+    pub(super) fn stops_soon(&self) -> bool {
+        let longest_m = self.design.deceleration_step_m * self.design.longest_ramp_steps;
+        let velocity_m = self.signal.velocity_m();
+        (0..N).all(|j| velocity_m[j].abs() <= longest_m * self.rig.per_metre(j))
+    }
+
     /// A step of the ramp to hold: the velocity of the command goes to zero at the set deceleration.
     fn slow_down(&mut self) -> [f32; N] {
         let step_m = self.design.deceleration_step_m;
