@@ -87,6 +87,7 @@ proptest! {
 }
 
 /// Every exponent, both signs, a few mantissas and every NaN class: the whole range, not a sample of it.
+// proves: fault.non_finite
 #[test]
 fn a_sweep_over_all_exponents() {
     let points = shaking(1.0);

@@ -183,6 +183,7 @@ fn the_way_back_after_a_hold_can_be_held_without_a_jump() {
     }
 }
 
+// proves: fault.force, limit.force_n
 #[test]
 fn the_first_fault_is_latched_with_the_last_steps_and_needs_a_clear() {
     let points = shaking(RECORD_S);
@@ -217,6 +218,7 @@ fn the_first_fault_is_latched_with_the_last_steps_and_needs_a_clear() {
     assert_eq!(outer.trip(), None);
 }
 
+// proves: fault.adc_rail, fault.deadline_missed, fault.link_lost, fault.emergency_stop
 #[test]
 fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
     let points = shaking(RECORD_S);
@@ -247,6 +249,7 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
     }
 }
 
+// proves: fault.stale_sample, limit.stale_steps
 #[test]
 fn a_fault_that_is_no_emergency_ends_on_the_ramp_and_permit_falls_when_the_command_stands() {
     let points = shaking(RECORD_S);
@@ -380,6 +383,7 @@ fn a_stale_sample_slows_the_test_down_and_too_many_trip_it() {
     assert_eq!(outer.trip().map(|t| t.fault), Some(Fault::StaleSample));
 }
 
+// proves: fault.target_late
 #[test]
 fn a_late_target_trips_after_its_time() {
     let points = shaking(RECORD_S);
@@ -400,6 +404,7 @@ fn a_late_target_trips_after_its_time() {
     );
 }
 
+// proves: fault.energy_ratio, limit.energy_warning, limit.energy_trip
 #[test]
 fn the_energy_monitor_warns_and_trips_an_uncompensated_test() {
     let points = shaking(60.0);
@@ -485,6 +490,7 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
 }
 
 /// A servo that goes further than it is sent: the command never leaves the stroke, the actuator does.
+// proves: fault.reading, limit.displacement_m
 #[test]
 fn an_actuator_that_is_read_beyond_the_stroke_trips_in_every_mode_with_permission() {
     let none = GroundMotion::none();

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{Rig, STIFFNESS_N_PER_M, table1};
-use outerloop_core::config::{Compensation, Estimation, Filter, Hydraulic, Secant, Timing};
-use outerloop_core::{Config, Design, Event, GroundMotion, Method, OuterLoop, Sample};
+use outerloop_core::config::{Compensation, Estimation, Filter, Hydraulic, Limits, Secant, Timing};
+use outerloop_core::{Config, Design, Event, Fault, GroundMotion, Method, OuterLoop, Sample};
 
 /// Gives one of the numbers another value.
 type Change<T> = fn(&mut T);
@@ -190,4 +190,85 @@ fn every_number_of_the_pace_acts() {
     for (name, change) in each {
         acts(name, &paced, |config| change(&mut config.timing));
     }
+}
+
+/// The flags of every step of eight seconds in which the transducer stands for a while, and how it ended.
+fn told(config: &Config) -> (Vec<u32>, Option<Fault>) {
+    let ground = common::shaking(8.0);
+    let ground = GroundMotion::new(&ground, 0.01, config.model_step_s()).unwrap();
+    let mut rig = Rig::new(8);
+    let mut outer = common::started(config, &mut rig, &ground);
+    let mut stands = Sample::new([0.0], [0.0]);
+    let flags = (0..16_000).map(|k| {
+        let sample = rig.sample();
+        if !(4000..4060).contains(&k) {
+            stands = sample;
+        }
+        let step = outer.step(&stands, &ground);
+        rig.sent = step.command_m[0];
+        step.record.flags
+    });
+    (flags.collect(), outer.trip().map(|t| t.fault))
+}
+
+/// Those of the board's own, `disagree_m` and `force_stands_m`, are held where they act, in the station.
+// proves: limit.displacement_m, limit.increment_m, limit.velocity_m_per_s, limit.force_n, limit.tracking_m
+// proves: limit.energy_warning, limit.energy_trip, limit.energy_floor_j, limit.stale_steps, limit.frozen_m
+// proves: limit.locked_damping_ratio
+#[test]
+fn every_limit_acts() {
+    let mut before = test(Method::None);
+    before.limits.energy_warning = Some(0.05);
+    let each: [(&str, Change<Limits>, Option<Fault>); 10] = [
+        (
+            "displacement_m",
+            |l| l.displacement_m = Some(0.01),
+            Some(Fault::Displacement),
+        ),
+        (
+            "increment_m",
+            |l| l.increment_m = Some(5e-5),
+            Some(Fault::Increment),
+        ),
+        (
+            "velocity_m_per_s",
+            |l| l.velocity_m_per_s = Some(0.1),
+            Some(Fault::Velocity),
+        ),
+        ("force_n", |l| l.force_n = Some(2000.0), Some(Fault::Force)),
+        (
+            "tracking_m",
+            |l| l.tracking_m = Some(5e-4),
+            Some(Fault::Tracking),
+        ),
+        ("energy_warning", |l| l.energy_warning = Some(0.2), None),
+        (
+            "energy_trip",
+            |l| l.energy_trip = Some(0.1),
+            Some(Fault::EnergyRatio),
+        ),
+        ("energy_floor_j", |l| l.energy_floor_j = Some(1e6), None),
+        (
+            "stale_steps",
+            |l| l.stale_steps = Some(5),
+            Some(Fault::StaleSample),
+        ),
+        ("frozen_m", |l| l.frozen_m = Some(5e-3), None),
+    ];
+    let (flags, ended) = told(&before);
+    assert_eq!(ended, None);
+    for (name, change, trips) in each {
+        let mut after = before.clone();
+        change(&mut after.limits);
+        let (other, ended) = told(&after);
+        assert_eq!(ended, trips, "{name}");
+        assert!(flags != other, "{name} changes nothing");
+    }
+    let mut damped = test(Method::Paper);
+    let (free, _) = told(&damped);
+    damped.limits.locked_damping_ratio = Some(0.01);
+    assert!(
+        free != told(&damped).0,
+        "locked_damping_ratio changes nothing"
+    );
 }

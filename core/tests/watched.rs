@@ -69,6 +69,7 @@ fn the_watch_changes_the_loop_at_the_same_step_however_soon_its_thread_is_done()
     assert!(flags & (flag::WATCH_LATE | flag::ADJUSTED) == flag::WATCH_LATE);
 }
 
+// proves: fault.watch by orders.alarm
 #[test]
 fn the_watch_stops_a_test() {
     let points = shaking(RECORD_S);

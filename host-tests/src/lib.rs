@@ -8,6 +8,7 @@ pub mod exam;
 pub mod foresight;
 pub mod loopback;
 pub mod outside;
+pub mod proof;
 pub mod qemu;
 pub mod simulated;
 pub mod surveys;

@@ -243,6 +243,8 @@ mod tests {
         first
     }
 
+    // proves: fault.displacement, fault.velocity, fault.increment, fault.force, fault.tracking, fault.reading
+    // proves: fault.energy_ratio, fault.stale_sample, fault.target_late
     #[test]
     fn each_limit_acts_above_and_not_at_its_value() {
         assert_eq!(found(|_, _| ()), None);
@@ -276,6 +278,7 @@ mod tests {
         assert!((velocity.value - 3.0).abs() < 1e-5 && (velocity.limit - 2.0).abs() < 1e-5);
     }
 
+    // proves: fault.non_finite
     #[test]
     fn a_nan_or_an_infinity_is_the_first_fault() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {

@@ -258,6 +258,7 @@ mod tests {
         Commissioning  .            .          Finished  Finished  Finished  Tripped  .      Stopping
         Stopping       .            .          .         .         .         Tripped  .      .";
 
+    // proves: mode.*
     #[test]
     fn every_pair_of_mode_and_event_does_what_the_table_says() {
         extern crate std;

@@ -51,7 +51,31 @@ impl<P: Plant<A>, const A: usize> Bench<P, A> {
 
 impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     /// Of the board `hardware`; until it is calibrated it goes by `placeholder`.
-    pub fn of(mut hardware: H, name: &'static str, placeholder: Calibration) -> Self {
+    pub fn of(hardware: H, name: &'static str, placeholder: Calibration) -> Self {
+        Self::started(hardware, Self::well(name), placeholder)
+    }
+
+    /// A board whose start has found nothing wrong.
+    pub fn well(name: &'static str) -> Board {
+        Board {
+            name,
+            commit: "none",
+            clock: CLOCK,
+            now: || 0,
+            codes: H::CODES,
+            actuators: A,
+            inputs: H::INPUTS,
+            input_span_v: H::INPUT_SPAN_V,
+            output_delay_us: 40.0,
+            crystal_ok: true,
+            converters_ok: true,
+            started: StartCause::Power,
+            last_crash: None,
+        }
+    }
+
+    /// As [`of`](Self::of), with what the board has found at its start.
+    pub fn started(mut hardware: H, board: Board, placeholder: Calibration) -> Self {
         let (orders, orders_out) = leak(Queue::<Order, 4>::new()).split();
         let (outcomes_in, outcomes) = leak(Queue::<Outcome, 4>::new()).split();
         let (reports_in, reports) = leak(Queue::<Report, 256>::new()).split();
@@ -69,21 +93,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
         Self {
             station: Station::new(first, [placeholder; A], codes, heartbeats, ends, 2),
             service: Service::new(
-                Board {
-                    name,
-                    commit: "none",
-                    clock: CLOCK,
-                    now: || 0,
-                    codes: H::CODES,
-                    actuators: A,
-                    inputs: H::INPUTS,
-                    input_span_v: H::INPUT_SPAN_V,
-                    output_delay_us: 40.0,
-                    crystal_ok: true,
-                    converters_ok: true,
-                    started: StartCause::Power,
-                    last_crash: None,
-                },
+                board,
                 Parts {
                     orders,
                     spare: setup(),

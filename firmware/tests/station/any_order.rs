@@ -71,6 +71,7 @@ fn calm(b: &mut Bench) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
+    // proves: command.points, command.motion
     #[test]
     fn a_test_can_always_be_loaded_and_started(commands in proptest::collection::vec((command(), 0_usize..30), 0..40)) {
         let mut b = bench();

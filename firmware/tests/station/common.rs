@@ -1,7 +1,7 @@
 //! The simulated board with a spring behind it, and a PC that asks.
 
 use firmware::sim::{self, CODES, Plant};
-use firmware::station::Report;
+use firmware::station::{Board, Report};
 use link::Calibration;
 use link::command::Command;
 use link::frame::{DecoderCounts, checksum};
@@ -48,8 +48,14 @@ impl DerefMut for Bench {
 
 /// Power on, and nobody has calibrated it.
 pub fn fresh() -> Bench {
+    started(sim::Bench::<Spring>::well("sim"))
+}
+
+/// As [`fresh`], with what the board has found at its start.
+pub fn started(found: Board) -> Bench {
+    let hardware = sim::Faulty::new(sim::SimBoard::new(Spring { position_m: 0.003 }));
     Bench {
-        board: sim::Bench::new(Spring { position_m: 0.003 }),
+        board: sim::Bench::started(hardware, found, Calibration::placeholder(&CODES)),
         log: Vec::new(),
         request: 0,
     }

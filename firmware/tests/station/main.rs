@@ -6,9 +6,9 @@ mod common;
 mod served;
 mod single_faults;
 
-use common::{Bench, bench, config, fresh, pulse};
-use firmware::sim::CODES;
-use firmware::station::Heartbeat;
+use common::{Bench, Spring, bench, config, fresh, pulse, started};
+use firmware::sim::{self, CODES};
+use firmware::station::{Board, Heartbeat};
 use link::Calibration;
 use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
@@ -88,6 +88,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
     assert_eq!(outer.state(), Mode::Idle);
 }
 
+// proves: command.event, obstacle.fault, obstacle.not_configured, obstacle.nothing_to_run by stop_pressed
 #[test]
 fn arming_needs_a_test_and_something_to_run() {
     let mut b = bench();
@@ -105,6 +106,7 @@ fn arming_needs_a_test_and_something_to_run() {
     done(&b.event(Event::Arm));
 }
 
+// proves: command.configure, command.calibrate, command.save, command.signal, command.motion, command.zero
 #[test]
 fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     let mut b = bench();
@@ -146,6 +148,7 @@ fn what_changes_the_test_is_refused_while_it_runs_and_nothing_is_lost() {
     done(&b.event(Event::Arm));
 }
 
+// proves: command.configure
 #[test]
 fn a_refused_configuration_says_what_and_changes_nothing() {
     let mut b = bench();
@@ -212,6 +215,8 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
     assert_eq!(words.len(), outerloop_core::Record::<1>::WORDS);
 }
 
+// proves: fault.emergency_stop, fault.adc_rail, fault.stale_sample, fault.deadline_missed, fault.permit_chain, fault.link_lost
+// proves: command.status, command.history
 #[test]
 fn every_fault_drops_the_permission_and_holds_the_converter() {
     trips(Fault::EmergencyStop, 1, |b| {
@@ -240,6 +245,7 @@ fn every_fault_drops_the_permission_and_holds_the_converter() {
     trips(Fault::LinkLost, 1200, |b| b.alive[2] = Heartbeat::Listen);
 }
 
+// proves: fault.starved
 #[test]
 fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
     trips(Fault::Starved, 202, |b| b.alive[0] = Heartbeat::Pc);
@@ -260,6 +266,7 @@ fn a_starved_task_trips_the_test_and_the_watchdog_is_not_fed_any_more() {
     assert_eq!(b.hardware.board.starving, Some(Heartbeat::Report));
 }
 
+// proves: command.zero, command.identify
 #[test]
 fn zeroing_moves_the_zero_and_not_the_scale() {
     let mut b = bench();
@@ -307,6 +314,7 @@ fn commissioned_for_three_seconds(b: &mut Bench) {
     assert!((5998..=6003).contains(&steps), "{steps}");
 }
 
+// proves: command.signal
 #[test]
 fn a_commissioning_signal_runs_and_ends_by_itself() {
     let mut b = bench();
@@ -366,6 +374,7 @@ fn points_that_were_sent_are_played_once_named_so_and_are_no_ground_motion_after
     assert!(matches!(reply, Reply::Rejected { .. }), "{reply:?}");
 }
 
+// proves: limit.displacement_m, limit.velocity_m_per_s, limit.force_n, limit.tracking_m, limit.stale_steps
 #[test]
 fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the_limits_name() {
     let mut b = bench();
@@ -399,6 +408,7 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
     assert_eq!(b.board.state(), Mode::Idle);
 }
 
+// proves: obstacle.not_calibrated, command.calibrate
 #[test]
 fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
     let mut b = fresh();
@@ -424,6 +434,7 @@ fn a_board_that_nobody_has_calibrated_is_not_armed_and_says_so() {
     done(&b.event(Event::Arm));
 }
 
+// proves: command.save
 #[test]
 fn a_calibration_is_saved_without_a_test_and_a_test_beside_it() {
     let mut b = fresh();
@@ -462,6 +473,7 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     }
 }
 
+// proves: fault.permit_chain, obstacle.fault by chain
 #[test]
 fn a_welded_contact_stands_against_arming() {
     let mut b = bench();
@@ -475,4 +487,27 @@ fn a_welded_contact_stands_against_arming() {
         obstacle(b.event(Event::Arm)),
         Some(Obstacle::Fault(Fault::PermitChain))
     );
+}
+
+// proves: obstacle.crystal, obstacle.converters by crystal_ok, converters_ok
+#[test]
+fn what_the_start_has_found_wrong_stands_against_arming() {
+    let cases: [(fn(&mut Board), Option<Obstacle>); 3] = [
+        (|_| (), None),
+        (|b| b.crystal_ok = false, Some(Obstacle::Crystal)),
+        (|b| b.converters_ok = false, Some(Obstacle::Converters)),
+    ];
+    for (wrong, against) in cases {
+        let mut found = sim::Bench::<Spring>::well("sim");
+        wrong(&mut found);
+        let mut b = started(found);
+        done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
+        done(&b.ask(Command::Configure(config())));
+        b.upload(&pulse(), 0.01);
+        let reply = b.event(Event::Arm);
+        match against {
+            None => assert!(done(&reply) > 0),
+            Some(_) => assert_eq!(obstacle(reply), against),
+        }
+    }
 }

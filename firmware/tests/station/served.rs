@@ -75,6 +75,7 @@ fn again(
     answers
 }
 
+// proves: command.target
 #[test]
 fn continuous_targets_are_passed_and_answered_and_every_step_is_worked_out_again_bit_for_bit() {
     let config = continuous();
@@ -136,6 +137,7 @@ fn a_target_of_stop_and_go_is_gone_to_at_the_speed_of_the_approach_and_stood_at(
     again(&b, &config, Pace::StopAndGo, since, &told);
 }
 
+// proves: command.pace, command.target, obstacle.nothing_to_run
 #[test]
 fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     let (mut b, ..) = armed(config(), Pace::StopAndGo);

@@ -20,6 +20,7 @@ fn loaded(config: Config, harm: impl FnOnce(&mut Bench)) -> Bench {
     b
 }
 
+// proves: fault.output, obstacle.fault by output_lost
 #[test]
 fn a_converter_that_lost_its_set_up_stands_against_arming_even_a_step_before() {
     let output = Some(Obstacle::Fault(Fault::Output));
@@ -30,6 +31,7 @@ fn a_converter_that_lost_its_set_up_stands_against_arming_even_a_step_before() {
     assert_eq!(obstacle(b.event(Event::Arm)), output, "asked inside Arm");
 }
 
+// proves: fault.output by dead_output
 #[test]
 fn a_command_that_reads_back_differently_stands_against_arming_and_trips() {
     let dead = |b: &mut Bench| {
@@ -44,6 +46,7 @@ fn a_command_that_reads_back_differently_stands_against_arming_and_trips() {
     });
 }
 
+// proves: fault.disagree, limit.disagree_m by second_displacement_off
 #[test]
 fn two_displacements_that_disagree_stand_against_arming_and_trip() {
     let mut limited = config();
@@ -56,6 +59,7 @@ fn two_displacements_that_disagree_stand_against_arming_and_trip() {
     done(&b.event(Event::Arm));
 }
 
+// proves: fault.force_stands, limit.force_stands_m by dead_force
 #[test]
 fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
     // Without that limit the motion goes on to the end of its stroke.
@@ -84,6 +88,7 @@ fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
     }
 }
 
+// proves: fault.stale_sample
 #[test]
 fn a_dead_transducer_with_the_noise_of_its_converter_trips() {
     let mut b = bench();

@@ -5,7 +5,9 @@ use host_tests::qemu::image::image;
 use host_tests::qemu::machine::{Clock, Test};
 use host_tests::{Scenario, table1};
 use outerloop_core::config::{ActuatorTimes, Filter};
-use outerloop_core::{Config, Event, Fault, Mode};
+use outerloop_core::{Config, Event, Fault, Method, Mode};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 
 /// The whole pipeline at work: noise, the two-stage filter, Eq 20, every interlock.
 fn noisy(mut scenario: Scenario) -> Scenario {
@@ -87,6 +89,80 @@ fn one_degree_of_freedom() {
     if let Some(states) = same::<1>(&scenario, 12_000, &busy) {
         assert_eq!(states, STATES.map(|s| s as u32));
     }
+}
+
+/// Events are drawn in every mode that a session comes to, and faults of the board between them.
+// proves: mode.idle.*, mode.armed.*, mode.running.*, mode.holding.*, mode.finished.*, mode.tripped.*, mode.approaching.*
+// proves: mode.stopping.*
+// proves: fault.adc_rail, fault.emergency_stop, fault.deadline_missed, fault.link_lost, fault.disagree
+// proves: fault.force_stands
+#[test]
+fn every_event_in_every_mode_and_every_fault_of_a_board() {
+    const BOARDS: [Fault; 8] = [
+        Fault::AdcRail,
+        Fault::EmergencyStop,
+        Fault::DeadlineMissed,
+        Fault::LinkLost,
+        Fault::PermitChain,
+        Fault::Output,
+        Fault::Disagree,
+        Fault::ForceStands,
+    ];
+    let mut scenario = noisy(Scenario::delayed(table1(), 4.0));
+    // It comes back gradually after a hold, and slowly.
+    scenario.config.compensation.kind = Method::Tangent;
+    scenario.config.timing.approach_m_per_s = 0.01;
+    let seen = RefCell::new((BTreeSet::new(), BTreeSet::new()));
+    let random = |tick: u32, mode: Mode| {
+        let draw = (tick.wrapping_add(1).wrapping_mul(0x9e37_79b9) ^ (tick << 7))
+            .wrapping_mul(0x85eb_ca6b)
+            >> 8;
+        let event = Event::ALL[draw as usize % Event::ALL.len()];
+        // What leads out of a test comes more rarely than what leads on; what lasts some steps only is asked more often.
+        let out = matches!(
+            event,
+            Event::Stop | Event::Finish | Event::Fault | Event::MinorFault
+        );
+        let one_in = match mode {
+            Mode::Stopping => 5,
+            Mode::Resuming => 11,
+            Mode::Returning => 23,
+            Mode::Armed if out => 101,
+            Mode::Approaching | Mode::Running | Mode::Holding if out => 331,
+            _ => 41,
+        };
+        let asked = draw / 7 % one_in == 0;
+        let fault = (draw % 997 == 3).then(|| BOARDS[draw as usize / 997 % BOARDS.len()]);
+        let mut seen = seen.borrow_mut();
+        if asked {
+            seen.0.insert((mode as u8, event as u8));
+        }
+        if let Some(fault) = fault.filter(|_| mode == Mode::Running) {
+            seen.1.insert(fault.code());
+        }
+        (asked.then_some(event), fault)
+    };
+    if same::<1>(&scenario, 120_000, &random).is_none() {
+        return;
+    }
+    let (pairs, faults) = seen.into_inner();
+    // Some pairs of these come too rarely to be drawn.
+    let short = [Mode::Commissioning, Mode::Returning, Mode::Resuming];
+    let missing = Mode::ALL
+        .into_iter()
+        .filter(|mode| !short.contains(mode))
+        .flat_map(|mode| Event::ALL.map(|event| (mode, event)))
+        .filter(|(mode, event)| !pairs.contains(&(*mode as u8, *event as u8)));
+    assert_eq!(missing.collect::<Vec<_>>(), []);
+    // The other two are drawn in other modes only.
+    let running = BOARDS
+        .iter()
+        .filter(|f| !matches!(f, Fault::PermitChain | Fault::Output));
+    assert_eq!(
+        faults,
+        running.map(|f| f.code()).collect(),
+        "in a running test"
+    );
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod methods;
 mod noise;
 mod other_versions;
 mod paper_figures;
+mod proof_table;
 mod recipes;
 mod rths_baseline;
 mod stability;

@@ -1,0 +1,245 @@
+//! What the tests of this repository claim to prove: the lines `// proves:` above them.
+//!
+//! A claim is a list of ids; `by` names what is made to fail, as the file has it. An asterisk at the end of an id is all
+//! that begin so, for tests that go over the code's own list.
+
+use super::ids::Id;
+use std::path::{Path, PathBuf};
+
+/// Where a test runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// On this machine.
+    Host,
+    /// `core` and `link` as the image for QEMU.
+    Qemu,
+    /// The flashed image on the emulated board.
+    Image,
+}
+
+impl Place {
+    /// Every place.
+    pub const ALL: [Self; 3] = [Self::Host, Self::Qemu, Self::Image];
+
+    /// The letter before a test's number.
+    pub const fn letter(self) -> char {
+        match self {
+            Self::Host => 'H',
+            Self::Qemu => 'Q',
+            Self::Image => 'I',
+        }
+    }
+
+    fn of(file: &str) -> Self {
+        if file.starts_with("emu/tests/") {
+            Self::Image
+        } else if file.starts_with("host-tests/tests/qemu/") {
+            Self::Qemu
+        } else {
+            Self::Host
+        }
+    }
+}
+
+/// A test that claims something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Claim {
+    /// Its file, from the top of the repository.
+    pub file: String,
+    /// Its name.
+    pub test: String,
+    /// Where it runs.
+    pub place: Place,
+    /// It waits for `scripts/nightly`.
+    pub nightly: bool,
+    /// The ids.
+    pub ids: Vec<String>,
+    /// What is made to fail.
+    pub by: Vec<String>,
+}
+
+/// The line's beginning.
+const MARK: &str = "// proves: ";
+
+/// The claims of all tests below `top`, by file and place in it.
+///
+/// # Errors
+/// Claims that say what is not so, a sentence each.
+pub fn all(top: &Path, ids: &[Id]) -> Result<Vec<Claim>, Vec<String>> {
+    let (mut claims, mut wrong) = (Vec::new(), Vec::new());
+    for path in rust_files(top) {
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            continue;
+        };
+        let file = path.strip_prefix(top).unwrap_or(&path);
+        let file = file.to_string_lossy().replace('\\', "/");
+        // Its own examples are none.
+        if !file.starts_with("host-tests/src/proof/") {
+            of_a_file(&file, &text, ids, &mut claims, &mut wrong);
+        }
+    }
+    if wrong.is_empty() {
+        Ok(claims)
+    } else {
+        Err(wrong)
+    }
+}
+
+fn of_a_file(file: &str, text: &str, ids: &[Id], claims: &mut Vec<Claim>, wrong: &mut Vec<String>) {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let code: String = lines
+        .iter()
+        .filter(|l| !l.starts_with(MARK))
+        .flat_map(|l| [*l, "\n"])
+        .collect();
+    for (at, line) in lines.iter().enumerate() {
+        let Some(said) = line.strip_prefix(MARK) else {
+            continue;
+        };
+        let mut fail = |what: String| wrong.push(format!("{file}:{}: {what}", at + 1));
+        let below = lines[at + 1..].iter();
+        let head: Vec<&&str> = below
+            .take_while(|l| l.starts_with("#[") || l.starts_with("//"))
+            .collect();
+        let name = lines.get(at + 1 + head.len());
+        let name = name.and_then(|l| l.strip_prefix("fn ")?.split('(').next());
+        let (Some(name), true) = (name, head.iter().any(|l| **l == "#[test]")) else {
+            fail("no test stands below what is claimed".into());
+            continue;
+        };
+        let (said, by) = said.split_once(" by ").unwrap_or((said, ""));
+        let by: Vec<String> = list(by).map(str::to_owned).collect();
+        for named in by.iter().filter(|b| !code.contains(b.as_str())) {
+            fail(format!("there is no {named} in this file"));
+        }
+        let mut claimed = Vec::new();
+        for id in list(said) {
+            match expand(id, &code, ids) {
+                Ok(expanded) => claimed.extend(expanded),
+                Err(what) => fail(what),
+            }
+        }
+        let nightly = head.iter().any(|l| l.starts_with("#[ignore"));
+        match claims.last_mut() {
+            // Its claim goes over several lines.
+            Some(last) if last.file == file && last.test == name => {
+                last.ids.extend(claimed);
+                last.by.extend(by);
+            }
+            _ => claims.push(Claim {
+                file: file.to_owned(),
+                test: name.to_owned(),
+                place: Place::of(file),
+                nightly,
+                ids: claimed,
+                by,
+            }),
+        }
+    }
+}
+
+fn list(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(str::trim).filter(|w| !w.is_empty())
+}
+
+/// The ids that are meant; the file has to have what they are called in the code.
+fn expand(claimed: &str, code: &str, ids: &[Id]) -> Result<Vec<String>, String> {
+    let begin = claimed.strip_suffix('*');
+    let meant: Vec<&Id> = ids
+        .iter()
+        .filter(|id| begin.map_or(id.name == claimed, |b| id.name.starts_with(b)))
+        .collect();
+    if meant.is_empty() {
+        return Err(format!("{claimed} is no id of the code"));
+    }
+    if begin.is_some() && !code.contains("::ALL") {
+        return Err(format!(
+            "{claimed} is claimed, and no list ALL is gone over"
+        ));
+    }
+    for id in &meant {
+        let missing = id.words.iter().find(|w| !code.contains(w.as_str()));
+        if let (Some(word), None) = (missing, begin) {
+            return Err(format!("{claimed} is claimed, and {word} is not here"));
+        }
+    }
+    Ok(meant.into_iter().map(|id| id.name.clone()).collect())
+}
+
+/// Sources and tests of the crates, sorted.
+fn rust_files(top: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders: Vec<PathBuf> = entries(top)
+        .into_iter()
+        .filter(|path| path.join("Cargo.toml").is_file())
+        .flat_map(|path| [path.join("src"), path.join("tests")])
+        .collect();
+    while let Some(folder) = folders.pop() {
+        for path in entries(&folder) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+/// Those that can be read; a folder that is not there has none.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let read = folder.read_dir().into_iter().flatten();
+    read.filter_map(|entry| Some(entry.ok()?.path())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proof::ids;
+
+    fn read(text: &str) -> (Vec<Claim>, Vec<String>) {
+        let (mut claims, mut wrong) = (Vec::new(), Vec::new());
+        let file = "emu/tests/rig/x.rs";
+        of_a_file(file, text, &ids::all(), &mut claims, &mut wrong);
+        (claims, wrong)
+    }
+
+    #[test]
+    fn a_claim_is_of_the_test_below_it() {
+        let text = "// proves: fault.force, limit.force_n by Burst\n#[test]\n#[ignore = \"long\"]\nfn one() {\n    \
+            Fault::Force; limits.force_n; Burst\n}";
+        let (claims, wrong) = read(text);
+        assert_eq!(wrong, [""; 0]);
+        assert_eq!(claims.len(), 1);
+        assert_eq!((claims[0].place, claims[0].nightly), (Place::Image, true));
+        assert_eq!(claims[0].ids, ["fault.force", "limit.force_n"]);
+        assert_eq!(
+            (claims[0].test.as_str(), &*claims[0].by),
+            ("one", &["Burst".into()][..])
+        );
+    }
+
+    #[test]
+    fn a_claim_that_says_what_is_not_so_is_refused() {
+        for (text, said) in [
+            ("// proves: fault.force\nfn helper() {}", "no test"),
+            (
+                "// proves: fault.wind\n#[test]\nfn one() {}",
+                "no id of the code",
+            ),
+            (
+                "// proves: fault.force\n#[test]\nfn one() {}",
+                "Fault::Force is not here",
+            ),
+            ("// proves: fault.*\n#[test]\nfn one() {}", "no list ALL"),
+            (
+                "// proves: fault.force by Burst\n#[test]\nfn one() { Fault::Force; }",
+                "no Burst in this file",
+            ),
+        ] {
+            let (_, wrong) = read(text);
+            assert!(wrong.iter().any(|w| w.contains(said)), "{text}: {wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The page docs/proof-table.md, and what is missing in it.
+
+use super::claims::{self, Claim, Place};
+use super::ids::{self, Id, Kind};
+use super::mutants::{self, Mutant};
+use super::top;
+use outerloop_core::{Event, Mode};
+use std::fmt::Write;
+
+/// Pairs of mode and event that are proved on this machine and on the image, at least, of a hundred.
+pub const PAIRS_PERCENT: usize = 95;
+
+/// Everything that the table is made of.
+#[derive(Clone, Debug)]
+pub struct Proofs {
+    ids: Vec<Id>,
+    claims: Vec<Claim>,
+    mutants: Vec<Mutant>,
+}
+
+impl Proofs {
+    /// As the repository has them.
+    ///
+    /// # Errors
+    /// Claims and mutants that say what is not so, a sentence each.
+    pub fn read() -> Result<Self, Vec<String>> {
+        let (top, ids) = (top(), ids::all());
+        let claims = claims::all(&top, &ids)?;
+        let mutants = mutants::all(&top).map_err(|e| vec![e])?;
+        let misfits = mutants::misfits(&top, &mutants, &claims);
+        if !misfits.is_empty() {
+            return Err(misfits);
+        }
+        Ok(Self {
+            ids,
+            claims,
+            mutants,
+        })
+    }
+
+    fn proved(&self, id: &str, place: Place) -> bool {
+        let mut there = self.claims.iter().filter(|c| c.place == place);
+        there.any(|c| c.ids.iter().any(|i| i == id))
+    }
+
+    /// What the targets ask for and is not there, a sentence each.
+    pub fn gaps(&self) -> Vec<String> {
+        let mut gaps = Vec::new();
+        for id in self.ids.iter().filter(|id| id.kind != Kind::Mode) {
+            for place in [Place::Host, Place::Image] {
+                if !self.proved(&id.name, place) && exempt(id, place).is_none() {
+                    gaps.push(format!("{}: no test ({place:?})", id.name));
+                }
+            }
+            if self.spoilt(&id.name).is_empty() {
+                gaps.push(format!("{}: no mutant and nothing made to fail", id.name));
+            }
+        }
+        let pairs = self.ids.iter().filter(|id| id.kind == Kind::Mode).count();
+        for place in [Place::Host, Place::Image] {
+            let proved = self.pairs(place);
+            if proved * 100 < pairs * PAIRS_PERCENT {
+                gaps.push(format!(
+                    "{proved} of {pairs} pairs of mode and event ({place:?})"
+                ));
+            }
+        }
+        gaps
+    }
+
+    fn pairs(&self, place: Place) -> usize {
+        let modes = self.ids.iter().filter(|id| id.kind == Kind::Mode);
+        modes.filter(|id| self.proved(&id.name, place)).count()
+    }
+
+    /// Mutants by number, and what tests make to fail.
+    fn spoilt(&self, id: &str) -> String {
+        let mutants = self.mutants.iter().enumerate();
+        let mutants = mutants.filter(|(_, m)| m.ids.iter().any(|i| i == id));
+        let mut names: Vec<String> = mutants.map(|(at, _)| format!("M{}", at + 1)).collect();
+        for claim in self.claims.iter().filter(|c| c.ids.iter().any(|i| i == id)) {
+            for by in &claim.by {
+                let by = format!("`{by}`");
+                if !names.contains(&by) {
+                    names.push(by);
+                }
+            }
+        }
+        names.join(", ")
+    }
+
+    /// Numbers of the tests of an id in a place.
+    fn tests(&self, id: &str, place: Place) -> String {
+        let here = self.claims.iter().filter(|c| c.place == place);
+        let numbers: Vec<String> = here
+            .enumerate()
+            .filter(|(_, c)| c.ids.iter().any(|i| i == id))
+            .map(|(at, _)| format!("{}{}", place.letter(), at + 1))
+            .collect();
+        numbers.join(", ")
+    }
+
+    /// The page.
+    pub fn page(&self) -> String {
+        let mut page = String::from(HEAD);
+        for kind in Kind::ALL.into_iter().filter(|k| *k != Kind::Mode) {
+            self.rows(&mut page, kind);
+        }
+        self.matrix(&mut page);
+        self.tests_by_number(&mut page);
+        self.mutants_by_number(&mut page);
+        page
+    }
+
+    fn rows(&self, page: &mut String, kind: Kind) {
+        let title = match kind {
+            Kind::Command => "Commands",
+            Kind::Fault => "Faults",
+            Kind::Obstacle => "What stands against arming",
+            Kind::Limit => "Limits",
+            Kind::Mode => "Modes and events",
+        };
+        let _ = write!(
+            page,
+            "\n## {title}\n\n| id | host | QEMU | image | seen by |\n|---|---|---|---|---|\n"
+        );
+        for id in self.ids.iter().filter(|id| id.kind == kind) {
+            let [host, qemu, image] = Place::ALL.map(|place| {
+                let tests = self.tests(&id.name, place);
+                match exempt(id, place) {
+                    Some(why) if tests.is_empty() => why.into(),
+                    _ => tests,
+                }
+            });
+            let (name, spoilt) = (&id.name, self.spoilt(&id.name));
+            let _ = writeln!(page, "| `{name}` | {host} | {qemu} | {image} | {spoilt} |");
+        }
+    }
+
+    /// What follows on each event in each mode, and where that is proved.
+    fn matrix(&self, page: &mut String) {
+        let pairs = Mode::ALL.len() * Event::ALL.len();
+        let [host, qemu, image] = Place::ALL.map(|place| self.pairs(place));
+        let _ = write!(
+            page,
+            "\n## Modes and events\n\nThe mode after each event, a dot where it is refused, and the places in which a test holds \
+             it (H host, Q QEMU, I image).\nOf {pairs} pairs {host} are held on the host, {qemu} in QEMU, {image} on the image.\n\n| mode |"
+        );
+        for event in Event::ALL {
+            let _ = write!(page, " {event:?} |");
+        }
+        let _ = writeln!(page, "\n|{}", "---|".repeat(Event::ALL.len() + 1));
+        for mode in Mode::ALL {
+            let _ = write!(page, "| {mode:?} |");
+            for event in Event::ALL {
+                let after = mode.after(event);
+                let after = after.map_or(".".into(), |m| format!("{m:?}"));
+                let id = ids::pair(mode, event);
+                let places = Place::ALL.into_iter().filter(|p| self.proved(&id, *p));
+                let letters: String = places.map(Place::letter).collect();
+                let _ = write!(page, " {after} {letters} |");
+            }
+            page.push('\n');
+        }
+        page.push_str("\nTests of them: ");
+        let tests: Vec<String> = Place::ALL
+            .into_iter()
+            .flat_map(|place| {
+                let here = self.claims.iter().filter(move |c| c.place == place);
+                let with = |c: &Claim| c.ids.iter().any(|i| i.starts_with("mode."));
+                here.enumerate()
+                    .filter(move |(_, c)| with(c))
+                    .map(move |(at, _)| format!("{}{}", place.letter(), at + 1))
+            })
+            .collect();
+        let mutants: Vec<String> = self
+            .mutants
+            .iter()
+            .enumerate()
+            .filter(|(_, m)| m.ids.iter().any(|i| i.starts_with("mode.")))
+            .map(|(at, _)| format!("M{}", at + 1))
+            .collect();
+        let _ = writeln!(
+            page,
+            "{}; seen by {}.",
+            tests.join(", "),
+            mutants.join(", ")
+        );
+    }
+
+    fn tests_by_number(&self, page: &mut String) {
+        page.push_str("\n## Tests\n\n| | test | file |\n|---|---|---|\n");
+        for place in Place::ALL {
+            let here = self.claims.iter().filter(|c| c.place == place);
+            for (at, claim) in here.enumerate() {
+                let nightly = if claim.nightly { ", nightly" } else { "" };
+                let _ = writeln!(
+                    page,
+                    "| {}{} | `{}`{nightly} | {} |",
+                    place.letter(),
+                    at + 1,
+                    claim.test,
+                    claim.file
+                );
+            }
+        }
+    }
+
+    fn mutants_by_number(&self, page: &mut String) {
+        page.push_str("\n## Mutants\n\n| | what is wrong | in | seen by |\n|---|---|---|---|\n");
+        for (at, mutant) in self.mutants.iter().enumerate() {
+            let Mutant {
+                name, file, test, ..
+            } = mutant;
+            let _ = writeln!(page, "| M{} | {name} | {file} | `{test}` |", at + 1);
+        }
+    }
+}
+
+/// Why an id needs no test in a place.
+fn exempt(id: &Id, place: Place) -> Option<&'static str> {
+    if place != Place::Image {
+        return None;
+    }
+    match id.name.as_str() {
+        "limit.energy_warning" | "limit.locked_damping_ratio" => Some("only tells"),
+        "limit.energy_floor_j" => Some("part of another"),
+        "fault.watch" => Some("only on a simulated rig"),
+        "fault.non_finite" => Some("out of reach"),
+        _ => None,
+    }
+}
+
+const HEAD: &str = "# Proof table
+
+What the board can be asked, what trips a test, what stands against arming, every limit, every event in every mode: which test
+holds it on this machine, in QEMU and on the flashed image, and what was made wrong to see that the test sees it: a mutant of the
+code (M), or what the test itself makes to fail. Printed from the code's own lists and the claims above the tests, by
+
+```sh
+cargo run -p host-tests --bin proof-table -- --markdown
+```
+
+A test of the scenarios holds that this page is what is printed and that nothing is missing: every id but the pairs has a
+test on the host and on the image, and something that was made to fail; 95 of 100 pairs of mode and event have a test on both.
+What has a reason in place of a test: a limit that *only tells* changes no command; the least energy is *part of another* limit,
+`energy_trip`; a number that is none is *out of reach* of an image, whose codes are whole numbers and whose limits are below 1e12.
+`scripts/mutants` makes each mutant and runs its test, which has to fail (nightly).
+The single wrong registers that the images are tried with stand in [firmware-findings.md](firmware-findings.md).
+";
