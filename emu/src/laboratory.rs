@@ -72,6 +72,8 @@ pub struct Laboratory {
     resets: usize,
     /// When it is the PC's turn next, ns.
     pc_turn_ns: u64,
+    /// Four wires on a desk in place of rig and relay.
+    four_wires: bool,
     step_began: u64,
     awaiting_command: bool,
 }
@@ -111,6 +113,7 @@ impl Laboratory {
             frozen: Shown::default(),
             resets: 0,
             pc_turn_ns: 0,
+            four_wires: false,
             step_began: 0,
             awaiting_command: false,
         }
@@ -170,6 +173,12 @@ impl Laboratory {
         self
     }
 
+    /// With four wires on a desk in place of rig and relay: the command is displacement and force, PERMIT its own contact.
+    pub fn on_four_wires(mut self, wanted: bool) -> Self {
+        self.four_wires = wanted;
+        self
+    }
+
     /// By the wall clock, as a board would, instead of as fast as it goes.
     pub fn in_real_time(mut self, wanted: bool) -> Self {
         self.wall = wanted.then(WallClock::new);
@@ -223,7 +232,7 @@ impl Laboratory {
             .end_of_period(session, &self.registers, trigger_ns, timer_hz);
         self.last_trigger_ns = at_ns;
         let shown = self.step_rig(session, at_ns, period_ns);
-        let closed = self.permission.closed(at_ns, period_ns);
+        let closed = self.contact(at_ns, period_ns);
         chain_contact(session, stop.at, closed);
         let shown = self.disturbed(shown);
         self.chain.show(session, &self.registers, shown);
@@ -238,6 +247,14 @@ impl Laboratory {
             instructions: stop.instruction_count,
         };
         self.convert(session, now, host);
+    }
+
+    /// What the board reads back of its permission.
+    fn contact(&mut self, at_ns: u64, period_ns: u64) -> bool {
+        if self.four_wires {
+            return self.permission.level();
+        }
+        self.permission.closed(at_ns, period_ns)
     }
 
     /// Starts the conversions, if an update does.
@@ -291,7 +308,7 @@ impl Laboratory {
     fn idle(&mut self, session: &mut Session<Nucleo>, at: VirtualNanos) {
         let shown = self.step_rig(session, at.0, IDLE_TURN_NS);
         self.chain.show(session, &self.registers, shown);
-        let closed = self.permission.closed(at.0, IDLE_TURN_NS);
+        let closed = self.contact(at.0, IDLE_TURN_NS);
         chain_contact(session, at, closed);
         let pressed = self.active == Some(InjectedFault::EmergencyStop);
         stop_contact(session, at, !pressed);

@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use emu::nucleo::{Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Converters, Firmware, Laboratory, Wire};
+use emu::{Converters, Firmware, InjectedFault, Laboratory, PlannedFault, Wire};
 use link::Calibration;
 use plant::{Rig, RigSpec};
 use serde::Deserialize;
@@ -32,6 +32,30 @@ struct EmulatedRig {
     /// It goes by the wall clock.
     #[serde(default)]
     real_time: bool,
+    /// Four wires in place of the rig.
+    #[serde(default)]
+    four_wires: bool,
+    mishap: Option<Mishap>,
+}
+
+/// What is done to the board.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Mishap {
+    Drill(u32),
+    Reset,
+}
+
+impl From<Mishap> for PlannedFault {
+    fn from(mishap: Mishap) -> Self {
+        Self {
+            after_steps: 600,
+            fault: match mishap {
+                Mishap::Drill(number) => InjectedFault::Drill(number),
+                Mishap::Reset => InjectedFault::Reset,
+            },
+        }
+    }
 }
 
 fn main() -> ExitCode {
@@ -57,6 +81,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let laboratory = Laboratory::new(wire.clone(), rig, firmware.symbol("DRILL")?)
         .with_converters(room.image)
         .wired(room.calibration)
+        .with_plan(room.mishap.map(Into::into))
+        .on_four_wires(room.four_wires)
         .in_real_time(room.real_time);
     let board = Nucleo::new(RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ, wire.clone())
         .map_err(|e| e.to_string())?

@@ -1,6 +1,7 @@
 //! The flashed image on an emulated board: both are built, and the link runs over the emulator's pipes.
 
 use super::build::{built_emulator, built_image};
+use super::desk::{self, Mishap};
 use super::image::Image;
 use super::in_turns::{InTurns, Turns};
 use super::limits::PlannedMotion;
@@ -74,6 +75,10 @@ pub struct EmulatedRig {
     pub image: Image,
     /// It goes by the wall clock, as a board would, and not as fast as it can.
     pub real_time: bool,
+    /// Four wires on a desk in place of the rig: the command is displacement and force.
+    pub four_wires: bool,
+    /// What is done to the board 0.3 s after PERMIT came.
+    pub mishap: Option<Mishap>,
 }
 
 impl EmulatedRig {
@@ -96,7 +101,23 @@ impl EmulatedRig {
             calibration: Calibration::placeholder(&image.codes()),
             image,
             real_time: false,
+            four_wires: false,
+            mishap: None,
         }
+    }
+
+    /// A bare board with four wires, to which `mishap` comes.
+    ///
+    /// # Errors
+    /// None, while the test of the desk is one.
+    pub fn on_desk(mishap: Option<Mishap>) -> Result<Self, Failure> {
+        let laboratory = Self::of(&desk::experiment(1.0, 2000)?.test, 1);
+        Ok(Self {
+            calibration: desk::calibration(&laboratory.image.codes()),
+            four_wires: true,
+            mishap,
+            ..laboratory
+        })
     }
 
     /// With sensors and an actuator of the size that is right for a test with these limits: ranges of 1, 2 or 5 times a

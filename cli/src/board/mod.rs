@@ -8,6 +8,7 @@
 //!  setup        a board before a test: idle, calibrated, with limits that can act
 //!  configured_test a test in force: events, targets, every step, the end
 //!  bench        a whole test: configure, load, arm, start, receive
+//!  desk         a bare board with four wires: what it does, row by row
 //!  image        the images that can be flashed
 //!  cross_readings  what every actuator reads while one is moved: stiffness, and exchanged wires
 //!  trajectory   what moves the actuator without a test: a formula or points
@@ -23,6 +24,7 @@ mod commission;
 mod configured_test;
 mod connection;
 mod cross_readings;
+pub mod desk;
 pub mod emulated;
 mod image;
 pub mod in_turns;

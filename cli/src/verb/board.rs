@@ -1,12 +1,14 @@
 //! `outerloop board`: what a person asks of a board at a serial port.
 
 mod commission;
+mod desk;
 
 use super::json;
 use crate::board::{self, Connection, Serial, Timeouts};
 use crate::provenance::WithProvenance;
 use clap::{Args, Subcommand};
 use commission::Commission;
+use desk::Desk;
 use experiment::failure::Failure;
 use link::Calibration;
 use link::command::Channel;
@@ -28,6 +30,7 @@ enum Order {
     Status(Plain),
     Calibrate(Calibrate),
     Commission(Commission),
+    Desk(Desk),
     /// Clear the end of a test or a fault
     Clear(Plain),
 }
@@ -43,6 +46,7 @@ impl Board {
             Order::Status(order) => order.status(),
             Order::Calibrate(order) => order.run(),
             Order::Commission(order) => order.run(),
+            Order::Desk(order) => order.run(),
             Order::Clear(order) => order.clear(),
         }
     }

@@ -97,7 +97,11 @@ const WRITTEN: [(&str, &str, &str); 19] = [
 ];
 
 /// What a verb writes that has no input, or a place that is never there before.
-const WITHOUT_INPUT: [(&str, &str); 2] = [("demo", "--out"), ("new", "[FILE]")];
+const WITHOUT_INPUT: [(&str, &str); 3] = [
+    ("demo", "--out"),
+    ("new", "[FILE]"),
+    ("board desk", "--out"),
+];
 
 /// A folder with a test, a model, a record and links under names that verbs write.
 fn laboratory() -> tempfile::TempDir {

@@ -44,6 +44,9 @@ impl Laboratory {
                 *spool_m = *stands_at_m;
             }
         }
+        if self.four_wires {
+            return self.wired_shown(pins);
+        }
         let reading = self.rig.step(&self.stands_at_m[..actuators]);
         let mut shown = Shown::default();
         for (actuator, wired) in self.wired.iter().enumerate().take(actuators) {
@@ -58,13 +61,31 @@ impl Laboratory {
         let (at_m, [last_m, before_m]) = (reading.displacement_m[0], self.was_at_m);
         shown.acceleration_m_per_s2 = (at_m - 2.0 * last_m + before_m) / (period_s * period_s);
         self.was_at_m = [at_m, last_m];
-        let [pin, ref other_pins @ ..] = pins;
+        self.keep(pins, at_m);
+        shown
+    }
+
+    /// Each output is wired to the displacement and the force of its actuator. An output that is off stands where two
+    /// resistors hold it, in the middle.
+    fn wired_shown(&mut self, pins: [Option<u16>; MAX_ACTUATORS]) -> Shown {
+        let codes = self.chain.converters().widths();
+        let [sensor_top, command_top] = [codes.sensor_top, codes.command_top].map(f64::from);
+        let volts = pins.map(|pin| pin.map_or(0.5, |code| f64::from(code) / command_top));
+        let read = volts.map(|share| share * sensor_top);
+        let at_m = chain::command_m(&self.wired[0], pins[0].unwrap_or(codes.command_top / 2));
+        self.keep(pins, at_m);
+        Shown {
+            displacement: read,
+            force: read,
+            ..Shown::default()
+        }
+    }
+
+    fn keep(&self, [pin, other_pins @ ..]: [Option<u16>; MAX_ACTUATORS], at_m: f64) {
         let mut log = self.log_mut();
         log.pin.push(pin);
-        log.other_pins.push(*other_pins);
+        log.other_pins.push(other_pins);
         log.position_m.push(at_m);
         log.permitted.push(self.permission.level());
-        drop(log);
-        shown
     }
 }

@@ -1,0 +1,394 @@
+//! A bare board with four wires on a desk (docs/desk.md): what it does, row by row, each with its limit.
+
+use super::bench::BoardBench;
+use super::connection::BoardConnection;
+use super::limits::PlannedMotion;
+use super::operator::Operator;
+use super::orders::{calibrate, clear, done, event, identify, save, status};
+use super::setup::ready;
+use super::upload::load;
+use experiment::Experiment;
+use experiment::failure::Failure;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::summary::{Summary, TestVerdict};
+use experiment::trace::Response;
+use link::reply::Identity;
+use link::status::{CrashCause, StartCause, Status, Timing};
+use link::{Calibration, CodeRange, Command};
+use outerloop_core::{Event, Method, Mode};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The test of the desk.
+const TEST: &str = include_str!("../../../examples/desk.toml");
+
+/// What the inputs are calibrated to: force over displacement is the stiffness of the test.
+const HALF_M: f32 = 0.05;
+const FULL_N: f32 = 7900.0;
+
+/// Longest way of a period from its own length, cycles.
+const PERIOD_OFF_CYCLES: u32 = 100;
+
+/// Length of a method's test, s.
+const METHOD_S: f64 = 0.25;
+
+/// Saves, after which a sector of 128 KiB with slots of 1 KiB has been full once.
+const SAVES: u32 = 130;
+
+/// A board that says nothing of a reset for so many steps has not been reset.
+const RESET_STEPS: u32 = 8000;
+
+/// The calibration of a board of `codes` with four wires.
+pub fn calibration(codes: &CodeRange) -> Calibration {
+    Calibration::over(HALF_M, FULL_N, codes)
+}
+
+/// The test of the desk, for `seconds`, at `rate_hz`.
+///
+/// # Errors
+/// A length or a rate that no test can have.
+pub fn experiment(seconds: f64, rate_hz: u32) -> Result<Experiment, Failure> {
+    let rate = [format!("loop.rate_hz={rate_hz}")];
+    let test = TestFile::parse(TEST, "examples/desk.toml", Path::new(""), &rate)?;
+    Experiment::new(test, &near_fault(), Some(seconds))
+}
+
+/// What is done to a board from outside in the middle of a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mishap {
+    /// A drill of the firmware, by a write into its memory.
+    Drill(u32),
+    /// The reset pin.
+    Reset,
+}
+
+/// What each has to leave: how the board starts again, and of what it died.
+pub const MISHAPS: [(Mishap, &str, StartCause, Option<CrashCause>); 8] = [
+    (
+        Mishap::Drill(1),
+        "a panic",
+        StartCause::Watchdog,
+        Some(CrashCause::Panic),
+    ),
+    (
+        Mishap::Drill(2),
+        "an undefined instruction",
+        StartCause::Watchdog,
+        Some(CrashCause::HardFault),
+    ),
+    (
+        Mishap::Drill(3),
+        "a stack without end",
+        StartCause::Watchdog,
+        Some(CrashCause::StackOverflow),
+    ),
+    (
+        Mishap::Drill(4),
+        "a task that starves the others",
+        StartCause::Watchdog,
+        Some(CrashCause::Starved),
+    ),
+    (
+        Mishap::Drill(5),
+        "interrupts off for good",
+        StartCause::Watchdog,
+        Some(CrashCause::Silent),
+    ),
+    (
+        Mishap::Drill(7),
+        "the external clock's guard",
+        StartCause::Watchdog,
+        Some(CrashCause::ClockStopped),
+    ),
+    (
+        Mishap::Drill(8),
+        "the supply's guard",
+        StartCause::Watchdog,
+        Some(CrashCause::LowSupply),
+    ),
+    (Mishap::Reset, "the reset pin", StartCause::Pin, None),
+];
+
+/// How a row stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RowVerdict {
+    /// As it has to be.
+    Good,
+    /// Not so.
+    Bad,
+    /// It was not done, and why stands beside.
+    NotDone,
+}
+
+/// A row of the page.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeskRow {
+    /// What was done.
+    pub what: String,
+    /// What came of it.
+    pub found: String,
+    /// What has to come of it.
+    pub limit: String,
+    /// How it stands.
+    pub verdict: RowVerdict,
+}
+
+impl DeskRow {
+    /// What was found where nothing failed, and else why it failed.
+    fn of(what: String, limit: &str, found: Result<(String, bool), Failure>) -> Self {
+        let (found, good) = found.unwrap_or_else(|why| (why.to_string(), false));
+        Self {
+            what,
+            found,
+            limit: limit.into(),
+            verdict: if good {
+                RowVerdict::Good
+            } else {
+                RowVerdict::Bad
+            },
+        }
+    }
+
+    /// Something that was not done.
+    pub fn not_done(what: &str, why: &str) -> Self {
+        Self {
+            what: what.into(),
+            found: why.into(),
+            limit: String::new(),
+            verdict: RowVerdict::NotDone,
+        }
+    }
+}
+
+/// The steps of a control period as the board has timed them, and whether they keep it.
+fn timed(timing: &Timing, dropped: u32) -> (String, bool) {
+    let off = |cycles: u32| cycles.abs_diff(timing.period_cycles);
+    let (short, long) = (timing.shortest_period_cycles, timing.longest_period_cycles);
+    let exact = off(short).max(off(long)) <= PERIOD_OFF_CYCLES;
+    let found = format!(
+        "period {short} to {long} cycles of {}; step {} at worst, {} on average; {} overruns, {dropped} steps not sent",
+        timing.period_cycles, timing.worst_step_cycles, timing.mean_step_cycles, timing.overruns
+    );
+    (found, exact && timing.overruns == 0 && dropped == 0)
+}
+
+/// The board at rest at `rate_hz` for `seconds`.
+pub fn idle(board: &mut BoardConnection, rate_hz: u32, seconds: f64) -> DeskRow {
+    let found = (|| {
+        let experiment = experiment(1.0, rate_hz)?;
+        configure(board, &experiment)?;
+        // The period in which the rate changes is of neither: the times count from the second order on.
+        configure(board, &experiment)?;
+        pass(board, (seconds * f64::from(rate_hz)) as u32)?;
+        let now = status(board)?;
+        Ok(timed(&now.timing, now.dropped_steps))
+    })();
+    let what = format!("idle at {rate_hz} Hz for {seconds} s");
+    DeskRow::of(what, "+-100 cycles, none late, none lost", found)
+}
+
+/// The fastest control rate of a board, Hz: one that divides its timer's clock.
+pub fn fastest_hz(identity: &Identity) -> u32 {
+    let divides = |hz: &u32| identity.timer_hz.is_multiple_of(*hz);
+    let rates = (1..=identity.fastest_rate_hz).rev();
+    rates.into_iter().find(divides).unwrap_or(identity.rate_hz)
+}
+
+/// A test as it is worked out for a board.
+fn planned(experiment: &Experiment) -> Result<(Response, PlannedMotion), Failure> {
+    let ideal = experiment.ideal()?;
+    let plan = PlannedMotion::of(experiment, &ideal);
+    Ok((ideal, plan))
+}
+
+fn configure(board: &mut BoardConnection, experiment: &Experiment) -> Result<(), Failure> {
+    let (_, plan) = planned(experiment)?;
+    let mut config = experiment.test.config.clone();
+    config.limits = plan.without_board(&config.limits);
+    let (_, config) = ready(board, &config, &plan, (None, None))?;
+    done(board, "configure", &Command::Configure(config)).map(drop)
+}
+
+/// Lets so many steps pass.
+fn pass(board: &mut BoardConnection, steps: u32) -> Result<(), Failure> {
+    let mut seen = 0;
+    while seen < steps {
+        seen += board.steps()?.len() as u32;
+    }
+    Ok(())
+}
+
+/// A test with `method` for `seconds` over the four wires; the board comes back.
+fn test(
+    board: BoardConnection,
+    method: Method,
+    seconds: f64,
+) -> (BoardConnection, Result<Summary, Failure>) {
+    let planned = experiment(seconds, 2000).and_then(|e| Ok((planned(&e)?, e)));
+    match planned {
+        Err(why) => (board, Err(why)),
+        Ok(((ideal, plan), experiment)) => {
+            let bench = BoardBench::new(board, plan, Operator::not_asked());
+            let run = experiment.run_on(&bench, method, &ideal, false, ());
+            let mut board = bench.into_connection();
+            let cleared = clear(&mut board);
+            (board, run.and_then(|run| cleared.map(|()| run.summary)))
+        }
+    }
+}
+
+/// Each of `methods` in a test of its own: the board rehearses it before it takes it, and times every step.
+pub fn each_method(
+    mut board: BoardConnection,
+    methods: &[Method],
+) -> (BoardConnection, Vec<DeskRow>) {
+    let mut rows = Vec::new();
+    for &method in methods {
+        let (back, summary) = test(board, method, METHOD_S);
+        board = back;
+        rows.push(DeskRow::of(
+            format!("{method} for {METHOD_S} s"),
+            "keeps its deadline, no bit different",
+            summary.map(|s| judged(&s, false)),
+        ));
+    }
+    (board, rows)
+}
+
+/// The whole test.
+pub fn whole_test(board: BoardConnection, seconds: f64) -> (BoardConnection, DeskRow) {
+    let (board, summary) = test(board, Method::default(), seconds);
+    let row = DeskRow::of(
+        format!("a whole closed loop, {seconds} s over the four wires"),
+        "completed, nothing lost, no bit different",
+        summary.map(|s| judged(&s, true)),
+    );
+    (board, row)
+}
+
+/// What a test has come to, and whether the PC has worked out the same bits of all of it.
+fn judged(summary: &Summary, whole: bool) -> (String, bool) {
+    let Some((on, timing)) = summary.board.as_ref().and_then(|b| Some((b, b.timing?))) else {
+        return (summary.sentence(), false);
+    };
+    let dropped = on.steps_dropped.unwrap_or(0);
+    let (mut found, exact) = timed(&timing, dropped);
+    if whole {
+        found = format!(
+            "{}: eps_rms {:.3} %, peak {:.2} mm, {} steps proven; {found}",
+            summary.verdict.name(),
+            summary.eps_rms * 100.0,
+            summary.peak_displacement_m * 1e3,
+            on.steps_received - on.steps_different
+        );
+    }
+    let ended = !whole || summary.verdict == TestVerdict::Completed;
+    let proven = (on.steps_lost, on.steps_different) == (0, 0);
+    let lost = format!(
+        "; {} steps lost, {} different",
+        on.steps_lost, on.steps_different
+    );
+    if !proven {
+        found += &lost;
+    }
+    let trip = summary.trip.map(|fault| format!("; tripped on {fault}"));
+    let found = found + &trip.clone().unwrap_or_default();
+    (found, ended && proven && exact && trip.is_none())
+}
+
+/// Saves until a sector has been full and is erased. The board is not calibrated: nothing that it keeps makes it look so.
+pub fn saves(board: &mut BoardConnection) -> DeskRow {
+    let found = (|| {
+        configure(board, &experiment(1.0, 2000)?)?;
+        for _ in 0..SAVES {
+            save(board)?;
+        }
+        let now = status(board)?;
+        Ok(timed(&now.timing, now.dropped_steps))
+    })();
+    let what = format!("{SAVES} saves at 2000 Hz, a sector erased among them");
+    DeskRow::of(what, "+-100 cycles, none late, none lost", found)
+}
+
+/// A running test in which `happens` comes; how the board is behind the reset.
+pub fn mishap(
+    board: &mut BoardConnection,
+    (mishap, name, started, cause): (Mishap, &str, StartCause, Option<CrashCause>),
+    happens: impl FnOnce(Mishap) -> Result<(), Failure>,
+) -> DeskRow {
+    let found = (|| {
+        run_until_moving(board)?;
+        happens(mishap)?;
+        until_reset(board)?;
+        let now = status(board)?;
+        let died = now.last_crash.as_ref().map(|crash| crash.cause);
+        let good = (now.started, died, now.permit) == (started, cause, false);
+        Ok((said(&now), good && now.state == Mode::Idle))
+    })();
+    let limit = format!(
+        "starts again by {started:?}, PERMIT low, crash report {}",
+        cause.map_or("none".into(), |c| format!("{c:?}"))
+    );
+    DeskRow::of(format!("in a running test: {name}"), &limit, found)
+}
+
+fn said(now: &Status) -> String {
+    let level = if now.permit { "high" } else { "low" };
+    let report = now.last_crash.as_ref().map_or("none".into(), |crash| {
+        format!("{:?}, {}", crash.cause, crash.text)
+    });
+    format!(
+        "started again by {:?}, {}, PERMIT {level}, crash report {report}",
+        now.started,
+        now.state.name()
+    )
+}
+
+/// Arms and starts the test of the desk.
+fn run_until_moving(board: &mut BoardConnection) -> Result<(), Failure> {
+    let experiment = experiment(4.0, 2000)?;
+    let codes = identify(board)?.codes;
+    calibrate(board, calibration(&codes))?;
+    configure(board, &experiment)?;
+    let shaking = experiment.shaking();
+    load(board, shaking.acc_m_per_s2, shaking.interval_s)?;
+    done(board, "signal", &Command::Signal(None))?;
+    pass(board, 300)?;
+    event(board, Event::Arm)?;
+    until(board, |mode, command_m| {
+        mode == Mode::Armed && command_m == 0.0
+    })?;
+    event(board, Event::Start)?;
+    until(board, |mode, _| mode == Mode::Running)
+}
+
+fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Result<(), Failure> {
+    loop {
+        for (_, step) in board.steps()? {
+            match step.state() {
+                Some(Mode::Tripped) => {
+                    return Err(Failure::test("the board tripped before anything was done"));
+                }
+                Some(mode) if reached(mode, step.command_m) => return Ok(()),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Until the steps count from zero again.
+fn until_reset(board: &mut BoardConnection) -> Result<(), Failure> {
+    let (mut last, mut seen) = (0, 0);
+    while seen < RESET_STEPS {
+        for (tick, _) in board.steps()? {
+            if tick < last {
+                return Ok(());
+            }
+            (last, seen) = (tick, seen + 1);
+        }
+    }
+    Err(Failure::test("the board was not reset"))
+}

@@ -1,0 +1,239 @@
+//! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
+
+use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
+use crate::board::emulated::{Emulated, EmulatedRig};
+use crate::board::{BoardConnection, Connection, Operator, Port, Serial, Timeouts};
+use crate::board::{calibrate, identify, status};
+use crate::provenance::WithProvenance;
+use crate::report;
+use crate::terminal::interrupt;
+use crate::verb::{MethodName, json};
+use clap::Args;
+use experiment::failure::Failure;
+use experiment::files::{look_ahead, output};
+use link::reply::Identity;
+use outerloop_core::Method;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+/// Show what a bare board with four wires does (docs/desk.md): period, methods, a whole test, saves, crashes; on a page
+#[derive(Args, Debug)]
+pub(super) struct Desk {
+    /// The board's serial port, e.g. /dev/ttyACM0
+    #[arg(
+        long,
+        value_name = "DEV",
+        required_unless_present = "emulated",
+        conflicts_with = "emulated"
+    )]
+    port: Option<String>,
+    /// On an emulated board with the same four wires
+    #[arg(long)]
+    emulated: bool,
+    /// Ask nobody whether nothing but the four wires is connected
+    #[arg(long, conflicts_with = "emulated")]
+    yes: bool,
+    /// How long the board idles at each rate, s
+    #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    seconds: f64,
+    /// The methods that have a test each, separated by commas; left out: all
+    #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
+    methods: Vec<String>,
+    /// How long the whole closed loop is, s
+    #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = seconds)]
+    duration: f64,
+    /// A program that does to the chip what no serial port can, by a debug probe: it is called with `drill N` or `reset`
+    #[arg(long, value_name = "PROGRAM", conflicts_with = "emulated")]
+    probe: Option<PathBuf>,
+    /// A line for the page, e.g. the board's number and the hash of what was flashed; as many as are wanted
+    #[arg(long, value_name = "TEXT")]
+    note: Vec<String>,
+    /// Folder for the page (report.html) and its figures (desk.json)
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// What is written.
+const FILES: [&str; 2] = ["report.html", "desk.json"];
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "accepted are seconds")?;
+    let accepted = (0.1..=86_400.0).contains(&value);
+    accepted
+        .then_some(value)
+        .ok_or("accepted are 0.1 to 86400 s".into())
+}
+
+/// All that was found.
+#[derive(Serialize)]
+struct Found<'a> {
+    board: &'a Identity,
+    emulated: bool,
+    notes: &'a [String],
+    rows: &'a [DeskRow],
+}
+
+impl Desk {
+    /// Goes through it.
+    ///
+    /// # Errors
+    /// A board that is silent or somebody has calibrated; a row that is not as it has to be.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let out = look_ahead::folder(Some(&self.out), &FILES)?;
+        let out = out.unwrap_or_else(|| self.out.clone());
+        let methods = self.methods()?;
+        interrupt::watch();
+        let mut board = self.connect(None)?;
+        let identity = identify(&mut board)?;
+        self.refuse_what_is_no_desk(&mut board)?;
+        let rows = self.rows(board, &identity, &methods)?;
+        for row in &rows {
+            println!("{}", in_words(row));
+        }
+        let found = Found {
+            board: &identity,
+            emulated: self.emulated,
+            notes: &self.note,
+            rows: &rows,
+        };
+        let text = json(&WithProvenance::of(&found))?;
+        let page = report::of_desk(&identity, self.emulated, &self.note, &rows);
+        output::write_all(&out, &[(FILES[0], page), (FILES[1], text)])?;
+        let bad = rows.iter().filter(|row| row.verdict == RowVerdict::Bad);
+        match bad.clone().next() {
+            None => Ok(()),
+            Some(first) => Err(Failure::test(format!(
+                "{} of {} rows are not as they have to be, the first: {}: {}",
+                bad.count(),
+                rows.len(),
+                first.what,
+                first.found
+            ))),
+        }
+    }
+
+    fn connect(&self, mishap: Option<Mishap>) -> Result<BoardConnection, Failure> {
+        let port: Box<dyn Port> = match &self.port {
+            Some(device) => Box::new(Serial::open(device)?),
+            None => Box::new(Emulated::start(&EmulatedRig::on_desk(mishap)?)?),
+        };
+        Ok(Connection::new(port, Timeouts::BOARD))
+    }
+
+    /// A board that somebody has calibrated may have a rig; and a person knows what is connected.
+    fn refuse_what_is_no_desk(&self, board: &mut BoardConnection) -> Result<(), Failure> {
+        if status(board)?.calibrated && !look_ahead::is_forced() {
+            return Err(Failure::input(
+                "board desk: somebody has calibrated this board, so that a rig may hang on it: accepted is a bare board, or \
+                 --force where nothing but the four wires is connected",
+            ));
+        }
+        if self.emulated || self.yes {
+            return Ok(());
+        }
+        let person = Operator::at_keyboard()?;
+        person.ask(
+            "the output will move: Enter, if nothing but the four wires of docs/desk.md is connected to the board; Ctrl-C \
+             gives it up",
+        );
+        while !person.agrees() {
+            if interrupt::asked() {
+                return Err(Failure::test("the desk was given up before anything moved"));
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(())
+    }
+
+    fn rows(
+        &self,
+        mut board: BoardConnection,
+        own: &Identity,
+        methods: &[Method],
+    ) -> Result<Vec<DeskRow>, Failure> {
+        let mut rows = vec![
+            // The slower one last: the tests behind it run at that rate, too.
+            desk::idle(&mut board, desk::fastest_hz(own), self.seconds),
+            desk::idle(&mut board, 2000, self.seconds),
+        ];
+        rows.push(if self.emulated {
+            DeskRow::not_done(
+                "saves until a sector is erased",
+                "not done: the emulator drops what is programmed into the flash",
+            )
+        } else {
+            desk::saves(&mut board)
+        });
+        calibrate(&mut board, desk::calibration(&own.codes))?;
+        let (board, tested) = desk::each_method(board, methods);
+        rows.extend(tested);
+        let (board, whole) = desk::whole_test(board, self.duration);
+        rows.push(whole);
+        drop(board);
+        rows.extend(self.mishaps()?);
+        rows.push(DeskRow::not_done(
+            "levels of the pins in reset, the trigger lines, the converters' accuracy",
+            "not done: only a scope on the metal shows them, see docs/hil.md",
+        ));
+        Ok(rows)
+    }
+
+    fn methods(&self) -> Result<Vec<Method>, Failure> {
+        if self.methods.is_empty() {
+            return Ok(Method::ALL.to_vec());
+        }
+        let names = self.methods.iter();
+        names.map(|name| experiment::method(name)).collect()
+    }
+
+    /// Each on a board of its own, or one after the other on the one at the port.
+    fn mishaps(&self) -> Result<Vec<DeskRow>, Failure> {
+        let mut rows = Vec::new();
+        for expected in MISHAPS {
+            let (mishap, name, ..) = expected;
+            rows.push(match (&self.probe, self.emulated) {
+                (None, false) => DeskRow::not_done(
+                    &format!("in a running test: {name}"),
+                    "not done: it needs a debug probe (--probe, scripts/desk has one)",
+                ),
+                (probe, _) => {
+                    let mut board = self.connect(Some(mishap))?;
+                    desk::mishap(&mut board, expected, |mishap| match probe {
+                        // The laboratory of the emulated board does it by itself.
+                        None => Ok(()),
+                        Some(program) => by_probe(program, mishap),
+                    })
+                }
+            });
+        }
+        Ok(rows)
+    }
+}
+
+fn by_probe(program: &std::path::Path, mishap: Mishap) -> Result<(), Failure> {
+    let arguments = match mishap {
+        Mishap::Drill(number) => vec!["drill".into(), number.to_string()],
+        Mishap::Reset => vec!["reset".into()],
+    };
+    let called = format!("{} {}", program.display(), arguments.join(" "));
+    let cannot = |why: String| Failure::test(format!("--probe: `{called}`: {why}"));
+    let ended = Command::new(program)
+        .args(&arguments)
+        .status()
+        .map_err(|e| cannot(e.to_string()))?;
+    ended
+        .success()
+        .then_some(())
+        .ok_or_else(|| cannot(ended.to_string()))
+}
+
+fn in_words(row: &DeskRow) -> String {
+    let verdict = match row.verdict {
+        RowVerdict::Good => "good",
+        RowVerdict::Bad => "BAD",
+        RowVerdict::NotDone => "----",
+    };
+    format!("{verdict:4}  {}: {}", row.what, row.found)
+}

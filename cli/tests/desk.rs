@@ -1,0 +1,43 @@
+//! `outerloop board desk` on the emulated board: four wires in place of a rig, a whole test, and crashes.
+#![allow(missing_docs)]
+
+mod common;
+
+use common::command;
+use serde_json::Value;
+
+/// What the emulated board cannot show.
+const NOT_SHOWN: usize = 2;
+
+#[test]
+#[ignore = "needs the image and the emulator: scripts/emu-test runs it"]
+fn four_wires_close_the_loop_of_the_emulated_board_with_every_bit_proven() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display().to_string();
+    let short = ["--seconds", "0.5", "--duration", "0.5"];
+    let output = command(&["board", "desk", "--emulated", "--out", &out])
+        .args(short)
+        .args(["--methods", "none,lagrange"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    println!("{said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success());
+
+    let text = std::fs::read_to_string(folder.path().join("desk.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let rows = found["rows"].as_array().unwrap();
+    let with = |verdict: &str| rows.iter().filter(|row| row["verdict"] == verdict).count();
+    // Two rates, two methods, the whole test, seven drills and the reset pin.
+    assert_eq!((with("good"), with("not_done")), (13, NOT_SHOWN), "{text}");
+    assert_eq!(rows.len(), 13 + NOT_SHOWN);
+
+    let whole = |row: &&Value| row["what"].as_str().unwrap().contains("closed loop");
+    let whole = rows.iter().find(whole).unwrap()["found"].as_str().unwrap();
+    let (before, _) = whole.split_once(" steps proven").unwrap();
+    let steps: u32 = before.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!(whole.starts_with("completed") && steps >= 1000, "{whole}");
+
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("13 rows as they have to be, 0 not, 2 not done"));
+}
