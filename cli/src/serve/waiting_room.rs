@@ -56,7 +56,7 @@ impl WaitingRoom {
     ///
     /// # Errors
     /// The network is lost.
-    pub fn next(&mut self) -> Result<Option<Arrival>, Error> {
+    pub fn next_arrival(&mut self) -> Result<Option<Arrival>, Error> {
         while self.waiting.len() < SEATS {
             match self.listener.accept() {
                 Ok((stream, client)) => {

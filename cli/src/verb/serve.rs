@@ -108,7 +108,7 @@ impl Serve {
         // Where the last client's results went.
         let mut kept_in: Option<PathBuf> = None;
         while !interrupt::asked() {
-            let Some(arrival) = waiting.next().map_err(cannot)? else {
+            let Some(arrival) = waiting.next_arrival().map_err(cannot)? else {
                 wait(rig.as_mut())?;
                 continue;
             };
