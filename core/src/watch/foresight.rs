@@ -147,7 +147,7 @@ enum Change {
 mod tests {
     use super::*;
 
-    const OMEGA: f32 = 6.283;
+    const OMEGA: f32 = core::f32::consts::TAU;
 
     /// A motion that is planned to fade from 1 to a half.
     fn foresight() -> Foresight {

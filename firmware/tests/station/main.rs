@@ -8,7 +8,7 @@ mod single_faults;
 
 use common::{Bench, Spring, bench, config, fresh, pulse, started};
 use firmware::sim::{self, CODES};
-use firmware::station::{Board, Heartbeat};
+use firmware::station::Heartbeat;
 use link::Calibration;
 use link::command::{Channel, Command, CommissioningSignal, SignalShape};
 use link::reply::{Obstacle, Reply};
@@ -492,14 +492,14 @@ fn a_welded_contact_stands_against_arming() {
 // proves: obstacle.crystal, obstacle.converters by crystal_ok, converters_ok
 #[test]
 fn what_the_start_has_found_wrong_stands_against_arming() {
-    let cases: [(fn(&mut Board), Option<Obstacle>); 3] = [
-        (|_| (), None),
-        (|b| b.crystal_ok = false, Some(Obstacle::Crystal)),
-        (|b| b.converters_ok = false, Some(Obstacle::Converters)),
-    ];
-    for (wrong, against) in cases {
+    for (crystal_ok, converters_ok, against) in [
+        (true, true, None),
+        (false, true, Some(Obstacle::Crystal)),
+        (true, false, Some(Obstacle::Converters)),
+    ] {
         let mut found = sim::Bench::<Spring>::well("sim");
-        wrong(&mut found);
+        found.crystal_ok = crystal_ok;
+        found.converters_ok = converters_ok;
         let mut b = started(found);
         done(&b.ask(Command::Calibrate(0, Calibration::placeholder(&CODES))));
         done(&b.ask(Command::Configure(config())));

@@ -131,7 +131,7 @@ fn every_event_in_every_mode_and_every_fault_of_a_board() {
             Mode::Approaching | Mode::Running | Mode::Holding if out => 331,
             _ => 41,
         };
-        let asked = draw / 7 % one_in == 0;
+        let asked = (draw / 7).is_multiple_of(one_in);
         let fault = (draw % 997 == 3).then(|| BOARDS[draw as usize / 997 % BOARDS.len()]);
         let mut seen = seen.borrow_mut();
         if asked {
