@@ -252,6 +252,14 @@ impl Desk {
         }
     }
 
+    /// Lets the board's time go on by a turn, also where the board says nothing: then the link ends in time, which is no
+    /// matter here.
+    pub fn turn(&mut self) {
+        if let Ok(Some(step)) = self.pc.step() {
+            self.steps.push(step);
+        }
+    }
+
     /// Calibrates the board, configures and loads a test, and lets it idle for a while.
     pub fn load(&mut self) {
         self.calibrate();
