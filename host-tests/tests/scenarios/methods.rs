@@ -1,6 +1,6 @@
 //! What each compensation is good for, on its own ground; the better one has its targets in `tangent_force.rs`.
 
-use host_tests::{Scenario, data, eps, table1};
+use host_tests::{Scenario, Shaking, data, eps, table1};
 use outerloop_core::Method;
 use outerloop_core::Prediction;
 
@@ -20,22 +20,19 @@ fn behind(kind: &str, delay_ms: f64, yields: bool) -> Scenario {
     s
 }
 
-/// eps_rms, the worse of Kobe and Tabas, 40 s; `None` without the records.
-fn worst(s: &Scenario) -> Option<f64> {
-    let records = data::kobe_and_tabas()?;
-    let rms = |(_, shaking)| {
-        let ideal = s.ideal::<1>(shaking, 40.0);
-        eps(&s.run::<1>(shaking, 40.0, 1), &ideal, 0).1
+/// eps_rms of the worst motion, 40 s.
+fn worst(s: &Scenario) -> f64 {
+    let rms = |(_, shaking): (_, Shaking)| {
+        let ideal = s.ideal::<1>(&shaking, 40.0);
+        eps(&s.run::<1>(&shaking, 40.0, 1), &ideal, 0).1
     };
-    Some(records.iter().map(|(n, s)| rms((n, s))).fold(0.0, f64::max))
+    data::motions().into_iter().map(rms).fold(0.0, f64::max)
 }
 
 /// The error with `method`, which must be below `bound`, and `parts` times below that of no compensation.
 #[track_caller]
 fn removes(s: &Scenario, method: Method, bound: f64, parts: f64) {
-    let (Some(with), Some(without)) = (worst(&s.with(method)), worst(&s.with(Method::None))) else {
-        return;
-    };
+    let (with, without) = (worst(&s.with(method)), worst(&s.with(Method::None)));
     println!(
         "{:22} {with:.5} (without {without:.3}): {}",
         method.name(),
@@ -60,7 +57,7 @@ fn polynomial_extrapolation_removes_a_known_delay_and_higher_orders_remove_more(
     for order in 1..=3 {
         let mut s = behind("delay", 8.0, false).with(Method::Lagrange);
         s.config.compensation.order = order;
-        let Some(rms) = worst(&s) else { return };
+        let rms = worst(&s);
         println!("order {order}: {rms:.6}");
         assert!(rms < 0.5 * last);
         last = rms;
@@ -71,12 +68,10 @@ fn polynomial_extrapolation_removes_a_known_delay_and_higher_orders_remove_more(
 fn estimating_the_delay_repairs_what_extrapolation_was_told_wrong() {
     let wrong = told(behind("delay", 8.0, true), 0.5);
     removes(&wrong, Method::Darby, 2e-3, 50.0);
-    let (Some(fixed), Some(learnt)) = (
+    let (fixed, learnt) = (
         worst(&wrong.with(Method::Lagrange)),
         worst(&wrong.with(Method::Darby)),
-    ) else {
-        return;
-    };
+    );
     assert!(learnt < 0.1 * fixed, "{learnt} and {fixed}");
 }
 
@@ -94,12 +89,10 @@ fn a_model_predicts_an_elastic_structure() {
 fn the_fitted_force_takes_out_what_the_predictor_in_front_of_it_leaves() {
     let s = behind("second_order", 16.0, true);
     removes(&s, Method::Ahmadizadeh, 3e-3, 50.0);
-    let (Some(with), Some(without)) = (
+    let (with, without) = (
         worst(&s.with(Method::Ahmadizadeh)),
         worst(&s.with(Method::Darby)),
-    ) else {
-        return;
-    };
+    );
     assert!(with < without, "{with} and {without}");
 }
 
@@ -120,7 +113,7 @@ fn the_adaptive_inverse_finds_the_delay() {
 fn minimal_control_synthesis_finds_a_gain() {
     let mut s = behind("first_order", 8.0, true);
     s.actuator += "\ngain = 0.95";
-    removes(&s, Method::Mcs, 3e-3, 50.0);
+    removes(&s, Method::Mcs, 3.5e-3, 50.0);
 }
 
 #[test]
@@ -131,9 +124,7 @@ fn feedforward_knows_the_actuator_and_feedback_takes_a_part_of_the_rest() {
     weak.actuator += "\ngain = 0.95";
     let mut open = weak.clone();
     open.config.compensation.feedback = 0.0;
-    let (Some(with), Some(without)) = (worst(&weak), worst(&open)) else {
-        return;
-    };
+    let (with, without) = (worst(&weak), worst(&open));
     println!("gain 0.95: {with:.4} with feedback, {without:.4} without");
     assert!(with < without);
 }
@@ -168,9 +159,7 @@ fn variable_damping_behind_a_predictor_takes_out_what_that_leaves() {
             s.config.compensation.kind = s.config.compensation.kind.behind(predictor);
             worst(&s)
         };
-        let (Some(with), Some(without)) = (rest(Method::Paper), rest(Method::None)) else {
-            return;
-        };
+        let (with, without) = (rest(Method::Paper), rest(Method::None));
         println!(
             "behind {}: {with:.4}, without {without:.4}",
             predictor.name()
