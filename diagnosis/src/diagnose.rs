@@ -117,6 +117,7 @@ pub fn diagnose_by(
         refit::state_probabilities(&mut answer);
         channel.state_refit(&mut answer, &mut improved);
         channel.save_nearest(&answer, &mut improved);
+        correct_errors(&mut answer, train, test);
         channels.push(answer);
         let known = found.map(|solution| KnownActuator {
             cutoff_hz: channel.cutoff_hz(),
@@ -146,6 +147,25 @@ pub fn diagnose_by(
         channels,
         improved,
     })
+}
+
+/// Errors are of what was measured: residuals hold a 0 where nobody did.
+fn correct_errors(answer: &mut ChannelAnswer, train: &[Recording], test: &[Recording]) {
+    let [train, test] = [train, test].map(|records| {
+        let all: usize = records.iter().map(|r| r.time_s.len()).sum();
+        let lost: usize = records.iter().map(|r| r.unmeasured().len()).sum();
+        (all as f64 / (all - lost).max(1) as f64).sqrt()
+    });
+    let errors = [
+        &mut answer.error_declared,
+        &mut answer.error_before,
+        &mut answer.error_after,
+    ];
+    for e in errors.into_iter().chain(&mut answer.error_with_remainder) {
+        e.train_nrmse *= train;
+        e.test_nrmse *= test;
+        e.test_rms *= test;
+    }
 }
 
 /// The strongest line near the mains' frequency in what the declared model leaves, Hz.

@@ -6,7 +6,7 @@
 
 use crate::recording::Recording;
 use crate::refusal::Refusal;
-use crate::signals::{Transfer, deviation, mean, rms};
+use crate::signals::{Transfer, deviation, difference, mean, rms};
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
 
@@ -65,13 +65,19 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
     let measured = column(&recording.displacement_mm, "displacement")?;
     let interval_s = recording.interval_s();
     let settle = ((SETTLE_S / interval_s) as usize).min(measured.len() / 10);
+    let mut judged = vec![true; measured.len() - settle];
+    let unmeasured = recording.unmeasured().into_iter();
+    unmeasured
+        .filter_map(|i| i.checked_sub(settle))
+        .for_each(|i| judged[i] = false);
     let fit = TransferFit {
         command: &command,
         measured: &measured,
         interval_s,
         settle,
+        judged,
     };
-    let [moved, followed] = [&command, &measured].map(|x| deviation(&x[settle..]));
+    let [moved, followed] = [&command, &measured].map(|x| deviation(&fit.judged(x)));
     for (what, mm) in [("command", moved), ("displacement", followed)] {
         if mm < 1e-9 {
             return Err(Refusal::new(format!(
@@ -113,13 +119,20 @@ struct TransferFit<'a> {
     measured: &'a [f64],
     interval_s: f64,
     settle: usize,
+    /// Whether somebody measured, for each sample behind those.
+    judged: Vec<bool>,
 }
 
 impl TransferFit<'_> {
     fn residual(&self, model: &Transfer) -> Vec<f64> {
         let answer = model.answer(self.command, self.interval_s);
-        let both = self.measured.iter().zip(&answer).skip(self.settle);
-        both.map(|(measured, answer)| measured - answer).collect()
+        difference(&self.judged(self.measured), &self.judged(&answer))
+    }
+
+    /// What is judged of a signal.
+    fn judged<T: Copy>(&self, whole: &[T]) -> Vec<T> {
+        let all = whole[self.settle..].iter().zip(&self.judged);
+        all.filter_map(|(x, judged)| judged.then_some(*x)).collect()
     }
 
     /// The model of this delay and lag with the gain and the offset that fit best; and what it leaves, mm^2.
@@ -131,10 +144,10 @@ impl TransferFit<'_> {
             offset_mm: 0.0,
         };
         let x = unit.answer(self.command, self.interval_s);
-        let (x, y) = (&x[self.settle..], &self.measured[self.settle..]);
-        let (mean_x, mean_y) = (mean(x), mean(y));
+        let (x, y) = (self.judged(&x), self.judged(self.measured));
+        let (mean_x, mean_y) = (mean(&x), mean(&y));
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-        for (x, y) in x.iter().zip(y) {
+        for (x, y) in x.iter().zip(&y) {
             let (x, y) = (x - mean_x, y - mean_y);
             xx += x * x;
             xy += x * y;
@@ -218,9 +231,10 @@ impl TransferFit<'_> {
             offset_mm: 0.0,
             ..*model
         });
-        (self.settle..plain.len())
+        let all: Vec<Vector4<f64>> = (0..plain.len())
             .map(|i| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0))
-            .collect()
+            .collect();
+        self.judged(&all)
     }
 
     fn normal(&self, model: &Transfer) -> (Matrix4<f64>, Vector4<f64>) {

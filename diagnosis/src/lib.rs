@@ -52,6 +52,7 @@ mod sliding;
 mod spectrum;
 mod stamps;
 mod travel;
+mod unmeasured;
 mod wear;
 
 pub use answer::{

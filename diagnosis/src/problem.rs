@@ -105,6 +105,7 @@ impl Problem {
                 },
                 target,
                 corners,
+                unmeasured: r.unmeasured().iter().map(|i| lead + i).collect(),
                 lead,
                 from: lead + settling(base, r, lead),
             });
@@ -142,9 +143,13 @@ impl Problem {
         let segments = self.segments.iter().map(|segment| {
             let s = &segment.signals;
             let target = thin(&segment.target);
-            let mut corners: Vec<usize> = segment.corners.iter().map(|i| i / n).collect();
-            corners.dedup();
-            corners.retain(|i| *i < target.len());
+            let fewer = |samples: &[usize]| {
+                let mut samples: Vec<usize> = samples.iter().map(|i| i / n).collect();
+                samples.dedup();
+                samples.retain(|i| *i < target.len());
+                samples
+            };
+            let (corners, unmeasured) = (fewer(&segment.corners), fewer(&segment.unmeasured));
             Segment {
                 signals: Signals {
                     interval_s: s.interval_s * n as f64,
@@ -161,6 +166,7 @@ impl Problem {
                 },
                 target,
                 corners,
+                unmeasured,
                 lead: segment.lead / n,
                 from: segment.from.div_ceil(n),
             }
@@ -376,11 +382,11 @@ impl Problem {
         samples as f64 * self.scales.interval_s
     }
 
-    /// Measured less modelled, segment by segment, from the first sample on that is looked at.
+    /// Measured less modelled, segment by segment, from the first sample on that is looked at; 0 where nobody measured.
     pub fn residuals(&self, effects: &[FittedEffect], scales: &Scales) -> Vec<Vec<f64>> {
         let residual = |s: &Segment| {
             let y = self.answer(s, effects, scales);
-            difference(s.seen(&s.target), s.seen(&y))
+            s.measured(difference(s.seen(&s.target), s.seen(&y)))
         };
         self.segments.iter().map(residual).collect()
     }

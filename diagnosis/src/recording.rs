@@ -18,6 +18,9 @@ pub struct Recording {
     pub force_n: Option<Vec<f64>>,
     /// What the file holds before this span: what has memory gets its state from there, and nothing of it is judged.
     pub before: Option<Box<Recording>>,
+    /// Times of samples that nobody measured, s: a few rows are missing there. The samples lie straight between their
+    /// neighbours, so that what has a memory goes on, and nothing is judged by them.
+    pub unmeasured_s: Vec<f64>,
     /// What was done to the samples, and what looks odd about them: sentences for the notes of an answer.
     pub remarks: Vec<String>,
 }
@@ -93,8 +96,8 @@ impl Recording {
     }
 
     /// The same samples where time is even, else on an even grid, straight between those that were recorded: as many, or
-    /// where rows are missing at the distance of the others, which stay as they are. What the file holds before them is laid
-    /// on the same grid, as far back as it has no gap. A remark says so.
+    /// where rows are missing at the distance of the others, which stay as they are, and those of the grid that nobody measured
+    /// are known as such. What the file holds before them is laid on the same grid, as far back as it has no gap. A remark says so.
     ///
     /// # Errors
     /// Too short; time that does not increase, or a gap in it; columns of another length; NaN or infinite values.
@@ -103,12 +106,16 @@ impl Recording {
         let mut h = self.interval_s();
         if self.uneven_at().is_some() {
             stamps::refuse_unusable(&self.name, &self.time_s)?;
-            if !stamps::missing_rows(&self.time_s).is_empty() {
+            let rows_are_missing = !stamps::missing_rows(&self.time_s).is_empty();
+            if rows_are_missing {
                 h = stamps::usual_interval_s(&self.time_s);
             }
             let steps = self.time_s.windows(2).map(|t| t[1] - t[0]);
             let (least, most) = steps.fold((f64::MAX, 0.0_f64), |(a, b), s| (a.min(s), b.max(s)));
             let times = stamps::grid(self.time_s[0], &self.time_s, h);
+            if rows_are_missing {
+                self.unmeasured_s = stamps::unmeasured(&self.time_s, &times, h);
+            }
             self = self.at_times(times);
             self.remarks.push(format!(
                 "{}: time stamps lie {:.3} to {:.3} ms apart; the samples were laid on an even grid of {:.3} ms, straight \
@@ -174,6 +181,7 @@ impl Recording {
             displacement_mm: of(|r| &r.displacement_mm),
             force_n: of(|r| &r.force_n),
             before: None,
+            unmeasured_s: self.unmeasured_s.clone(),
             remarks: self.remarks.clone(),
         }
     }

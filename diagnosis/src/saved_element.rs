@@ -104,6 +104,7 @@ impl SavedElement {
             first: 0,
             time_s: s.time_s.clone(),
             force: Vec::new(),
+            unmeasured: Vec::new(),
         };
         self.along(&track)
     }

@@ -14,6 +14,8 @@ pub struct Segment {
     pub target: Vec<f64>,
     /// Samples that are not judged: around corners of the motion, whose force between two samples nobody knows.
     pub corners: Vec<usize>,
+    /// Samples that nobody measured: no residual is formed there.
+    pub unmeasured: Vec<usize>,
     /// So many samples lie before the record: what the file holds there, so that the model begins in the state that the rig
     /// was in.
     pub lead: usize,
@@ -33,9 +35,18 @@ impl Segment {
     }
 
     /// Takes the samples that are not judged out of what is seen of a signal.
-    pub fn without_corners(&self, mut seen: Vec<f64>) -> Vec<f64> {
-        let seen_corners = self.corners.iter().filter_map(|i| i.checked_sub(self.from));
-        seen_corners.for_each(|i| seen[i] = 0.0);
+    pub fn without_corners(&self, seen: Vec<f64>) -> Vec<f64> {
+        self.without(&self.corners, self.measured(seen))
+    }
+
+    /// Takes the samples that nobody measured out of what is seen of a signal.
+    pub fn measured(&self, seen: Vec<f64>) -> Vec<f64> {
+        self.without(&self.unmeasured, seen)
+    }
+
+    fn without(&self, samples: &[usize], mut seen: Vec<f64>) -> Vec<f64> {
+        let seen_samples = samples.iter().filter_map(|i| i.checked_sub(self.from));
+        seen_samples.for_each(|i| seen[i] = 0.0);
         seen
     }
 }

@@ -200,6 +200,11 @@ pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
+/// Takes samples out of a residual or a column: they become 0.
+pub fn clear(values: &mut [f64], samples: &[usize]) {
+    samples.iter().for_each(|i| values[*i] = 0.0);
+}
+
 /// Mean value.
 pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64

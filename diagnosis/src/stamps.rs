@@ -6,13 +6,15 @@ use crate::refusal::Refusal;
 const JITTER: f64 = 0.05;
 /// Samples over which the number of digits is read off.
 const BLOCK: usize = 100;
-/// So many rows in a row may be missing and are no gap: a logger that is late now and then. They lie on the line between their
-/// neighbours, which is said with the grid.
+/// So many rows in a row may be missing and are no gap: a logger that is late now and then. What has a memory goes on over them
+/// along the line between their neighbours; nothing is judged by them.
 const BRIDGED: f64 = 20.0;
 /// A step that is longer than so many usual ones has rows missing in it, where the others show it.
 const LONG: f64 = 1.5;
 /// A step is a whole number of usual ones to this share of one.
 const WHOLE: f64 = 0.1;
+/// A time of a grid that is no further than this share of its interval from a sample is that sample's.
+const CLOSE: f64 = 0.25;
 /// Steps of a logger of one rate are whole to this share.
 const MOST_WHOLE: f64 = 0.9;
 /// Share of the steps by which their scatter is judged.
@@ -91,6 +93,19 @@ pub fn gaps(time_s: &[f64]) -> Vec<usize> {
         missing.retain(|i| time_s[*i] - time_s[*i - 1] > longest);
     }
     missing
+}
+
+/// Those of the times of a grid that nobody measured: inside a step over a missing row, and not close to either end of it.
+pub fn unmeasured(time_s: &[f64], times: &[f64], interval_s: f64) -> Vec<f64> {
+    let inside = |pair: &[f64]| {
+        let (from, to) = (pair[0] + CLOSE * interval_s, pair[1] - CLOSE * interval_s);
+        let first = times.partition_point(|t| *t <= from);
+        let end = times.partition_point(|t| *t < to);
+        &times[first..end.max(first)]
+    };
+    let long = |pair: &&[f64]| pair[1] - pair[0] > LONG * interval_s;
+    let holes = time_s.windows(2).filter(long);
+    holes.flat_map(inside).copied().collect()
 }
 
 /// The usual distance of two samples, s: the mean of the steps near the median, which missing rows do not change.
@@ -214,7 +229,13 @@ mod tests {
         let rows = || (0..3000).filter(lost);
         let even: Vec<f64> = rows().map(|i| i as f64 * 1.003e-3).collect();
         assert_eq!(missing_rows(&even), [500, 1300]);
-        assert_eq!(gaps(&even), [500], "a single row is bridged");
+        assert_eq!(gaps(&even), [500], "a single row is no gap");
+        let at = |row: f64| row * 1.003e-3;
+        let times = grid(0.0, &even, at(1.0));
+        let unmeasured = unmeasured(&even, &times, at(1.0));
+        let lost = (500..700).chain([1500]).map(|i| at(f64::from(i)));
+        let near = |(a, b): (&f64, f64)| (a - b).abs() < 1e-9;
+        assert!(unmeasured.len() == 201 && unmeasured.iter().zip(lost).all(near));
         assert!((usual_interval_s(&even) - 1.003e-3).abs() < 1e-12);
         // 970 Hz in milliseconds takes two of them now and then.
         let rounded: Vec<f64> = rows().map(|i| (i as f64 / 0.97).round() * 1e-3).collect();

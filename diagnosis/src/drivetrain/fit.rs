@@ -6,7 +6,7 @@ use crate::base::Base;
 use crate::criteria::BLOCKS;
 use crate::criteria::REACH;
 use crate::linear::{Bound, Factor, Normal, dot, gram, solve, stacked};
-use crate::signals::{add_columns, difference, difference_quotient};
+use crate::signals::{add_columns, clear, difference, difference_quotient};
 use nalgebra::DVector;
 
 /// The declared parameters: gain, delay, lag, offset.
@@ -29,6 +29,8 @@ pub struct ActuatorData<'a> {
     edges: Vec<usize>,
     /// Measured displacement, segment after segment.
     pub target: Vec<f64>,
+    /// Those of its samples that nobody measured.
+    unmeasured: Vec<usize>,
 }
 
 /// A model: parts, and which declared parameters may leave their tolerances.
@@ -58,6 +60,12 @@ impl<'a> ActuatorData<'a> {
     pub fn new(runs: Vec<Run>, interval_s: f64, base: &'a Base) -> Self {
         let target: Vec<f64> = runs.iter().flat_map(|r| r.target.clone()).collect();
         let n = target.len();
+        let mut unmeasured = Vec::new();
+        let mut from = 0;
+        for run in &runs {
+            unmeasured.extend(run.unmeasured.iter().map(|i| from + i));
+            from += run.target.len();
+        }
         let ends = target
             .iter()
             .fold([f64::MAX, f64::MIN], |[l, h], x| [l.min(*x), h.max(*x)]);
@@ -90,6 +98,7 @@ impl<'a> ActuatorData<'a> {
             base,
             edges: (0..=BLOCKS).map(|b| b * n / BLOCKS).collect(),
             target,
+            unmeasured,
         }
     }
 
@@ -153,12 +162,15 @@ impl<'a> ActuatorData<'a> {
         path.parts.push(more);
         let mut columns = self.columns(&path);
         if more.kind.is_column() {
-            return columns.pop().unwrap_or_default();
+            let mut own = columns.pop().unwrap_or_default();
+            clear(&mut own, &self.unmeasured);
+            return own;
         }
         let mut y = self.combined(&columns, &fit.declared, &fit.amplitudes);
         for ((y, t), r) in y.iter_mut().zip(&self.target).zip(&fit.residual) {
             *y -= t - r;
         }
+        clear(&mut y, &self.unmeasured);
         y
     }
 
@@ -176,6 +188,13 @@ impl<'a> ActuatorData<'a> {
         y
     }
 
+    /// Measured less modelled; 0 where nobody measured.
+    fn left(&self, modelled: &[f64]) -> Vec<f64> {
+        let mut left = difference(&self.target, modelled);
+        clear(&mut left, &self.unmeasured);
+        left
+    }
+
     /// What a fit leaves of these records, which may be others than it was made with.
     pub fn residual(&self, fit: &ActuatorFit) -> Vec<f64> {
         let y = self.combined(
@@ -183,7 +202,7 @@ impl<'a> ActuatorData<'a> {
             &fit.declared,
             &fit.amplitudes,
         );
-        difference(&self.target, &y)
+        self.left(&y)
     }
 
     /// A residual of all records, record by record.
@@ -220,7 +239,7 @@ impl<'a> ActuatorData<'a> {
             };
             let columns = self.columns(&path);
             let y = self.combined(&columns, &declared, &amplitudes);
-            let residual = difference(&self.target, &y);
+            let residual = self.left(&y);
             let slopes = self.slopes(&path, &columns, &y, &declared, &amplitudes);
             let mut bounds: Vec<Bound> = (0..DECLARED)
                 .map(|i| {
@@ -301,7 +320,7 @@ impl<'a> ActuatorData<'a> {
                     parts: turned.clone(),
                 };
                 let y = self.combined(&self.columns(&path), &next, &more);
-                let square: f64 = difference(&self.target, &y).iter().map(|r| r * r).sum();
+                let square: f64 = self.left(&y).iter().map(|r| r * r).sum();
                 if square < cost {
                     let fall = cost - square;
                     (declared, amplitudes, parts) = (next, more, turned);
@@ -352,6 +371,7 @@ impl<'a> ActuatorData<'a> {
                 slopes.push(apart(&moved, step));
             }
         }
+        slopes.iter_mut().for_each(|s| clear(s, &self.unmeasured));
         slopes
     }
 

@@ -96,12 +96,19 @@ fn run(record: &Recording, every: usize, settling_s: f64) -> Option<Run> {
         let smooth = spectrum::smooth(&f[from..], h, cutoff_hz.min(0.3 / h)).x;
         mean(&smooth)
     });
+    let target = mean(&record.displacement_mm.as_ref()?[skipped..]);
+    let judged = record
+        .unmeasured()
+        .into_iter()
+        .map(|i| i.checked_sub(skipped));
+    let judged = judged.flatten().map(|i| i / every);
     let first = record.before.as_ref().and_then(|b| b.time_s.first());
     Some(Run {
         command: mean(&joined.command_mm?[from..]),
         lead: (kept + skipped) / every,
         skipped: skipped / every,
-        target: mean(&record.displacement_mm.as_ref()?[skipped..]),
+        unmeasured: judged.filter(|i| *i < target.len()).collect(),
+        target,
         force: force.unwrap_or_default(),
         from_s: record.time_s[skipped] - first.unwrap_or(&record.time_s[0]),
     })

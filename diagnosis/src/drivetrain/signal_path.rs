@@ -15,6 +15,8 @@ pub struct Run {
     pub skipped: usize,
     /// Measured displacement behind the run-up, mm.
     pub target: Vec<f64>,
+    /// Those of its samples that nobody measured.
+    pub unmeasured: Vec<usize>,
     /// Measured force, N, as long as the command; empty where there is none.
     pub force: Vec<f64>,
     /// Time of the first judged sample since the record began, s.
@@ -238,6 +240,7 @@ mod tests {
     fn run(command: Vec<f64>) -> Run {
         Run {
             target: command.clone(),
+            unmeasured: Vec::new(),
             command,
             lead: 0,
             skipped: 0,

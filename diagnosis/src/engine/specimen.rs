@@ -13,7 +13,7 @@ use crate::joint::track::{MotionScales, Track, UnfilteredSpan, thinning};
 use crate::linear::{Bound, dot};
 use crate::recording::Recording;
 use crate::rest;
-use crate::signals::{add_columns, averaged, difference};
+use crate::signals::{add_columns, averaged};
 use plant::Effect;
 use rayon::prelude::*;
 
@@ -78,7 +78,7 @@ impl<'a> SpecimenData<'a> {
         let target: Vec<f64> = motions.iter().flat_map(own).collect();
         let speeds = motions
             .iter()
-            .flat_map(|m| m.track.span_of(&m.track.v, every));
+            .flat_map(|m| m.track.column_of(&m.track.v, every));
         let edges = edges(&speeds.collect::<Vec<f64>>());
         let score = Score {
             noise: 1.0,
@@ -102,7 +102,7 @@ impl<'a> SpecimenData<'a> {
         let mut all: Vec<Vec<f64>> = Vec::new();
         for motion in &self.motions {
             for (i, column) in of(motion).iter().enumerate() {
-                let own = motion.track.span_of(column, self.every);
+                let own = motion.track.column_of(column, self.every);
                 match all.get_mut(i) {
                     Some(column) => column.extend(own),
                     None => all.push(own),
@@ -253,7 +253,7 @@ impl<'a> SpecimenData<'a> {
         strengths.extend(fit.strengths.iter().flatten());
         let mut y = vec![0.0; motion.track.x.len()];
         add_columns(&mut y, &columns, &strengths, 1.0);
-        Some(motion.track.span_of(&y, 1))
+        Some(motion.track.span_of(&y))
     }
 
     /// Measured less answered, record by record.
@@ -262,7 +262,7 @@ impl<'a> SpecimenData<'a> {
         fit: &SpecimenModelFit,
         records: &[Recording],
     ) -> Option<Vec<Vec<f64>>> {
-        let residual = |r: &Recording| Some(difference(r.force_n.as_ref()?, &self.answer(fit, r)?));
+        let residual = |r: &Recording| Some(r.residual(r.force_n.as_ref()?, &self.answer(fit, r)?));
         records.iter().map(residual).collect()
     }
 

@@ -147,6 +147,7 @@ impl Element {
             first: 0,
             time_s: Vec::new(),
             force: Vec::new(),
+            unmeasured: Vec::new(),
         };
         self.force(&track, sizes)
     }
@@ -211,6 +212,7 @@ mod tests {
             first: 0,
             time_s: Vec::new(),
             force: Vec::new(),
+            unmeasured: Vec::new(),
         };
         let force = Element::new(Law::Fatigued, [5.0]).force(&track, &MotionScales::default());
         // 3 mm before the record, then 5, 5, 7 and 9: half is lost after 5.
@@ -230,6 +232,7 @@ mod tests {
             first: 1,
             time_s: Vec::new(),
             force: Vec::new(),
+            unmeasured: Vec::new(),
         };
         assert_eq!(travels(&track(-2.0)), [0.0, 0.0, 2.0, 4.0]);
         let worn = Element::new(Law::Worn, [1.0, 10.0]);

@@ -4,7 +4,7 @@ use super::element::Element;
 use super::set::{DECLARED, ElementSet, Library, declared_columns};
 use super::track::{MotionScales, UnfilteredSpan};
 use crate::recording::Recording;
-use crate::signals::{add_columns, add_scaled, difference};
+use crate::signals::{add_columns, add_scaled};
 
 /// Elements and declared parameters with their strengths.
 #[derive(Clone, Debug)]
@@ -44,14 +44,14 @@ impl SpecimenFit {
         for (element, strength) in &self.elements {
             add_scaled(&mut y, &element.force(&track, &self.sizes), *strength);
         }
-        Some(track.span_of(&y, 1))
+        Some(track.span_of(&y))
     }
 
     /// Measured less answered, span by span.
     pub fn residuals(&self, recordings: &[Recording]) -> Option<Vec<Vec<f64>>> {
         let residual = |r: &Recording| {
             let force = r.force_n.as_ref()?;
-            Some(difference(force, &self.answer(r)?))
+            Some(r.residual(force, &self.answer(r)?))
         };
         recordings.iter().map(residual).collect()
     }

@@ -74,7 +74,7 @@ pub struct Library<'a> {
 pub fn column(tracks: &[Track], every: usize, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
     tracks
         .iter()
-        .flat_map(|t| t.span_of(&of(t), every))
+        .flat_map(|t| t.column_of(&of(t), every))
         .collect()
 }
 

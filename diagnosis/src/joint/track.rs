@@ -5,7 +5,7 @@ use crate::criteria::specimen::BOTH_SIDES;
 use crate::criteria::{A_CYCLE, MOST_SEARCHED, SEARCHED};
 use crate::recording::{Recording, begins_at_rest, range};
 use crate::rest;
-use crate::signals::{Signals, averaged, peak};
+use crate::signals::{Signals, averaged, clear, peak};
 use crate::spectrum::motion_band_hz;
 use crate::travel;
 
@@ -43,8 +43,10 @@ pub struct Track {
     pub first: usize,
     /// Time of the span's samples, s.
     pub time_s: Vec<f64>,
-    /// Measured force of the span's samples, N.
+    /// Measured force of the span's samples, N; 0 where nobody measured.
     pub force: Vec<f64>,
+    /// Samples of the span that nobody measured.
+    pub unmeasured: Vec<usize>,
 }
 
 /// A span and its displacement before any cut-off.
@@ -96,6 +98,9 @@ impl<'a> UnfilteredSpan<'a> {
     pub fn track(&self, cutoff_hz: f64) -> Track {
         let fine = fine(cutoff_hz, self.recording.interval_s());
         let motion = self.band.motion(cutoff_hz, fine);
+        let unmeasured = self.recording.unmeasured();
+        let mut force = self.force.to_vec();
+        clear(&mut force, &unmeasured);
         let mut track = Track {
             interval_s: self.recording.interval_s() / fine as f64,
             fine,
@@ -106,7 +111,8 @@ impl<'a> UnfilteredSpan<'a> {
             a: motion.a,
             first: self.before * fine,
             time_s: self.recording.time_s.clone(),
-            force: self.force.to_vec(),
+            force,
+            unmeasured,
         };
         // Noise has a speed, too: a rest is told by its samples, not by one of them.
         let starts_at_rest = begins_at_rest(&track.x)
@@ -143,6 +149,7 @@ impl Track {
             first: 0,
             time_s: s.time_s.clone(),
             force: Vec::new(),
+            unmeasured: Vec::new(),
         }
     }
 
@@ -182,13 +189,16 @@ impl Track {
         self.first += best;
     }
 
-    /// A signal of the whole motion over the span alone, averaged over `every` samples.
-    pub fn span_of(&self, whole: &[f64], every: usize) -> Vec<f64> {
-        let own: Vec<f64> = whole[self.first..]
-            .iter()
-            .step_by(self.fine)
-            .copied()
-            .collect();
+    /// A signal of the whole motion over the span alone.
+    pub fn span_of(&self, whole: &[f64]) -> Vec<f64> {
+        let own = whole[self.first..].iter().step_by(self.fine);
+        own.copied().collect()
+    }
+
+    /// The same as a column that [`Track::force`] is fitted by, averaged over `every` samples.
+    pub fn column_of(&self, whole: &[f64], every: usize) -> Vec<f64> {
+        let mut own = self.span_of(whole);
+        clear(&mut own, &self.unmeasured);
         averaged(&own, every)
     }
 }

@@ -74,7 +74,7 @@ impl RecordFiles {
         }
     }
 
-    /// The parts, in order; one in which rows are missing is as many recordings as it has pieces.
+    /// The parts, in order; one with gaps is as many recordings as it has pieces.
     ///
     /// # Errors
     /// A file that cannot be used; a span that is not inside its record.
@@ -119,8 +119,9 @@ impl RecordFiles {
     }
 }
 
-/// The part of a recording between two times, on an even grid: one recording, or where rows are missing one for each piece
-/// between the gaps. Nothing is put into a gap, and what has memory begins again behind it.
+/// The part of a recording between two times, on an even grid: one recording, or where more than twenty rows are missing one for
+/// each piece between the gaps. Nothing is put into a gap, and what has memory begins again behind it. Of fewer rows the
+/// recording knows that nobody measured them.
 ///
 /// # Errors
 /// A span that is not inside the record; time that does not increase; a quantity without a number inside the span; a fifth
@@ -396,6 +397,7 @@ mod tests {
         );
         for part in &parts {
             assert!((part.interval_s() - 1e-3).abs() < 1e-9);
+            assert_eq!(part.unmeasured(), [0_usize; 0]);
             assert!(part.before.is_none(), "memory begins again");
             let x = part.displacement_mm.as_ref().unwrap();
             let recorded = |(t, x): (&f64, &f64)| (x - (6.0 * t).sin()).abs() < 1e-3;
@@ -427,25 +429,31 @@ mod tests {
     }
 
     #[test]
-    fn a_few_missing_rows_are_named_and_move_no_other_sample() {
-        let recording = with_lost(|i| (5000..5010).contains(&i) || (9000..9003).contains(&i));
+    fn a_few_missing_rows_are_named_and_known_as_not_measured_and_move_no_other_sample() {
+        let gone = |i: usize| matches!(i, 5000..5010 | 9000..9003 | 12_000 | 15_000..15_020);
+        let recording = with_lost(gone);
         let part = |span| longest_part_of(&recording, span).unwrap();
         let all = part(None);
         assert_eq!(all.time_s.len(), 20_000);
         assert!((all.interval_s() - 1e-3).abs() < 1e-9);
-        for said in ["4.999 s to 5.01 s (10 rows)", "8.999 s to 9.003 s (3 rows)"] {
+        let lost: Vec<usize> = (0..20_000).filter(|i| gone(*i)).collect();
+        assert_eq!(all.unmeasured(), lost);
+        for said in [
+            "4.999 s to 5.01 s (10 rows)",
+            "8.999 s to 9.003 s (3 rows)",
+            "14.999 s to 15.02 s (20 rows). Nothing is judged there",
+        ] {
             assert!(all.remarks[0].contains(said), "{:?}", all.remarks);
         }
         let x = all.displacement_mm.as_ref().unwrap();
         let written = |i: &usize| (x[*i] - (6e-3 * *i as f64).sin()).abs() < 1e-9;
-        assert!(
-            (0..5000)
-                .chain(5010..9000)
-                .chain(9003..20_000)
-                .all(|i| written(&i))
-        );
+        assert!((0..20_000).filter(|i| !gone(*i)).all(|i| written(&i)));
         let before = part(Some([0.0, 4.9]));
         assert_eq!((before.time_s.len(), &before.remarks[..]), (4900, &[][..]));
+        assert!(before.unmeasured().is_empty());
+        // A part that begins behind some and ends behind others knows its own.
+        let inside = part(Some([5.5, 14.0]));
+        assert_eq!(inside.unmeasured(), [3500, 3501, 3502, 6500]);
         // Two of seven rows, again and again.
         let e = parts_of(&with_lost(|i| matches!(i % 7, 2 | 3)), None).unwrap_err();
         assert!(

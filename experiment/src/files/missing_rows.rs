@@ -55,12 +55,10 @@ pub fn said(recording: &SiRecording, rows: &Range<usize>) -> Result<Option<Strin
     let gaps = diagnosis::gaps(time_s).len();
     let becomes = match (gaps, lost.len() - gaps) {
         (_, 0) => "Nothing is put there; what has memory begins again behind it.",
-        (0, _) => {
-            "Up to twenty rows are put there, straight between their neighbours; the others stay as they are."
-        }
+        (0, _) => "Nothing is judged there; what has memory goes on along a straight line.",
         _ => {
-            "Up to twenty rows are put in, straight between their neighbours; where more are missing nothing is put there, and \
-             what has memory begins again behind it."
+            "Nothing is judged there; what has memory goes on along a straight line over up to twenty rows, and begins again \
+             behind more."
         }
     };
     Ok(Some(format!("{said}. {becomes}")))
