@@ -182,8 +182,11 @@ pub fn plot(shape: PlotShape, x_label: &str, y_label: &str, curves: &[Curve]) ->
     } else {
         0.0
     };
-    let x = PlotAxis::new(span(&finite, |p| p.0, margin), LEFT..width - RIGHT);
-    let mut tall = no_less(span(&finite, |p| p.1, 0.06), shape);
+    let wide = no_less(span(&finite, |p| p.0, margin), LEAST);
+    let x = PlotAxis::new(wide, LEFT..width - RIGHT);
+    let mut tall = span(&finite, |p| p.1, 0.06);
+    let least = least_height(&tall, shape);
+    tall = no_less(tall, least);
     if let Some(reach) = shape.reach {
         tall = tall.start.max(-reach)..tall.end.min(reach);
     }
@@ -268,13 +271,13 @@ fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: PlotShape) {
     let (left, right) = (x.place(x.range.start), x.place(x.range.end));
     let (bottom, top) = (y.place(y.range.start), y.place(y.range.end));
     let across = if shape.width > 600 { 11 } else { 6 };
-    for v in scale::round_ticks(&x.range, across) {
-        let at = x.place(v);
+    let ticks = scale::round_ticks(&x.range, across);
+    for (v, label) in ticks.iter().zip(scale::labels(&ticks)) {
+        let at = x.place(*v);
         let _ = write!(
             svg,
-            "<path d=\"M{at:.1} {bottom:.1}V{top:.1}\"/><text x=\"{at:.1}\" y=\"{:.1}\" class=\"x\">{}</text>",
+            "<path d=\"M{at:.1} {bottom:.1}V{top:.1}\"/><text x=\"{at:.1}\" y=\"{:.1}\" class=\"x\">{label}</text>",
             bottom + 18.0,
-            scale::tick(v)
         );
     }
     let steps = if shape.percent {
@@ -282,13 +285,13 @@ fn grid(svg: &mut String, x: &PlotAxis, y: &PlotAxis, shape: PlotShape) {
     } else {
         scale::round_ticks(&y.range, 6)
     };
-    for v in steps {
-        let at = y.place(v);
-        let label = if shape.percent {
-            scale::tick(10_f64.powf(v) * 100.0)
-        } else {
-            scale::tick(v)
-        };
+    let shown = |v: &f64| match shape.percent {
+        true => 10_f64.powf(*v) * 100.0,
+        false => *v,
+    };
+    let values: Vec<f64> = steps.iter().map(shown).collect();
+    for (v, label) in steps.iter().zip(scale::labels(&values)) {
+        let at = y.place(*v);
         let _ = write!(
             svg,
             "<path d=\"M{left:.1} {at:.1}H{right:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" class=\"y\">{label}</text>",
@@ -362,22 +365,28 @@ fn packed(curve: &Curve, x: &PlotAxis, y: &PlotAxis) -> String {
     scale::base64(&bytes)
 }
 
-/// What the curves span, with a margin.
 /// Least height of a plot, of the largest value in it: below it the picture would be of rounding.
 const LEAST_SPAN: f64 = 0.05;
+/// What any axis spans at least, in its own unit: 1e-17 is rounding, whatever is drawn.
+const LEAST: f64 = 1e-9;
 /// The same of a logarithmic one, as a factor.
 const LEAST_FACTOR: f64 = 1.1;
 
-/// A range that is widened around its middle where it is too small to be drawn as a result.
-fn no_less(range: Range<f64>, shape: PlotShape) -> Range<f64> {
-    let least = match shape.percent {
+/// The least height of a plot over this range.
+fn least_height(range: &Range<f64>, shape: PlotShape) -> f64 {
+    match shape.percent {
         true => LEAST_FACTOR.log10(),
-        false => LEAST_SPAN * range.start.abs().max(range.end.abs()),
-    };
+        false => LEAST.max(LEAST_SPAN * range.start.abs().max(range.end.abs())),
+    }
+}
+
+/// A range that is widened around its middle where it is too small to be drawn as a result.
+fn no_less(range: Range<f64>, least: f64) -> Range<f64> {
     let more = 0.5 * (least - (range.end - range.start)).max(0.0);
     range.start - more..range.end + more
 }
 
+/// What the curves span, with a margin.
 fn span(curves: &[Curve], pick: fn(&(f64, f64)) -> f64, margin: f64) -> Range<f64> {
     let values = curves.iter().flat_map(|c| c.points.iter().map(pick));
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
@@ -428,6 +437,7 @@ mod tests {
         for (shape, values) in [
             (WIDE.of_percent(), errors),
             (WIDE, [100.000_01, 100.0, 100.000_02]),
+            (WIDE, [1e-17, -2e-17, 3e-17]),
         ] {
             let (heights, labels) = heights(shape, values);
             assert!(

@@ -1,5 +1,6 @@
 //! Axes with round ticks, and points in a form that a page can carry.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// From values to places in the drawing.
@@ -59,17 +60,41 @@ pub fn logarithmic_ticks(range: &Range<f64>) -> Vec<f64> {
     round.filter(|v| *v > 0.0).map(f64::log10).collect()
 }
 
-/// A tick label without needless zeros.
-pub fn tick(v: f64) -> String {
-    match v.abs() {
-        a if a < 1e-12 => "0".into(),
-        a if !(1e-3..1e6).contains(&a) => format!("{v:.0e}"),
-        a if a >= 100.0 => format!("{v:.0}"),
-        _ => {
-            let text = format!("{v:.4}");
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        }
+/// Below this share of the largest a tick is zero.
+const ZERO: f64 = 1e-9;
+/// Digits beyond which nothing is told apart any more.
+const MOST_DIGITS: usize = 12;
+
+/// Labels of an axis, without needless zeros and with as few digits as tell all of them apart.
+pub fn labels(ticks: &[f64]) -> Vec<String> {
+    let least = ZERO * ticks.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let with = |more: usize| -> Vec<String> {
+        let label = |v: &f64| match v.abs() {
+            a if a <= least => "0".into(),
+            _ => tick(*v, more),
+        };
+        ticks.iter().map(label).collect()
+    };
+    let differ = |labels: &Vec<String>| {
+        let all: BTreeSet<&String> = labels.iter().collect();
+        all.len() == labels.len()
+    };
+    let fewest = (0..MOST_DIGITS).map(with).find(differ);
+    fewest.unwrap_or_else(|| with(MOST_DIGITS))
+}
+
+/// A label with so many digits more than usual.
+fn tick(v: f64, more: usize) -> String {
+    let digits = match v.abs() {
+        a if !(1e-3..1e6).contains(&a) => return format!("{v:.more$e}"),
+        a if a >= 100.0 => more,
+        _ => 4 + more,
+    };
+    let text = format!("{v:.digits$}");
+    if !text.contains('.') {
+        return text;
     }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Base 64 (RFC 4648), as browsers read it.
@@ -99,9 +124,18 @@ mod tests {
         assert_eq!(round_ticks(&(-1.3..2.2), 5), [-1.0, 0.0, 1.0, 2.0]);
         let ticks = round_ticks(&(0.0..39.9995), 8);
         assert_eq!(ticks, [0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0]);
-        assert_eq!(tick(0.25), "0.25");
-        assert_eq!(tick(-1e-15), "0");
-        assert_eq!(tick(2e7), "2e7");
+    }
+
+    #[test]
+    fn no_two_labels_of_an_axis_are_equal_and_none_has_needless_digits() {
+        assert_eq!(labels(&[-1e-17, 0.25, 0.5]), ["0", "0.25", "0.5"]);
+        assert_eq!(labels(&[1e7, 2e7]), ["1e7", "2e7"]);
+        assert_eq!(labels(&[2e6, 2.5e6, 3e6]), ["2.0e6", "2.5e6", "3.0e6"]);
+        assert_eq!(labels(&[100.0, 100.5, 101.0]), ["100", "100.5", "101"]);
+        let close = [0.00148, 0.0015, 0.00152];
+        assert_eq!(labels(&close), ["0.00148", "0.0015", "0.00152"]);
+        assert_eq!(labels(&[0.0, 5e-18, 1e-17]), ["0", "5e-18", "1e-17"]);
+        assert_eq!(labels(&[300.0]), ["300"]);
     }
 
     #[test]

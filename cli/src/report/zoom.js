@@ -22,22 +22,36 @@ for (const plot of document.querySelectorAll(".plot")) {
   let view = { x: [...whole.x], y: [...whole.y] };
   const px = (v) => left + (right - left) * (v - view.x[0]) / (view.x[1] - view.x[0]);
   const py = (v) => bottom - (bottom - top) * (v - view.y[0]) / (view.y[1] - view.y[0]);
-  const label = (v) => { const a = Math.abs(v); return a < 1e-12 ? "0" : a < 1e-3 || a >= 1e6 ? v.toExponential(1) : String(+v.toPrecision(5)); };
+  // As few digits as tell all of them apart.
+  const labels = (all) => {
+    const least = 1e-9 * Math.max(...all.map(Math.abs));
+    for (let more = 0; ; more++) {
+      const text = all.map((v) => { const a = Math.abs(v); return a <= least ? "0" : a < 1e-3 || a >= 1e6 ? v.toExponential(1 + more) : String(+v.toPrecision(5 + more)); });
+      if (more > 9 || new Set(text).size === text.length) return text;
+    }
+  };
   const ticks = ([a, b], most) => {
     const coarse = (b - a) / most, power = 10 ** Math.floor(Math.log10(coarse));
     const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= coarse), all = [];
     for (let k = Math.ceil(a / step); k <= Math.floor(b / step); k++) all.push(k * step);
     return all;
   };
+  // Logarithms of shares: whole decades where two are in sight, else round values.
+  const heights = () => {
+    const all = ticks(view.y, 6), decades = all.filter((v) => v % 1 === 0);
+    if (!percent || decades.length > 1) return percent ? decades : all;
+    return ticks(view.y.map((v) => 10 ** v), 6).filter((v) => v > 0).map(Math.log10);
+  };
   const axes = () => {
     let marks = "";
-    for (const v of ticks(view.x, end - left < 500 ? 6 : 11)) {
+    const across = ticks(view.x, end - left < 500 ? 6 : 11), up = heights();
+    const [below, beside] = [labels(across), labels(percent ? up.map((v) => 100 * 10 ** v) : up)];
+    for (const [k, v] of across.entries()) {
       const x = left + (px(v) - left) * (end - left) / (right - left);
-      marks += `<path d="M${x} ${bottom}V${top}"/><text class="x" x="${x}" y="${bottom + 18}">${label(v)}</text>`;
+      marks += `<path d="M${x} ${bottom}V${top}"/><text class="x" x="${x}" y="${bottom + 18}">${below[k]}</text>`;
     }
-    for (const v of ticks(view.y, 6)) {
-      if (percent && v % 1) continue;
-      marks += `<path d="M${left} ${py(v)}H${end}"/><text class="y" x="${left - 7}" y="${py(v) + 4.5}">${label(percent ? 100 * 10 ** v : v)}</text>`;
+    for (const [k, v] of up.entries()) {
+      marks += `<path d="M${left} ${py(v)}H${end}"/><text class="y" x="${left - 7}" y="${py(v) + 4.5}">${beside[k]}</text>`;
     }
     grid.innerHTML = marks;
   };
