@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::command;
+use common::{command, narrow};
 use serde_json::Value;
 
 /// What the emulated board cannot show.
@@ -15,14 +15,12 @@ fn four_wires_close_the_loop_of_the_emulated_board_with_every_bit_proven() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().display().to_string();
     let short = ["--seconds", "0.5", "--duration", "0.5"];
-    let output = command(&["board", "desk", "--emulated", "--out", &out])
-        .args(short)
-        .args(["--methods", "none,lagrange"])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout);
-    println!("{said}{}", String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success());
+    let mut desk = command(&["board", "desk", "--emulated", "--out", &out]);
+    desk.args(short).args(["--methods", "none,lagrange"]);
+    let (status, said) = narrow::told(desk);
+    println!("{said}");
+    assert_eq!(status, Some(0));
+    narrow::check("board desk", &said);
 
     let text = std::fs::read_to_string(folder.path().join("desk.json")).unwrap();
     let found: Value = serde_json::from_str(&text).unwrap();

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{command, root};
+use common::{command, narrow, root};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -67,21 +67,17 @@ fn three_actuators_of_the_emulated_board_are_each_found() {
     test_file(folder.path());
     let [three, chirp] = ["three.toml", "chirp.csv"].map(|name| at(name).display().to_string());
     let signal = ["--amplitude-mm", "2", "--seconds", "4", "--to-hz", "10"];
-    let output = command(&["board", "commission", &three, "--emulated", "--out", &chirp])
-        .args(signal)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        output.status.success(),
-        "{said}{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    println!("{said}");
+    let mut commission = command(&["board", "commission", &three, "--emulated", "--out", &chirp]);
+    commission.args(signal);
+    let (status, text) = narrow::told(commission);
+    println!("{text}");
+    assert_eq!(status, Some(0));
+    narrow::check("board commission", &text);
+    let said = narrow::seen(&text);
 
     // What is to be written into the test file.
     let line = said
-        .lines()
+        .iter()
         .find_map(|l| l.strip_prefix("compensation.delay_ms = "));
     let told: Vec<f64> = serde_json::from_str(line.unwrap()).unwrap();
     assert_eq!(told.len(), LATE_MS.len());

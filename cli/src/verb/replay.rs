@@ -58,7 +58,7 @@ impl Replay {
             let (compensation, seed) = (archived.compensation(), archived.repeat.seed);
             let observer = (progress.observer(), OrderReplay::new(orders));
             if archived.repeat.place == RigKind::Emulated {
-                let board = RigArguments::on_board(None, false);
+                let board = RigArguments::emulated();
                 board.run(experiment, compensation, &ideal, seed, true, observer)?
             } else {
                 experiment.run(compensation, &ideal, seed, true, observer)?

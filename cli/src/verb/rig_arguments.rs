@@ -73,14 +73,34 @@ impl RigArguments {
 }
 
 impl RigArguments {
-    /// On the board at a port, else on an emulated one.
-    pub fn on_board(port: Option<String>, yes: bool) -> Self {
+    /// On an emulated board.
+    pub fn emulated() -> Self {
         Self {
-            emulated: port.is_none(),
-            port,
-            yes,
-            real_time: false,
+            emulated: true,
+            ..Self::default()
         }
+    }
+
+    /// The serial port, where the test runs on a board.
+    ///
+    /// # Errors
+    /// A port that cannot be opened.
+    pub fn serial(&self) -> Result<Option<Box<dyn Port>>, Failure> {
+        let Some(device) = &self.port else {
+            return Ok(None);
+        };
+        Ok(Some(Box::new(Serial::open(device)?)))
+    }
+
+    /// Who is asked before something moves.
+    ///
+    /// # Errors
+    /// Nobody at the keyboard.
+    pub fn operator(&self) -> Result<Operator, Failure> {
+        if self.yes || self.port.is_none() {
+            return Ok(Operator::not_asked());
+        }
+        Operator::at_keyboard()
     }
 
     /// The same where somebody watches: an emulated board goes no faster than a board would.
@@ -102,13 +122,8 @@ impl RigArguments {
         plan: &PlannedMotion,
         seed: u64,
     ) -> Result<Option<ConnectedBoard>, Failure> {
-        if let Some(device) = &self.port {
-            let operator = if self.yes {
-                Operator::not_asked()
-            } else {
-                Operator::at_keyboard()?
-            };
-            let port: Box<dyn Port> = Box::new(Serial::open(device)?);
+        let operator = self.operator()?;
+        if let Some(port) = self.serial()? {
             return Ok(Some((Connection::new(port, Timeouts::BOARD), operator)));
         }
         if !self.emulated {
@@ -122,7 +137,7 @@ impl RigArguments {
         let port: Box<dyn Port> = Box::new(Emulated::start(&laboratory)?);
         let mut connection = Connection::new(port, Timeouts::BOARD);
         calibrate(&mut connection, laboratory.calibration)?;
-        Ok(Some((connection, Operator::not_asked())))
+        Ok(Some((connection, operator)))
     }
 
     /// Moves actuators of a board by `trajectory` under the limits of `test`: the one that is wanted, from 0, or each in its

@@ -1,6 +1,8 @@
 //! The binary as people and scripts call it.
 #![allow(dead_code, reason = "each file of tests uses a part of it")]
 
+pub mod narrow;
+
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};

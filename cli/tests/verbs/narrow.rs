@@ -1,16 +1,13 @@
-//! On a terminal of 80 columns: no line is wider, and no unit stands on a line of its own.
+//! Every verb on a terminal of 80 columns.
 #![cfg(unix)]
 
 use crate::common::command;
+use crate::common::narrow::{self, check, seen};
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
-use std::process::Stdio;
 
-const COLUMNS: u16 = 80;
-
-/// Verbs that print no table: scripts for a shell and for `man`; questions; what a test with a board or a client looks at.
+/// Verbs that print no table: scripts for a shell and for `man`; questions; what a test with a board or a client looks at
+/// (`board desk` and `board commission` fit by theirs).
 const WITHOUT_TABLE: [&str; 7] = [
     "completions",
     "man",
@@ -45,71 +42,15 @@ const LINES: [&str; 20] = [
     "keys plant.actuator",
 ];
 
-/// Units as they stand behind a number.
-const UNITS: [&str; 17] = [
-    "%", "m", "mm", "um", "mrad", "s", "ms", "us", "Hz", "N", "kN", "J", "mJ", "kJ", "MJ", "m/s",
-    "N/m",
-];
-
-/// What a terminal of so many columns is told, both streams, and the exit status.
+/// What a terminal is told of a line; `o` is the folder.
 fn told(folder: &Path, line: &str) -> (Option<i32>, String) {
-    let size = nix::pty::Winsize {
-        ws_row: 24,
-        ws_col: COLUMNS,
-        ws_xpixel: 0,
-        ws_ypixel: 0,
-    };
-    let terminal = nix::pty::openpty(Some(&size), None).unwrap();
     let inside = |word: &str| match word.strip_prefix("o/") {
         Some(rest) => folder.join(rest).display().to_string(),
         None => word.to_owned(),
     };
     let words: Vec<String> = line.split(' ').map(inside).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    let mut command = command(&words);
-    let end = || Stdio::from(terminal.slave.try_clone().unwrap());
-    command.stdin(end()).stdout(end()).stderr(end());
-    let mut child = command.spawn().unwrap();
-    // The other end is open as long as anybody here holds it.
-    drop((command, terminal.slave));
-    let mut bytes = Vec::new();
-    // Linux ends a terminal that nobody holds by an error.
-    let _ = File::from(terminal.master).read_to_end(&mut bytes);
-    let status = child.wait().unwrap().code();
-    (status, String::from_utf8(bytes).unwrap())
-}
-
-/// Lines as they are seen: without colours, and of a line that was written over and over the last state.
-fn seen(text: &str) -> Vec<String> {
-    let mut plain = String::new();
-    let mut rest = text;
-    while let Some((before, behind)) = rest.split_once("\u{1b}[") {
-        plain += before;
-        let end = behind.find(|c: char| c.is_ascii_alphabetic());
-        rest = &behind[end.map_or(behind.len(), |at| at + 1)..];
-    }
-    plain += rest;
-    let lines = plain.split("\r\n");
-    let last = |line: &str| line.rsplit('\r').next().unwrap_or_default().to_owned();
-    lines.map(last).collect()
-}
-
-fn check(line: &str, text: &str) {
-    for shown in seen(text) {
-        let width = textwrap::core::display_width(&shown);
-        // A path may be longer than any terminal, and stays whole; so does how a verb is called.
-        let whole = shown.starts_with("Usage: ")
-            || shown.trim().contains('/') && !shown.trim().contains("  ");
-        assert!(
-            width <= usize::from(COLUMNS) || whole,
-            "{line}: {width} columns: {shown}\n{text}"
-        );
-        let words: Vec<&str> = shown.split_whitespace().collect();
-        assert!(
-            words.is_empty() || !words.iter().all(|word| UNITS.contains(word)),
-            "{line}: units without numbers: {shown}\n{text}"
-        );
-    }
+    narrow::told(command(&words))
 }
 
 #[test]

@@ -10,7 +10,7 @@ use link::reply::{Obstacle, Reply};
 use outerloop_core::{Config, Event, Fault, Method, Mode};
 
 /// A test that runs, with a fault to come 0.6 s after PERMIT and with other limits.
-fn begun(fault: Option<InjectedFault>, change: impl Fn(&mut Config)) -> Desk {
+pub(crate) fn begun(fault: Option<InjectedFault>, change: impl Fn(&mut Config)) -> Desk {
     let plan = fault.map(|fault| PlannedFault {
         after_steps: 1200,
         fault,

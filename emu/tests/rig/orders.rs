@@ -1,8 +1,9 @@
 //! What the flashed image does with each command that no other scenario sends, and with the faults that need a test of
 //! their own.
 
-use crate::desk::{Bench, Desk, codes, config};
-use emu::{InjectedFault, PlannedFault};
+use crate::desk::{Desk, codes, config};
+use crate::limits_and_link::begun;
+use emu::InjectedFault;
 use link::command::{Channel, CommissioningSignal, SignalShape};
 use link::frame::checksum;
 use link::reply::{Obstacle, Reply};
@@ -173,24 +174,7 @@ fn a_ground_motion_with_a_gap_or_another_sum_is_not_loaded() {
 
 /// A test with other limits in which something fails 0.6 s after PERMIT trips on `reason`, with PERMIT low.
 fn trips(fault: InjectedFault, reason: Fault, change: impl Fn(&mut Config)) {
-    let mut desk = Desk::with(Bench {
-        plan: Some(PlannedFault {
-            after_steps: 1200,
-            fault,
-        }),
-        ..Bench::default()
-    });
-    desk.load();
-    let mut limited = config();
-    change(&mut limited);
-    desk.order(Command::Configure(limited));
-    for _ in 0..300 {
-        desk.step();
-    }
-    desk.order(Command::Event(Event::Arm));
-    desk.until(Mode::Armed);
-    while desk.step().command_m != 0.0 {}
-    desk.order(Command::Event(Event::Start));
+    let mut desk = begun(Some(fault), change);
     desk.until(Mode::Tripped);
     let status = desk.status();
     assert_eq!(status.trip.map(|t| t.fault), Some(reason));

@@ -20,26 +20,15 @@ use std::str::FromStr;
 
 /// Move an actuator by a signal and record it; with several actuators one after the other, while the others stand
 #[derive(Args, Debug)]
+#[command(group(clap::ArgGroup::new("place").args(["port", "emulated"]).required(true)))]
 pub(super) struct Commission {
     /// The test file, whose limits are in force
     test: PathBuf,
-    /// The board's serial port, e.g. /dev/ttyACM0
-    #[arg(
-        long,
-        value_name = "DEV",
-        required_unless_present = "emulated",
-        conflicts_with = "emulated"
-    )]
-    port: Option<String>,
-    /// On an emulated board, with the test's simulated rig behind its converters
-    #[arg(long)]
-    emulated: bool,
+    #[command(flatten)]
+    place: RigArguments,
     /// The actuator that is moved, from 1, of a board with several; left out, each of them in its turn
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=link::MAX_ACTUATORS as i64))]
     actuator: Option<u8>,
-    /// Ask nobody between the approach and the start
-    #[arg(long, conflicts_with = "emulated")]
-    yes: bool,
     /// Seed of everything random in that rig
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -128,8 +117,7 @@ impl Commission {
         }
         let test = TestFile::load(&self.test, &[])?;
         let trajectory = self.trajectory()?;
-        let place =
-            RigArguments::on_board(self.port.clone(), self.yes).watched(self.scope.is_wanted());
+        let place = self.place.watched(self.scope.is_wanted());
         let title = match &self.signal {
             Wanted::File(path) => format!("{} under {}", path.display(), self.test.display()),
             shape => format!("{shape:?} under {}", self.test.display()),

@@ -2,11 +2,12 @@
 
 use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
-use crate::board::{BoardConnection, Connection, Operator, Port, Serial, Timeouts};
+use crate::board::{BoardConnection, Connection, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
 use crate::provenance::WithProvenance;
 use crate::report;
 use crate::terminal::interrupt;
+use crate::verb::rig_arguments::{RigArguments, RigKind};
 use crate::verb::{MethodName, json};
 use clap::Args;
 use experiment::failure::Failure;
@@ -20,21 +21,10 @@ use std::time::Duration;
 
 /// Show what a bare board with four wires does (docs/desk.md): period, methods, a whole test, saves, crashes; on a page
 #[derive(Args, Debug)]
+#[command(group(clap::ArgGroup::new("place").args(["port", "emulated"]).required(true)))]
 pub(super) struct Desk {
-    /// The board's serial port, e.g. /dev/ttyACM0
-    #[arg(
-        long,
-        value_name = "DEV",
-        required_unless_present = "emulated",
-        conflicts_with = "emulated"
-    )]
-    port: Option<String>,
-    /// On an emulated board with the same four wires
-    #[arg(long)]
-    emulated: bool,
-    /// Ask nobody whether nothing but the four wires is connected
-    #[arg(long, conflicts_with = "emulated")]
-    yes: bool,
+    #[command(flatten)]
+    place: RigArguments,
     /// How long the board idles at each rate, s
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     seconds: f64,
@@ -94,12 +84,12 @@ impl Desk {
         }
         let found = Found {
             board: &identity,
-            emulated: self.emulated,
+            emulated: self.is_emulated(),
             notes: &self.note,
             rows: &rows,
         };
         let text = json(&WithProvenance::of(&found))?;
-        let page = report::of_desk(&identity, self.emulated, &self.note, &rows);
+        let page = report::of_desk(&identity, self.is_emulated(), &self.note, &rows);
         output::write_all(&out, &[(FILES[0], page), (FILES[1], text)])?;
         let bad = rows.iter().filter(|row| row.verdict == RowVerdict::Bad);
         match bad.clone().next() {
@@ -114,9 +104,13 @@ impl Desk {
         }
     }
 
+    fn is_emulated(&self) -> bool {
+        self.place.kind() == RigKind::Emulated
+    }
+
     fn connect(&self, mishap: Option<Mishap>) -> Result<BoardConnection, Failure> {
-        let port: Box<dyn Port> = match &self.port {
-            Some(device) => Box::new(Serial::open(device)?),
+        let port: Box<dyn Port> = match self.place.serial()? {
+            Some(port) => port,
             None => Box::new(Emulated::start(&EmulatedRig::on_desk(mishap)?)?),
         };
         Ok(Connection::new(port, Timeouts::BOARD))
@@ -130,10 +124,7 @@ impl Desk {
                  --force where nothing but the four wires is connected",
             ));
         }
-        if self.emulated || self.yes {
-            return Ok(());
-        }
-        let person = Operator::at_keyboard()?;
+        let person = self.place.operator()?;
         person.ask(
             "the output will move: Enter, if nothing but the four wires of docs/desk.md is connected to the board; Ctrl-C \
              gives it up",
@@ -158,7 +149,7 @@ impl Desk {
             desk::idle(&mut board, desk::fastest_hz(own), self.seconds),
             desk::idle(&mut board, 2000, self.seconds),
         ];
-        rows.push(if self.emulated {
+        rows.push(if self.is_emulated() {
             DeskRow::not_done(
                 "saves until a sector is erased",
                 "not done: the emulator drops what is programmed into the flash",
@@ -193,7 +184,7 @@ impl Desk {
         let mut rows = Vec::new();
         for expected in MISHAPS {
             let (mishap, name, ..) = expected;
-            rows.push(match (&self.probe, self.emulated) {
+            rows.push(match (&self.probe, self.is_emulated()) {
                 (None, false) => DeskRow::not_done(
                     &format!("in a running test: {name}"),
                     "not done: it needs a debug probe (--probe, scripts/desk has one)",
