@@ -9,6 +9,7 @@ use crate::refusal::Refusal;
 use crate::signals::{Transfer, deviation, difference, mean, rms};
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
+use std::ops::Range;
 
 /// Longest transport delay, s, and longest lag, s, that are looked for.
 const LONGEST_S: [f64; 2] = [0.1, 0.2];
@@ -22,6 +23,8 @@ const T_95: f64 = 1.699;
 /// A fit that leaves more of the displacement's standard deviation than this explains nothing.
 const WORST_NRMSE: f64 = 0.8;
 const ITERATIONS: usize = 40;
+/// Of a record twice as long as so many samples, so many tell where a fit begins.
+const LONG: usize = 200_000;
 
 /// What was found. Intervals hold the true value with 90 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -85,7 +88,7 @@ pub fn identify(recording: &Recording) -> Result<Identified, Refusal> {
             )));
         }
     }
-    let best = fit.settle_on(fit.begin());
+    let best = fit.settle_on(fit.liveliest().begin());
     let residual = fit.residual(&best);
     let nrmse = rms(std::slice::from_ref(&residual)) / followed;
     if nrmse.is_nan() || nrmse > WORST_NRMSE {
@@ -130,7 +133,7 @@ impl TransferFit<'_> {
     }
 
     /// What is judged of a signal.
-    fn judged<T: Copy>(&self, whole: &[T]) -> Vec<T> {
+    fn judged(&self, whole: &[f64]) -> Vec<f64> {
         let all = whole[self.settle..].iter().zip(&self.judged);
         all.filter_map(|(x, judged)| judged.then_some(*x)).collect()
     }
@@ -160,6 +163,26 @@ impl TransferFit<'_> {
             ..unit
         };
         (model, yy - gain * xy)
+    }
+
+    /// Where the command moves most, of a record so long that a part of it tells where to begin.
+    fn liveliest(&self) -> Self {
+        let n = self.measured.len();
+        let parts = (0..n).step_by(LONG).map(|i| i..n.min(i + LONG));
+        let moves = |part: &Range<usize>| deviation(&self.command[part.clone()]);
+        let part = parts.max_by(|a, b| moves(a).total_cmp(&moves(b)));
+        let part = part.filter(|_| n >= 2 * LONG).unwrap_or(0..n);
+        let settle = self.settle.min(part.len() / 10);
+        let judged = part.clone().skip(settle);
+        Self {
+            command: &self.command[part.clone()],
+            measured: &self.measured[part],
+            interval_s: self.interval_s,
+            settle,
+            judged: judged
+                .map(|i| i.checked_sub(self.settle).is_none_or(|i| self.judged[i]))
+                .collect(),
+        }
     }
 
     /// The best of a coarse grid.
@@ -231,10 +254,11 @@ impl TransferFit<'_> {
             offset_mm: 0.0,
             ..*model
         });
-        let all: Vec<Vector4<f64>> = (0..plain.len())
-            .map(|i| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0))
-            .collect();
-        self.judged(&all)
+        let at = |i: usize| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0);
+        let judged = (self.settle..plain.len()).zip(&self.judged);
+        judged
+            .filter_map(|(i, judged)| judged.then(|| at(i)))
+            .collect()
     }
 
     fn normal(&self, model: &Transfer) -> (Matrix4<f64>, Vector4<f64>) {
@@ -312,6 +336,27 @@ mod tests {
         assert!((found.delay_ms - 5.6).abs() < 1e-3, "{found:?}");
         assert!((found.lag_ms - 18.3).abs() < 1e-3, "{found:?}");
         assert!((found.offset_mm - 0.4).abs() < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn a_long_record_is_begun_where_it_moves() {
+        let moves = chirp(TRUE, 0.0, 4);
+        // 20 s of motion behind 400 of rest.
+        let rest = 2 * LONG;
+        let behind = |rest_mm: f64, x: &Option<Vec<f64>>| {
+            let rest = vec![rest_mm; rest];
+            Some([&rest[..], x.as_ref().unwrap()].concat())
+        };
+        let n = rest + moves.time_s.len();
+        let long = Recording {
+            time_s: (0..n).map(|i| i as f64 * 1e-3).collect(),
+            command_mm: behind(0.0, &moves.command_mm),
+            displacement_mm: behind(TRUE.offset_mm, &moves.displacement_mm),
+            ..moves
+        };
+        let found = identify(&long).unwrap();
+        assert!((found.delay_ms - 5.6).abs() < 1e-3, "{found:?}");
+        assert!((found.lag_ms - 18.3).abs() < 1e-3, "{found:?}");
     }
 
     #[test]

@@ -9,7 +9,8 @@ pub const EXIT_STATUSES: &str = "\
 Exit status:
   0  done, and the result is good or fair
   1  the test tripped, ran away, was stopped by hand, or is not the structure's response; check: doubtful; compare: no row is usable
-  2  bad input, or output that cannot be written; check: unstable";
+  2  bad input, or output that cannot be written
+  3  check: unstable";
 
 /// Why a verb did not do what was asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub enum Failure {
     Input(String),
     /// The test tripped, ran away, or is not the structure's response; a result that got worse. Exit status 1.
     Test(String),
+    /// A test that must not be run: its loop is unstable. Exit status 3.
+    Unstable(String),
 }
 
 impl Failure {
@@ -36,6 +39,7 @@ impl Failure {
         match self {
             Self::Input(_) => ExitCode::from(2),
             Self::Test(_) => ExitCode::from(1),
+            Self::Unstable(_) => ExitCode::from(3),
         }
     }
 }
@@ -43,7 +47,9 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Input(sentence) | Self::Test(sentence) => f.write_str(sentence),
+            Self::Input(sentence) | Self::Test(sentence) | Self::Unstable(sentence) => {
+                f.write_str(sentence)
+            }
         }
     }
 }

@@ -20,10 +20,9 @@ use experiment::summary::GOOD_EPS_RMS;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Check whether a test may be run: exit status 0 stable, 1 doubtful, 2 unstable
+/// Check whether a test may be run: exit status 0 stable, 1 doubtful, 3 unstable
 ///
-/// Bad input has exit status 2, too, and writes nothing on standard output: there an unstable test has its verdict, with
-/// --json as `"verdict": "unstable"`, and on standard error `unstable:` behind the name of its file.
+/// Bad input has exit status 2 and writes nothing on standard output.
 #[derive(clap::Args, Debug)]
 pub struct Check {
     /// The test file

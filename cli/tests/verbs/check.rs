@@ -22,7 +22,7 @@ fn json(output: &Output) -> Value {
 #[test]
 fn a_test_that_cannot_be_stable_is_refused_with_the_published_limit() {
     let output = check(&["--compensation", "none", "--json"]);
-    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(output.status.code(), Some(3));
     let said = String::from_utf8_lossy(&output.stderr);
     for word in [
         "unstable: with compensation `none` the test cannot be stable",
@@ -76,7 +76,7 @@ fn a_runaway_is_never_called_stable_and_a_wrong_result_is_doubtful() {
     for (delay_ms, verdict, status, said) in [
         ("12", "stable", 0, "ran to its end"),
         ("15", "doubtful", 1, "not the structure's response"),
-        ("40", "unstable", 2, "the planned motion runs away"),
+        ("40", "unstable", 3, "the planned motion runs away"),
     ] {
         let delay = format!("plant.actuator.delay_ms={delay_ms}");
         let output = check(&["--json", "--plants", "1", "--set", &delay]);
@@ -143,7 +143,7 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
 
     // It may not learn more than 2 ms: 6 are left, and the limit without a predictor is 3.18.
     let bounded = learning(&["--set", "compensation.adaptation.longest_delay_ms=2"]);
-    assert_eq!(bounded.status.code(), Some(2));
+    assert_eq!(bounded.status.code(), Some(3));
     let answer = json(&bounded);
     assert_eq!(answer["stable"], false);
     assert_eq!(answer["verdict"], "unstable");
@@ -154,7 +154,7 @@ fn a_predictor_that_learns_is_judged_by_what_it_comes_to_and_that_is_said() {
 fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
     let late = ["--set", "plant.actuator.delay_ms=40", "--plants", "5"];
     let output = check(&late);
-    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(output.status.code(), Some(3));
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(
         text.starts_with("UNSTABLE: the planned motion runs away"),
@@ -176,7 +176,7 @@ fn the_verdict_stands_first_and_no_row_promises_what_it_denies() {
     }
     assert!(row("none ").contains("grows"));
     assert!(!text.contains(" yes ") && !text.contains("eigenvalue"));
-    // Bad input has the same exit status, and nothing on standard output.
+    // Bad input has another exit status, and nothing on standard output.
     let bad = check(&["--set", "plant.actuator.delay_ms=-1"]);
     assert_eq!((bad.status.code(), bad.stdout.len()), (Some(2), 0));
     assert!(!String::from_utf8_lossy(&bad.stderr).contains("unstable"));

@@ -61,7 +61,7 @@ impl SoundnessVerdict {
         match self {
             Self::Stable => Ok(()),
             Self::Doubtful => Err(Failure::test(said)),
-            Self::Unstable => Err(Failure::input(said)),
+            Self::Unstable => Err(Failure::Unstable(said)),
         }
     }
 }
