@@ -73,6 +73,7 @@ fn three_actuators_of_the_emulated_board_are_each_found() {
     println!("{text}");
     assert_eq!(status, Some(0));
     narrow::check("board commission", &text);
+    assert!(!text.contains("are replaced"), "it is its own file");
     let said = narrow::seen(&text);
 
     // What is to be written into the test file.

@@ -132,7 +132,12 @@ impl Commission {
             if turn.of > 1 {
                 let text = toml::to_string(&Actuators { actuator: &found })
                     .map_err(|e| Failure::test(format!("what was found cannot be written: {e}")))?;
-                output::write(&self.sibling_file("-actuators.toml"), &text)?;
+                let file = self.sibling_file("-actuators.toml");
+                match found.len() {
+                    1 => output::write(&file, &text)?,
+                    // What it has written itself a moment ago.
+                    _ => output::write_back(&file, &text)?,
+                }
             }
             wrong(&turn)
         });
