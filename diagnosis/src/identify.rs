@@ -256,9 +256,7 @@ impl TransferFit<'_> {
         });
         let at = |i: usize| Vector4::new(plain[i], by_delay[i], by_lag[i], 1.0);
         let judged = (self.settle..plain.len()).zip(&self.judged);
-        judged
-            .filter_map(|(i, judged)| judged.then(|| at(i)))
-            .collect()
+        judged.filter(|(_, j)| **j).map(|(i, _)| at(i)).collect()
     }
 
     fn normal(&self, model: &Transfer) -> (Matrix4<f64>, Vector4<f64>) {

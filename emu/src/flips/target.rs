@@ -97,10 +97,11 @@ impl Memory {
     /// # Errors
     /// A sentence: the image lacks a symbol.
     pub fn of(firmware: &Firmware) -> Result<Self, String> {
+        let variables = firmware.symbol("__sdata")?..firmware.symbol("__euninit")?;
         Ok(Self {
             // A first test goes into the spare place.
             loops: vec![firmware.variable("5SPARE")?, firmware.variable("7CONTROL")?],
-            variables: vec![firmware.symbol("__sdata")?..firmware.symbol("__euninit")?],
+            variables: vec![variables],
             flash: firmware.stored(),
             stack_top: firmware.symbol("_stack_start")?,
         })
