@@ -75,7 +75,11 @@ fn a_test_runs_the_same_to_the_bit_again_and_on_a_busy_machine() {
     let over = AtomicBool::new(false);
     let busy = std::thread::scope(|s| {
         for _ in 0..4 {
-            s.spawn(|| while !over.load(Relaxed) {});
+            s.spawn(|| {
+                while !over.load(Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
         }
         let again = bits(&experiment);
         over.store(true, Relaxed);
