@@ -8,7 +8,7 @@
 //! | `orders` | what an operator asked of a running test, for its replay |
 //! | `difference` | two tests that ran, side by side |
 //! | `sweep` | a test over the values of one key, and fragility curves |
-//! | `archive` | what a test leaves in its folder, for its replay |
+//! | [`archive`] | what a test leaves in its folder, for its replay |
 //! | `designed_test` | a test that the diagnosis has designed, as a file |
 //! | [`improve`] | a test, the diagnosis of its record, the next test |
 //! | `keys` | every key of a test file, from the code that reads it |
@@ -38,7 +38,7 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::terminal::output::print_note(format_args!($($text)*)) };
 }
 
-mod archive;
+pub mod archive;
 pub mod board;
 mod comparison;
 mod designed_test;
