@@ -13,8 +13,11 @@ use host_tests::loopback::{FaultInjection, Loopback};
 use link::command::{CommissioningSignal, SignalShape};
 use outerloop_cli::board::limits::PlannedMotion;
 use outerloop_cli::board::{self, BoardBench, Connection, Operator, Port, Timeouts, Trajectory};
+use outerloop_core::Mode;
 use plant::Rig;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
@@ -181,6 +184,44 @@ fn each_trip_has_its_name_and_what_was_before_it_is_worked_out_to_its_last_bit()
         assert!(run.summary.sentence().contains(name));
         assert!(!run.trace.unwrap().is_empty(), "{name}");
     }
+}
+
+/// Runs a test that ends on its ramp, since its energy error is too large; with the emergency stop pressed in the third step of
+/// the ramp, where that is asked for. How many steps the board was on the ramp.
+fn ramped(pressed: bool) -> u32 {
+    let t = test(&["limits.energy_trip=0.002"]);
+    let mut board = loopback(&t);
+    let steps = Arc::new(AtomicU32::new(0));
+    for step in 0..16_000 {
+        let steps = Arc::clone(&steps);
+        let happen = move |b: &mut Loopback| {
+            if b.board.state() == Mode::Stopping && steps.fetch_add(1, Relaxed) == 2 {
+                b.board.hardware.broken.stop_pressed = pressed;
+            }
+        };
+        board.mishaps.push_back((step, Box::new(happen)));
+    }
+    let run = run_on(&t, board).unwrap();
+    assert_eq!(
+        run.summary.trip,
+        Some("energy_ratio"),
+        "{}",
+        run.summary.sentence()
+    );
+    let board = run.summary.board.as_ref().unwrap();
+    assert_eq!(
+        (board.steps_lost, board.steps_different),
+        (0, 0),
+        "{pressed}"
+    );
+    steps.load(Relaxed)
+}
+
+#[test]
+fn an_emergency_on_the_ramp_ends_it_and_is_worked_out_to_its_last_bit() {
+    let (whole, cut_short) = (ramped(false), ramped(true));
+    assert!(whole > 10, "{whole}");
+    assert_eq!(cut_short, 3);
 }
 
 #[test]
