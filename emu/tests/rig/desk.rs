@@ -149,7 +149,8 @@ pub struct Desk {
     pub steps: Vec<(u32, StepReport)>,
     /// The serial line itself.
     pub wire: Wire,
-    log: Arc<Mutex<Log>>,
+    /// What the laboratory has seen, see [`Desk::log`].
+    pub log: Arc<Mutex<Log>>,
     board: Option<JoinHandle<Result<(), String>>>,
 }
 

@@ -22,6 +22,7 @@ mod mutant;
 mod mutants;
 mod silent;
 mod single_faults;
+mod soak;
 #[path = "../rig/stopped.rs"]
 mod stopped;
 mod stroke;

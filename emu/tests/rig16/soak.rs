@@ -1,0 +1,178 @@
+//! Tests one after the other on one board for as long as wanted, with a fault, a reset or a crash in turn: nothing is dropped, no
+//! bit is different, and the last period is as exact as the first. On this image, since its output holds where it is while the
+//! chip is reset; the chip's own floats, and the rig would go to its end.
+
+use crate::desk::{Bench, Desk, PERIOD_NS, TABLE_1};
+use emu::{InjectedFault, Log, LoggedEvent, PlannedFault};
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::judged::JudgedRun;
+use experiment::summary::TestVerdict;
+use experiment::trace::Trace;
+use link::command::Command;
+use link::status::StartCause;
+use outerloop_cli::board::limits::PlannedMotion;
+use outerloop_cli::board::{BoardBench, Operator};
+use outerloop_core::{Event, Mode};
+use std::path::Path;
+use std::time::Instant;
+
+/// Control steps with PERMIT high from one reset or crash to the next, a test and a half.
+const BETWEEN: u64 = 30_000;
+
+/// Each in its turn ends the program, or the button does.
+const ENDS: [(InjectedFault, StartCause); 3] = [
+    (InjectedFault::Reset, StartCause::Pin),
+    (InjectedFault::Drill(1), StartCause::Watchdog),
+    (InjectedFault::Drill(2), StartCause::Watchdog),
+];
+
+/// What came of the tests.
+#[derive(Debug, Default, PartialEq)]
+struct Outcomes {
+    completed: u32,
+    tripped: u32,
+    reset: u32,
+}
+
+/// A test that runs to its end, or one whose limit of the force it passes.
+fn experiment(trips: bool) -> Experiment {
+    let mut test = TestFile::parse(TABLE_1, "test.toml", Path::new(""), &[]).unwrap();
+    if trips {
+        test.config.limits.force_n = Some(800.0);
+    }
+    Experiment::new(test, &near_fault(), None).unwrap()
+}
+
+struct Soak {
+    desk: Desk,
+    whole: Experiment,
+    trips: Experiment,
+    outcomes: Outcomes,
+    /// The board's time since power-up.
+    now_s: f64,
+}
+
+impl Soak {
+    fn new(board_s: u64) -> Self {
+        let ends = (0..)
+            .zip(ENDS.iter().cycle())
+            .map(|(i, (fault, _))| PlannedFault {
+                after_steps: (i + 1) * BETWEEN,
+                fault: *fault,
+            });
+        let desk = Desk::with(Bench {
+            longest_s: 2 * board_s + 60,
+            then: ends.take((board_s * 2000 / BETWEEN) as usize + 1).collect(),
+            ..Bench::default()
+        });
+        Self {
+            desk,
+            whole: experiment(false),
+            trips: experiment(true),
+            outcomes: Outcomes::default(),
+            now_s: 0.0,
+        }
+    }
+
+    /// One test, and how the board is afterwards.
+    fn test(&mut self, trips: bool) {
+        let experiment = if trips { &self.trips } else { &self.whole };
+        let ideal = experiment.ideal().unwrap();
+        // The emulator drops what is written into the flash: a board that has been reset has to be calibrated again.
+        if !self.desk.status().calibrated {
+            self.desk.calibrate();
+        }
+        // Hours of what the laboratory has seen would fill the memory.
+        *self.desk.log.lock().unwrap() = Log::default();
+        let plan = PlannedMotion::of(experiment, &ideal);
+        // One connection all the time: a reset leaves answers behind that nobody waits for.
+        let spare = self.desk.connection();
+        let pc = std::mem::replace(&mut self.desk.pc, spare);
+        let bench = BoardBench::new(pc, plan, Operator::not_asked());
+        let method = experiment.test.config.compensation.kind;
+        let run = experiment.run_on(&bench, method, &ideal, false, None::<Trace>);
+        self.desk.pc = bench.into_connection();
+        let log = self.desk.log();
+        assert_eq!(log.violations, []);
+        self.now_s = 1e-9 * *log.triggers_ns.last().expect("a sample") as f64;
+        let was_reset = log.seen.iter().any(|(_, seen)| *seen == LoggedEvent::Reset);
+        let status = self.desk.status();
+        if was_reset {
+            let (_, cause) = ENDS[self.outcomes.reset as usize % ENDS.len()];
+            assert_eq!((status.started, status.state), (cause, Mode::Idle));
+            assert_eq!(status.last_crash.is_some(), cause == StartCause::Watchdog);
+            assert!(!status.permit);
+            self.outcomes.reset += 1;
+            return;
+        }
+        self.judge(&run.expect("a test"), trips);
+        let period_ns = log.triggers_ns.windows(2).map(|w| w[1] - w[0]);
+        let (shortest, longest) = (period_ns.clone().min(), period_ns.max());
+        assert!(
+            shortest >= Some(PERIOD_NS - 22) && longest <= Some(PERIOD_NS + 22),
+            "{shortest:?} to {longest:?} ns"
+        );
+        let timing = status.timing;
+        assert!(
+            timing.shortest_period_cycles >= 83_997
+                && timing.longest_period_cycles <= 84_003
+                && timing.overruns == 0,
+            "{timing:?}"
+        );
+    }
+
+    fn judge(&mut self, run: &JudgedRun, trips: bool) {
+        let board = run.summary.board.as_ref().expect("a board");
+        let wrong = (board.steps_lost, board.steps_different, board.steps_dropped);
+        assert_eq!(wrong, (0, 0, Some(0)), "{:?}", self.outcomes);
+        let (verdict, count) = match trips {
+            false => (TestVerdict::Completed, &mut self.outcomes.completed),
+            true => (TestVerdict::Tripped, &mut self.outcomes.tripped),
+        };
+        assert_eq!(run.summary.verdict, verdict, "{}", run.summary.sentence());
+        *count += 1;
+        if trips {
+            self.desk.order(Command::Event(Event::Clear));
+        }
+    }
+}
+
+/// Runs for so long, s of the board's time.
+fn soaked(board_s: u64) -> Outcomes {
+    let (began, mut soak) = (Instant::now(), Soak::new(board_s));
+    let mut number = 0;
+    while soak.now_s < board_s as f64 {
+        soak.test(number % 3 == 2);
+        number += 1;
+    }
+    let (board_s, wall_s) = (soak.now_s, began.elapsed().as_secs_f64());
+    println!(
+        "{:.2} h of the board's time in {:.2} h, {:.2} times as fast as the clock: {:?}; nothing dropped, no bit different",
+        board_s / 3600.0,
+        wall_s / 3600.0,
+        board_s / wall_s,
+        soak.outcomes
+    );
+    soak.outcomes
+}
+
+#[test]
+fn a_minute_of_tests_with_trips_a_reset_and_crashes_loses_nothing() {
+    let seen = soaked(60);
+    assert!(
+        seen.completed >= 2 && seen.tripped >= 1 && seen.reset >= 2,
+        "{seen:?}"
+    );
+}
+
+#[test]
+#[ignore = "nightly: hours"]
+fn eight_hours_of_tests_with_trips_resets_and_crashes_lose_nothing() {
+    let seen = soaked(8 * 3600);
+    assert!(
+        seen.completed > 1000 && seen.tripped > 500 && seen.reset > 500,
+        "{seen:?}"
+    );
+}
