@@ -76,16 +76,35 @@ impl Soak {
         }
     }
 
-    /// One test, and how the board is afterwards.
-    fn test(&mut self, trips: bool) {
-        let experiment = if trips { &self.trips } else { &self.whole };
-        let ideal = experiment.ideal().unwrap();
+    /// What the laboratory has seen since it was asked last, and whether the board was reset in that time: as it was planned.
+    fn seen(&mut self) -> (Log, bool) {
+        let status = self.desk.status();
+        // Hours of it would fill the memory.
+        let log = std::mem::take(&mut *self.desk.log.lock().unwrap());
+        assert_eq!(log.violations, []);
+        let is_reset = |(_, seen): &(u64, LoggedEvent)| *seen == LoggedEvent::Reset;
+        let was_reset = log.seen.iter().any(is_reset);
+        if was_reset {
+            let (_, cause) = ENDS[self.outcomes.reset as usize % ENDS.len()];
+            assert_eq!((status.started, status.state), (cause, Mode::Idle));
+            assert_eq!(status.last_crash.is_some(), cause == StartCause::Watchdog);
+            assert!(!status.permit);
+            self.outcomes.reset += 1;
+        }
+        if let Some(last) = log.triggers_ns.last() {
+            self.now_s = 1e-9 * *last as f64;
+        }
         // The emulator drops what is written into the flash: a board that has been reset has to be calibrated again.
-        if !self.desk.status().calibrated {
+        if !status.calibrated {
             self.desk.calibrate();
         }
-        // Hours of what the laboratory has seen would fill the memory.
-        *self.desk.log.lock().unwrap() = Log::default();
+        (log, was_reset)
+    }
+
+    /// One test, and how the board is afterwards; whether it was reset.
+    fn test(&mut self, trips: bool) -> bool {
+        let experiment = if trips { &self.trips } else { &self.whole };
+        let ideal = experiment.ideal().unwrap();
         let plan = PlannedMotion::of(experiment, &ideal);
         // One connection all the time: a reset leaves answers behind that nobody waits for.
         let spare = self.desk.connection();
@@ -94,18 +113,9 @@ impl Soak {
         let method = experiment.test.config.compensation.kind;
         let run = experiment.run_on(&bench, method, &ideal, false, None::<Trace>);
         self.desk.pc = bench.into_connection();
-        let log = self.desk.log();
-        assert_eq!(log.violations, []);
-        self.now_s = 1e-9 * *log.triggers_ns.last().expect("a sample") as f64;
-        let was_reset = log.seen.iter().any(|(_, seen)| *seen == LoggedEvent::Reset);
-        let status = self.desk.status();
+        let (log, was_reset) = self.seen();
         if was_reset {
-            let (_, cause) = ENDS[self.outcomes.reset as usize % ENDS.len()];
-            assert_eq!((status.started, status.state), (cause, Mode::Idle));
-            assert_eq!(status.last_crash.is_some(), cause == StartCause::Watchdog);
-            assert!(!status.permit);
-            self.outcomes.reset += 1;
-            return;
+            return true;
         }
         self.judge(&run.expect("a test"), trips);
         let period_ns = log.triggers_ns.windows(2).map(|w| w[1] - w[0]);
@@ -114,13 +124,14 @@ impl Soak {
             shortest >= Some(PERIOD_NS - 22) && longest <= Some(PERIOD_NS + 22),
             "{shortest:?} to {longest:?} ns"
         );
-        let timing = status.timing;
+        let timing = self.desk.status().timing;
         assert!(
             timing.shortest_period_cycles >= 83_997
                 && timing.longest_period_cycles <= 84_003
                 && timing.overruns == 0,
             "{timing:?}"
         );
+        false
     }
 
     fn judge(&mut self, run: &JudgedRun, trips: bool) {
@@ -142,10 +153,12 @@ impl Soak {
 /// Runs for so long, s of the board's time.
 fn soaked(board_s: u64) -> Outcomes {
     let (began, mut soak) = (Instant::now(), Soak::new(board_s));
-    let mut number = 0;
+    let mut was_reset = false;
     while soak.now_s < board_s as f64 {
-        soak.test(number % 3 == 2);
-        number += 1;
+        was_reset = soak.seen().1 || was_reset;
+        // Where a reset has left the specimen, its force may be beyond the smaller limit.
+        let trips = !was_reset && soak.outcomes.completed > 2 * soak.outcomes.tripped;
+        was_reset = soak.test(trips);
     }
     let (board_s, wall_s) = (soak.now_s, began.elapsed().as_secs_f64());
     println!(
@@ -162,7 +175,7 @@ fn soaked(board_s: u64) -> Outcomes {
 fn a_minute_of_tests_with_trips_a_reset_and_crashes_loses_nothing() {
     let seen = soaked(60);
     assert!(
-        seen.completed >= 2 && seen.tripped >= 1 && seen.reset >= 2,
+        seen.completed >= 2 && seen.tripped >= 1 && seen.reset >= 1,
         "{seen:?}"
     );
 }
@@ -172,7 +185,7 @@ fn a_minute_of_tests_with_trips_a_reset_and_crashes_loses_nothing() {
 fn eight_hours_of_tests_with_trips_resets_and_crashes_lose_nothing() {
     let seen = soaked(8 * 3600);
     assert!(
-        seen.completed > 1000 && seen.tripped > 500 && seen.reset > 500,
+        seen.completed > 500 && seen.tripped > 200 && seen.reset > 500,
         "{seen:?}"
     );
 }

@@ -12,6 +12,7 @@ mod other_versions;
 mod paper_figures;
 mod proof_table;
 mod recipes;
+mod releases;
 mod rths_baseline;
 mod stability;
 mod storeys;
