@@ -35,7 +35,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
         if i / 4 < behind || i % 4 != 3 || !answers {
             continue;
         }
-        if let Some([block]) = outer.next_block() {
+        if let Some((number, [block])) = outer.next_block() {
             let mut orders = Orders::NONE;
             let mm = 1e3 * block.displacement_m;
             orders.axes[0] = AxisOrders {
@@ -45,7 +45,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
                 hold: false,
             };
             orders.state = State::Named;
-            outer.order(orders);
+            outer.order(number, orders);
         }
     }
     (hash, flags, outer)
@@ -85,14 +85,14 @@ fn the_watch_stops_a_test() {
         let step = rig.step(&mut outer, &ground(&points));
         let (sent, permit) = (step.command_m, step.permit);
         steps += 1;
-        if let Some(blocks) = outer.next_block() {
+        if let Some((number, blocks)) = outer.next_block() {
             let mut orders = Orders::NONE;
             orders.alarm = (blocks[0].displacement_m.abs() > 1e-4).then_some(Alarm {
                 axis: 0,
                 value: 0.2,
                 limit: 0.1,
             });
-            outer.order(orders);
+            outer.order(number, orders);
         }
         assert_eq!(permit, outer.state() != Mode::Tripped);
         if outer.state() == Mode::Tripped {

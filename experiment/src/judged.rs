@@ -90,7 +90,6 @@ impl Experiment {
             ideal,
             first_hz: hz.unwrap_or_default(),
             seconds: self.seconds,
-            obeys: B::OBEYS_WATCH,
         };
         let watch = TestWatch::of(&own.test, &place)?;
         let mut observers = (Score::against(ideal), (watch, (trace, observer)));

@@ -1,6 +1,6 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
-use outerloop_core::watch::{Alarm, AxisOrders, Block, State};
+use outerloop_core::watch::{AxisOrders, Block, Instructions, Verdict};
 use outerloop_core::{EnergyWords, Event, Mode, Record, flag};
 use plant::coupled::CoupledReading;
 
@@ -98,15 +98,15 @@ pub trait TestObserver {
         None
     }
 
-    /// Asked by a bench whose loop obeys the rig watch: whether the observer is one, and then whether it may correct.
-    fn watches_the_loop(&mut self) -> Option<bool> {
+    /// Asked by a bench before the test: whether the observer is the rig watch, and then what it is told of each actuator.
+    fn watches_the_loop(&mut self) -> Option<Vec<Instructions>> {
         None
     }
 
     /// Blocks of the running test, one for each axis; `orders` are given for each in answer.
-    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         let _ = (blocks, orders);
-        (State::Sound, None)
+        Verdict::NONE
     }
 }
 
@@ -132,12 +132,12 @@ impl<W: TestObserver + ?Sized> TestObserver for &mut W {
     }
 
     #[inline]
-    fn watches_the_loop(&mut self) -> Option<bool> {
+    fn watches_the_loop(&mut self) -> Option<Vec<Instructions>> {
         (**self).watches_the_loop()
     }
 
     #[inline]
-    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         (**self).judge(blocks, orders)
     }
 }
@@ -163,14 +163,14 @@ impl<W: TestObserver> TestObserver for Option<W> {
     }
 
     #[inline]
-    fn watches_the_loop(&mut self) -> Option<bool> {
+    fn watches_the_loop(&mut self) -> Option<Vec<Instructions>> {
         self.as_mut()?.watches_the_loop()
     }
 
     #[inline]
-    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         self.as_mut()
-            .map_or((State::Sound, None), |own| own.judge(blocks, orders))
+            .map_or(Verdict::NONE, |own| own.judge(blocks, orders))
     }
 }
 
@@ -195,7 +195,7 @@ impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
     }
 
     #[inline]
-    fn watches_the_loop(&mut self) -> Option<bool> {
+    fn watches_the_loop(&mut self) -> Option<Vec<Instructions>> {
         self.0
             .watches_the_loop()
             .or_else(|| self.1.watches_the_loop())
@@ -203,10 +203,9 @@ impl<A: TestObserver, B: TestObserver> TestObserver for (A, B) {
 
     /// One of the two at most is the watch.
     #[inline]
-    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
         let first = self.0.judge(blocks, orders);
-        let second = self.1.judge(blocks, orders);
-        (first.0.max(second.0), first.1.or(second.1))
+        first.with(self.1.judge(blocks, orders))
     }
 }
 

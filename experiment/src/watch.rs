@@ -7,8 +7,8 @@ use crate::rig::{Departures, Quantity, noise_rms};
 use crate::trace::{AnyRecord, Response, TestObserver};
 use diagnosis::Model;
 use outerloop_core::watch::{
-    Actions, Alarm, AxisOrders, Block, Cause, Declared, DeclaredActuator, ErrorLimit, State, Tap,
-    Watch,
+    Actions, AxisOrders, Block, Cause, Declared, DeclaredActuator, ErrorLimit, Instructions, State,
+    Verdict, Watch, judge, steps_in_block,
 };
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -172,25 +172,26 @@ pub struct Place<'a> {
     pub first_hz: f64,
     /// Length of the test, s of the model.
     pub seconds: f64,
-    /// True if the loop does what the watch asks for.
-    pub obeys: bool,
 }
 
-/// Watches a running test: from within a loop that obeys it, or by the records of one that does not.
+/// Watches a running test, in its loop.
 #[derive(Clone, Debug)]
 pub struct TestWatch {
-    actuators: Vec<(Tap, Watch)>,
+    told: Vec<Instructions>,
+    actuators: Vec<Watch>,
     events: Vec<WatchEvent>,
     corrections: Vec<CorrectionStep>,
     not_watched: Vec<String>,
     steps: u64,
+    /// Blocks that were judged; fewer than were full where steps of a board were lost.
+    blocks: u64,
     steps_per_s: f64,
-    /// True if the loop gives the blocks, and whether it may be corrected.
-    in_loop: bool,
-    corrects: bool,
+    rate_hz: f64,
     learns: bool,
 }
 
+/// Blocks at the end of a test that nobody has to judge.
+const UNSEEN_BLOCKS: u64 = 8;
 /// A correction is noted when it has changed by more than this, in its unit, and so long after the last one, s of the model.
 const CHANGED: f64 = 1e-3;
 const LEAST_S: f64 = 0.05;
@@ -208,7 +209,7 @@ impl TestWatch {
         }
         let timing = &test.config.timing;
         let mut not_watched = Vec::new();
-        let mut actuators = Vec::new();
+        let (mut told, mut actuators) = (Vec::new(), Vec::new());
         let peaks_m = place.ideal.peaks_m();
         let floors = test.config.physical_storeys();
         for (j, &peak_m) in peaks_m.iter().enumerate().take(floors) {
@@ -219,32 +220,36 @@ impl TestWatch {
                     not_watched.push(sentence);
                 }
             }
-            match Watch::new(&declared, actions) {
-                Ok(watch) => actuators.push((Tap::new(timing.rate_hz), watch)),
+            let own = Instructions { declared, actions };
+            match Watch::new(&own) {
+                Ok(watch) => {
+                    actuators.push(watch);
+                    told.push(own);
+                }
                 Err(refusal) => not_watched.push(format!("Actuator {}: {refusal}", j + 1)),
             }
         }
-        if !place.obeys {
-            not_watched.push(
-                "A board only gives the records: it holds no compensation and stops no test for what is named."
-                    .to_owned(),
-            );
+        // A block has all of them, in turn.
+        if told.len() < floors.min(peaks_m.len()) {
+            told.clear();
+            actuators.clear();
         }
         Ok(Some(Self {
+            told,
             actuators,
             events: Vec::new(),
             corrections: Vec::new(),
             not_watched,
             steps: 0,
+            blocks: 0,
             steps_per_s: timing.rate_hz * timing.time_scale,
-            in_loop: false,
-            corrects: !settings.correct.is_empty(),
+            rate_hz: timing.rate_hz,
             learns: test.config.compensation.kind.predictor.learns(),
         }))
     }
 
     fn state(&self) -> State {
-        let states = self.actuators.iter().map(|(_, watch)| watch.state());
+        let states = self.actuators.iter().map(Watch::state);
         states.max().unwrap_or_default()
     }
 
@@ -254,7 +259,7 @@ impl TestWatch {
 
     fn set(&self) -> Vec<NamedCause> {
         let mut set = Vec::new();
-        for (j, (_, watch)) in self.actuators.iter().enumerate() {
+        for (j, watch) in self.actuators.iter().enumerate() {
             set.extend(watch.findings().map(|f| {
                 let (value, sd) = (f64::from(f.value), f64::from(f.sd));
                 let corrected = f64::from(watch.corrected(f.cause));
@@ -278,12 +283,12 @@ impl TestWatch {
 
     fn note(&mut self) {
         let set = self.set();
-        let holds = |(_, watch): &(Tap, Watch)| watch.axis_orders().hold;
+        let holds = |watch: &Watch| watch.axis_orders().hold;
         let event = WatchEvent {
             t_s: self.now_s(),
             state: self.state().name(),
             corrected: set.iter().any(|cause| cause.corrected.is_some()),
-            held: self.learns && self.in_loop && self.actuators.iter().any(holds),
+            held: self.learns && self.actuators.iter().any(holds),
             set,
         };
         self.events.push(event);
@@ -292,7 +297,7 @@ impl TestWatch {
     /// Notes the corrections that have changed, at most 20 times a second.
     fn note_corrections(&mut self) {
         let now_s = self.now_s();
-        for (j, (_, watch)) in self.actuators.iter().enumerate() {
+        for (j, watch) in self.actuators.iter().enumerate() {
             for &cause in Cause::ALL {
                 let corrected = f64::from(watch.corrected(cause));
                 let actuator = self.number(j);
@@ -318,6 +323,15 @@ impl TestWatch {
 
     /// What it had to say. The last event is what had settled at the end.
     pub fn report(mut self) -> WatchReport {
+        let blocks = self.steps / u64::from(steps_in_block(self.rate_hz));
+        let seen_s =
+            self.blocks as f64 * f64::from(steps_in_block(self.rate_hz)) / self.steps_per_s;
+        if !self.told.is_empty() && self.blocks + UNSEEN_BLOCKS < blocks {
+            self.not_watched.push(format!(
+                "Names and values end at {seen_s:.2} s, where steps were lost on their way from the board: its own watch went on, and \
+                 `outerloop board status` has what it named."
+            ));
+        }
         if self.events.last().is_some_and(|last| !last.set.is_empty()) {
             self.note();
         }
@@ -331,43 +345,22 @@ impl TestWatch {
 }
 
 impl TestObserver for TestWatch {
-    fn on_step(&mut self, record: &AnyRecord<'_>) {
+    fn on_step(&mut self, _: &AnyRecord<'_>) {
         self.steps += 1;
-        if self.in_loop {
-            return;
-        }
-        let mut changed = false;
-        for (j, (tap, watch)) in self.actuators.iter_mut().enumerate() {
-            let (command, x) = (record.sent_m[j], record.displacement_m[j]);
-            if tap.add(command, x, record.force_n[j]) {
-                changed |= watch.add(&tap.close());
-            }
-        }
-        if changed {
-            self.note();
-        }
     }
 
-    fn watches_the_loop(&mut self) -> Option<bool> {
-        self.in_loop = true;
-        Some(self.corrects)
+    fn watches_the_loop(&mut self) -> Option<Vec<Instructions>> {
+        (!self.told.is_empty()).then(|| self.told.clone())
     }
 
-    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> (State, Option<Alarm>) {
-        let (mut changed, mut alarm) = (false, None);
-        let actuators = self.actuators.iter_mut().zip(blocks).zip(orders);
-        for (j, (((_, watch), block), orders)) in actuators.enumerate() {
-            changed |= watch.add(block);
-            *orders = watch.axis_orders();
-            alarm = alarm.or_else(|| watch.alarm(j as u8));
-        }
-        if changed {
+    fn judge(&mut self, blocks: &[Block], orders: &mut [AxisOrders]) -> Verdict {
+        self.blocks += 1;
+        let verdict = judge(self.actuators.iter_mut(), blocks, orders);
+        if verdict.changed {
             self.note();
         }
-        if self.corrects {
-            self.note_corrections();
-        }
-        (self.state(), alarm)
+        self.note_corrections();
+        verdict
     }
 }
 
@@ -379,10 +372,6 @@ fn actions(
 ) -> Result<Actions, Failure> {
     let (settings, config) = (&test.watch, &test.config);
     let correct = settings.corrections().map_err(Failure::input)?;
-    if !place.obeys {
-        let looks = settings.only_looks("on a board, which does not run the watch yet");
-        return looks.map(|()| Actions::default()).map_err(Failure::input);
-    }
     let method = config.compensation.kind;
     if (correct.lateness || correct.gain) && method.predictor.learns() {
         return Err(Failure::input(format!(

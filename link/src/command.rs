@@ -3,6 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::channel::Calibration;
 use heapless::Vec;
+use outerloop_core::watch::Instructions;
 use outerloop_core::{Config, Event, Pace};
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +68,9 @@ pub enum Command {
     /// The next target from the PC, m, of each of the board's actuators: where they are to go. It replaces targets
     /// towards which the motion has not begun.
     Target(Vec<f32, MAX_ACTUATORS>),
+    /// What the rig watch of an actuator, from 0, is told of the test in force, while idle. In turn; with the last one of the
+    /// board's actuators the tests to come are watched, until another test is in force.
+    Watch(u8, Instructions),
 }
 
 /// A channel of the board.

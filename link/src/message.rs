@@ -127,9 +127,10 @@ mod tests {
     use crate::command::{CHUNK, Channel, CommissioningSignal, SignalShape};
     use crate::frame::{Decoder, DecoderCounts};
     use crate::reply::{Identity, Obstacle, cut};
-    use crate::status::{CrashCause, CrashReport, StartCause, Status, Timing};
+    use crate::status::{CrashCause, CrashReport, StartCause, Status, Timing, WatchStatus};
     use crate::telemetry::{Input, MAX_INPUTS};
     use core::fmt::Debug;
+    use outerloop_core::watch::{Set, State};
     use outerloop_core::{
         Config, Event, Fault, Method, Mode, Pace, Trip,
         config::{ActuatorTimes, Hydraulic, Limits, PerActuator, PerFloor, RigConfig},
@@ -357,6 +358,13 @@ mod tests {
                 link: DecoderCounts::default(),
                 dropped_steps: 3,
                 stack_bytes: 4096,
+                watch: Some(WatchStatus {
+                    state: State::Trip,
+                    named: [Set::EMPTY; 3].into_iter().collect(),
+                    blocks: u32::MAX,
+                    worst_cycles: u32::MAX,
+                    mean_cycles: u32::MAX,
+                }),
                 started: StartCause::Watchdog,
                 last_crash: Some(CrashReport {
                     cause: CrashCause::Panic,

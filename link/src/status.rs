@@ -3,6 +3,7 @@
 use crate::agreed::MAX_ACTUATORS;
 use crate::frame::DecoderCounts;
 use heapless::{String, Vec};
+use outerloop_core::watch::{Set, State};
 use outerloop_core::{Mode, Trip};
 use serde::{Deserialize, Serialize};
 
@@ -39,10 +40,27 @@ pub struct Status {
     pub dropped_steps: u32,
     /// Bytes of stack used at most.
     pub stack_bytes: u32,
+    /// What the rig watch says of the test in force, where it is watched.
+    pub watch: Option<WatchStatus>,
     /// Why the board last started.
     pub started: StartCause,
     /// What the program said last before a start that nobody asked for.
     pub last_crash: Option<CrashReport>,
+}
+
+/// What the rig watch says. The values with their intervals are worked out on the PC, with the same bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WatchStatus {
+    /// Of the worst actuator.
+    pub state: State,
+    /// What is named of each actuator.
+    pub named: Vec<Set, MAX_ACTUATORS>,
+    /// Blocks of steps judged since the test is in force.
+    pub blocks: u32,
+    /// Cycles of the processor, interrupts in between included, that judging a block took at most.
+    pub worst_cycles: u32,
+    /// And in the mean.
+    pub mean_cycles: u32,
 }
 
 /// Times of the control step, in cycles of the processor.

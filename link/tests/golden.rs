@@ -11,10 +11,14 @@ use link::command::{Channel, CommissioningSignal, SignalShape};
 use link::frame::{Decoder, DecoderCounts, Frame, FrameKind, checksum};
 use link::message::Message;
 use link::reply::{Identity, NumberedReply, Obstacle, RefusedParameter, Reply, cut};
-use link::status::{CrashCause, CrashReport, StartCause, Status, Timing};
+use link::status::{CrashCause, CrashReport, StartCause, Status, Timing, WatchStatus};
 use link::telemetry::StepReport;
 use link::{Command, Input, Telemetry, VERSION};
 use outerloop_core::config::{ActuatorTimes, Filter, Secant};
+use outerloop_core::watch::{
+    Actions, Cause, Corrections, Declared, DeclaredActuator, ErrorLimit, Instructions, PARTS, Set,
+    State,
+};
 use outerloop_core::{Config, Event, Fault, Method, Mode, Pace, Trip};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -40,6 +44,52 @@ fn config_of_three() -> Config {
     config.estimation.delay_ms = times(&[3.0, 5.0, 8.0]);
     config.estimation.lag_ms = times(&[1.0, 1.5, 2.0]);
     config
+}
+
+const ERROR_LIMIT: ErrorLimit = ErrorLimit {
+    largest: 0.05,
+    damping_ratio: 0.02,
+    duration_s: 30.0,
+    planned_rms: [0.25; PARTS],
+};
+
+/// What the watch of an actuator is told, every number another one.
+fn instructions(error_limit: Option<ErrorLimit>) -> Instructions {
+    Instructions {
+        declared: Declared {
+            rate_hz: 2000.0,
+            omega_rad_per_s: 6.5,
+            peak_m: 0.04,
+            stiffness_n_per_m: 158e3,
+            stiffness_tolerance: 0.02,
+            actuator: DeclaredActuator {
+                gain: 1.01,
+                delay_s: 6e-3,
+                lag_s: 8e-3,
+                offset_m: 1e-4,
+                tolerances: [5e-3, 7e-4, 2e-4],
+            },
+            alone: true,
+            has_actuator: true,
+            has_specimen: false,
+            elastic: true,
+            damping_n_s_per_m: 300.0,
+            mass_kg: 12.0,
+            force_gain: 0.99,
+            force_offset_n: 15.0,
+            noise: [4e-5, 6.0],
+        },
+        actions: Actions {
+            hold: true,
+            trip: true,
+            correct: Corrections {
+                lateness: true,
+                gain: false,
+                late_sensor: true,
+            },
+            error_limit,
+        },
+    }
 }
 
 fn commands() -> std::vec::Vec<(String, Command)> {
@@ -124,6 +174,10 @@ fn commands() -> std::vec::Vec<(String, Command)> {
     .into_iter()
     .map(|(name, command)| (name.to_owned(), command))
     .collect::<std::vec::Vec<_>>();
+    for (name, error_limit) in [("", None), (" to an error", Some(ERROR_LIMIT))] {
+        let told = instructions(error_limit);
+        all.push((format!("watch{name}"), Command::Watch(1, told)));
+    }
     for secant in [Secant::Command, Secant::Measured] {
         let mut config = config();
         config.compensation.secant = secant;
@@ -202,6 +256,7 @@ fn status(trip: Option<Trip>, started: StartCause, last_crash: Option<CrashRepor
         },
         dropped_steps: 3,
         stack_bytes: 4096,
+        watch: None,
         started,
         last_crash,
     }
@@ -264,6 +319,17 @@ fn replies() -> std::vec::Vec<(String, Reply)> {
     let mut three = status(None, StartCause::Power, None);
     three.other_codes = [[1, 2], [300, 400]].into_iter().collect();
     all.push(("status of three actuators".to_owned(), Reply::Status(three)));
+    let mut watched = status(None, StartCause::Power, None);
+    let mut named = Set::EMPTY;
+    named.add(Cause::ActuatorLate);
+    watched.watch = Some(WatchStatus {
+        state: State::Named,
+        named: [named, Set::EMPTY].into_iter().collect(),
+        blocks: 5000,
+        worst_cycles: 30_000,
+        mean_cycles: 9000,
+    });
+    all.push(("status of the watch".to_owned(), Reply::Status(watched)));
     for (started, cause) in [
         (StartCause::Power, CrashCause::Panic),
         (StartCause::BrownOut, CrashCause::HardFault),

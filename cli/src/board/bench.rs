@@ -107,6 +107,9 @@ impl<P: Port> Bench for BoardBench<P> {
         );
         interrupt::watch_rig();
         let mut in_force = ConfiguredTest::<N>::new(board, mirror, since, &identity);
+        if let Some(told) = observer.watches_the_loop() {
+            in_force.watch(board, told)?;
+        }
         in_force.arm(board, &identity, &self.operator)?;
         in_force.wait_for_go(board, &self.operator)?;
         let began = Instant::now();
@@ -157,7 +160,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
         let (mut stopped, mut held, mut by_hand) = (false, false, false);
         // Steps count by their number, not by their coming: some may be lost on the way. Those of a hold do not count.
         let (mut first, mut last_running, mut in_hold) = (None, 0, 0);
-        let mut see = |record: Option<Record<N>>| {
+        let mut see = |record: Option<Record<N>>, observer: &mut dyn TestObserver| {
             let running = |r: &Record<N>| r.mode().is_some_and(Mode::integrates);
             let held = |r: &Record<N>| matches!(r.mode(), Some(Mode::Holding | Mode::Returning));
             if let Some(record) = record.as_ref().filter(|r| held(r)) {
@@ -181,7 +184,9 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             let interrupted = interrupt::asked();
             match self.in_force.next(self.board) {
                 Ok(record) => {
-                    let (done, asked) = see(record);
+                    let (done, asked) = see(record, observer);
+                    // Before the next step: what is asked for may have to be in force in it.
+                    self.in_force.be_judged(observer);
                     match asked {
                         Some(Event::Stop) if !stopped => {
                             stopped = true;
@@ -223,7 +228,7 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             }
             held = holds;
         };
-        let (done_steps, _) = see(self.in_force.last());
+        let (done_steps, _) = see(self.in_force.last(), observer);
         let wall_s = began.elapsed().as_secs_f64();
         let board_status = match &lost {
             None => Some(status(self.board)?),

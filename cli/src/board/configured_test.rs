@@ -10,11 +10,13 @@ use crate::terminal::interrupt;
 use experiment::bench::FurtherInputs;
 use experiment::bench::interface::OnBoard;
 use experiment::failure::Failure;
+use experiment::trace::TestObserver;
 use link::Command;
 use link::MAX_ACTUATORS;
 use link::reply::Identity;
 use link::status::Status;
 use link::telemetry::StepReport;
+use outerloop_core::watch::Instructions;
 use outerloop_core::{Event, Fault, Mode, Record};
 
 /// Steps before arming: the loop averages where the specimen stands.
@@ -98,6 +100,31 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         let tick = event(board, what)?;
         self.mirror.event(tick, what);
         Ok(())
+    }
+
+    /// Has the board watch the test by what it is `told` of each actuator.
+    ///
+    /// # Errors
+    /// As [`done`]; something that the board's watch cannot be told.
+    pub fn watch<P: Port>(
+        &mut self,
+        board: &mut Connection<P>,
+        told: Vec<Instructions>,
+    ) -> Result<(), Failure> {
+        let corrects = told.iter().any(Instructions::corrects);
+        let mut since = None;
+        for (actuator, told) in (0..).zip(told) {
+            since = Some(done(board, "watch", &Command::Watch(actuator, told))?);
+        }
+        if let Some(tick) = since {
+            self.mirror.watch(tick, corrects);
+        }
+        Ok(())
+    }
+
+    /// Has `observer` judge what the board's rig watch has been given.
+    pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
+        self.mirror.be_judged(observer);
     }
 
     /// Sends the next target of each actuator, m.

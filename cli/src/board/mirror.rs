@@ -4,6 +4,7 @@
 //! the steps at which it took them, it works out every word of every record; the digest that travels with each step
 //! proves it. After a step that is missing this cannot go on, and a record holds what the telemetry says, no more.
 
+use experiment::trace::TestObserver;
 use link::channel::ErrorFeedback;
 use link::reply::Identity;
 use link::telemetry::{StepReport, digest};
@@ -29,6 +30,7 @@ pub struct MirrorCounts {
 enum SentToBoard<const N: usize> {
     Event(Event),
     Target([f32; N]),
+    Watch(bool),
 }
 
 /// The loop on the PC.
@@ -100,6 +102,19 @@ impl<'a, const N: usize> Mirror<'a, N> {
         self.sent.push_back((tick, SentToBoard::Target(target_m)));
     }
 
+    /// The board watches the tests to come, and may correct or not; step `tick` is the first with it.
+    pub fn watch(&mut self, tick: u32, corrects: bool) {
+        self.sent.push_back((tick, SentToBoard::Watch(corrects)));
+    }
+
+    /// Has `observer` judge what the board's rig watch has been given, so that both loops do what it asks for.
+    pub fn be_judged(&mut self, observer: &mut dyn TestObserver) {
+        while self
+            .outer
+            .be_judged(|blocks, orders| observer.judge(blocks, orders))
+        {}
+    }
+
     /// The force that the last target is answered with, N, if every step until now is proven.
     pub fn answer_n(&self) -> Option<&[f32; N]> {
         self.in_step.then(|| self.outer.answer_n())
@@ -163,6 +178,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
                 // The board took it; if the loop here does not, the digests will say so.
                 SentToBoard::Event(event) => drop(self.outer.handle(event)),
                 SentToBoard::Target(target_m) => self.outer.set_next_target(target_m),
+                SentToBoard::Watch(corrects) => self.outer.watch(corrects),
             }
         }
         // The board's own button: nothing else reports it.

@@ -1,7 +1,8 @@
 //! What a board says, in words.
 
 use link::reply::Identity;
-use link::status::{CrashCause, CrashReport, StartCause, Status};
+use link::status::{CrashCause, CrashReport, StartCause, Status, WatchStatus};
+use outerloop_core::watch::Cause;
 
 /// Why the board last started, where nobody had asked for it.
 pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Option<String> {
@@ -98,6 +99,9 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
             trip.limit
         ));
     }
+    if let Some(watch) = &status.watch {
+        lines.push(describe_watch(watch, us, several));
+    }
     if !status.crystal_ok {
         lines.push("the crystal has the wrong frequency: the board refuses to arm".into());
     }
@@ -108,4 +112,30 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     }
     lines.extend(describe_words(status.started, status.last_crash.as_ref()));
     lines.join("\n")
+}
+
+/// What the rig watch says.
+fn describe_watch(watch: &WatchStatus, us: impl Fn(u32) -> f64, several: bool) -> String {
+    let sets = (1..).zip(&watch.named).map(|(actuator, set)| {
+        let of = if several {
+            format!(" of actuator {actuator}")
+        } else {
+            String::new()
+        };
+        let cause = move |c: Cause| format!("{} ({}{of})", c.name(), c.side().name());
+        set.causes().map(cause).collect::<Vec<_>>()
+    });
+    let names: Vec<String> = sets.flatten().collect();
+    let said = match &names[..] {
+        [] => String::new(),
+        [one] => format!(": {one}"),
+        several => format!(": one of {}", several.join(", ")),
+    };
+    format!(
+        "the rig watch says {}{said}; {} blocks judged, {:.0} us each at worst, {:.0} us on average",
+        watch.state.name(),
+        watch.blocks,
+        us(watch.worst_cycles),
+        us(watch.mean_cycles)
+    )
 }

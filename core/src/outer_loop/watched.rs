@@ -3,14 +3,14 @@
 use super::OuterLoop;
 use crate::rig::Rig;
 use crate::supervise::{Event, Fault, Mode, Trip};
-use crate::watch::{Block, Orders};
+use crate::watch::{AxisOrders, Block, Orders, Verdict};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// Has the tests to come watched; `corrects`: command and reading may be corrected for what is named. Without effect while
-    /// the loop is not idle, and in a loop that is built without the feature `watch`.
+    /// the loop is not idle.
     pub fn watch(&mut self, corrects: bool) {
         if self.mode == Mode::Idle {
-            self.post.watch();
+            self.post.watch(true);
             // A loop that may be corrected takes the way of one that is.
             let corrects = corrects && self.post.is_on();
             self.design.predicts |= corrects;
@@ -18,15 +18,40 @@ impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
         }
     }
 
-    /// The oldest block of the running test that was not given yet, one for each axis. Each has to be answered with
-    /// [`OuterLoop::order`] before the next is asked for.
-    pub fn next_block(&mut self) -> Option<[Block; N]> {
+    /// Ends what [`OuterLoop::watch`] has begun, as far as nothing may be corrected; while idle.
+    pub fn unwatch(&mut self) {
+        if self.mode == Mode::Idle {
+            self.post.watch(false);
+        }
+    }
+
+    /// The oldest block of the running test that was not given yet, one for each axis, with its number from 0. Each has to be
+    /// answered with [`OuterLoop::order`], in turn.
+    #[inline]
+    pub fn next_block(&mut self) -> Option<(u32, [Block; N])> {
         self.post.next()
     }
 
-    /// What the watch asks for, having seen the last block. It comes into force a fixed number of steps after the block.
-    pub fn order(&mut self, orders: Orders<N>) {
-        self.post.answer(orders);
+    /// What the watch asks for, having seen block `number`. It comes into force a fixed number of steps after the block. An
+    /// answer out of turn is none.
+    #[inline]
+    pub fn order(&mut self, number: u32, orders: Orders<N>) {
+        self.post.answer(number, orders);
+    }
+
+    /// Has the next block judged where it is full, by `judge`, which fills the orders of each axis. False where none is.
+    pub fn be_judged(
+        &mut self,
+        judge: impl FnOnce(&[Block; N], &mut [AxisOrders; N]) -> Verdict,
+    ) -> bool {
+        let Some((number, blocks)) = self.next_block() else {
+            return false;
+        };
+        let mut orders = Orders::NONE;
+        let verdict = judge(&blocks, &mut orders.axes);
+        (orders.state, orders.alarm) = (verdict.state, verdict.alarm);
+        self.order(number, orders);
+        true
     }
 
     /// Shows the watch the step that has just been recorded.

@@ -18,6 +18,7 @@ use crate::float::{larger, smaller};
 
 /// What may be corrected for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Corrections {
     /// Lateness of the actuator.
     pub lateness: bool,

@@ -110,6 +110,19 @@ impl Declared {
         ] {
             accept(name, value, good, what)?;
         }
+        for (name, value) in [
+            ("stiffness_tolerance", self.stiffness_tolerance),
+            ("offset_m", a.offset_m),
+            ("damping_n_s_per_m", self.damping_n_s_per_m),
+            ("mass_kg", self.mass_kg),
+            ("force_offset_n", self.force_offset_n),
+        ] {
+            accept(name, value, value.is_finite(), "a number")?;
+        }
+        for &value in a.tolerances.iter().chain(&self.noise) {
+            let good = value.is_finite() && value >= 0.0;
+            accept("tolerance or noise", value, good, "0 or more")?;
+        }
         Ok(())
     }
 

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | `tap.rs`, `post.rs` | what is done in the control interrupt: blocks go out, orders come back after a fixed time |
 //! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
+//! | `crew.rs` | the watches of all actuators together |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
 //! | `unloading.rs` | which samples tell of the specimen's elastic stiffness while it yields |
@@ -25,6 +26,7 @@
 //! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic.
 
 mod correction;
+mod crew;
 mod declared;
 mod foresight;
 mod frozen;
@@ -35,28 +37,22 @@ mod noise;
 mod normal;
 mod orders;
 mod play;
-#[cfg(feature = "watch")]
 mod post;
 mod regression;
 mod signals;
 mod state;
 mod tap;
 mod unloading;
-#[cfg(not(feature = "watch"))]
-mod unwatched;
 
 pub use correction::Corrections;
+pub use crew::{Verdict, judge};
 pub use declared::{Declared, DeclaredActuator};
 pub use foresight::{ErrorLimit, PARTS};
 pub use name::{Cause, Set, Side};
 pub use orders::{Alarm, AxisOrders, Orders};
-#[cfg(feature = "watch")]
 pub(crate) use post::Post;
 pub use state::{Finding, State};
-pub(crate) use tap::steps_in_block;
-pub use tap::{Block, Tap};
-#[cfg(not(feature = "watch"))]
-pub(crate) use unwatched::Post;
+pub use tap::{Block, steps_in_block};
 
 use crate::refusal::Refusal;
 use correction::Corrector;
@@ -76,6 +72,7 @@ const MOVES: f32 = 0.05;
 
 /// What the watch may ask of the loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Actions {
     /// Hold an adaptive compensation while the displacement transducer is among the causes.
     pub hold: bool,
@@ -85,6 +82,28 @@ pub struct Actions {
     pub correct: Corrections,
     /// Stop the test on the error that what is named will add to it.
     pub error_limit: Option<ErrorLimit>,
+}
+
+/// What the watch of one actuator is told before a test.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Instructions {
+    /// What was declared of the actuator.
+    pub declared: Declared,
+    /// What the watch may do.
+    pub actions: Actions,
+}
+
+impl Instructions {
+    /// True if command or reading may be corrected.
+    pub fn corrects(&self) -> bool {
+        let Corrections {
+            lateness,
+            gain,
+            late_sensor,
+        } = self.actions.correct;
+        lateness || gain || late_sensor
+    }
 }
 
 /// Watches one actuator.
@@ -120,14 +139,16 @@ struct Constants {
     least_noise: [f32; 2],
     has: [bool; 2],
     alone: bool,
+    elastic: bool,
 }
 
 impl Watch {
     /// Nothing seen yet.
     ///
     /// # Errors
-    /// A number of `declared` that cannot be what it stands for.
-    pub fn new(declared: &Declared, actions: Actions) -> Result<Self, Refusal> {
+    /// A number of what is declared that cannot be what it stands for.
+    pub fn new(told: &Instructions) -> Result<Self, Refusal> {
+        let Instructions { declared, actions } = told;
         declared.check()?;
         let steps = f64::from(tap::steps_in_block(declared.rate_hz));
         let blocks_hz = declared.rate_hz / steps;
@@ -154,6 +175,7 @@ impl Watch {
                 least_noise: [0, 1].map(|j| noise(j).max(LEAST_NOISE[j])),
                 has: [declared.has_actuator, declared.has_specimen],
                 alone: declared.alone,
+                elastic: declared.elastic,
             },
             corrector: Corrector::default(),
             alarm: None,
@@ -167,6 +189,19 @@ impl Watch {
             blocks: 0,
             phase: 0,
         })
+    }
+
+    /// As new, in place, for the next test.
+    pub fn rest(&mut self) {
+        self.corrector = Corrector::default();
+        self.alarm = None;
+        self.signals = Signals::at_rest();
+        self.regressions.rest();
+        self.unloading = Unloading::default();
+        self.listeners = [const { Listener::new() }; 2];
+        (self.frozen, self.play) = (Frozen::default(), Play::default());
+        self.judge = Judge::new(self.constants.elastic);
+        (self.blocks, self.phase) = (0, 0);
     }
 
     /// What it says now.

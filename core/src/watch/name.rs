@@ -143,6 +143,7 @@ impl Cause {
 
 /// Causes that a motion does not tell apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Set(u32);
 
 impl Set {

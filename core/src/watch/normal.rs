@@ -55,6 +55,7 @@ impl<const M: usize> Normal<M> {
     }
 
     /// Forgets by `keeps` and takes a sample in: columns, what is to be explained, the motion, peaks.
+    #[inline(never)] // Unrolled at every place that calls it, it would be a good part of an image.
     pub(super) fn add(&mut self, keeps: f32, row: &[f32; M], residual: f32, motion: f32) {
         for j in 0..M {
             for k in 0..=j {
@@ -68,6 +69,7 @@ impl<const M: usize> Normal<M> {
     }
 
     /// The hypotheses, where `left_before` is the mean square that the free fit left while the test was sound.
+    #[inline(never)]
     pub(super) fn solve(&self, noise: &Noise, left_before: f32) -> Option<Solved<M>> {
         if !(self.weight > 1.0) {
             return None;
@@ -112,6 +114,7 @@ impl<const M: usize> Normal<M> {
     }
 
     /// Covariance and mean under a prior of precision `ridge` in every column.
+    #[inline(never)]
     fn posterior(&self, variance: f32, ridge: f32) -> Option<([[f32; M]; M], [f32; M])> {
         let per = 1.0 / variance;
         let mut p = [[0.0; M]; M];
@@ -133,6 +136,7 @@ impl<const M: usize> Normal<M> {
 }
 
 /// Inverse of a positive definite matrix of which the lower triangle is given: Cholesky.
+#[inline(never)]
 fn inverse<const M: usize>(mut l: [[f32; M]; M]) -> Option<[[f32; M]; M]> {
     for j in 0..M {
         for k in 0..=j {

@@ -52,9 +52,9 @@ impl<const N: usize> Post<N> {
         }
     }
 
-    /// Tests to come are watched.
-    pub(crate) fn watch(&mut self) {
-        self.on = true;
+    /// Tests to come are watched, or not.
+    pub(crate) fn watch(&mut self, on: bool) {
+        self.on = on;
     }
 
     /// True if the running test is watched.
@@ -112,21 +112,23 @@ impl<const N: usize> Post<N> {
         self.in_force != before
     }
 
-    /// The oldest block that nobody has taken yet, of each actuator.
-    pub(crate) fn next(&mut self) -> Option<[Block; N]> {
+    /// The oldest block that nobody has taken yet, of each actuator, with its number in the test.
+    #[inline]
+    pub(crate) fn next(&mut self) -> Option<(u32, [Block; N])> {
         if self.late || self.taken == self.full {
             return None;
         }
-        let blocks = self.blocks[place(self.taken)];
-        self.taken = self.taken.wrapping_add(1);
-        Some(blocks)
+        let number = self.taken;
+        self.taken = number.wrapping_add(1);
+        Some((number, self.blocks[place(number)]))
     }
 
-    /// The answer to the block that was taken last.
-    pub(crate) fn answer(&mut self, orders: Orders<N>) {
-        if self.answered != self.taken {
-            self.orders[place(self.answered)] = orders;
-            self.answered = self.answered.wrapping_add(1);
+    /// The answer to block `number`; one out of turn, of a test that is over, is none.
+    #[inline]
+    pub(crate) fn answer(&mut self, number: u32, orders: Orders<N>) {
+        if number == self.answered && self.answered != self.taken {
+            self.orders[place(number)] = orders;
+            self.answered = number.wrapping_add(1);
         }
     }
 
@@ -166,7 +168,7 @@ mod tests {
                 let _ = steps.push(step);
             }
             while post.full.wrapping_sub(post.taken) > behind
-                && let Some([block]) = post.next()
+                && let Some((number, [block])) = post.next()
             {
                 // A block of 4 steps: its mean is in their middle.
                 assert_eq!(block.displacement_m, 4.0 * asked as f32 + 1.5);
@@ -176,11 +178,15 @@ mod tests {
                     lead_steps,
                     ..AxisOrders::NONE
                 }];
-                post.answer(Orders {
+                let orders = Orders {
                     axes,
                     state: State::Sound,
                     alarm: None,
-                });
+                };
+                // Of another test, or given twice: nothing.
+                post.answer(number + 1, Orders::NONE);
+                post.answer(number, orders);
+                post.answer(number, Orders::NONE);
             }
         }
         (steps, post.flags())

@@ -146,6 +146,13 @@ impl Regressions {
         }
     }
 
+    /// As new, in place.
+    pub(super) fn rest(&mut self) {
+        self.windows
+            .iter_mut()
+            .for_each(|window| *window = Window::EMPTY);
+    }
+
     /// The window that begins at a doubt begins now.
     pub(super) fn begin_fresh(&mut self) {
         self.windows[FRESH] = Window::EMPTY;

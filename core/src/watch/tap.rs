@@ -4,7 +4,7 @@
 const BLOCKS_HZ: f64 = 500.0;
 
 /// Control steps in a block at `rate_hz`.
-pub(crate) fn steps_in_block(rate_hz: f64) -> u16 {
+pub fn steps_in_block(rate_hz: f64) -> u16 {
     let steps = rate_hz / BLOCKS_HZ + 0.5;
     if steps < 1.0 { 1 } else { steps as u16 }
 }
@@ -34,7 +34,7 @@ impl Block {
 
 /// Collects control steps.
 #[derive(Clone, Debug)]
-pub struct Tap {
+pub(super) struct Tap {
     sums: [f32; 3],
     last: [u32; 2],
     same: [u16; 2],
@@ -44,11 +44,6 @@ pub struct Tap {
 }
 
 impl Tap {
-    /// For a loop of this rate, Hz.
-    pub fn new(rate_hz: f64) -> Self {
-        Self::of(steps_in_block(rate_hz))
-    }
-
     /// In blocks of so many control steps.
     pub(super) fn of(steps: u16) -> Self {
         Self {
@@ -62,13 +57,13 @@ impl Tap {
     }
 
     /// As new.
-    pub fn rest(&mut self) {
+    pub(super) fn rest(&mut self) {
         *self = Self::of(self.steps);
     }
 
     /// Takes a control step in; true if a block is full.
     #[inline]
-    pub fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
+    pub(super) fn add(&mut self, command_m: f32, displacement_m: f32, force_n: f32) -> bool {
         self.sums[0] += command_m;
         self.sums[1] += displacement_m;
         self.sums[2] += force_n;
@@ -86,7 +81,7 @@ impl Tap {
     }
 
     /// The full block; the next one begins.
-    pub fn close(&mut self) -> Block {
+    pub(super) fn close(&mut self) -> Block {
         let [command, displacement, force] = self.sums;
         self.sums = [0.0; 3];
         self.left = self.steps;

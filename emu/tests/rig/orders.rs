@@ -1,14 +1,21 @@
 //! What the flashed image does with each command that no other scenario sends, and with the faults that need a test of
 //! their own.
 
-use crate::desk::{Desk, codes, config};
+use crate::desk::{Desk, TABLE_1, codes, config};
 use crate::limits_and_link::begun;
 use emu::InjectedFault;
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use experiment::trace::TestObserver;
+use experiment::watch::{Place, TestWatch};
 use link::command::{Channel, CommissioningSignal, SignalShape};
 use link::frame::checksum;
 use link::reply::{Obstacle, Reply};
 use link::{Calibration, Command};
+use outerloop_core::watch::State;
 use outerloop_core::{Config, Event, Fault, HISTORY, Mode, Pace, Record};
+use std::path::Path;
 
 fn obstacle(desk: &mut Desk, command: Command) -> Option<Obstacle> {
     match desk.ask(command) {
@@ -218,4 +225,40 @@ fn a_reading_beyond_the_stroke_trips() {
         c.limits.displacement_m = Some(0.033);
         c.limits.tracking_m = Some(0.04);
     });
+}
+
+// proves: command.watch
+#[test]
+fn what_the_rig_watch_cannot_be_told_is_refused_in_a_sentence() {
+    let mut desk = Desk::new(None);
+    let test = TestFile::parse(TABLE_1, "test.toml", Path::new(""), &[]).unwrap();
+    let experiment = Experiment::new(test.clone(), &near_fault(), None).unwrap();
+    let place = Place {
+        ideal: &experiment.ideal().unwrap(),
+        first_hz: experiment.natural_frequencies_hz()[0],
+        seconds: experiment.seconds,
+    };
+    let mut watch = TestWatch::of(&test, &place).unwrap().unwrap();
+    let told = watch.watches_the_loop().unwrap().remove(0);
+    let told = || told.clone();
+    assert_eq!(
+        obstacle(&mut desk, Command::Watch(0, told())),
+        Some(Obstacle::NotConfigured)
+    );
+    desk.order(Command::Configure(config()));
+    let mut slow = told();
+    slow.declared.rate_hz = 1000.0;
+    for (actuator, told, says) in [
+        (1, told(), "actuator = 2 "),
+        (0, slow, "the rate of the test in force"),
+    ] {
+        let Reply::Refused(refused) = desk.ask(Command::Watch(actuator, told)) else {
+            panic!("accepted");
+        };
+        assert!(refused.to_string().contains(says), "{refused}");
+    }
+    assert_eq!(desk.status().watch, None);
+    desk.order(Command::Watch(0, told()));
+    let said = desk.status().watch.expect("it is watched");
+    assert_eq!((said.state, said.blocks), (State::Sound, 0));
 }

@@ -113,9 +113,6 @@ impl OnBoard {
 
 /// Something that a test can run on.
 pub trait Bench {
-    /// True if its loop does what the rig watch asks for.
-    const OBEYS_WATCH: bool = false;
-
     /// Arms, approaches and runs; `observer` sees every control step of the running test.
     ///
     /// # Errors

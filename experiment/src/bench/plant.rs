@@ -7,7 +7,7 @@ use crate::trace::{AnyRecord, TestObserver};
 use ::plant::coupled::CoupledReading;
 use ::plant::{Rig, RigSpec};
 use outerloop_core::coupled::CoupledRig;
-use outerloop_core::watch::Orders;
+use outerloop_core::watch::Instructions;
 use outerloop_core::{Event, Fault, Mode, OuterLoop, Sample, flag};
 use std::time::Instant;
 
@@ -44,8 +44,6 @@ pub struct PlantBench<'a> {
 }
 
 impl Bench for PlantBench<'_> {
-    const OBEYS_WATCH: bool = true;
-
     fn run<const N: usize>(
         &self,
         test: &PreparedTest<'_, N>,
@@ -135,8 +133,8 @@ impl PlantBench<'_> {
         let began = Instant::now();
         let mut by_hand = false;
         let mut outer = OuterLoop::new(test.design.clone());
-        if let Some(corrects) = observer.watches_the_loop() {
-            outer.watch(corrects);
+        if let Some(told) = observer.watches_the_loop() {
+            outer.watch(told.iter().any(Instructions::corrects));
         }
         let mut command_m = [0.0; N];
         let (mut idle, mut done) = (0, 0);
@@ -160,11 +158,7 @@ impl PlantBench<'_> {
                     {
                         break;
                     }
-                    if let Some(blocks) = outer.next_block() {
-                        let mut orders = Orders::NONE;
-                        (orders.state, orders.alarm) = observer.judge(&blocks, &mut orders.axes);
-                        outer.order(orders);
-                    }
+                    while outer.be_judged(|blocks, orders| observer.judge(blocks, orders)) {}
                 }
                 Mode::Idle if idle >= IDLE_STEPS => {
                     outer.handle(Event::Arm).map_err(Failure::test)?;

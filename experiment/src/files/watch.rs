@@ -59,14 +59,14 @@ impl WatchSettings {
     pub fn only_looks(&self, place: &str) -> Result<(), String> {
         if !self.correct.is_empty() {
             return Err(format!(
-                "watch.correct = {:?} is refused {place}: accepted there is the empty list, and the simulated rig of `run`",
+                "watch.correct = {:?} is refused {place}: accepted there is the empty list, and any of them in a test of `run`",
                 self.correct
             ));
         }
         match self.trip_eps {
             None => Ok(()),
             Some(eps) => Err(format!(
-                "watch.trip_eps = {eps} is refused {place}: accepted there is to leave it out, and the simulated rig of `run`"
+                "watch.trip_eps = {eps} is refused {place}: accepted there is to leave it out, and a limit in a test of `run`"
             )),
         }
     }

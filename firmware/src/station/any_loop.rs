@@ -1,6 +1,8 @@
 //! The outer loop for the number of degrees of freedom that a test has.
 
 use super::rehearsal::rehearse;
+use super::watchers::{Answered, Blocks};
+use outerloop_core::watch::{AxisOrders, Block, Orders};
 use outerloop_core::{Config, Design, Event, Mode, OuterLoop, Pace, Refusal, Rejected, Trip};
 
 /// The most degrees of freedom of a test on a board: those with an actuator, and others that are calculated.
@@ -95,6 +97,38 @@ impl AnyLoop {
     /// The next target of each actuator from the PC, m.
     pub fn set_next_target(&mut self, target_m: &[f32]) {
         each_loop!(self, outer => outer.set_next_target(on_axes(target_m)));
+    }
+
+    /// Has the tests to come watched; `corrects`: command and reading may be corrected.
+    pub fn watch(&mut self, corrects: bool) {
+        each_loop!(self, outer => outer.watch(corrects));
+    }
+
+    /// The next block for the rig watch.
+    #[inline]
+    pub fn next_blocks(&mut self) -> Option<Blocks> {
+        each_loop!(self, outer => {
+            let (number, blocks) = outer.next_block()?;
+            let of = core::array::from_fn(|j| blocks.get(j).copied().unwrap_or(Block::EMPTY));
+            Some(Blocks { number, of })
+        })
+    }
+
+    /// What the rig watch asks for.
+    #[inline]
+    pub fn order(&mut self, answered: &Answered) {
+        let orders = &answered.orders;
+        each_loop!(self, outer => {
+            let axis = |j: usize| orders.axes.get(j).copied().unwrap_or(AxisOrders::NONE);
+            outer.order(
+                answered.number,
+                Orders {
+                    axes: core::array::from_fn(axis),
+                    state: orders.state,
+                    alarm: orders.alarm,
+                },
+            );
+        });
     }
 
     /// Where the test stands.

@@ -60,6 +60,10 @@ impl<const A: usize> Station<A> {
                 self.setup.outer.set_pace(pace);
                 Ok(Returned::Nothing)
             }
+            Order::Watch(corrects) => {
+                self.setup.outer.watch(corrects);
+                Ok(Returned::Nothing)
+            }
             Order::Calibrate(actuator, calibration) => {
                 if let Some(place) = self.calibrations.get_mut(usize::from(actuator)) {
                     *place = calibration;

@@ -3,10 +3,10 @@
 //! ```text
 //!  control interrupt   period: sample ─► step ─► command ─► report; then one order (carry_out)
 //!                           ▲ orders                       │ outcomes, reports
-//!  tasks               service: command ─► order … outcome ─► reply
+//!  tasks               service: command ─► order … outcome ─► reply; watchers: block ─► answer
 //! ```
 //!
-//! The interrupt and the tasks share nothing but three queues that never wait and a few counters ([`Heartbeats`]). Large
+//! The interrupt and the tasks share nothing but five queues that never wait and a few counters ([`Heartbeats`]). Large
 //! things (a new test, the ground motion) change hands as references, so an order costs the interrupt next to nothing.
 
 mod any_loop;
@@ -26,6 +26,7 @@ mod settings;
 mod setup;
 mod spacing;
 pub(crate) mod upload;
+mod watchers;
 mod window;
 
 pub use any_loop::AnyLoop;
@@ -38,3 +39,4 @@ pub use ring::{Flash, Ring};
 pub use service::{Board, CommandResult, Parts, Service};
 pub use settings::{CALIBRATION_BYTES, FlashRecord, TEST_BYTES, Wiring};
 pub use setup::{Clock, Setup};
+pub use watchers::{Answered, Blocks, WatchParts, Watches};

@@ -31,6 +31,8 @@ pub enum Order {
     Pace(Option<Pace>),
     /// The next target of each actuator from the PC, m.
     Target(PerActuator<f32>),
+    /// The tests to come are watched, and may be corrected or not; while idle.
+    Watch(bool),
     /// A record of the steps before a fault.
     History(u8),
     /// A snapshot of the loop's status.

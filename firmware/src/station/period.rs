@@ -9,6 +9,7 @@ use super::read_back::ReadBack;
 use super::sensors::SensorWatch;
 use super::setup::Setup;
 use super::spacing::Spacing;
+use super::watchers::{Answered, Blocks};
 use crate::hardware::Hardware;
 use crate::station::commission::Generator;
 use heapless::spsc::{Consumer, Producer};
@@ -60,6 +61,8 @@ pub struct Station<const A: usize = 1> {
     orders: Consumer<'static, Order>,
     outcomes: Producer<'static, Outcome>,
     reports: Producer<'static, Report>,
+    blocks: Producer<'static, Blocks>,
+    answers: Consumer<'static, Answered>,
 }
 
 /// The last outputs to the converters and the PERMIT line.
@@ -91,6 +94,10 @@ pub struct QueueEnds {
     pub outcomes: Producer<'static, Outcome>,
     /// Reports of the steps.
     pub reports: Producer<'static, Report>,
+    /// Blocks of steps to the rig watch.
+    pub blocks: Producer<'static, Blocks>,
+    /// Its answers.
+    pub answers: Consumer<'static, Answered>,
 }
 
 impl<const A: usize> Station<A> {
@@ -128,6 +135,8 @@ impl<const A: usize> Station<A> {
             orders: ends.orders,
             outcomes: ends.outcomes,
             reports: ends.reports,
+            blocks: ends.blocks,
+            answers: ends.answers,
         }
     }
 
@@ -221,6 +230,7 @@ impl<const A: usize> Station<A> {
         }
         self.tick = self.tick.wrapping_add(1);
         self.heartbeats.advance(self.tick);
+        self.pass_to_watch();
         self.take_order(hardware);
         match starved {
             None => hardware.feed(),
@@ -306,6 +316,17 @@ impl<const A: usize> Station<A> {
             let _ = self.setup.outer.handle(Event::Finish);
         }
         next_m
+    }
+
+    /// A block of steps goes to the rig watch, at most one a step is full; what it asks for comes back.
+    fn pass_to_watch(&mut self) {
+        if let Some(blocks) = self.setup.outer.next_blocks() {
+            // One that finds no room is not answered: that ends the watch, and the records say so.
+            let _ = self.blocks.enqueue(blocks);
+        }
+        if let Some(answered) = self.answers.dequeue() {
+            self.setup.outer.order(&answered);
+        }
     }
 
     /// Takes one order.

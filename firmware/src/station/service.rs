@@ -6,6 +6,7 @@
 
 mod calibrations;
 mod uploads;
+mod watch;
 
 use super::commission::Generator;
 use super::motion::Writable;
@@ -14,6 +15,7 @@ use super::period::Report;
 use super::settings::Wiring;
 use super::setup::{Clock, Setup};
 use super::upload::Upload;
+use super::watchers::{WatchParts, Watchers};
 use super::window::Window;
 use heapless::spsc::Producer;
 use link::channel::Calibration;
@@ -100,6 +102,7 @@ pub struct Service {
     request: u16,
     pending: Pending,
     answered: Option<NumberedReply>,
+    watchers: Watchers,
 }
 
 /// What the service is made of.
@@ -114,6 +117,8 @@ pub struct Parts {
     pub config: Option<Config>,
     /// The calibration of each actuator, if somebody has made one.
     pub calibrations: PerActuator<Option<Calibration>>,
+    /// The rig watch.
+    pub watch: WatchParts,
 }
 
 impl Service {
@@ -143,6 +148,7 @@ impl Service {
             request: 0,
             pending: Pending::Nothing,
             answered: None,
+            watchers: Watchers::new(parts.watch),
         }
     }
 
@@ -196,6 +202,7 @@ impl Service {
             Command::History(index) => self.order(Order::History(index), Pending::Done),
             Command::Pace(pace) => self.order(Order::Pace(pace), Pending::Done),
             Command::Target(target_m) => self.target(target_m),
+            Command::Watch(actuator, told) => self.watch(actuator, &told),
         }
     }
 
@@ -217,6 +224,7 @@ impl Service {
                 self.model_step_s = config.model_step_s();
                 self.config = Some(config);
                 self.spare = Some(old);
+                self.watchers.clear();
                 let Some(motion) = motion else {
                     return self.done(tick, state);
                 };
@@ -380,6 +388,7 @@ impl Service {
             link,
             dropped_steps: loop_status.dropped_steps,
             stack_bytes: stack,
+            watch: self.watchers.status(),
             started: self.board.started,
             last_crash: self.board.last_crash.clone(),
         })

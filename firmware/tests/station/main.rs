@@ -5,6 +5,7 @@ mod any_order;
 mod common;
 mod served;
 mod single_faults;
+mod watch;
 
 use common::{Bench, Spring, bench, config, fresh, pulse, started};
 use firmware::sim::{self, CODES};

@@ -225,7 +225,6 @@ fn exempt(id: &Id, place: Place) -> Option<&'static str> {
     match id.name.as_str() {
         "limit.energy_warning" | "limit.locked_damping_ratio" => Some("only tells"),
         "limit.energy_floor_j" => Some("part of another"),
-        "fault.watch" => Some("only on a simulated rig"),
         "fault.non_finite" => Some("out of reach"),
         _ => None,
     }

@@ -5,14 +5,15 @@
 
 use super::control::{Control, ControlCell};
 use super::converters::{Converters, Resources, StartedConverters};
+use super::core_coupled::CoreCoupled;
 use super::metal::{Metal, WATCHDOG_US, cycles};
 use super::store::{Memory, Store};
 use super::tasks::{lights, listen, report};
-use super::{Irqs, clocks, fatal, guard_supply, kept, lower_priorities, stack_guard};
+use super::{Irqs, clocks, core_coupled, fatal, guard_supply, kept, lower_priorities, stack_guard};
 use crate::board::stack::HighWater;
 use crate::station::{
-    Board, Clock, Heartbeats, Order, Outcome, Parts, Points, QueueEnds, Report, Service, Setup,
-    Station,
+    Board, Clock, Heartbeats, Order, Outcome, Parts, Points, QueueEnds, Service, Setup, Station,
+    WatchParts,
 };
 use core::cell::RefCell;
 use cortex_m::Peripherals;
@@ -50,9 +51,7 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
     static HEARTBEATS: Heartbeats = Heartbeats::new();
     static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
     static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
-    static REPORTS: StaticCell<Queue<Report, 256>> = StaticCell::new();
     static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
-    static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
     static ANSWERS: StaticCell<report::ReplyQueue> = StaticCell::new();
     static RECEIVED: ConstStaticCell<[u8; 2048]> = ConstStaticCell::new([0; 2048]);
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
@@ -132,7 +131,16 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
 
     let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
     let (outcomes_in, outcomes_out) = OUTCOMES.init(Queue::new()).split();
-    let (reports_in, reports_out) = REPORTS.init(Queue::new()).split();
+    // The start comes here once.
+    let CoreCoupled {
+        reports,
+        blocks,
+        answers,
+        watches,
+    } = defmt::unwrap!(core_coupled::claim());
+    let (reports_in, reports_out) = reports.split();
+    let (blocks_in, blocks_out) = blocks.split();
+    let (answers_in, answers_out) = answers.split();
     let in_force = (setup.rate_hz, setup.model_step_s);
     let board = Board {
         name: C::NAME,
@@ -156,13 +164,19 @@ pub fn run<C: Converters<A>, const A: usize>(control: &'static ControlCell<C, A>
         writable: POINTS.take().claim(),
         config,
         calibrations: saved.into_iter().collect(),
+        watch: WatchParts {
+            watches,
+            blocks: blocks_out,
+            answers: answers_in,
+        },
     };
-    let service: &'static RefCell<Service> =
-        SERVICE.init(RefCell::new(Service::new(board, parts, in_force)));
+    let service = service(board, parts, in_force);
     let ends = QueueEnds {
         orders: orders_out,
         outcomes: outcomes_in,
         reports: reports_in,
+        blocks: blocks_in,
+        answers: answers_out,
     };
     let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
     let station = Station::new(setup, calibrations, first, &HEARTBEATS, ends, per_tick);
@@ -229,6 +243,13 @@ fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Conf
             (setup, None)
         }
     }
+}
+
+/// The service where it stays: what it passes through is not on the stack any more when the tasks stand on the start.
+#[inline(never)]
+fn service(board: Board, parts: Parts, in_force: (f32, f64)) -> &'static RefCell<Service> {
+    static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
+    SERVICE.init_with(|| RefCell::new(Service::new(board, parts, in_force)))
 }
 
 /// The place for the next test.

@@ -48,6 +48,7 @@ pub mod boot;
 pub mod clocks;
 pub mod control;
 pub mod converters;
+mod core_coupled;
 mod critical;
 pub mod drill;
 pub mod fatal;

@@ -46,6 +46,9 @@ pub async fn task(mut reporter: Reporter, mut tx: UartTx<'static, Async>) {
     let mut waited = 0;
     loop {
         reporter.heartbeats.beat(Heartbeat::Report);
+        if reporter.service.borrow_mut().judge() {
+            defmt::info!("the rig watch says something else");
+        }
         let wire = if let Ok(answer) = reporter.answers.try_receive() {
             answer.encode(sequence)
         } else if reporter.reports.len() >= STEPS || waited >= TIMEOUT_BEATS {

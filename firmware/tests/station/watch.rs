@@ -1,0 +1,158 @@
+//! What the rig watch of a board is told, and what it says.
+
+use crate::common::{Bench, bench, config, pulse};
+use firmware::sim::CODES;
+use link::Calibration;
+use link::command::Command;
+use link::reply::{Obstacle, Reply};
+use link::status::WatchStatus;
+use link::telemetry::digest;
+use outerloop_core::watch::{
+    Actions, Corrections, Declared, DeclaredActuator, Instructions, State,
+};
+use outerloop_core::watch::{Watch, judge};
+use outerloop_core::{Design, Event, GroundMotion, Mode, OuterLoop, Sample, flag};
+
+/// The spring behind its actuator, as declared.
+fn instructions() -> Instructions {
+    Instructions {
+        declared: Declared {
+            rate_hz: 2000.0,
+            omega_rad_per_s: 12.6,
+            peak_m: 0.01,
+            stiffness_n_per_m: 158e3,
+            stiffness_tolerance: 0.02,
+            actuator: DeclaredActuator {
+                gain: 1.0,
+                delay_s: 0.0,
+                lag_s: 4e-3,
+                offset_m: 0.0,
+                tolerances: [5e-3, 5e-4, 1e-4],
+            },
+            alone: true,
+            has_actuator: true,
+            has_specimen: true,
+            elastic: true,
+            damping_n_s_per_m: 0.0,
+            mass_kg: 0.0,
+            force_gain: 1.0,
+            force_offset_n: 0.0,
+            noise: [0.0; 2],
+        },
+        actions: Actions {
+            hold: true,
+            trip: true,
+            correct: Corrections {
+                lateness: true,
+                ..Corrections::default()
+            },
+            error_limit: None,
+        },
+    }
+}
+
+fn status(b: &mut Bench) -> Option<WatchStatus> {
+    match b.ask(Command::Status) {
+        Reply::Status(status) => status.watch,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn done(reply: &Reply) -> u32 {
+    match reply {
+        Reply::Done { tick, .. } => *tick,
+        other => panic!("{other:?}"),
+    }
+}
+
+// proves: command.watch
+#[test]
+fn the_watch_is_told_in_turn_of_the_test_in_force_while_idle() {
+    let mut b = bench();
+    let good = || Command::Watch(0, instructions());
+    let Reply::Rejected { obstacle, .. } = b.ask(good()) else {
+        panic!("without a test");
+    };
+    assert_eq!(obstacle, Some(Obstacle::NotConfigured));
+    done(&b.ask(Command::Configure(config())));
+    assert_eq!(status(&mut b), None);
+    let with = |change: fn(&mut Declared)| {
+        let mut told = instructions();
+        change(&mut told.declared);
+        Command::Watch(0, told)
+    };
+    for (wrong, name) in [
+        (Command::Watch(1, instructions()), "actuator"),
+        (with(|d| d.rate_hz = 1000.0), "watch: rate_hz"),
+        (with(|d| d.peak_m = 0.0), "peak_m"),
+        (with(|d| d.noise[1] = f64::NAN), "tolerance or noise"),
+    ] {
+        let Reply::Refused(refused) = b.ask(wrong) else {
+            panic!("{name} is accepted");
+        };
+        assert_eq!(refused.name, name);
+        assert_eq!(status(&mut b), None);
+    }
+    done(&b.ask(good()));
+    let said = status(&mut b).expect("it is watched");
+    assert_eq!((said.state, said.blocks), (State::Sound, 0));
+    // One watch an actuator.
+    assert!(matches!(b.ask(good()), Reply::Refused(r) if r.name == "watch: actuator"));
+    // Another test is watched by nobody, until somebody says so.
+    b.ready(config(), &pulse());
+    assert_eq!(status(&mut b), None);
+    done(&b.event(Event::Start));
+    assert!(matches!(b.ask(good()), Reply::Rejected { .. }), "not idle");
+}
+
+/// The loop on the PC with a watch of its own, fed with the board's codes, has the same bits and is corrected the same.
+#[test]
+fn a_watched_test_is_worked_out_again_bit_for_bit_and_once_more_after_it() {
+    let mut b = bench();
+    let since = done(&b.ask(Command::Configure(config())));
+    let told = done(&b.ask(Command::Watch(0, instructions())));
+    b.upload(&pulse(), 0.01);
+    let mut events = Vec::new();
+    for _ in 0..2 {
+        for _ in 0..300 {
+            b.step();
+        }
+        events.push((done(&b.event(Event::Arm)), Event::Arm));
+        b.until(Mode::Armed);
+        events.push((done(&b.event(Event::Start)), Event::Start));
+        b.until(Mode::Finished);
+        let said = status(&mut b).expect("it is watched");
+        assert_eq!(said.state, State::Sound, "{said:?}");
+        events.push((done(&b.event(Event::Clear)), Event::Clear));
+    }
+    let said = status(&mut b).expect("it is watched");
+    assert!(said.blocks > 900, "{said:?}");
+
+    let calibration = Calibration::placeholder(&CODES);
+    let points = pulse();
+    let ground = GroundMotion::new(&points, 0.01, config().model_step_s()).unwrap();
+    let mut outer = OuterLoop::<1>::new(Design::new(&config()).unwrap());
+    let mut watch = [Watch::new(&instructions()).unwrap()];
+    let mut judged = 0;
+    for report in b.log.iter().filter(|r| r.tick >= since) {
+        if report.tick == told {
+            outer.watch(true);
+        }
+        for (_, event) in events.iter().filter(|(tick, _)| *tick == report.tick) {
+            outer.handle(*event).unwrap();
+            if *event == Event::Start {
+                watch = [Watch::new(&instructions()).unwrap()];
+            }
+        }
+        let displacement_m = calibration.displacement.quantity(report.step.displacement);
+        let force_n = calibration.force.quantity(report.step.force);
+        let mut sample = Sample::new([displacement_m], [force_n]);
+        sample.chain_open = report.step.flags & flag::CHAIN_OPEN != 0;
+        let record = outer.step(&sample, &ground).record;
+        assert_eq!(digest(record), report.step.digest, "step {}", report.tick);
+        while outer.be_judged(|blocks, orders| judge(watch.iter_mut(), blocks, orders)) {
+            judged += 1;
+        }
+    }
+    assert_eq!(judged, said.blocks);
+}
