@@ -29,7 +29,7 @@ fn run(name: &str, seconds: f64) -> (f64, Summary) {
     can_run(&test).unwrap();
     let experiment = Experiment::new(test, &near_fault(), Some(seconds)).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let run = example::run(&experiment, &ideal);
+    let (run, _) = example::run(&experiment, &ideal);
     let summary = run.summary;
     println!("{name}: {}", summary.sentence());
     let board = summary.board.as_ref().unwrap();
@@ -58,7 +58,7 @@ fn a_frame_whose_first_storey_stands_in_the_laboratory() {
 /// The bits of every channel of a test's first second, and its control steps' numbers since power-up.
 fn bits(experiment: &Experiment) -> (Vec<(String, Vec<u32>)>, Vec<u32>) {
     let ideal = experiment.ideal().unwrap();
-    let trace = example::run(experiment, &ideal).trace.unwrap();
+    let trace = example::run(experiment, &ideal).0.trace.unwrap();
     let channels = channels::of(&trace).into_iter();
     let of = |values: &[f32]| values.iter().map(|x| x.to_bits()).collect();
     (

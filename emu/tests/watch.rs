@@ -11,11 +11,16 @@ use experiment::judged::JudgedRun;
 use experiment::summary::TestVerdict;
 use experiment::trace::Trace;
 use experiment::watch::{WatchEvent, WatchReport};
+use link::Status;
 use outerloop_core::{Fault, flag};
 use std::path::Path;
 
 /// The strong part of the motion: two natural periods of 1 s before the effect that begins in mid-test, and some behind.
 const SECONDS: f64 = 14.0;
+
+/// Control steps in a block at 2 kHz, and the share of their time that judging it may take in the mean, per cent.
+const STEPS_IN_BLOCK: u8 = 4;
+const MEAN_SHARE: f64 = 5.0;
 
 /// The example with another table of effects, and keys that are set.
 fn run(effect: &str, set: &[&str]) -> JudgedRun {
@@ -26,8 +31,9 @@ fn run(effect: &str, set: &[&str]) -> JudgedRun {
     let test = TestFile::parse(&format!("{rig}{effect}"), "t.toml", Path::new(""), &set);
     let experiment = Experiment::new(test.unwrap(), &near_fault(), Some(SECONDS)).unwrap();
     let ideal = experiment.ideal().unwrap();
-    let run = example::run(&experiment, &ideal);
+    let (run, status) = example::run(&experiment, &ideal);
     println!("{}", run.summary.sentence());
+    looks_at_its_cost(&status, &run);
     let board = run.summary.board.as_ref().unwrap();
     // What the watch asked for is in these records: each was worked out on the PC with the same bits.
     assert_eq!((board.steps_lost, board.steps_different), (0, 0));
@@ -35,6 +41,24 @@ fn run(effect: &str, set: &[&str]) -> JudgedRun {
     let flags = &run.trace.as_ref().unwrap().flags;
     assert!(flags.iter().all(|f| f & flag::WATCH_LATE == 0), "late");
     run
+}
+
+/// The tasks' share of the processor that the watch takes while everything is on and telemetry fills the link, interrupts in between
+/// included; and that the board itself knows what the PC has worked out.
+fn looks_at_its_cost(status: &Status, run: &JudgedRun) {
+    let own = status.watch.as_ref().expect("it is watched");
+    let cycles = f64::from(status.timing.period_cycles) * f64::from(STEPS_IN_BLOCK);
+    let share = |block: u32| 100.0 * f64::from(block) / cycles;
+    println!(
+        "{} blocks; of the time of a block {:.2} % at worst, {:.2} % on average; control step {} cycles at worst; stack {} bytes",
+        own.blocks,
+        share(own.worst_cycles),
+        share(own.mean_cycles),
+        status.timing.worst_step_cycles,
+        status.stack_bytes
+    );
+    assert!(share(own.mean_cycles) < MEAN_SHARE && share(own.worst_cycles) < 100.0);
+    assert_eq!(own.state.name(), run.summary.watch.as_ref().unwrap().state);
 }
 
 fn watched(run: &JudgedRun) -> &WatchReport {
@@ -110,7 +134,7 @@ fn a_transducer_whose_gain_changes_under_an_adaptive_compensation_is_named_and_w
     );
 }
 
-// proves: fault.watch by a transducer that stands
+// proves: fault.watch by frozen
 #[test]
 fn a_transducer_that_stands_with_its_noise_stops_the_test() {
     let stands = "[[plant.effects]]\nsensor = 'displacement'\nfrozen = true\nfrom_s = 8\n";

@@ -3,13 +3,14 @@
 use experiment::Experiment;
 use experiment::judged::JudgedRun;
 use experiment::trace::{Response, Trace};
+use link::Status;
 use outerloop_cli::board::emulated::{Emulated, EmulatedRig};
 use outerloop_cli::board::limits::PlannedMotion;
-use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate};
+use outerloop_cli::board::{BoardBench, Connection, Operator, Timeouts, calibrate, status};
 use std::path::Path;
 
 /// An emulated board that is calibrated to the rig of `experiment`, with nobody at it.
-pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
+fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> {
     let plan = PlannedMotion::of(experiment, ideal);
     let limits = plan.without_board(&experiment.test.config.limits);
     let laboratory = EmulatedRig::of(&experiment.test, 1).sized_for(&limits, &plan);
@@ -20,16 +21,14 @@ pub fn bench(experiment: &Experiment, ideal: &Response) -> BoardBench<Emulated> 
     BoardBench::new(connection, plan, Operator::not_asked())
 }
 
-/// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again.
-pub fn run(experiment: &Experiment, ideal: &Response) -> JudgedRun {
+/// Runs the test of `experiment` on that board with its own compensation; every step is received and worked out again. And how
+/// the board is behind it.
+pub fn run(experiment: &Experiment, ideal: &Response) -> (JudgedRun, Status) {
     let method = experiment.test.config.compensation.kind;
-    experiment
-        .run_on(
-            &bench(experiment, ideal),
-            method,
-            ideal,
-            true,
-            None::<Trace>,
-        )
-        .unwrap()
+    let bench = bench(experiment, ideal);
+    let run = experiment
+        .run_on(&bench, method, ideal, true, None::<Trace>)
+        .unwrap();
+    let status = status(&mut bench.into_connection()).unwrap();
+    (run, status)
 }

@@ -23,7 +23,7 @@ fn the_error_is_within_5_percent_of_the_one_without_converters() {
         .run(method, &ideal, 1, false, None::<Trace>)
         .unwrap();
 
-    let run = example::run(&experiment, &ideal);
+    let (run, _) = example::run(&experiment, &ideal);
 
     let (summary, plain) = (&run.summary, &without.summary);
     println!(
