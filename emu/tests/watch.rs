@@ -18,9 +18,10 @@ use std::path::Path;
 /// The strong part of the motion: two natural periods of 1 s before the effect that begins in mid-test, and some behind.
 const SECONDS: f64 = 14.0;
 
-/// Control steps in a block at 2 kHz, and the share of their time that judging it may take in the mean, per cent.
+/// Control steps in a block at 2 kHz, and the share of their time that judging it may take in the mean, per cent: 2 are the aim
+/// and 1.5 to 1.9 what was seen, interrupts in between included.
 const STEPS_IN_BLOCK: u8 = 4;
-const MEAN_SHARE: f64 = 5.0;
+const MEAN_SHARE: f64 = 2.2;
 
 /// The example with another table of effects, and keys that are set.
 fn run(effect: &str, set: &[&str]) -> JudgedRun {
@@ -138,8 +139,9 @@ fn a_transducer_whose_gain_changes_under_an_adaptive_compensation_is_named_and_w
 #[test]
 fn a_transducer_that_stands_with_its_noise_stops_the_test() {
     let stands = "[[plant.effects]]\nsensor = 'displacement'\nfrozen = true\nfrom_s = 8\n";
-    // The loop's own limit is sooner where it is one: a tenth of a second.
-    let run = run(stands, &["limits.stale_steps=2000"]);
+    // The limits that are worked out are sooner, in a motion as large as this one; these are wide.
+    let wide = ["limits.stale_steps=500", "limits.tracking_m=0.05"];
+    let run = run(stands, &wide);
     assert_eq!(run.summary.verdict, TestVerdict::Tripped);
     let board = run.summary.board.as_ref().unwrap();
     assert_eq!(board.trip, Some(Fault::Watch));
