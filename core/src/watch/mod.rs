@@ -11,13 +11,12 @@
 //! |---|---|
 //! | `tap.rs`, `post.rs` | what is done in the control interrupt: blocks go out, orders come back after a fixed time |
 //! | `orders.rs`, `correction.rs`, `foresight.rs` | what is asked of the loop; corrections; the error at the end of the test |
-//! | `crew.rs` | the watches of all actuators together |
 //! | `declared.rs` | the declared model of the actuator and its tolerances |
 //! | `signals.rs` | declared displacement, filters, velocities, guessed limits |
 //! | `unloading.rs` | which samples tell of the specimen's elastic stiffness while it yields |
 //! | `regression.rs`, `normal.rs` | normal equations; every single cause from one inverse |
 //! | `noise.rs`, `frozen.rs`, `play.rs` | what is no regression |
-//! | `state.rs`, `name.rs` | states, causes with their sides, sets |
+//! | `state.rs`, `name.rs`, `verdict.rs` | states, causes with their sides, sets, of all actuators together |
 //! | `hypothesis.rs`, `judge.rs` | from hypotheses to causes: which side, which set, when |
 //!
 //! A cause is named when letting it alone go explains the residual far better than the declared tolerances do: twice the
@@ -26,7 +25,6 @@
 //! A specimen that yields is no cause: displacement to force is judged while it unloads, where every specimen is elastic.
 
 mod correction;
-mod crew;
 mod declared;
 mod foresight;
 mod frozen;
@@ -43,9 +41,9 @@ mod signals;
 mod state;
 mod tap;
 mod unloading;
+mod verdict;
 
 pub use correction::Corrections;
-pub use crew::{Verdict, judge};
 pub use declared::{Declared, DeclaredActuator};
 pub use foresight::{ErrorLimit, PARTS};
 pub use name::{Cause, Set, Side};
@@ -53,6 +51,7 @@ pub use orders::{Alarm, AxisOrders, Orders};
 pub(crate) use post::Post;
 pub use state::{Finding, State};
 pub use tap::{Block, steps_in_block};
+pub use verdict::Verdict;
 
 use crate::refusal::Refusal;
 use correction::Corrector;
@@ -361,4 +360,23 @@ impl Watch {
         }
         self.act() | changed
     }
+}
+
+/// On a board's tasks as on a PC: gives each watch its actuator's block, and has it fill its orders. A bounded piece of work.
+pub fn judge<'a>(
+    watches: impl Iterator<Item = &'a mut Watch>,
+    blocks: &[Block],
+    orders: &mut [AxisOrders],
+) -> Verdict {
+    let mut all = Verdict::NONE;
+    for (axis, ((watch, block), orders)) in (0..).zip(watches.zip(blocks).zip(orders)) {
+        let changed = watch.add(block);
+        *orders = watch.axis_orders();
+        all = all.with(Verdict {
+            state: watch.state(),
+            alarm: watch.alarm(axis),
+            changed,
+        });
+    }
+    all
 }
