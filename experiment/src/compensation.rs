@@ -23,6 +23,15 @@ impl Compensation {
         }
     }
 
+    /// Every compensation of a test; `coupled`: of two coupled actuators.
+    pub fn all(coupled: bool) -> Vec<Self> {
+        if coupled {
+            CoupledCompensation::ALL.map(Self::Coupled).to_vec()
+        } else {
+            Method::ALL.iter().copied().map(Self::Method).collect()
+        }
+    }
+
     /// By its name; `coupled`: of two coupled actuators.
     ///
     /// # Errors

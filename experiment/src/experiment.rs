@@ -430,10 +430,15 @@ impl Experiment {
             .map(three)
             .collect();
         format!(
-            "{} of {}, on a structure of {} Hz.",
+            "{} of {}, on a structure of {} Hz{}.",
             si(self.seconds, "s"),
             self.record,
-            hz.join(", ")
+            hz.join(", "),
+            match self.test.coupled {
+                None => "",
+                Some(_) =>
+                    " that two coupled actuators move in x and in rotation (a simulated rig)",
+            }
         )
     }
 

@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, PlantBench};
 use crate::compensation::Compensation;
+use crate::coupled::interface::InterfaceScore;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::score::Score;
@@ -92,13 +93,15 @@ impl Experiment {
             seconds: self.seconds,
         };
         let watch = TestWatch::of(&own.test, &place)?;
-        let mut observers = (Score::against(ideal), (watch, (trace, observer)));
+        let interface = own.test.coupled.as_deref().map(InterfaceScore::of);
+        let scores = (Score::against(ideal), interface);
+        let mut observers = (scores, (watch, (trace, observer)));
         let ending = own.run_config(bench, config, &mut observers)?;
-        let (score, (watch, (trace, _))) = observers;
+        let ((score, interface), (watch, (trace, _))) = observers;
         Ok(JudgedRun {
             summary: Summary {
                 watch: watch.map(TestWatch::report),
-                ..Summary::of(self, compensation, &score, &ending)
+                ..Summary::of(&own, compensation, (&score, interface.as_ref()), &ending)
             },
             trace,
         })

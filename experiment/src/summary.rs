@@ -2,12 +2,13 @@
 
 use crate::bench::{Ending, OnBoard};
 use crate::compensation::Compensation;
+use crate::coupled::figures::CoupledFigures;
+use crate::coupled::interface::InterfaceScore;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
 use crate::numbers::{percent, si, three};
 use crate::score::Score;
 use crate::watch::WatchReport;
-use outerloop_core::coupled::Plant;
 use outerloop_core::{Fault, Mode, Trip};
 use serde::Serialize;
 
@@ -124,9 +125,9 @@ pub struct Summary {
     /// The fault with its value and limit.
     #[serde(skip)]
     pub trip_detail: Option<Trip>,
-    /// Two coupled actuators as the loop has them in the end.
-    #[serde(skip)]
-    pub actuators: Option<Plant>,
+    /// What only a test of two coupled actuators has; its keys stand among the others.
+    #[serde(flatten)]
+    pub coupled: Option<CoupledFigures>,
 }
 
 /// A fault that has no value: it is there or it is not.
@@ -149,16 +150,20 @@ const fn is_fact(fault: Fault) -> bool {
 const STOPPED: &str =
     " The simulation was stopped there: no limit was declared, and no rig could follow.";
 
-/// What tripped, beside its limit.
+/// What tripped, beside its limit, in the unit of the fault.
 pub fn against_limit(t: Trip) -> String {
-    let value = si(f64::from(t.value), t.fault.unit());
+    against_limit_in(t, t.fault.unit())
+}
+
+fn against_limit_in(t: Trip, unit: &str) -> String {
+    let value = si(f64::from(t.value), unit);
     // What core takes for a limit that was not declared: only a number that overflows is beyond it.
     if t.limit >= f32::MAX {
         format!("{value}; no limit was declared, and the number left what can be computed")
     } else {
         format!(
             "{value} against a limit of {}",
-            si(f64::from(t.limit), t.fault.unit())
+            si(f64::from(t.limit), unit)
         )
     }
 }
@@ -168,13 +173,28 @@ impl Summary {
     pub fn of(
         e: &Experiment,
         compensation: Compensation,
-        score: &Score<'_>,
+        (score, interface): (&Score<'_>, Option<&InterfaceScore>),
         ending: &Ending,
     ) -> Self {
         let worst = |floors: &[f64]| floors.iter().copied().fold(0.0, f64::max);
         let (eps_max_by_floor, eps_rms_by_floor) = (score.eps_max(), score.eps_rms());
         let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
         let per_critical = e.per_critical();
+        let energy = &score.energy;
+        let [
+            energy_error_j,
+            energy_error_hsem_j,
+            energy_error_stiffness_j,
+        ] = interface.map_or_else(
+            || [energy.modified_j, energy.hsem_j, energy.stiffness_j].map(f64::from),
+            |interface| interface.energy_j,
+        );
+        let coupled = interface
+            .zip(e.test.coupled.as_deref())
+            .map(|(score, part)| {
+                let eps = (&eps_max_by_floor[..], &eps_rms_by_floor[..]);
+                CoupledFigures::of(part, score, eps, ending.trip, ending.actuators)
+            });
         Self {
             record: e.record.clone(),
             compensation: compensation.name(),
@@ -194,9 +214,9 @@ impl Summary {
             peak_displacement_m: score.peak_m(e.floors_in_m()),
             mean_added_damping_ratio: score.mean_damping() * per_critical,
             peak_added_damping_ratio: score.largest_damping * per_critical,
-            energy_error_j: f64::from(score.energy.modified_j),
-            energy_error_hsem_j: f64::from(score.energy.hsem_j),
-            energy_error_stiffness_j: f64::from(score.energy.stiffness_j),
+            energy_error_j,
+            energy_error_hsem_j,
+            energy_error_stiffness_j,
             energy_ratio: score.energy_ratio,
             locked_share: share(score.locked, score.compared),
             model_doubt_share: share(score.doubtful, score.control_steps),
@@ -210,7 +230,7 @@ impl Summary {
             wall_s: ending.wall_s,
             board: ending.board.clone(),
             trip_detail: ending.trip,
-            actuators: ending.actuators,
+            coupled,
         }
     }
 
@@ -230,9 +250,11 @@ impl Summary {
     /// What the figures are worth.
     pub fn validity(&self) -> Validity {
         match self.verdict {
-            TestVerdict::Completed if self.locked() || self.eps_rms > POOR_EPS_RMS => Validity::Bad,
-            TestVerdict::Completed if self.eps_rms > GOOD_EPS_RMS => Validity::Fair,
-            TestVerdict::Completed => Validity::Good,
+            TestVerdict::Completed if self.locked() => Validity::Bad,
+            TestVerdict::Completed if self.eps_rms <= GOOD_EPS_RMS => Validity::Good,
+            TestVerdict::Completed if self.eps_rms <= POOR_EPS_RMS => Validity::Fair,
+            // What is not a number is not the structure's response either.
+            TestVerdict::Completed => Validity::Bad,
             TestVerdict::Tripped | TestVerdict::Diverged | TestVerdict::Stopped => Validity::Bad,
         }
     }
@@ -248,51 +270,60 @@ impl Summary {
         }
     }
 
+    /// How a test ended that tripped.
+    fn of_trip(&self, t: Trip) -> String {
+        let name = t.fault.name();
+        let after = format!(
+            "after {:.2} s of the laboratory",
+            self.steps as f64 / self.rate_hz
+        );
+        match t.fault {
+            fault if is_fact(fault) => format!("Tripped on {name} {after}."),
+            // A limit is above zero; this is what a board reports of its own converter.
+            Fault::Displacement if t.limit == 0.0 => format!(
+                "Tripped on {name} {after}: the command left the range of the board's converter; `outerloop board calibrate` \
+                 shows it."
+            ),
+            Fault::Watch if t.limit == 0.0 => format!(
+                "Stopped by the rig watch {after}: a sensor stands still while the rest moves."
+            ),
+            Fault::Watch => format!(
+                "Stopped by the rig watch {after}: what it named would bring the error to {} rms of the largest displacement, \
+                 against watch.trip_eps = {}.",
+                percent(f64::from(t.value)),
+                three(f64::from(t.limit))
+            ),
+            Fault::Reading => format!(
+                "Tripped on {name} {after}: the actuator was read further out than it was sent, {}.",
+                against_limit(t)
+            ),
+            _ => match &self.coupled {
+                None => format!("Tripped on {name} {after}: {}.", against_limit(t)),
+                Some(coupled) => format!(
+                    "Tripped on {name} of {} {after}: {}.",
+                    coupled.trip_axis.unwrap_or("the rig"),
+                    against_limit_in(t, CoupledFigures::unit_of(t))
+                ),
+            },
+        }
+    }
+
     /// What happened, in a plain sentence.
     pub fn sentence(&self) -> String {
         let (rms, max) = (percent(self.eps_rms), percent(self.eps_max));
+        let (actuator, whole) = match self.coupled {
+            None => ("the actuator puts", "the largest ideal displacement"),
+            Some(_) => (
+                "the actuators put",
+                "the largest ideal motion of the worst coordinate",
+            ),
+        };
+        let error = format!("{rms} rms and {max} at most, of {whole}");
         match (self.verdict, self.trip_detail) {
-            (TestVerdict::Tripped, Some(t)) if is_fact(t.fault) => format!(
-                "Tripped on {} after {:.2} s of the laboratory.",
-                t.fault.name(),
-                self.steps as f64 / self.rate_hz,
-            ),
-            // A limit is above zero; this is what a board reports of its own converter.
-            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Displacement && t.limit == 0.0 => {
-                format!(
-                    "Tripped on displacement after {:.2} s of the laboratory: the command left the range of the board's \
-                     converter; `outerloop board calibrate` shows it.",
-                    self.steps as f64 / self.rate_hz,
-                )
-            }
-            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Watch => format!(
-                "Stopped by the rig watch after {:.2} s of the laboratory: {}.",
-                self.steps as f64 / self.rate_hz,
-                if t.limit == 0.0 {
-                    "a sensor stands still while the rest moves".to_owned()
-                } else {
-                    format!(
-                        "what it named would bring the error to {} rms of the largest displacement, against watch.trip_eps = {}",
-                        percent(f64::from(t.value)),
-                        three(f64::from(t.limit))
-                    )
-                }
-            ),
-            (TestVerdict::Tripped, Some(t)) if t.fault == Fault::Reading => format!(
-                "Tripped on {} after {:.2} s of the laboratory: the actuator was read further out than it was sent, {}.",
-                t.fault.name(),
-                self.steps as f64 / self.rate_hz,
-                against_limit(t),
-            ),
-            (TestVerdict::Tripped, Some(t)) => format!(
-                "Tripped on {} after {:.2} s of the laboratory: {}.",
-                t.fault.name(),
-                self.steps as f64 / self.rate_hz,
-                against_limit(t),
-            ),
+            (TestVerdict::Tripped, Some(t)) => self.of_trip(t),
             (TestVerdict::Diverged, _) => format!(
-                "Ran away: the error grew to {max} of the largest ideal displacement, because the actuator puts in more \
-                 energy than the structure dissipates.{}",
+                "Ran away: the error grew to {max} of {whole}, because {actuator} in more energy than the structure \
+                 dissipates.{}",
                 if self.stopped_s.is_some() {
                     STOPPED
                 } else {
@@ -301,7 +332,7 @@ impl Summary {
             ),
             (TestVerdict::Stopped, _) => format!(
                 "Stopped by hand after {:.2} s of the laboratory, before its end. What was recorded until then is kept; up \
-                 to there the error is {rms} rms and {max} at most, of the largest ideal displacement.",
+                 to there the error is {error}.",
                 self.steps as f64 / self.rate_hz,
             ),
             _ if self.locked() => format!(
@@ -310,17 +341,16 @@ impl Summary {
                 self.locked_share * 100.0
             ),
             _ => match self.validity() {
-                Validity::Good => format!(
-                    "Ran to its end and moved as the structure would: the error is {rms} rms and {max} at most, of the \
-                     largest ideal displacement."
-                ),
+                Validity::Good => {
+                    format!(
+                        "Ran to its end and moved as the structure would: the error is {error}."
+                    )
+                }
                 Validity::Fair => format!(
-                    "Ran to its end with a visible error: {rms} rms and {max} at most, of the largest ideal \
-                     displacement. Say so beside the result."
+                    "Ran to its end with a visible error: {error}. Say so beside the result."
                 ),
                 Validity::Bad => format!(
-                    "Stable but wrong: the error is {rms} rms and {max} at most, of the largest ideal displacement. \
-                     This is not the structure's response."
+                    "Stable but wrong: the error is {error}. This is not the structure's response."
                 ),
             },
         }

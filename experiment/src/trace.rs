@@ -1,5 +1,7 @@
 //! What a running test leaves behind, and who looks at it while it runs.
 
+use crate::coupled::interface::InterfaceTrace;
+use crate::coupled::part::CoupledPart;
 use outerloop_core::watch::{AxisOrders, Block, Instructions, Verdict};
 use outerloop_core::{EnergyWords, Event, Mode, Record, flag};
 use plant::coupled::CoupledReading;
@@ -344,9 +346,8 @@ pub struct Trace {
     pub energy_ratio: Vec<f32>,
     /// Floors from the ground up.
     pub floors: Vec<FloorTrace>,
-    /// Of two coupled actuators: the coordinates by name, each with its unit. Readings and sent commands of the first two
-    /// floors are then those of the actuators.
-    pub coordinates: Option<Vec<String>>,
+    /// What only two coupled actuators have.
+    pub interface: Option<InterfaceTrace>,
 }
 
 impl Trace {
@@ -360,10 +361,10 @@ impl Trace {
     }
 
     /// The same of two coupled actuators.
-    pub fn of_coupled(coordinates: &[String], rate_hz: f64) -> Self {
+    pub fn of_coupled(part: &CoupledPart, rate_hz: f64) -> Self {
         Self {
-            coordinates: Some(coordinates.to_vec()),
-            ..Self::new(coordinates.len(), rate_hz)
+            interface: Some(InterfaceTrace::of(part)),
+            ..Self::new(part.coordinates(), rate_hz)
         }
     }
 
@@ -410,6 +411,9 @@ impl TestObserver for Trace {
                 .added_damping_n_s_per_m
                 .push(r.added_damping_n_s_per_m[j]);
             floor.gain.push(r.gain[j]);
+        }
+        if let Some(interface) = &mut self.interface {
+            interface.push(r);
         }
     }
 }

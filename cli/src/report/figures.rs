@@ -1,6 +1,6 @@
 //! The figures of a test, with what to see in them.
 
-use super::page::TestSection;
+use super::page::{TestSection, escape};
 use super::plot::{
     self, Colour, Curve, GROUND, HALF, IDEAL, PlotShape, RAW, TALL, TESTED, THIRD, WIDE, WRONG,
     history, path,
@@ -61,6 +61,20 @@ impl<'a> Figures<'a> {
 
     fn floors(&self) -> impl Iterator<Item = (usize, &'a FloorTrace)> {
         self.section.trace.floors.iter().enumerate()
+    }
+
+    /// What a floor, or a coordinate of two coupled actuators, is called, and what its displacement is drawn in.
+    fn axis(&self, j: usize) -> (String, &'static str) {
+        match &self.section.trace.interface {
+            None => (format!("Floor {}", j + 1), "mm"),
+            Some(interface) => {
+                let name = &interface.coordinates[j];
+                let rotation = name.strip_suffix("_rad");
+                let plain = rotation.unwrap_or_else(|| name.trim_end_matches("_m"));
+                let unit = if rotation.is_some() { "mrad" } else { "mm" };
+                (plain.replace('_', " "), unit)
+            }
+        }
     }
 
     fn physical(&self) -> usize {
@@ -127,7 +141,7 @@ impl<'a> Figures<'a> {
         let mut html = String::from("<h2>Displacement</h2>");
         for (j, floor) in self.floors() {
             if self.section.trace.floors.len() > 1 {
-                html += &format!("<h3>Floor {}</h3>", j + 1);
+                html += &format!("<h3>{}</h3>", escape(&self.axis(j).0));
             }
             let caption = "The test, over the response with an ideal actuator.";
             html += &self.displacement_of(TALL, j, floor, self.whole_test(), caption);
@@ -142,7 +156,7 @@ impl<'a> Figures<'a> {
             let curve = Curve::new(WRONG, error);
             html += &time_plot(
                 self.cut(WIDE, j),
-                "error [mm]",
+                &format!("error [{}]", self.axis(j).1),
                 &[curve],
                 "What is left: test less ideal.",
             );
@@ -183,37 +197,56 @@ impl<'a> Figures<'a> {
                 [ideal.thick(), test]
             }
         };
-        time_plot(self.cut(shape, j), "displacement [mm]", &curves, caption)
+        let label = format!("displacement [{}]", self.axis(j).1);
+        time_plot(self.cut(shape, j), &label, &curves, caption)
     }
 
-    /// The strongest part of this test under several compensations, lowest floor.
+    /// The strongest part of this test under several compensations: the lowest floor, or x and rotation.
     pub fn overlay(&self, sections: &[&TestSection<'a>], colours: &[Colour]) -> String {
+        match &self.section.trace.interface {
+            None => self.overlay_of(
+                0,
+                "displacement of the lowest floor [mm]",
+                sections,
+                colours,
+            ),
+            Some(_) => (0..2)
+                .map(|j| {
+                    let (name, unit) = self.axis(j);
+                    self.overlay_of(j, &format!("{name} [{unit}]"), sections, colours)
+                })
+                .collect(),
+        }
+    }
+
+    fn overlay_of(
+        &self,
+        j: usize,
+        label: &str,
+        sections: &[&TestSection<'a>],
+        colours: &[Colour],
+    ) -> String {
         let range = self.look.clone();
         let mut curves = vec![
-            Curve::new(IDEAL, self.ideal(0, range.clone()))
+            Curve::new(IDEAL, self.ideal(j, range.clone()))
                 .named("ideal actuator")
                 .thick(),
         ];
         for (section, colour) in sections.iter().zip(colours) {
             let other = Figures::of(section);
             let end = range.end.min(other.solved.len());
-            let command = &section.trace.floors[0].command_m;
+            let command = &section.trace.floors[j].command_m;
             let points = other.over(range.start.min(end)..end, |i| f64::from(command[i]) * 1e3);
             curves.push(Curve::new(*colour, points).named(section.summary.compensation));
         }
-        let shape = TALL.within(SHOWN_BEYOND * self.section.ideal.peaks_m()[0] * 1e3);
-        time_plot(
-            shape,
-            "displacement of the lowest floor [mm]",
-            &curves,
-            "The strongest part of the test.",
-        )
+        let shape = TALL.within(SHOWN_BEYOND * self.section.ideal.peaks_m()[j] * 1e3);
+        time_plot(shape, label, &curves, "The strongest part of the test.")
     }
 
     fn on_floor(&self, j: usize, caption: &str) -> String {
         match self.section.trace.floors.len() {
             1 => caption.to_owned(),
-            _ => format!("Floor {}. {caption}", j + 1),
+            _ => format!("{}. {caption}", escape(&self.axis(j).0)),
         }
     }
 
@@ -229,33 +262,64 @@ impl<'a> Figures<'a> {
         );
         let part = &self.solved[self.look.clone()];
         for (j, floor) in self.floors().take(self.physical()) {
-            let (displacement, force) = if filtered {
-                (&floor.estimated_displacement_m, &floor.estimated_force_n)
-            } else {
-                (&floor.displacement_m, &floor.force_n)
+            let (displacement, force) = match &self.section.trace.interface {
+                // Of the readings of both actuators.
+                Some(interface) => (&interface.displacement[j], &floor.estimated_force_n),
+                None if filtered => (&floor.estimated_displacement_m, &floor.estimated_force_n),
+                None => (&floor.displacement_m, &floor.force_n),
+            };
+            let unit = self.axis(j).1;
+            let answer = match unit {
+                "mrad" => "moment [kN m]",
+                _ => "force [kN]",
             };
             let picture = |colour, x: &[f32], label: &str, caption: &str| -> String {
                 let points = path(part.len(), |k| {
                     let i = part[k];
                     (f64::from(x[i]) * 1e3, f64::from(force[i]) * 1e-3)
                 });
-                let svg = plot::plot(HALF, label, "force [kN]", &[Curve::new(colour, points)]);
+                let label = format!("{label} [{unit}]");
+                let svg = plot::plot(HALF, &label, answer, &[Curve::new(colour, points)]);
                 figure(&svg, &self.on_floor(j, caption))
             };
             html += &picture(
                 WRONG,
                 &floor.command_m,
-                "command [mm]",
+                "command",
                 "Perceived: force against command.",
             );
             html += &picture(
                 TESTED,
                 displacement,
-                "displacement [mm]",
+                "displacement",
                 "Measured: force against displacement.",
             );
         }
         html + "</div>"
+    }
+
+    /// Each of two coupled actuators in the strongest part: where it is to be, what it was sent, where it was.
+    pub fn actuators(&self) -> String {
+        let Some(interface) = &self.section.trace.interface else {
+            return String::new();
+        };
+        let mut html = String::from("<h2>What the actuators did</h2>");
+        for (i, floor) in self.floors().take(2) {
+            let of = |x: &[f32]| self.over(self.look.clone(), |k| 1e3 * f64::from(x[k]));
+            let curves = [
+                Curve::new(IDEAL, of(&interface.wanted_m[i]))
+                    .named("target")
+                    .thick(),
+                Curve::new(WRONG, of(&floor.sent_m)).named("command"),
+                Curve::new(TESTED, of(&interface.true_stroke_m[i])).named("true stroke"),
+            ];
+            let caption = format!(
+                "Actuator {}: the command leads, so that the stroke is on its target. The strongest part of the test.",
+                i + 1
+            );
+            html += &time_plot(self.cut(WIDE, 0), "stroke [mm]", &curves, &caption);
+        }
+        html
     }
 
     /// The three energy errors (Fig 9).

@@ -22,7 +22,7 @@ mod sweep;
 pub use check::{CheckSection, of_check};
 pub use comparison::{of_compare, of_comparison};
 pub use coupled::of_coupled;
-pub use coupled_test::{CoupledSection, of_coupled_check, of_coupled_compare, of_coupled_run};
+pub use coupled_test::of_coupled_check;
 pub use desk::of_desk;
 pub use difference::of_difference;
 pub use frequency_response::of_identify;
@@ -39,7 +39,7 @@ use experiment::judged::JudgedRun;
 use experiment::numbers::length;
 use experiment::summary::Summary;
 use figures::Figures;
-use page::{escape, page, table, test_file};
+use page::{escape, lead, page, table, test_file};
 use std::fmt::Write as _;
 
 /// What stands beside the report of a test.
@@ -50,15 +50,17 @@ const RECORDS: &str = "<h2>The record</h2><p>Every channel of every control step
 /// The report of one test.
 pub fn of_run(s: &TestSection<'_>) -> String {
     let f = Figures::of(s);
+    let own = match &s.summary.coupled {
+        None => [f.energy(), f.damping(), f.estimate()],
+        Some(coupled) => [f.actuators(), coupled_test::found(coupled), String::new()],
+    };
     let body = [
         verdict(s.summary),
         tiles(s.summary),
         f.displacement(),
         f.ground_motion(),
         f.loops(),
-        f.energy(),
-        f.damping(),
-        f.estimate(),
+        own.concat(),
         RECORDS.into(),
         test_file(&s.experiment.test.text),
     ]
@@ -215,30 +217,6 @@ fn improvement_section(title: &str, s: &Improvement) -> String {
     html
 }
 
-fn lead(s: &TestSection<'_>) -> String {
-    let c = &s.experiment.test.config;
-    let floors = match (c.degrees_of_freedom(), c.physical_storeys()) {
-        (1, _) => "One degree of freedom".to_owned(),
-        (n, p) if n == p => format!("{n} degrees of freedom, an actuator at each"),
-        (n, p) => format!("{n} degrees of freedom, {p} of them in the laboratory"),
-    };
-    let pace = match c.timing.time_scale {
-        1.0 => "in real time".to_owned(),
-        scale => format!("{scale} times slower than real time"),
-    };
-    format!(
-        "{floors}, {} Hz, {pace}. {:.1} s of the ground motion {}{}, compensation <b>{}</b>.",
-        c.timing.rate_hz,
-        s.summary.steps as f64 / c.timing.rate_hz / c.timing.time_scale,
-        escape(&s.summary.record),
-        match s.experiment.scale {
-            1.0 => String::new(),
-            scale => format!(" times {scale:.3}"),
-        },
-        s.summary.compensation,
-    )
-}
-
 fn verdict(s: &Summary) -> String {
     let doubt = if s.model_doubt_share > 0.05 {
         format!(
@@ -259,21 +237,24 @@ fn verdict(s: &Summary) -> String {
 }
 
 fn tiles(s: &Summary) -> String {
-    let tiles = [
+    let mut tiles = vec![
         (
             percent(s.eps_rms),
             "rms error, of the largest ideal displacement (Eq 18)",
         ),
         (percent(s.eps_max), "largest error (Eq 17)"),
         (length(s.peak_displacement_m), "largest displacement"),
-        (
+    ];
+    match &s.coupled {
+        None => tiles.push((
             percent(s.mean_added_damping_ratio),
             "mean added damping, of critical",
-        ),
-        (
-            joule(s.energy_error_j),
-            "energy error of the actuator (Eq 12); negative: put in",
-        ),
-    ];
+        )),
+        Some(coupled) => tiles.extend(coupled_test::tiles(coupled)),
+    }
+    tiles.push((
+        joule(s.energy_error_j),
+        "energy error of the actuator (Eq 12); negative: put in",
+    ));
     page::tiles(&tiles)
 }

@@ -1,8 +1,8 @@
 //! The page of every report, and the pieces that several have.
 
 use crate::provenance::Provenance;
+use crate::terminal::summary_columns;
 use experiment::Experiment;
-use experiment::numbers::{joule, length, percent};
 use experiment::summary::{Summary, TestVerdict};
 use experiment::trace::{Response, Trace};
 use std::fmt::Write as _;
@@ -18,6 +18,34 @@ pub struct TestSection<'a> {
     pub trace: &'a Trace,
     /// The ideal it is compared with.
     pub ideal: &'a Response,
+}
+
+/// What was tested, how long, and under which compensation.
+pub(super) fn lead(s: &TestSection<'_>) -> String {
+    let c = &s.experiment.test.config;
+    let floors = match (c.degrees_of_freedom(), c.physical_storeys()) {
+        (n, _) if s.trace.interface.is_some() => format!(
+            "Two coupled actuators move the interface of {n} degrees of freedom in x and in rotation"
+        ),
+        (1, _) => "One degree of freedom".to_owned(),
+        (n, p) if n == p => format!("{n} degrees of freedom, an actuator at each"),
+        (n, p) => format!("{n} degrees of freedom, {p} of them in the laboratory"),
+    };
+    let pace = match c.timing.time_scale {
+        1.0 => "in real time".to_owned(),
+        scale => format!("{scale} times slower than real time"),
+    };
+    format!(
+        "{floors}, {} Hz, {pace}. {:.1} s of the ground motion {}{}, compensation <b>{}</b>.",
+        c.timing.rate_hz,
+        s.summary.steps as f64 / c.timing.rate_hz / c.timing.time_scale,
+        escape(&s.summary.record),
+        match s.experiment.scale {
+            1.0 => String::new(),
+            scale => format!(" times {scale:.3}"),
+        },
+        s.summary.compensation,
+    )
 }
 
 /// The tests that completed first, then by their error.
@@ -45,27 +73,24 @@ pub(super) fn each_tile(all: &[(String, &str)]) -> String {
     all.iter().map(tile).collect()
 }
 
+/// One row a test, as on the terminal, with a dot that says what it is worth.
 pub(super) fn table(rows: &[Summary]) -> String {
-    let mut html = String::from(
-        "<div class=\"scroll\"><table><tr><th>compensation</th><th>verdict</th><th>eps_max</th><th>eps_rms</th>\
-         <th>peak</th><th>added damping, mean</th><th>energy error</th></tr>",
-    );
-    for s in rows {
-        let _ = write!(
-            html,
-            "<tr><td><span class=\"dot {}\"></span>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-             <td>{}</td><td>{}</td></tr>",
-            s.validity().class(),
-            s.compensation,
-            s.trip.unwrap_or(s.verdict.name()),
-            percent(s.eps_max),
-            percent(s.eps_rms),
-            length(s.peak_displacement_m),
-            percent(s.mean_added_damping_ratio),
-            joule(s.energy_error_j),
-        );
+    let (columns, _) = summary_columns(rows);
+    let mut html = String::from("<div class=\"scroll\"><table><tr>");
+    for (head, _) in &columns {
+        let _ = write!(html, "<th>{head}</th>");
     }
-    html += "</table></div><p>eps_max and eps_rms are Eqs 17 and 18 of the paper: the difference to the same \
+    for s in rows {
+        html += "</tr><tr>";
+        for (head, cell) in &columns {
+            let dot = match *head {
+                "compensation" => format!("<span class=\"dot {}\"></span>", s.validity().class()),
+                _ => String::new(),
+            };
+            let _ = write!(html, "<td>{dot}{}</td>", escape(&cell(s)));
+        }
+    }
+    html += "</tr></table></div><p>eps_max and eps_rms are Eqs 17 and 18 of the paper: the difference to the same \
              integration with an ideal actuator, relative to the largest ideal displacement.</p>";
     html
 }

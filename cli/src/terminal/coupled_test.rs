@@ -1,55 +1,17 @@
-//! Tables of tests of two coupled actuators.
+//! Tables that only tests of two coupled actuators have.
 
+use super::tables::{Table, table};
+use experiment::coupled::figures::FoundNumber;
 use experiment::coupled::planned::LimitUse;
-use experiment::coupled::summary::{CoupledSummary, FoundNumber};
-use experiment::numbers::{joule, length, percent, si, three};
+use experiment::numbers::{percent, si};
+use experiment::summary::Summary;
 
-/// Head of [`summary_row`].
-pub const SUMMARY_HEAD: [&str; 9] = [
-    "compensation",
-    "verdict",
-    "eps_max",
-    "eps_rms",
-    "by coordinate",
-    "x",
-    "rotation",
-    "tracking 1 / 2",
-    "energy error",
-];
-
-/// Columns of it that a narrow terminal may leave out: tracking, then the share of each coordinate.
-pub const LEAST_IMPORTANT: [usize; 2] = [7, 4];
-
-/// What the columns of [`SUMMARY_HEAD`] mean.
-pub const LEGEND: &str = "\
-eps_max, eps_rms   largest and rms difference to the same test on ideal actuators, of its largest motion, worst coordinate (Eqs 17, 18)
-by coordinate      eps_rms of each coordinate
-x, rotation        largest of the interface
-tracking           true strokes less targets, rms, of the targets', actuator 1 / 2
-energy error       what the actuators' errors put into the structure (negative) or took out (positive), in all (Eq 12)";
-
-/// A test in a row.
-pub fn summary_row(s: &CoupledSummary) -> Vec<String> {
-    let [first, second] = s.tracking_rms_by_actuator;
-    let each: Vec<String> = s
-        .eps_rms_by_coordinate
-        .iter()
-        .map(|e| percent(*e))
-        .collect();
-    vec![
-        s.compensation.to_owned(),
-        s.trip.map_or_else(
-            || s.verdict.name().to_owned(),
-            |fault| format!("tripped: {fault} of {}", s.trip_axis.unwrap_or("the rig")),
-        ),
-        percent(s.eps_max),
-        percent(s.eps_rms),
-        each.join(" / "),
-        length(s.peak_displacement_m),
-        format!("{} mrad", three(1e3 * s.peak_rotation_rad)),
-        format!("{} / {}", percent(first), percent(second)),
-        joule(s.energy_error_j),
-    ]
+/// What the test found out about the actuators, if anything.
+pub fn found(s: &Summary) -> Option<Table> {
+    let found = s.coupled.as_ref().filter(|c| !c.found.is_empty())?;
+    let mut t = table(&FOUND_HEAD);
+    t.add_rows(found.found.iter().map(found_row));
+    Some(t)
 }
 
 /// Head of [`found_row`].

@@ -7,13 +7,13 @@ use crate::provenance::WithProvenance;
 use crate::report::{self, TestSection};
 use crate::terminal::{self, Progress, interrupt};
 use experiment::Experiment;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
 use experiment::judged::JudgedRun;
 use experiment::method;
 use experiment::summary::{Summary, Validity};
-use outerloop_core::Method;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -55,15 +55,16 @@ impl Compare {
         let test = self.common.load_any()?;
         if test.coupled.is_some() {
             super::coupled::refuse(&[("--bench", self.bench)])?;
-            let asked = (&self.record[..], &self.compensations[..]);
-            return super::coupled::compare(&test, &self.common, asked, out);
         }
         if self.bench {
             return self.compare_conditions(out);
         }
         let methods = match &self.compensations[..] {
-            [] => Method::ALL.to_vec(),
-            names => names.iter().map(|n| method(n)).collect::<Result<_, _>>()?,
+            [] => Compensation::all(test.coupled.is_some()),
+            names => {
+                let named = names.iter().map(|n| test.compensation_named(n));
+                named.collect::<Result<_, _>>()?
+            }
         };
         let experiments = self.experiments(&test)?;
         let steps: usize = experiments.iter().map(Experiment::control_steps).sum();
@@ -73,7 +74,7 @@ impl Compare {
             .collect::<Result<Vec<_>, _>>()?;
         let runs: Vec<(usize, JudgedRun)> = {
             let progress = Progress::over("compare", (steps * methods.len()) as u64);
-            let tests: Vec<(usize, Method)> = (0..experiments.len())
+            let tests: Vec<(usize, Compensation)> = (0..experiments.len())
                 .flat_map(|e| methods.iter().map(move |m| (e, *m)))
                 .collect();
             let keep = out.is_some();
@@ -110,7 +111,7 @@ impl Compare {
                 &json(&WithProvenance::seeded(&all, self.common.seed))?,
             ),
             page,
-            || println!("{}\n{}", terminal::summaries(&rows), terminal::LEGEND),
+            || println!("{}", terminal::summaries(&rows)),
         )?;
         require_all_ran(rows.len(), experiments.len() * methods.len())?;
         // A row that ran away is what a comparison is for; one without any usable row is not.

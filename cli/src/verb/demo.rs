@@ -79,7 +79,7 @@ impl Demo {
                 .collect::<Result<Vec<_>, _>>()?
         };
         let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
-        println!("{}\n{}\n", terminal::summaries(&rows), terminal::LEGEND);
+        println!("{}\n", terminal::summaries(&rows));
         let shown = [Method::None, Method::Paper].map(Method::name);
         for row in rows.iter().filter(|r| shown.contains(&r.compensation)) {
             println!("{}: {}", row.compensation, row.sentence());

@@ -12,13 +12,15 @@ use crate::scope::Scoped;
 use crate::terminal::interrupt::{self, StopBySignal};
 use crate::terminal::{self, Progress, plot};
 use diagnosis::ForceUnit;
+use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
 use experiment::files::{look_ahead, model, output, record_csv};
-use experiment::method;
+use experiment::judged::JudgedRun;
 use experiment::numbers::{length, three};
 use experiment::rig::improvement;
+use experiment::summary::Summary;
 use experiment::trace::Response;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -88,94 +90,17 @@ impl Run {
                 ("--port", self.place.kind() == RigKind::Board),
                 ("--scope", self.scope.is_wanted()),
             ])?;
-            return super::coupled::run(
-                &test,
-                &super::coupled::CoupledRequest {
-                    common: &self.common,
-                    record: self.record.as_deref(),
-                    compensation: self.compensation.as_deref(),
-                    out,
-                    archive: self.archive.as_deref(),
-                    plot: self.plot,
-                },
-            );
         }
         if let Some(path) = &self.signal {
             return self.play(&test, path, out);
         }
         let mut remarks = test.remarks();
         if let Some(path) = &self.model {
-            let mut known = model::load(path)?;
-            if known
-                .specimen
-                .take_if(|s| s.force_unit == ForceUnit::Without)
-                .is_some()
-            {
-                remarks.push(format!(
-                    "{}: was fitted to a force without a unit (specimen.force_unit = \"1\"): nothing of its specimen is taken \
-                     into account.",
-                    path.display()
-                ));
-            }
-            let done = improvement::apply(&known, &mut test.config);
-            remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
+            remarks.extend(take_into_account(path, &mut test)?);
         }
-        let kind = match &self.compensation {
-            Some(name) => method(name)?,
-            None => test.config.compensation.kind,
-        };
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
-        let keep = out.is_some() || self.archive.is_some();
-        experiment.check_memory(experiment.memory_bytes(keep))?;
-        if let Some(note) = experiment.note_of_size(keep) {
-            eprintln!("outerloop: note: {note}");
-        }
-        let drawn = !self.common.json && (self.plot || plot::columns().is_some());
-        let (run, picture) = {
-            let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
-            let ideal = experiment.ideal()?;
-            let rate_hz = test.config.timing.rate_hz;
-            let title = format!("{} under {}", self.common.test.display(), experiment.record);
-            let simulated = self.place.kind() == RigKind::Simulated;
-            let scope = self.scope.open(&title, rate_hz, simulated)?;
-            let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
-            // What repeats itself is stopped by an order that a replay can give again.
-            let repeats = self.place.kind() != RigKind::Board;
-            let by_signal = repeats.then_some(StopBySignal);
-            if simulated {
-                interrupt::watch_rig();
-            }
-            let mut recorder = OrderRecorder::new((scope, by_signal));
-            let observer = (progress.observer(), (&mut recorder, &mut response));
-            let seed = self.common.seed;
-            let run = self.place.watched(self.scope.is_wanted()).run(
-                &experiment,
-                kind,
-                &ideal,
-                seed,
-                keep,
-                observer,
-            )?;
-            let orders = recorder.orders();
-            if let Some(trace) = &run.trace {
-                self.write(
-                    &FinishedTest {
-                        experiment: &experiment,
-                        compensation: kind.into(),
-                        place: self.place.kind(),
-                        seed,
-                        orders: &orders,
-                        summary: &run.summary,
-                        trace,
-                    },
-                    &ideal,
-                    out,
-                )?;
-            }
-            let step_s = test.config.model_step_s();
-            let picture = response.map(|r| plot::response(&ideal, &r, step_s));
-            (run, picture)
-        };
+        remarks.extend(experiment.remarks());
+        let (run, picture) = self.test(&experiment, out)?;
         if self.common.json {
             answer!(
                 "{}",
@@ -183,30 +108,71 @@ impl Run {
             );
         } else {
             println!("{}", experiment.in_words());
-            for remark in remarks.into_iter().chain(experiment.remarks()) {
+            for remark in remarks {
                 println!("{remark}");
             }
-            println!(
-                "{}",
-                terminal::summaries(std::slice::from_ref(&run.summary))
-            );
-            println!("{}\n", terminal::LEGEND);
-            if let Some(picture) = picture {
-                println!("{picture}\n");
-            }
-            // A test that failed says so once, at the end.
-            if run.summary.outcome().is_ok() {
-                println!("{}", run.summary.sentence());
-            }
-            if let Some(watch) = &run.summary.watch {
-                println!("{}", watch.sentence());
-            }
+            tell(&run.summary, picture);
             look_at_report(out);
-        }
-        if let Some(board) = run.summary.board.as_ref().filter(|_| !self.common.json) {
-            println!("{}", board.sentence());
+            if let Some(board) = &run.summary.board {
+                println!("{}", board.sentence());
+            }
         }
         run.summary.outcome()
+    }
+
+    /// Runs the test and writes what was asked for; with it a picture of it, where one is wanted.
+    fn test(
+        &self,
+        experiment: &Experiment,
+        out: Option<&Path>,
+    ) -> Result<(JudgedRun, Option<String>), Failure> {
+        let test = &experiment.test;
+        let kind = match &self.compensation {
+            Some(name) => test.compensation_named(name)?,
+            None => test.compensation(),
+        };
+        let keep = out.is_some() || self.archive.is_some();
+        experiment.check_memory(experiment.memory_bytes(keep))?;
+        if let Some(note) = experiment.note_of_size(keep) {
+            eprintln!("outerloop: note: {note}");
+        }
+        let drawn = !self.common.json && (self.plot || plot::columns().is_some());
+        let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
+        let ideal = experiment.ideal()?;
+        let rate_hz = test.config.timing.rate_hz;
+        let title = format!("{} under {}", self.common.test.display(), experiment.record);
+        let simulated = self.place.kind() == RigKind::Simulated;
+        let scope = self.scope.open(&title, rate_hz, simulated)?;
+        let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
+        // What repeats itself is stopped by an order that a replay can give again.
+        let repeats = self.place.kind() != RigKind::Board;
+        let by_signal = repeats.then_some(StopBySignal);
+        if simulated {
+            interrupt::watch_rig();
+        }
+        let mut recorder = OrderRecorder::new((scope, by_signal));
+        let observer = (progress.observer(), (&mut recorder, &mut response));
+        let seed = self.common.seed;
+        let place = self.place.watched(self.scope.is_wanted());
+        let run = place.run(experiment, kind, &ideal, seed, keep, observer)?;
+        if let Some(trace) = &run.trace {
+            self.write(
+                &FinishedTest {
+                    experiment,
+                    compensation: kind,
+                    place: self.place.kind(),
+                    seed,
+                    orders: &recorder.orders(),
+                    summary: &run.summary,
+                    trace,
+                },
+                &ideal,
+                out,
+            )?;
+        }
+        let (step_s, floors) = (test.config.model_step_s(), experiment.floors_in_m());
+        let picture = response.map(|r| plot::response(&ideal, &r, step_s, floors));
+        Ok((run, picture))
     }
 
     /// Plays a signal instead of a test.
@@ -310,6 +276,43 @@ impl Run {
             files.push(("inputs.csv", further.to_csv(rate_hz).into_bytes()));
         }
         output::write_all(folder, &files)
+    }
+}
+
+/// Puts what the model file at `path` knows of the rig into the test, and says what was done.
+fn take_into_account(path: &Path, test: &mut TestFile) -> Result<Vec<String>, Failure> {
+    let mut known = model::load(path)?;
+    let without = known
+        .specimen
+        .take_if(|s| s.force_unit == ForceUnit::Without);
+    let mut remarks = Vec::new();
+    if without.is_some() {
+        remarks.push(format!(
+            "{}: was fitted to a force without a unit (specimen.force_unit = \"1\"): nothing of its specimen is taken into \
+             account.",
+            path.display()
+        ));
+    }
+    let done = improvement::apply(&known, &mut test.config);
+    remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
+    Ok(remarks)
+}
+
+/// The figures, the picture and the sentences of a test.
+fn tell(summary: &Summary, picture: Option<String>) {
+    println!("{}\n", terminal::summaries(std::slice::from_ref(summary)));
+    if let Some(found) = terminal::found(summary) {
+        println!("{found}\n");
+    }
+    if let Some(picture) = picture {
+        println!("{picture}\n");
+    }
+    // A test that failed says so once, at the end.
+    if summary.outcome().is_ok() {
+        println!("{}", summary.sentence());
+    }
+    if let Some(watch) = &summary.watch {
+        println!("{}", watch.sentence());
     }
 }
 

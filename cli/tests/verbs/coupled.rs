@@ -1,13 +1,11 @@
 //! Tests of two coupled actuators: physics, interlocks in both systems of coordinates, refusals.
 use crate::common::{KEYS, command, json, json_with, outerloop, refused, root};
-use experiment::coupled::summary::CoupledSummary;
-use experiment::coupled::table::CoupledCompensation;
-use experiment::coupled::trace::CoupledTrace;
-use experiment::coupled::trial;
+use experiment::coupled::figures::CoupledFigures;
+use experiment::coupled::interface::InterfaceTrace;
 use experiment::files::near_fault::near_fault;
 use experiment::files::test::TestFile;
-use experiment::summary::TestVerdict;
-use experiment::trace::Response;
+use experiment::summary::{Summary, TestVerdict};
+use experiment::trace::{Response, Trace};
 use experiment::{Experiment, Shaking};
 use nalgebra::{SMatrix, SVector};
 use plant::linear::Linear;
@@ -28,13 +26,20 @@ fn experiment(overrides: &[&str]) -> Experiment {
     Experiment::new(test, &near_fault(), Some(12.0)).unwrap()
 }
 
-fn run(overrides: &[&str]) -> (Experiment, Response, CoupledTrace, CoupledSummary) {
+fn run(overrides: &[&str]) -> (Experiment, Response, Trace, Summary) {
     let e = experiment(overrides);
-    let kind = e.test.coupled_part().unwrap().declared.compensation;
     let ideal = e.ideal().unwrap();
-    let trial = trial::run(&e, kind, &ideal, 1, false).unwrap();
-    let summary = CoupledSummary::of(&e, kind, &trial).unwrap();
-    (e, ideal, trial.record, summary)
+    let run = e.run(e.test.compensation(), &ideal, 1, true, ()).unwrap();
+    (e, ideal, run.trace.unwrap(), run.summary)
+}
+
+/// What only the record of two coupled actuators has.
+fn interface(record: &Trace) -> &InterfaceTrace {
+    record.interface.as_ref().unwrap()
+}
+
+fn figures(summary: &Summary) -> &CoupledFigures {
+    summary.coupled.as_ref().unwrap()
 }
 
 #[test]
@@ -63,7 +68,7 @@ fn without_actuator_error_it_is_the_exact_solution() {
     let peaks = ideal.peaks_m();
     for n in 0..record.len() {
         for j in 0..2 {
-            let off = (exact.state[j] - f64::from(record.target[j][n])).abs();
+            let off = (exact.state[j] - f64::from(record.floors[j].command_m[n])).abs();
             assert!(off < 4e-3 * peaks[j], "{n} {j}: {off}");
         }
         let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
@@ -88,15 +93,18 @@ fn a_shaking_turned_round_turns_everything_round() {
         ..e.shaking()
     };
     let e = Experiment::with_shaking(e.test.clone(), String::new(), e.seconds, e.scale, &shaking);
-    let kind = CoupledCompensation::Coupled;
-    let minus = trial::run(&e, kind, &e.ideal().unwrap(), 1, false)
+    let kind = e.test.compensation();
+    let minus = e
+        .run(kind, &e.ideal().unwrap(), 1, true, ())
         .unwrap()
-        .record;
+        .trace
+        .unwrap();
+    let [first, second] = [0, 1].map(|i| (&plus.floors[i], &minus.floors[i]));
     for (a, b) in [
-        (&plus.target[0], &minus.target[0]),
-        (&plus.target[1], &minus.target[1]),
-        (&plus.command_m[1], &minus.command_m[1]),
-        (&plus.force[1], &minus.force[1]),
+        (&first.0.command_m, &first.1.command_m),
+        (&second.0.command_m, &second.1.command_m),
+        (&second.0.sent_m, &second.1.sent_m),
+        (&second.0.estimated_force_n, &second.1.estimated_force_n),
     ] {
         assert!(a.len() > 12_000 && a.len() == b.len());
         let peak = a.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
@@ -111,14 +119,15 @@ fn a_shaking_turned_round_turns_everything_round() {
 #[test]
 fn energies_balance_over_the_interface() {
     let (_, _, record, summary) = run(&["coupled.compensation=coupled-fixed"]);
+    let (of_interface, floors) = (interface(&record), &record.floors);
     // Eq 12 less HSEM is what is left of R (u_m - u_c) at the end: its increments add up to it.
     let last = record.len() - 1;
     let left: f64 = (0..2)
         .map(|i| {
-            let error =
-                |n: usize| f64::from(record.displacement[i][n]) - f64::from(record.target[i][n]);
-            f64::from(record.force[i][last]) * error(last)
-                - f64::from(record.force[i][0]) * error(0)
+            let (moved, floor) = (&of_interface.displacement[i], &floors[i]);
+            let error = |n: usize| f64::from(moved[n]) - f64::from(floor.command_m[n]);
+            let force = |n: usize| f64::from(floor.estimated_force_n[n]);
+            force(last) * error(last) - force(0) * error(0)
         })
         .sum();
     let balance = summary.energy_error_j - summary.energy_error_hsem_j - left;
@@ -134,9 +143,9 @@ fn energies_balance_over_the_interface() {
                 * (f64::from(at[n]) - f64::from(at[n - 1]))
         };
         for i in 0..2 {
-            strokes += work(&record.actuator_n[i], &record.true_stroke_m[i]);
-            interface += work(&record.force[i], &record.truth[i]);
-            turned += work(&record.force[i], &record.truth[i]).abs();
+            strokes += work(&floors[i].force_n, &of_interface.true_stroke_m[i]);
+            interface += work(&floors[i].estimated_force_n, &of_interface.truth[i]);
+            turned += work(&floors[i].estimated_force_n, &of_interface.truth[i]).abs();
         }
     }
     assert!(
@@ -160,7 +169,7 @@ fn with_a_coupling_that_vanishes_x_moves_as_one_degree_of_freedom() {
     let b = SMatrix::<f64, 2, 1>::new(0.0, -1.0);
     let mut exact = Linear::new(&a, &b, e.test.config.model_step_s());
     for n in 0..record.len() - 1 {
-        let off = (exact.state[0] - f64::from(record.target[0][n])).abs();
+        let off = (exact.state[0] - f64::from(record.floors[0].command_m[n])).abs();
         assert!(off < 2e-3 * peaks[0], "{n}: {off}");
         let at = |n: usize| SVector::from([f64::from(record.ground_m_per_s2[n])]);
         exact.step(&at(n), &at(n + 1));
@@ -178,7 +187,11 @@ fn knowing_the_coupling_is_worth_what_the_comparison_says() {
     assert!(uncoupled.verdict != TestVerdict::Completed || uncoupled.eps_rms > fixed.eps_rms);
     // What is estimated comes nearer to the rig than what was declared.
     for name in ["slow_pole_hz.0", "slow_pole_hz.1"] {
-        let f = coupled.found.iter().find(|f| f.name == name).unwrap();
+        let f = figures(&coupled)
+            .found
+            .iter()
+            .find(|f| f.name == name)
+            .unwrap();
         let (before, after) = (
             (f.declared - f.simulated).abs(),
             (f.found - f.simulated).abs(),
@@ -230,10 +243,20 @@ fn results_have_the_keys_of_other_tests_and_the_record_both_systems() {
         "actuator_command_m",
         "actuator_displacement2_m",
         "actuator_force2_n",
+        "true_displacement2_rad",
+        "true_actuator_displacement2_m",
     ] {
         assert!(head.split(',').any(|c| c == name), "{name} in {head}");
     }
     assert_eq!(record.lines().count(), 1 + 5 * 1024);
+    let mut names: Vec<&str> = head.split(',').collect();
+    names.sort_unstable();
+    assert!(names.windows(2).all(|w| w[0] != w[1]), "{head}");
+    // What such a test does not have is no column of zeros.
+    assert!(
+        !head.contains("gain") && !head.contains("damping"),
+        "{head}"
+    );
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     let drawn = page.split("<script>").next().unwrap();
     assert!(drawn.contains("What the actuators did") && drawn.contains("<svg"));

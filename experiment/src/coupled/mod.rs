@@ -6,16 +6,14 @@
 //! | [`part`] | what only a test file of this kind has |
 //! | [`settings`] | the same as the settings of core's loop |
 //! | [`ideal`] | the motion with actuators that are where they are sent |
-//! | [`trial`] | the test on the simulated rig |
-//! | [`trace`] | what it leaves: every quantity in both systems of coordinates |
-//! | [`summary`] | the figures and the verdict |
+//! | [`interface`] | what its record has beside that of others, and sums over it: both systems of coordinates |
+//! | [`figures`] | the figures that only such a test has |
 //! | [`planned`] | whether it may be run: limits, and rigs that differ |
 
+pub mod figures;
 pub mod ideal;
+pub mod interface;
 pub mod part;
 pub mod planned;
 pub mod settings;
-pub mod summary;
 pub mod table;
-pub mod trace;
-pub mod trial;

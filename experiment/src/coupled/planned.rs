@@ -1,15 +1,15 @@
 //! Whether a test of two coupled actuators may be run: the declared rig, rigs that differ from it, and the limits.
 
-use super::summary::CoupledSummary;
-use super::table::{CoupledCompensation, CoupledLimits};
-use super::trial::{self, Trial};
+use super::table::CoupledLimits;
+use crate::compensation::Compensation;
 use crate::experiment::Experiment;
 use crate::failure::Failure;
+use crate::judged::JudgedRun;
 use crate::numbers::percent;
 use crate::soundness::SoundnessVerdict;
 use crate::stability::perturbed::Spread;
-use crate::summary::{POOR_EPS_RMS, Validity};
-use crate::trace::Response;
+use crate::summary::{POOR_EPS_RMS, Summary, TestVerdict, Validity};
+use crate::trace::{Response, Trace};
 use plant::coupled::CoupledRigSpec;
 use rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -52,11 +52,11 @@ pub struct CoupledCheck {
     /// The limits.
     pub limits: Vec<LimitUse>,
     /// The test on the rig as declared.
-    pub planned: CoupledSummary,
+    pub planned: Summary,
 }
 
-/// A check, and the trial on the rig as declared.
-pub type CheckedTrial = (CoupledCheck, Response, Trial);
+/// A check, and the test on the rig as declared.
+pub type CheckedTrial = (CoupledCheck, Response, JudgedRun);
 
 /// From this share of a limit on, a planned motion is near it.
 const NEAR: f64 = 0.9;
@@ -68,7 +68,7 @@ const NEAR: f64 = 0.9;
 /// A test that cannot be laid out.
 pub fn check(
     experiment: &Experiment,
-    kind: CoupledCompensation,
+    kind: Compensation,
     spread: &Spread,
     one_done: impl Fn() + Sync,
 ) -> Result<CheckedTrial, Failure> {
@@ -77,28 +77,31 @@ pub fn check(
     rig.ideal = false;
     (rig.actuators, rig.specimen.stiffness) = (d.actuators.clone(), d.specimen.stiffness);
     (rig.specimen.damping, rig.specimen.mass) = (d.specimen.damping, d.specimen.mass);
-    let on = |rig: CoupledRigSpec| {
+    let on = |rig: CoupledRigSpec, keep: bool| {
         let own = experiment.on_coupled_rig(rig)?;
         let ideal = own.ideal()?;
-        let run = trial::run(&own, kind, &ideal, spread.seed, false)?;
-        let summary = CoupledSummary::of(&own, kind, &run)?;
-        Ok::<_, Failure>((ideal, run, summary))
+        let run = own.run(kind, &ideal, spread.seed, keep, ())?;
+        Ok::<_, Failure>((ideal, run))
     };
-    let (ideal, run, planned) = on(rig.clone())?;
+    let (ideal, run) = on(rig.clone(), true)?;
     let others = (0..spread.plants)
         .into_par_iter()
         .map(|i| {
-            let (.., summary) = on(differing(&rig, spread, i as u64))?;
+            let (_, other) = on(differing(&rig, spread, i as u64), false)?;
             one_done();
-            Ok(summary)
+            Ok(other.summary)
         })
         .collect::<Result<Vec<_>, Failure>>()?;
-    let went = |s: &&CoupledSummary| s.verdict == crate::summary::TestVerdict::Completed;
+    let planned = &run.summary;
+    let went = |s: &&Summary| s.verdict == TestVerdict::Completed;
     let lost = others.iter().filter(|s| !went(s)).count();
     let worst = others.iter().filter(went).map(|s| s.eps_rms);
     let worst = worst.fold(planned.eps_rms, f64::max);
-    let limits = limits(&d.limits, &run);
-    let (verdict, reason) = judge(&planned, (lost, spread.plants), worst, &limits);
+    let limits = run
+        .trace
+        .as_ref()
+        .map_or_else(Vec::new, |trace| limits(&d.limits, trace));
+    let (verdict, reason) = judge(planned, (lost, spread.plants), worst, &limits);
     let check = CoupledCheck {
         verdict,
         reason,
@@ -107,13 +110,13 @@ pub fn check(
         plants: spread.plants,
         lost,
         limits,
-        planned,
+        planned: planned.clone(),
     };
     Ok((check, ideal, run))
 }
 
 fn judge(
-    planned: &CoupledSummary,
+    planned: &Summary,
     (lost, plants): (usize, usize),
     worst: f64,
     limits: &[LimitUse],
@@ -198,10 +201,12 @@ fn differing(declared: &CoupledRigSpec, spread: &Spread, index: u64) -> CoupledR
 /// What the first limits are of.
 const ACTUATOR: &str = "worse actuator";
 
-/// How much of each limit a trial took.
-fn limits(l: &CoupledLimits, trial: &Trial) -> Vec<LimitUse> {
-    let r = &trial.record;
-    let rate = r.rate_hz;
+/// How much of each limit a test took.
+fn limits(l: &CoupledLimits, trace: &Trace) -> Vec<LimitUse> {
+    let Some(interface) = &trace.interface else {
+        return Vec::new();
+    };
+    let (floors, rate) = (&trace.floors, trace.rate_hz);
     let most = |x: &[f32]| x.iter().fold(0.0, |m, u| f64::from(u.abs()).max(m));
     let fastest = |x: &[f32]| {
         x.windows(2)
@@ -215,22 +220,30 @@ fn limits(l: &CoupledLimits, trial: &Trial) -> Vec<LimitUse> {
     let worse = |of: &dyn Fn(usize) -> f64| of(0).max(of(1));
     // In the order of the limits; the last of them, of readings that stand still, is none of the motion.
     let planned = [
-        (ACTUATOR, "m", worse(&|i| most(&r.command_m[i]))),
-        (ACTUATOR, "m/s", worse(&|i| fastest(&r.command_m[i]))),
-        (ACTUATOR, "N", worse(&|i| most(&r.actuator_n[i]))),
+        (ACTUATOR, "m", worse(&|i| most(&floors[i].sent_m))),
+        (ACTUATOR, "m/s", worse(&|i| fastest(&floors[i].sent_m))),
+        (ACTUATOR, "N", worse(&|i| most(&floors[i].force_n))),
         (
             ACTUATOR,
             "m",
-            worse(&|i| farthest(&r.stroke_m[i], &r.wanted_m[i])),
+            worse(&|i| farthest(&floors[i].displacement_m, &interface.wanted_m[i])),
         ),
-        ("x", "m", most(&r.target[0])),
-        ("x", "m/s", fastest(&r.target[0])),
-        ("x", "N", most(&r.force[0])),
-        ("x", "m", farthest(&r.estimated[0], &r.target[0])),
-        ("rotation", "rad", most(&r.target[1])),
-        ("rotation", "rad/s", fastest(&r.target[1])),
-        ("rotation", "N m", most(&r.force[1])),
-        ("rotation", "rad", farthest(&r.estimated[1], &r.target[1])),
+        ("x", "m", most(&floors[0].command_m)),
+        ("x", "m/s", fastest(&floors[0].command_m)),
+        ("x", "N", most(&floors[0].estimated_force_n)),
+        (
+            "x",
+            "m",
+            farthest(&floors[0].estimated_displacement_m, &floors[0].command_m),
+        ),
+        ("rotation", "rad", most(&floors[1].command_m)),
+        ("rotation", "rad/s", fastest(&floors[1].command_m)),
+        ("rotation", "N m", most(&floors[1].estimated_force_n)),
+        (
+            "rotation",
+            "rad",
+            farthest(&floors[1].estimated_displacement_m, &floors[1].command_m),
+        ),
     ];
     let row = |((name, limit), (of, unit, planned))| LimitUse {
         name,

@@ -1,7 +1,8 @@
 //! The channels of a test's record, with their names: `quantity_unit`, as recorded data have them
 //! ([`super::recording`]), and several axes told apart by a number after the quantity.
 
-use crate::trace::Trace;
+use crate::coupled::interface::InterfaceTrace;
+use crate::trace::{FloorTrace, Trace};
 
 /// A channel: its name and unit, a value a control step.
 #[derive(Clone, Debug)]
@@ -37,6 +38,9 @@ const ROTATION: [&Unit; 5] = [
     &("n_m_s_per_rad", "N m s/rad"),
 ];
 
+/// Name and unit of a column, and its values.
+type Column<'a> = (&'static str, &'static Unit, &'a [f32]);
+
 /// Everything of a trace but time, step and flags.
 pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
@@ -46,34 +50,11 @@ pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
         } else {
             (j + 1).to_string()
         };
-        // Of coupled actuators, what was read and sent is an actuator's, and only the first two have one.
-        let coupled = trace.coordinates.as_ref().and_then(|names| names.get(j));
-        let own = if coupled.is_some() { "actuator_" } else { "" };
-        let rotates = coupled.is_some_and(|name| name.ends_with("_rad"));
-        let read = [
-            ("command", &M, &floor.sent_m),
-            ("displacement", &M, &floor.displacement_m),
-            ("force", &N, &floor.force_n),
-        ];
-        let read = read.into_iter().filter(|_| coupled.is_none() || j < 2);
-        let [length, force, speed, acceleration, damping] = if rotates { ROTATION } else { MOTION };
-        let of_structure = [
-            ("target", length, &floor.command_m),
-            (
-                "estimated_displacement",
-                length,
-                &floor.estimated_displacement_m,
-            ),
-            ("estimated_force", force, &floor.estimated_force_n),
-            ("velocity", speed, &floor.velocity_m_per_s),
-            ("acceleration", acceleration, &floor.acceleration_m_per_s2),
-            ("added_damping", damping, &floor.added_damping_n_s_per_m),
-            ("gain", &ONE, &floor.gain),
-        ];
-        let read = read.map(|(quantity, unit, values)| (format!("{own}{quantity}"), unit, values));
-        let others =
-            of_structure.map(|(quantity, unit, values)| (quantity.to_owned(), unit, values));
-        for (quantity, (suffix, unit), values) in read.chain(others) {
+        let columns = match &trace.interface {
+            None => of_floor(floor).into(),
+            Some(interface) => of_coordinate(interface, floor, j),
+        };
+        for (quantity, (suffix, unit), values) in columns {
             channels.push(Channel {
                 name: format!("{quantity}{axis}_{suffix}"),
                 unit,
@@ -100,4 +81,66 @@ pub fn of(trace: &Trace) -> Vec<Channel<'_>> {
         });
     }
     channels
+}
+
+fn of_floor(floor: &FloorTrace) -> [Column<'_>; 10] {
+    let [length, force, speed, acceleration, damping] = MOTION;
+    [
+        column("command", length, &floor.sent_m),
+        column("displacement", length, &floor.displacement_m),
+        column("force", force, &floor.force_n),
+        column("target", length, &floor.command_m),
+        column(
+            "estimated_displacement",
+            length,
+            &floor.estimated_displacement_m,
+        ),
+        column("estimated_force", force, &floor.estimated_force_n),
+        column("velocity", speed, &floor.velocity_m_per_s),
+        column("acceleration", acceleration, &floor.acceleration_m_per_s2),
+        column("added_damping", damping, &floor.added_damping_n_s_per_m),
+        column("gain", &ONE, &floor.gain),
+    ]
+}
+
+/// Of two coupled actuators: coordinate `j` of the structure, and actuator `j`, where there is one. The force of x and rotation
+/// is the resultant of those that were read.
+fn of_coordinate<'a>(
+    interface: &'a InterfaceTrace,
+    floor: &'a FloorTrace,
+    j: usize,
+) -> Vec<Column<'a>> {
+    let rotates = interface.coordinates[j].ends_with("_rad");
+    let [length, force, speed, acceleration, _] = if rotates { ROTATION } else { MOTION };
+    let mut columns = vec![
+        column("target", length, &floor.command_m),
+        column("velocity", speed, &floor.velocity_m_per_s),
+        column("acceleration", acceleration, &floor.acceleration_m_per_s2),
+    ];
+    if j < 2 {
+        columns.extend([
+            column("displacement", length, &interface.displacement[j]),
+            column("force", force, &floor.estimated_force_n),
+            column(
+                "estimated_displacement",
+                length,
+                &floor.estimated_displacement_m,
+            ),
+            column("true_displacement", length, &interface.truth[j]),
+            column("actuator_target", &M, &interface.wanted_m[j]),
+            column("actuator_command", &M, &floor.sent_m),
+            column("actuator_displacement", &M, &floor.displacement_m),
+            column(
+                "true_actuator_displacement",
+                &M,
+                &interface.true_stroke_m[j],
+            ),
+            column("actuator_force", &N, &floor.force_n),
+        ]);
+    }
+    columns
+}
+
+fn column<'a>(quantity: &'static str, unit: &'static Unit, values: &'a [f32]) -> Column<'a> {
+    (quantity, unit, values)
 }

@@ -200,7 +200,7 @@ impl TestFile {
         let rate_hz = self.config.timing.rate_hz;
         match &self.coupled {
             None => Trace::new(self.config.degrees_of_freedom(), rate_hz),
-            Some(part) => Trace::of_coupled(&part.declared.structure.coordinates, rate_hz),
+            Some(part) => Trace::of_coupled(part, rate_hz),
         }
     }
 
