@@ -18,7 +18,6 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod board;
-pub mod coupled;
 pub mod hardware;
 pub mod session;
 #[cfg(not(target_os = "none"))]

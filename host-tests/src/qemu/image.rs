@@ -67,7 +67,19 @@ fn cross(verb: &str, what: &[&str], features: &str) -> Option<Result<PathBuf, St
 /// # Panics
 /// Where it does not.
 pub fn image(name: &str, features: &str) -> Option<PathBuf> {
-    build(name, features).map(|built| built.unwrap_or_else(|output| panic!("{output}")))
+    build(name, features).map(must)
+}
+
+/// The same of an example of the firmware, which is evidence and no product.
+///
+/// # Panics
+/// As [`image`].
+pub fn example(name: &str, features: &str) -> Option<PathBuf> {
+    cross("build", &["--example", name], features).map(must)
+}
+
+fn must(built: Result<PathBuf, String>) -> PathBuf {
+    built.unwrap_or_else(|output| panic!("{output}"))
 }
 
 /// The executable that cargo reports in its messages, or what it has to say against it.

@@ -1,8 +1,11 @@
 //! The tracker of two coupled actuators on a Cortex-M4F: the same bits as on this machine, and what a step costs.
 
-use firmware::coupled::Scenario;
-use host_tests::qemu::image::image;
+#[path = "../../../firmware/examples/qemu_coupled/scenario.rs"]
+mod scenario;
+
+use host_tests::qemu::image::example;
 use host_tests::qemu::machine::with_image;
+use scenario::Scenario;
 use std::process::Stdio;
 
 fn on_this_machine() -> Scenario {
@@ -23,7 +26,7 @@ fn a_plant_that_is_off_is_tracked_within_a_hundredth() {
 
 #[test]
 fn two_coupled_actuators_have_the_same_bits_in_qemu() {
-    let Some(image) = image("qemu_coupled", "qemu") else {
+    let Some(image) = example("qemu_coupled", "qemu") else {
         return;
     };
     let output = with_image(&image)
