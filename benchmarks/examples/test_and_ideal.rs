@@ -45,13 +45,13 @@ fn whole(method: Method, kind: ActuatorKind, ground: &GroundMotion<'_>) -> f64 {
             [reading.displacement_m[0] as f32],
             [reading.force_n[0] as f32],
         );
-        let running = outer.state() == Mode::Running;
+        let running = outer.mode() == Mode::Running;
         sent_m = outer.step(&sample, ground).command_m.map(f64::from);
         if running {
             sum += sent_m[0];
             done += 1;
         }
-        match outer.state() {
+        match outer.mode() {
             Mode::Idle => drop(outer.handle(Event::Arm)),
             Mode::Armed => drop(outer.handle(Event::Start)),
             _ => {}

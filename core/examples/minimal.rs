@@ -27,7 +27,7 @@ fn largest(method: Method) -> Result<f32, Refusal> {
 
     // The rig: eight control periods of 0.5 ms late, elastic.
     let (mut on_the_way, mut largest) = ([0.0_f32; 8], 0.0_f32);
-    while outer.state() != Mode::Finished {
+    while outer.mode() != Mode::Finished {
         let displacement_m = on_the_way[7];
         let sample = Sample::new([displacement_m], [STIFFNESS * displacement_m]);
         let step = outer.step(&sample, &ground);
@@ -35,7 +35,7 @@ fn largest(method: Method) -> Result<f32, Refusal> {
         on_the_way[0] = step.command_m[0];
         largest = largest.max(displacement_m.abs());
         // What an operator does: an event that means nothing yet is refused and changes nothing.
-        let _ = outer.handle(match outer.state() {
+        let _ = outer.handle(match outer.mode() {
             Mode::Idle => Event::Arm,
             _ => Event::Start,
         });

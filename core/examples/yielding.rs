@@ -46,14 +46,14 @@ fn response(method: Method, late: usize) -> Result<Vec<f32>, Refusal> {
         GroundMotion::new(&points, 0.01, config.model_step_s()).unwrap_or(GroundMotion::none());
     let (mut on_the_way, mut specimen) = ([0.0_f32; 17], Specimen { slid_m: 0.0 });
     let mut targets_m = Vec::with_capacity(PERIODS);
-    while targets_m.len() < PERIODS && outer.state() != Mode::Finished {
+    while targets_m.len() < PERIODS && outer.mode() != Mode::Finished {
         let displacement_m = on_the_way[late];
         let force_n = specimen.force_n(displacement_m);
         let step = outer.step(&Sample::new([displacement_m], [force_n]), &ground);
         targets_m.push(step.record.command_m[0]);
         on_the_way.rotate_right(1);
         on_the_way[0] = step.command_m[0];
-        let _ = outer.handle(match outer.state() {
+        let _ = outer.handle(match outer.mode() {
             Mode::Idle => Event::Arm,
             _ => Event::Start,
         });

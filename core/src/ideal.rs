@@ -107,7 +107,7 @@ mod tests {
         let (mut outer, mut ideal) = (OuterLoop::new(design.clone()), IdealTest::new(&design));
         let (mut sent_m, mut compared, mut peak_m) = ([0.0; N], 0, 0.0_f32);
         loop {
-            let running = outer.state() == Mode::Running;
+            let running = outer.mode() == Mode::Running;
             let sample = Sample::new(sent_m, force_n(&sent_m, physical));
             sent_m = outer.step(&sample, &ground).command_m;
             if running {
@@ -120,7 +120,7 @@ mod tests {
                 compared += 1;
                 peak_m = peak_m.max(sent_m[0].abs());
             }
-            match outer.state() {
+            match outer.mode() {
                 Mode::Idle => drop(outer.handle(Event::Arm)),
                 Mode::Armed => drop(outer.handle(Event::Start)),
                 Mode::Running => {}

@@ -52,14 +52,14 @@ proptest! {
         }
         for (u, r, fresh) in bad {
             let sample = Sample { fresh, ..Sample::new([u], [r]) };
-            let live = outer.state().permits_motion();
+            let live = outer.mode().permits_motion();
             let step = outer.step(&sample, &ground);
             prop_assert!(step.command_m[0].is_finite(), "{:?}", step.record);
             if live && !(u.is_finite() && r.is_finite()) {
-                prop_assert_eq!(outer.state(), Mode::Tripped);
+                prop_assert_eq!(outer.mode(), Mode::Tripped);
             }
             // Whatever happened, it must be possible to go on from it.
-            if outer.state() == Mode::Tripped {
+            if outer.mode() == Mode::Tripped {
                 outer.handle(Event::Clear).unwrap();
                 prop_assert!(outer.step(&sample, &ground).command_m[0].is_finite());
                 let _ = outer.handle(Event::Arm);
@@ -77,7 +77,7 @@ proptest! {
         let ground = GroundMotion::none();
         for (u, r) in bad {
             prop_assert!(outer.step(&Sample::new([u], [r]), &ground).command_m[0].is_finite());
-            prop_assert_eq!(outer.state(), Mode::Idle);
+            prop_assert_eq!(outer.mode(), Mode::Idle);
         }
         for _ in 0..20_000 {
             outer.step(&Sample::new([0.01], [0.0]), &ground);

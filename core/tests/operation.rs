@@ -82,12 +82,12 @@ fn a_record_ends_in_a_hold_and_a_clear() {
     let mut rig = Rig::new(8);
     let mut outer = started(&table1(), &mut rig, &ground(&points));
     let mut steps = 0;
-    while outer.state() == Mode::Running {
+    while outer.mode() == Mode::Running {
         rig.step(&mut outer, &ground(&points));
         steps += 1;
     }
     assert_eq!(
-        (outer.state(), steps),
+        (outer.mode(), steps),
         (Mode::Finished, ground(&points).steps() + 1)
     );
     let mut last = [rig.sent; 2];
@@ -122,7 +122,7 @@ fn a_hold_in_mid_test_costs_time_and_nothing_else() {
             if record.has(flag::SOLVED) {
                 solved.push(record.command_m[0]);
             }
-            if outer.state() == Mode::Finished {
+            if outer.mode() == Mode::Finished {
                 return solved;
             }
         }
@@ -145,7 +145,7 @@ fn the_way_back_after_a_hold_can_be_held_without_a_jump() {
         config.timing.approach_m_per_s = 0.02;
         let mut rig = Rig::new(8);
         let mut outer = started(&config, &mut rig, &ground(&points));
-        let mut modes = vec![outer.state()];
+        let mut modes = vec![outer.mode()];
         let (mut last, mut last_step, mut largest) = (0.0_f32, 0.0_f32, 0.0_f32);
         for i in 0..30_000 {
             match i {
@@ -237,7 +237,7 @@ fn every_fault_of_the_board_trips_and_an_obstacle_forbids_arming() {
         sample.fault = Some(fault);
         outer.step(&sample, &ground(&points));
         assert_eq!(outer.trip().map(|t| t.fault), Some(fault));
-        while outer.state() == Mode::Stopping {
+        while outer.mode() == Mode::Stopping {
             outer.step(&sample, &ground(&points));
         }
         outer.handle(Event::Clear).unwrap();
@@ -283,10 +283,7 @@ fn a_fault_that_is_no_emergency_ends_on_the_ramp_and_permit_falls_when_the_comma
         }
         assert!(ramp > 10, "{ramp} steps");
         let trip = outer.trip().unwrap();
-        assert_eq!(
-            (outer.state(), trip.fault),
-            (Mode::Tripped, Fault::LinkLost)
-        );
+        assert_eq!((outer.mode(), trip.fault), (Mode::Tripped, Fault::LinkLost));
         // The history ends with the step of the fault, and not with the ramp.
         assert_eq!(outer.history().last().unwrap().tick, trip.tick);
     }
@@ -326,7 +323,7 @@ fn an_emergency_drops_permit_at_once_also_on_the_ramp_and_beside_what_is_none() 
     let mut sample = rig.sample();
     sample.fault = Some(Fault::LinkLost);
     assert!(outer.step(&sample, &ground(&points)).permit);
-    assert_eq!(outer.state(), Mode::Stopping);
+    assert_eq!(outer.mode(), Mode::Stopping);
     for event in [Event::Start, Event::Hold, Event::Stop, Event::Clear] {
         assert!(outer.handle(event).is_err(), "{event:?}");
     }
@@ -378,7 +375,7 @@ fn a_stale_sample_slows_the_test_down_and_too_many_trip_it() {
         assert!((rig.sent - before).abs() <= speed);
         speed = (rig.sent - before).abs();
     }
-    assert_eq!(outer.state(), Mode::Running);
+    assert_eq!(outer.mode(), Mode::Running);
     outer.step(&stale, &ground(&points));
     assert_eq!(outer.trip().map(|t| t.fault), Some(Fault::StaleSample));
 }
@@ -396,7 +393,7 @@ fn a_late_target_trips_after_its_time() {
     for _ in 0..25 {
         outer.step(&stale, &ground(&points));
     }
-    assert_eq!(outer.state(), Mode::Running);
+    assert_eq!(outer.mode(), Mode::Running);
     outer.step(&stale, &ground(&points));
     assert_eq!(
         outer.trip().map(|t| (t.fault, t.value)),
@@ -420,7 +417,7 @@ fn the_energy_monitor_warns_and_trips_an_uncompensated_test() {
             if warned.is_none() && record.has(flag::ENERGY_WARNING) {
                 warned = Some(i);
             }
-            if outer.state() != Mode::Running {
+            if outer.mode() != Mode::Running {
                 return (warned, outer.trip().map(|t| (t.fault, i)));
             }
         }
@@ -482,7 +479,7 @@ fn a_commissioning_signal_is_followed_within_the_limits_and_ends_without_a_bump(
     while tick(&mut outer, None) != 0.0 {}
     outer.handle(Event::Start).unwrap();
     let mut i = 0;
-    while outer.state().permits_motion() {
+    while outer.mode().permits_motion() {
         assert!(tick(&mut outer, Some(sine(i, 0.02))).abs() <= 0.01);
         i += 1;
     }
@@ -526,7 +523,7 @@ fn an_actuator_that_is_read_beyond_the_stroke_trips_in_every_mode_with_permissio
             }
             _ => {}
         }
-        assert_eq!(outer.state(), mode);
+        assert_eq!(outer.mode(), mode);
         // Three per cent are the noise's and the calibration's.
         assert!(stands(&mut outer, -0.0102), "{mode:?}");
         assert!(!stands(&mut outer, -0.0104), "{mode:?}");

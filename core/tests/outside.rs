@@ -183,7 +183,7 @@ fn stop_and_go_moves_at_the_set_speed_and_stands_at_each_target() {
     for _ in 0..1000 {
         rig.step(&mut outer, &none);
     }
-    assert_eq!((outer.state(), rig.sent), (Mode::Running, 0.001));
+    assert_eq!((outer.mode(), rig.sent), (Mode::Running, 0.001));
     outer.handle(Event::Stop).unwrap();
-    assert_eq!(outer.state(), Mode::Finished);
+    assert_eq!(outer.mode(), Mode::Finished);
 }

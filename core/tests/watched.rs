@@ -54,7 +54,7 @@ fn watched(behind: usize, answers: bool) -> (u64, u32, OuterLoop<1>) {
 #[test]
 fn the_watch_changes_the_loop_at_the_same_step_however_soon_its_thread_is_done() {
     let (soon, flags, outer) = watched(0, true);
-    assert_eq!(outer.state(), Mode::Running);
+    assert_eq!(outer.mode(), Mode::Running);
     let named = (State::Named as u32) << flag::WATCH_STATE_SHIFT;
     let of_the_watch =
         3 << flag::WATCH_STATE_SHIFT | flag::ADJUSTED | flag::GUARDED | flag::WATCH_LATE;
@@ -64,7 +64,7 @@ fn the_watch_changes_the_loop_at_the_same_step_however_soon_its_thread_is_done()
     }
     let (late, flags, outer) = watched(8, true);
     assert!(late != soon && flags & flag::WATCH_LATE != 0);
-    assert_eq!(outer.state(), Mode::Running, "the test goes on");
+    assert_eq!(outer.mode(), Mode::Running, "the test goes on");
     let (_, flags, _) = watched(0, false);
     assert!(flags & (flag::WATCH_LATE | flag::ADJUSTED) == flag::WATCH_LATE);
 }
@@ -94,8 +94,8 @@ fn the_watch_stops_a_test() {
             });
             outer.order(number, orders);
         }
-        assert_eq!(permit, outer.state() != Mode::Tripped);
-        if outer.state() == Mode::Tripped {
+        assert_eq!(permit, outer.mode() != Mode::Tripped);
+        if outer.mode() == Mode::Tripped {
             break sent;
         }
         assert!(steps < 8000);

@@ -55,13 +55,13 @@ fn closed_loop(scenario: &Scenario) {
     let mut command_m = [0.0];
     for tick in 0..STEPS {
         command_m = outer.step(&rig(&command_m), &ground).command_m;
-        match outer.state() {
+        match outer.mode() {
             Mode::Idle if tick >= 200 => drop(outer.handle(Event::Arm)),
             Mode::Armed => drop(outer.handle(Event::Start)),
             _ => {}
         }
     }
-    assert_eq!(outer.state(), Mode::Running, "the whole loop was at work");
+    assert_eq!(outer.mode(), Mode::Running, "the whole loop was at work");
 }
 
 fn main() {

@@ -27,9 +27,9 @@ fn cost_ns<const N: usize>(method: Method) -> f64 {
         let design = Design::<N>::new(&scenario.config).expect("a possible test");
         let mut outer = OuterLoop::new(design);
         let rest = Sample::new([0.0; N], [0.0; N]);
-        while outer.state() != Mode::Running {
+        while outer.mode() != Mode::Running {
             outer.step(&rest, &ground);
-            let event = match outer.state() {
+            let event = match outer.mode() {
                 Mode::Idle => Event::Arm,
                 _ => Event::Start,
             };
@@ -51,7 +51,7 @@ fn cost_ns<const N: usize>(method: Method) -> f64 {
         for sample in &samples {
             black_box(outer.step(black_box(sample), &ground).command_m);
         }
-        assert_eq!(outer.state(), Mode::Running, "the whole loop was at work");
+        assert_eq!(outer.mode(), Mode::Running, "the whole loop was at work");
         began.elapsed().as_secs_f64() * 1e9 / STEPS as f64
     };
     (0..RUNS).map(run).fold(f64::INFINITY, f64::min)

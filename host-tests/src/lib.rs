@@ -164,7 +164,7 @@ fn run<const N: usize>(
             sample.displacement_m[j] = reading.displacement_m[j] as f32;
             sample.force_n[j] = reading.force_n[j] as f32;
         }
-        let before = outer.state();
+        let before = outer.mode();
         let step = outer.step(&sample, &ground);
         for j in 0..physical {
             command[j] = f64::from(step.command_m[j]);
@@ -184,7 +184,7 @@ fn run<const N: usize>(
             }
             _ => {}
         }
-        trace.state = outer.state();
+        trace.state = outer.mode();
         let over = matches!(trace.state, Mode::Finished | Mode::Tripped);
         if trace.records.len() == steps || over {
             break;

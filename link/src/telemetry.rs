@@ -130,7 +130,7 @@ impl StepReport {
     }
 
     /// Where the test stands; `None` if the flags hold no state.
-    pub fn state(&self) -> Option<Mode> {
+    pub fn mode(&self) -> Option<Mode> {
         Mode::from_code(self.flags & 0xf)
     }
 

@@ -119,8 +119,11 @@ impl<P: Port> Bench for BoardBench<P> {
             in_force,
             identity: &identity,
             operator: &self.operator,
+            wanted: test.steps,
+            steps: Steps::default(),
+            phase: Phase::Running,
         };
-        running.run(test.steps, observer, began)
+        running.run(observer, began)
     }
 }
 
@@ -140,96 +143,137 @@ fn points<'a, const N: usize>(test: &PreparedTest<'a, N>) -> Result<&'a [f32], F
     Ok(points)
 }
 
+/// What a test that has been started waits for.
+enum Phase {
+    /// That its steps are done.
+    Running,
+    /// That somebody lets it go on: the board's button has held it.
+    Held,
+    /// That it has ended, as it was told to; `by_hand`: before its steps were done.
+    Ending { by_hand: bool },
+}
+
+/// The steps of a running test. They count by their number, not by their coming: some may be lost on the way. Those of a
+/// hold do not count.
+#[derive(Default)]
+struct Steps {
+    done: usize,
+    first: Option<u32>,
+    last_running: u32,
+    in_hold: u32,
+}
+
+impl Steps {
+    /// True if the record is of a step of the running test.
+    fn count<const N: usize>(&mut self, record: &Record<N>) -> bool {
+        let mode = record.mode();
+        if matches!(mode, Some(Mode::Holding | Mode::Returning)) {
+            self.in_hold = record.tick.wrapping_sub(self.last_running);
+        }
+        let running = mode.is_some_and(Mode::integrates);
+        if running {
+            let first = self.first.get_or_insert(record.tick);
+            *first = first.wrapping_add(std::mem::take(&mut self.in_hold));
+            self.last_running = record.tick;
+            self.done = record.tick.wrapping_sub(*first) as usize + 1;
+        }
+        running
+    }
+}
+
 /// A test that has been started.
 struct Test<'a, 'b, P, const N: usize> {
     board: &'b mut Connection<P>,
     in_force: ConfiguredTest<'a, N>,
     identity: &'b Identity,
     operator: &'b Operator,
+    /// Control steps that it has.
+    wanted: usize,
+    steps: Steps,
+    phase: Phase,
 }
 
 impl<P: Port, const N: usize> Test<'_, '_, P, N> {
-    fn run(
-        mut self,
-        steps: usize,
-        observer: &mut dyn TestObserver,
-        began: Instant,
-    ) -> Result<Ending, Failure> {
-        let mut done = 0;
-        let mut lost = None;
-        let (mut stopped, mut held, mut by_hand) = (false, false, false);
-        // Steps count by their number, not by their coming: some may be lost on the way. Those of a hold do not count.
-        let (mut first, mut last_running, mut in_hold) = (None, 0, 0);
-        let mut see = |record: Option<Record<N>>, observer: &mut dyn TestObserver| {
-            let running = |r: &Record<N>| r.mode().is_some_and(Mode::integrates);
-            let held = |r: &Record<N>| matches!(r.mode(), Some(Mode::Holding | Mode::Returning));
-            if let Some(record) = record.as_ref().filter(|r| held(r)) {
-                in_hold = record.tick.wrapping_sub(last_running);
-            }
-            if let Some(record) = record.as_ref().filter(|r| running(r)) {
-                let first = first.get_or_insert(record.tick);
-                *first = first.wrapping_add(std::mem::take(&mut in_hold));
-                last_running = record.tick;
-                done = record.tick.wrapping_sub(*first) as usize + 1;
-                if done <= steps {
-                    observer.on_step(&record.into());
-                }
-            } else if let Some(record) = record {
-                observer.on_idle_step(&(&record).into());
-            }
-            (done, observer.requested_event())
-        };
-        let ended = loop {
+    fn run(mut self, observer: &mut dyn TestObserver, began: Instant) -> Result<Ending, Failure> {
+        let (ended, lost) = loop {
             // Asked for before the observer is, so that it sees no less: what it asks for is kept for a replay.
             let interrupted = interrupt::asked();
             match self.in_force.next(self.board) {
-                Ok(record) => {
-                    let (done, asked) = see(record, observer);
-                    // Before the next step: what is asked for may have to be in force in it.
-                    self.in_force.be_judged(observer);
-                    match asked {
-                        Some(Event::Stop) if !stopped => {
-                            stopped = true;
-                            self.in_force.end(self.board, Event::Stop)?;
-                            by_hand = true;
-                        }
-                        Some(asked) if !stopped => self.in_force.ask_for(self.board, asked)?,
-                        _ => {}
-                    }
-                    let state = self.in_force.state();
-                    // The record on the board is at most some steps longer than the test.
-                    if done >= steps && state.integrates() && !stopped {
-                        stopped = true;
-                        self.in_force.end(self.board, Event::Finish)?;
-                    }
-                }
-                Err(failure) => {
-                    lost = Some(failure.to_string());
-                    break Mode::Tripped;
-                }
+                Ok(record) => self.see(record, observer),
+                Err(failure) => break (Mode::Tripped, Some(failure.to_string())),
             }
-            let state = self.in_force.state();
+            let asked = observer.requested_event();
+            // Before the next step: what is asked for may have to be in force in it.
+            self.in_force.be_judged(observer);
+            match asked {
+                Some(Event::Stop) => self.end(Event::Stop)?,
+                Some(asked) if !self.is_ending() => self.in_force.ask_for(self.board, asked)?,
+                _ => {}
+            }
+            // The record on the board is at most some steps longer than the test.
+            if self.steps.done >= self.wanted && self.in_force.mode().integrates() {
+                self.end(Event::Finish)?;
+            }
+            let state = self.in_force.mode();
             if matches!(state, Mode::Finished | Mode::Tripped) {
-                break state;
+                break (state, None);
             }
-            if interrupted && !stopped {
-                stopped = true;
-                self.in_force.end(self.board, Event::Stop)?;
-                by_hand = true;
+            if interrupted {
+                self.end(Event::Stop)?;
             }
-            // The board's button has held the test.
-            let holds = state == Mode::Holding && !stopped;
-            if holds && !std::mem::replace(&mut held, holds) {
+            self.hold_or_go_on(state)?;
+        };
+        let last = self.in_force.last();
+        self.see(last, observer);
+        self.ending(ended, lost, began.elapsed().as_secs_f64())
+    }
+
+    /// Shows the observer a record, if one came.
+    fn see(&mut self, record: Option<Record<N>>, observer: &mut dyn TestObserver) {
+        let Some(record) = record else {
+            return;
+        };
+        if !self.steps.count(&record) {
+            observer.on_idle_step(&(&record).into());
+        } else if self.steps.done <= self.wanted {
+            observer.on_step(&(&record).into());
+        }
+    }
+
+    fn is_ending(&self) -> bool {
+        matches!(self.phase, Phase::Ending { .. })
+    }
+
+    /// Tells the board to end the test, once.
+    fn end(&mut self, how: Event) -> Result<(), Failure> {
+        if self.is_ending() {
+            return Ok(());
+        }
+        let by_hand = how == Event::Stop;
+        self.phase = Phase::Ending { by_hand };
+        self.in_force.end(self.board, how)
+    }
+
+    /// Says once that the board's button holds the test, and lets it go on when somebody wants that.
+    fn hold_or_go_on(&mut self, state: Mode) -> Result<(), Failure> {
+        match (&self.phase, state == Mode::Holding) {
+            (Phase::Ending { .. }, _) | (Phase::Running, false) | (Phase::Held, true) => {}
+            (Phase::Held, false) => self.phase = Phase::Running,
+            (Phase::Running, true) => {
+                self.phase = Phase::Held;
                 self.operator
                     .ask("the test is held: Enter goes on, Ctrl-C stops");
             }
-            if holds && self.operator.is_asked() && self.operator.agrees() {
-                self.in_force.send(self.board, Event::Start)?;
-            }
-            held = holds;
-        };
-        let (done_steps, _) = see(self.in_force.last(), observer);
-        let wall_s = began.elapsed().as_secs_f64();
+        }
+        let held = matches!(self.phase, Phase::Held);
+        if held && self.operator.is_asked() && self.operator.agrees() {
+            self.in_force.send(self.board, Event::Start)?;
+        }
+        Ok(())
+    }
+
+    /// What the board says of a test that has ended; `lost`: why the link to it was.
+    fn ending(mut self, ended: Mode, lost: Option<String>, wall_s: f64) -> Result<Ending, Failure> {
         let board_status = match &lost {
             None => Some(status(self.board)?),
             Some(_) => None,
@@ -249,12 +293,13 @@ impl<P: Port, const N: usize> Test<'_, '_, P, N> {
             self.in_force.wait_for_rest(self.board)?;
             clear(self.board)?;
         }
+        let by_hand = matches!(self.phase, Phase::Ending { by_hand: true });
         let (board, board_status) = (&*self.board, board_status.as_ref());
         let fault = trip.map(|t| t.fault);
         Ok(Ending {
             state: ended,
             trip,
-            by_hand: by_hand && done_steps < steps,
+            by_hand: by_hand && self.steps.done < self.wanted,
             wall_s,
             board: Some(
                 self.in_force

@@ -125,7 +125,7 @@ impl SingleActuator {
                     "the approach to zero was given up, and the board is idle",
                 ));
             }
-            match self.step(board)?.map(|(_, s)| (s.state(), s.command_m)) {
+            match self.step(board)?.map(|(_, s)| (s.mode(), s.command_m)) {
                 Some((Some(Mode::Armed), 0.0)) => return Ok(()),
                 Some((Some(Mode::Tripped), _)) => {
                     return Err(Failure::test(format!(
@@ -160,7 +160,7 @@ impl SingleActuator {
                 return Err(Failure::test("the signal was given up before its start"));
             }
             let step = self.step(board)?;
-            if step.is_some_and(|(_, s)| s.state() == Some(Mode::Tripped)) {
+            if step.is_some_and(|(_, s)| s.mode() == Some(Mode::Tripped)) {
                 return Err(Failure::test(format!(
                     "the board tripped before the start: {}",
                     self.reason(status(board)?.trip)
@@ -195,7 +195,7 @@ impl SingleActuator {
                 // Refused only by a board that has ended the signal by itself.
                 stopped |= event(board, asked).is_ok();
             }
-            match step.state() {
+            match step.mode() {
                 Some(Mode::Commissioning) => {
                     let begin = *begin.get_or_insert(tick);
                     let time_s = f64::from(tick.wrapping_sub(begin)) / self.rate_hz;
@@ -260,7 +260,7 @@ fn come_to_rest<P: Port>(board: &mut Connection<P>) -> Result<(), Failure> {
         let Some((_, step)) = board.step()? else {
             continue;
         };
-        if step.state() != Some(Mode::Finished) {
+        if step.mode() != Some(Mode::Finished) {
             break;
         }
         standing = if step.command_m == last_m {

@@ -83,7 +83,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     }
 
     /// What the loop was doing in the last step.
-    pub fn state(&self) -> Mode {
+    pub fn mode(&self) -> Mode {
         self.state
     }
 
@@ -172,7 +172,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
     fn note(&mut self, tick: u32, step: &StepReport) -> bool {
         let ours = tick.wrapping_sub(self.since) < u32::MAX / 2;
         if ours {
-            self.state = step.state().unwrap_or(self.state);
+            self.state = step.mode().unwrap_or(self.state);
             self.command_m = step.command_m;
             self.steps += 1;
         }
@@ -191,7 +191,7 @@ impl<'a, const N: usize> ConfiguredTest<'a, N> {
         let (Some(further), Some((tick, step))) = (&mut self.further, step) else {
             return;
         };
-        if step.state().is_some_and(Mode::integrates) {
+        if step.mode().is_some_and(Mode::integrates) {
             // Of a step that could not be worked out again the telemetry has a target, and not what a predictor sent for it.
             let known = if self.mirror.is_in_step() { N } else { 0 };
             further.add_step(tick, &record.sent_m[..known], &step);

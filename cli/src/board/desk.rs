@@ -368,7 +368,7 @@ fn run_until_moving(board: &mut BoardConnection) -> Result<(), Failure> {
 fn until(board: &mut BoardConnection, reached: impl Fn(Mode, f32) -> bool) -> Result<(), Failure> {
     loop {
         for (_, step) in board.steps()? {
-            match step.state() {
+            match step.mode() {
                 Some(Mode::Tripped) => {
                     return Err(Failure::test("the board tripped before anything was done"));
                 }

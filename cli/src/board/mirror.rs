@@ -182,7 +182,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
             }
         }
         // The board's own button: nothing else reports it.
-        let own = match (report.state(), self.outer.state()) {
+        let own = match (report.mode(), self.outer.mode()) {
             (Some(Mode::Holding), Mode::Running | Mode::Resuming | Mode::Returning) => {
                 Some(Event::Hold)
             }
@@ -213,7 +213,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let mut sample = Sample::new(displacement_m, force_n);
         sample.fault = self.fault(report, after);
         sample.chain_open = report.flags & flag::CHAIN_OPEN != 0;
-        if let (Some(Mode::Stopping), Some(_), Some(after)) = (report.state(), sample.fault, after)
+        if let (Some(Mode::Stopping), Some(_), Some(after)) = (report.mode(), sample.fault, after)
             && self.comes_to_its_end(&sample, after)
         {
             sample.fault = None;
@@ -272,10 +272,10 @@ impl<'a, const N: usize> Mirror<'a, N> {
         let codes = (0..self.actuators.len()).filter_map(|actuator| report.codes(actuator));
         let rail = codes.flatten().any(|code| self.codes.at_rail(code));
         let latched = after.and_then(StepReport::fault);
-        let ends = after.and_then(StepReport::state) == Some(Mode::Tripped);
+        let ends = after.and_then(StepReport::mode) == Some(Mode::Tripped);
         match latched {
             // Of an emergency on the ramp of a fault that is none, the reason is not told.
-            Some(_) if report.state() == Some(Mode::Stopping) => {
+            Some(_) if report.mode() == Some(Mode::Stopping) => {
                 ends.then_some(Fault::EmergencyStop)
             }
             // The board's own knowledge; nothing in its codes shows it.
@@ -288,7 +288,7 @@ impl<'a, const N: usize> Mirror<'a, N> {
                 | Fault::Disagree
                 | Fault::ForceStands
                 | Fault::Starved,
-            ) if report.state() != Some(Mode::Tripped) => latched,
+            ) if report.mode() != Some(Mode::Tripped) => latched,
             _ if rail => Some(Fault::AdcRail),
             _ if self.out_of_range => Some(Fault::Displacement),
             _ => None,

@@ -130,7 +130,7 @@ impl<const N: usize> BoardRig<N> {
         self.with(|board, test| {
             let come = test.in_force.come(board)?;
             test.come.extend(come);
-            if test.in_force.state() == Mode::Tripped {
+            if test.in_force.mode() == Mode::Tripped {
                 test.come.extend(test.in_force.last());
             }
             Ok(())
@@ -143,7 +143,7 @@ impl<const N: usize> BoardRig<N> {
             let Some(record) = test.come.pop_front() else {
                 return Ok(None);
             };
-            let over = test.come.is_empty() && test.in_force.state() == Mode::Tripped;
+            let over = test.come.is_empty() && test.in_force.mode() == Mode::Tripped;
             let trip = if over { status(board)?.trip } else { None };
             test.trip = test.trip.or(trip.map(|t| t.fault));
             Ok(Some(ServedStep {
@@ -182,7 +182,7 @@ impl<const N: usize> BoardRig<N> {
         let Some(test) = &mut self.test else {
             return Ok(());
         };
-        let holds = test.in_force.state() == Mode::Holding;
+        let holds = test.in_force.mode() == Mode::Holding;
         if holds && !std::mem::replace(&mut test.held, holds) {
             self.operator
                 .ask("the test is held: Enter goes on, Ctrl-C stops");
@@ -236,7 +236,7 @@ impl<const N: usize> ServedRig<N> for BoardRig<N> {
         self.with(|board, test| {
             // The answer says what has become of it; a board that has tripped since takes it, and goes nowhere.
             test.in_force.aim(board, target_m)?;
-            if test.in_force.state() == Mode::Armed {
+            if test.in_force.mode() == Mode::Armed {
                 test.in_force.send(board, Event::Start)?;
             }
             Ok(())
@@ -338,7 +338,7 @@ impl<const N: usize> BoardRig<N> {
         if !has_ended(status(board)?.state) {
             in_force.end(board, Event::Stop)?;
         }
-        while !has_ended(in_force.state()) {
+        while !has_ended(in_force.mode()) {
             in_force.next(board)?;
         }
         in_force.wait_for_rest(board)?;

@@ -143,7 +143,7 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
             self.approach()?;
         }
         self.event(Event::Arm)?;
-        while self.outer.state() != Mode::Armed {
+        while self.outer.mode() != Mode::Armed {
             self.approach()?;
         }
         Ok(())
@@ -152,7 +152,7 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
     fn aim(&mut self, target_m: [f32; N]) -> Result<(), Stop> {
         self.outer.set_next_target(target_m);
         // The test begins with its first target: nothing is late before.
-        if self.outer.state() == Mode::Armed {
+        if self.outer.mode() == Mode::Armed {
             let lost = |e: Failure| Stop::Lost(e.to_string());
             self.event(Event::Start).map_err(lost)?;
             let paced = self.pace == Pace::Continuous;
@@ -163,7 +163,7 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
 
     fn step(&mut self) -> Result<ServedStep<N>, Stop> {
         self.wait_for_the_clock();
-        if self.outer.state() == Mode::Holding && self.clock.is_none() {
+        if self.outer.mode() == Mode::Holding && self.clock.is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
         Ok(self.period())
@@ -193,23 +193,23 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
 
     fn end(&mut self) -> Result<(), Failure> {
         self.clock = None;
-        while self.outer.state() == Mode::Stopping {
+        while self.outer.mode() == Mode::Stopping {
             let _ = self.period();
         }
         if !matches!(
-            self.outer.state(),
+            self.outer.mode(),
             Mode::Idle | Mode::Armed | Mode::Approaching | Mode::Finished | Mode::Tripped
         ) {
             self.event(Event::Stop)?;
         }
-        if self.outer.state() == Mode::Finished {
+        if self.outer.mode() == Mode::Finished {
             let mut before = [f64::NAN; N];
-            while self.command_m != before && self.outer.state() == Mode::Finished {
+            while self.command_m != before && self.outer.mode() == Mode::Finished {
                 before = self.command_m;
                 let _ = self.period();
             }
         }
-        match self.outer.state() {
+        match self.outer.mode() {
             Mode::Armed | Mode::Approaching => self.event(Event::Stop),
             Mode::Finished | Mode::Tripped => self.event(Event::Clear),
             _ => Ok(()),
@@ -217,6 +217,6 @@ impl<const N: usize> ServedRig<N> for Simulated<N> {
     }
 
     fn permit(&self) -> bool {
-        self.outer.state().permits_motion()
+        self.outer.mode().permits_motion()
     }
 }

@@ -9,7 +9,7 @@ use crate::supervise::{Event, Fault, Rejected};
 
 impl<const N: usize, R: Rig<N>> OuterLoop<N, R> {
     /// What the loop is doing.
-    pub fn state(&self) -> Mode {
+    pub fn mode(&self) -> Mode {
         self.mode
     }
 

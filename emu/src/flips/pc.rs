@@ -141,7 +141,7 @@ impl Pc {
         if frame.kind == FrameKind::Telemetry {
             let steps = Telemetry::decode(frame.body);
             let last = steps.and_then(|steps| steps.steps.last().copied());
-            self.mode = last.and_then(|step| step.state()).or(self.mode);
+            self.mode = last.and_then(|step| step.mode()).or(self.mode);
             return;
         }
         let Some(answer) = NumberedReply::decode(&frame) else {

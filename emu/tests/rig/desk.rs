@@ -295,7 +295,7 @@ impl Desk {
     pub fn start(&mut self) {
         self.load();
         self.order(Command::Event(Event::Arm));
-        while self.step().state() != Some(Mode::Armed) {}
+        while self.step().mode() != Some(Mode::Armed) {}
         while self.step().command_m != 0.0 {}
         self.order(Command::Event(Event::Start));
     }
@@ -315,7 +315,7 @@ impl Desk {
 
     /// Steps until the state is `state`.
     pub fn until(&mut self, state: Mode) {
-        while self.step().state() != Some(state) {}
+        while self.step().mode() != Some(state) {}
     }
 
     /// Every step that was reported in the state is there, none missing between the first and the last.

@@ -21,7 +21,7 @@ fn read_back_after(fault: InjectedFault) -> f32 {
     desk.until(Mode::Tripped);
     let line = Calibration::placeholder(&crate::desk::codes()).command;
     let moving = |state| matches!(state, Some(Mode::Running));
-    let running = desk.steps.iter().filter(|(_, s)| moving(s.state()));
+    let running = desk.steps.iter().filter(|(_, s)| moving(s.mode()));
     running
         .map(|(_, s)| (line.quantity(s.inputs[0]) - s.command_m).abs())
         .fold(0.0, f32::max)

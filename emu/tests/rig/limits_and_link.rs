@@ -24,7 +24,7 @@ pub(crate) fn begun(fault: Option<InjectedFault>, change: impl Fn(&mut Config)) 
         desk.step();
     }
     desk.order(Command::Event(Event::Arm));
-    while desk.step().state() != Some(Mode::Armed) {}
+    while desk.step().mode() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
     desk
@@ -253,7 +253,7 @@ fn a_program_of_another_link_is_not_listened_to_and_counted() {
         let arm = command_of_version(version, &Command::Event(Event::Arm));
         desk.wire.send(&arm);
         for _ in 0..50 {
-            assert_eq!(desk.step().state(), Some(Mode::Idle), "version {version}");
+            assert_eq!(desk.step().mode(), Some(Mode::Idle), "version {version}");
         }
     }
     let status = desk.status();

@@ -50,7 +50,7 @@ fn further_inputs_of_a_converter_that_is_started_follow_the_output() {
     let mut desk = Desk::with(Bench::default());
     desk.start();
     desk.until(Mode::Finished);
-    let running = |s: &StepReport| s.state() == Some(Mode::Running);
+    let running = |s: &StepReport| s.mode() == Some(Mode::Running);
     let steps: Vec<_> = desk.steps.iter().filter(|(_, s)| running(s)).collect();
     for input in 0..3 {
         let mut pairs = steps.windows(2);

@@ -96,7 +96,7 @@ fn arming_wants_a_test_and_something_to_run() {
     desk.order(Command::Event(Event::Start));
     desk.until(Mode::Commissioning);
     let mut largest = 0.0_f32;
-    while let Some(Mode::Commissioning) = desk.step().state() {
+    while let Some(Mode::Commissioning) = desk.step().mode() {
         let (_, last) = desk.steps.last().unwrap();
         largest = largest.max(last.command_m.abs());
     }
@@ -130,7 +130,7 @@ fn targets_that_stop_coming_trip_the_test_and_the_steps_before_are_kept() {
         }
     }
     let reached = desk.step();
-    assert_eq!(reached.state(), Some(Mode::Running));
+    assert_eq!(reached.mode(), Some(Mode::Running));
     assert!(reached.command_m > 1e-3, "{} m", reached.command_m);
     desk.until(Mode::Tripped);
     let status = desk.status();

@@ -124,7 +124,7 @@ fn beyond_before_arming(fault: InjectedFault) -> f64 {
 fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
     let mut desk = desk(fault, after_steps, 0.0);
     desk.order(Command::Event(Event::Arm));
-    while desk.step().state() != Some(Mode::Armed) {}
+    while desk.step().mode() != Some(Mode::Armed) {}
     while desk.step().command_m != 0.0 {}
     desk.order(Command::Event(Event::Start));
     let mut moved = 0;
@@ -137,7 +137,7 @@ fn run(fault: Option<InjectedFault>, after_steps: u64) -> Vec<f64> {
             let ended = began.is_some_and(|b| log.permitted[b..].contains(&false));
             if ended || moved > 2000 {
                 let first = desk.steps.iter();
-                let mut running = first.filter(|(_, s)| s.state() == Some(Mode::Running));
+                let mut running = first.filter(|(_, s)| s.mode() == Some(Mode::Running));
                 let tick = running.next().expect("it runs").0 as usize;
                 // Positions since the first sample.
                 let sampled = log.position_m.len() - log.periods;

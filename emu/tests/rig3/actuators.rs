@@ -110,7 +110,7 @@ fn a_board_says_how_many_actuators_it_has_and_what_each_reads() {
         .steps
         .iter()
         .map(|(_, s)| s)
-        .filter(|s| s.state() == Some(Mode::Running))
+        .filter(|s| s.mode() == Some(Mode::Running))
         .collect();
     let off = running
         .iter()
@@ -140,7 +140,7 @@ fn a_dead_output_of_any_actuator_stands_where_a_dead_valve_leaves_the_command_mo
             let by_reading = fault == InjectedFault::DeadOutput && trip.fault == Fault::Output;
             assert!(by_motion || by_reading, "{fault:?}: {:?}", trip.fault);
             let running = desk.steps.iter().map(|(_, s)| s);
-            let running = running.filter(|s| s.state() == Some(Mode::Running));
+            let running = running.filter(|s| s.mode() == Some(Mode::Running));
             let last: Vec<u16> = running.map(|s| s.inputs[actuator]).collect();
             // The last 8 ms before the trip.
             span(last[last.len() - 16..].iter().copied())

@@ -139,8 +139,8 @@ impl PlantBench<'_> {
         let mut command_m = [0.0; N];
         let (mut idle, mut done) = (0, 0);
         while done < test.steps {
-            let (sample, reading) = rig(&mut command_m, done, outer.state());
-            let before = outer.state();
+            let (sample, reading) = rig(&mut command_m, done, outer.mode());
+            let before = outer.mode();
             let step = outer.step(&sample, &test.ground);
             command_m = step.command_m.map(f64::from);
             match before {
@@ -181,12 +181,12 @@ impl PlantBench<'_> {
                 by_hand = true;
                 break;
             }
-            if matches!(outer.state(), Mode::Finished | Mode::Tripped) {
+            if matches!(outer.mode(), Mode::Finished | Mode::Tripped) {
                 break;
             }
         }
         let ending = Ending {
-            state: outer.state(),
+            state: outer.mode(),
             trip: outer.trip(),
             by_hand,
             wall_s: began.elapsed().as_secs_f64(),

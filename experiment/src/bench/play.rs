@@ -49,7 +49,7 @@ pub fn play(
             sample.displacement_m[0] = reading.displacement_m[0] as f32;
             sample.force_n[0] = reading.force_n[0] as f32;
             sample.fault = reading.at_rail.then_some(Fault::AdcRail);
-            let before = outer.state();
+            let before = outer.mode();
             if matches!(before, Mode::Running | Mode::Commissioning) {
                 match goals.next() {
                     Some(goal_m) => {
@@ -63,7 +63,7 @@ pub fn play(
             let step = outer.step(&sample, &GroundMotion::none());
             let record = *step.record;
             command_m = f64::from(step.command_m[0]);
-            match outer.state() {
+            match outer.mode() {
                 Mode::Commissioning => {
                     observer.on_step(&(&record).into());
                     let (x, f) = (sample.displacement_m[0], sample.force_n[0]);

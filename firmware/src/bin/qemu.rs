@@ -59,7 +59,7 @@ fn run<const N: usize>(pc: &mut Exchange, begin: &Begin, points: &[f32]) -> Resu
     let watch = SysTick::start(Peripherals::take().ok_or(HostGone)?.SYST);
     let (ticks_per_1024_instructions, overhead_ticks) = watch.ticks_per_1024_instructions();
     let done = |tick, state| Reply::Done { tick, state };
-    pc.reply(begin.request, done(0, outer.state()))?;
+    pc.reply(begin.request, done(0, outer.mode()))?;
 
     let mut hash = Record::<N>::HASH_START;
     let (mut period_stack, mut event_stack) = (0, 0);

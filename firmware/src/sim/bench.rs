@@ -195,7 +195,7 @@ impl<H: Hardware<A>, const A: usize> Tasks<H, A> {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> Mode {
-        self.station.state()
+    pub fn mode(&self) -> Mode {
+        self.station.mode()
     }
 }

@@ -132,8 +132,8 @@ impl AnyLoop {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> Mode {
-        each_loop!(self, outer => outer.state())
+    pub fn mode(&self) -> Mode {
+        each_loop!(self, outer => outer.mode())
     }
 
     /// The first fault.

@@ -13,7 +13,7 @@ impl<const A: usize> Station<A> {
         order: Order,
         hardware: &mut impl Hardware<A>,
     ) -> Result<Returned, RefusedOrder> {
-        let idle = self.state() == Mode::Idle;
+        let idle = self.mode() == Mode::Idle;
         match order {
             Order::Event(event) => {
                 if event == Event::Arm {
@@ -89,7 +89,7 @@ impl<const A: usize> Station<A> {
         }
         if event == Event::Arm && self.output_lost {
             return Err(RefusedOrder::Event(Rejected {
-                state: self.state(),
+                state: self.mode(),
                 event,
                 obstacle: Some(Fault::Output),
             }));

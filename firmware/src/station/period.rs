@@ -148,8 +148,8 @@ impl<const A: usize> Station<A> {
     }
 
     /// Where the test stands.
-    pub fn state(&self) -> Mode {
-        self.setup.outer.state()
+    pub fn mode(&self) -> Mode {
+        self.setup.outer.mode()
     }
 
     /// One control period: sample, faults, step, command; then the report, one order from the tasks, and the watchdog.
@@ -207,7 +207,7 @@ impl<const A: usize> Station<A> {
             .read_back
             .differs::<H>(&inputs, fresh, self.output.sent);
         self.look_at_output(hardware, differs);
-        let tests = self.state().integrates() && self.signal.is_none() && !self.targets_from_pc;
+        let tests = self.mode().integrates() && self.signal.is_none() && !self.targets_from_pc;
         let m_per_code = self
             .calibrations
             .first()
@@ -234,7 +234,7 @@ impl<const A: usize> Station<A> {
         self.take_order(hardware);
         match starved {
             None => hardware.feed(),
-            Some(task) => hardware.starving(task, self.tick, self.state()),
+            Some(task) => hardware.starving(task, self.tick, self.mode()),
         }
     }
 
@@ -282,7 +282,7 @@ impl<const A: usize> Station<A> {
     /// lost its supply for a moment is clamped to ground and takes no codes. What was lost then stays so until the board is
     /// started again, which sets it up.
     fn look_at_output<H: Hardware<A>>(&mut self, hardware: &mut H, differs: bool) {
-        let idle = self.state() == Mode::Idle;
+        let idle = self.mode() == Mode::Idle;
         if idle && self.tick & ASKED_EVERY_STEPS == 0 {
             self.output_lost = !hardware.is_set_up();
         }
@@ -293,7 +293,7 @@ impl<const A: usize> Station<A> {
     fn hold_by_button(&mut self, pressed: bool) {
         let was_down = core::mem::replace(&mut self.held, pressed);
         if pressed && !was_down {
-            let event = match self.state() {
+            let event = match self.mode() {
                 Mode::Approaching => Event::Stop,
                 _ => Event::Hold,
             };
@@ -304,7 +304,7 @@ impl<const A: usize> Station<A> {
 
     /// The commissioning signal's next command, and the end of the run after its last.
     fn commissioning_m(&mut self) -> Option<f32> {
-        if !matches!(self.state(), Mode::Running | Mode::Commissioning) {
+        if !matches!(self.mode(), Mode::Running | Mode::Commissioning) {
             return None;
         }
         let signal = self.signal.as_mut()?;
@@ -340,7 +340,7 @@ impl<const A: usize> Station<A> {
         let result = self.carry_out(order, hardware);
         let outcome = Outcome {
             tick: self.tick,
-            state: self.state(),
+            state: self.mode(),
             result,
         };
         // There is room: nobody else puts anything in.

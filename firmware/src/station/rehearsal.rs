@@ -134,7 +134,7 @@ mod tests {
         for substeps in [1, 20, 60, 400] {
             let mut outer = outer::<1>(Method::Paper, substeps);
             assert_eq!(rehearse(&mut outer, now), 100, "{substeps} substeps");
-            assert_eq!(outer.state(), Mode::Idle);
+            assert_eq!(outer.mode(), Mode::Idle);
         }
     }
 }

@@ -160,7 +160,7 @@ impl Service {
                 window.add(code);
             }
         }
-        self.state = report.step.state().unwrap_or(self.state);
+        self.state = report.step.mode().unwrap_or(self.state);
         self.tick = report.tick;
     }
 

@@ -56,7 +56,7 @@ fn command() -> impl Strategy<Value = Command> {
 /// Back to idle, whatever it does.
 fn calm(b: &mut Bench) {
     for _ in 0..200_000 {
-        match b.board.state() {
+        match b.board.mode() {
             Mode::Idle => return,
             Mode::Finished | Mode::Tripped => drop(b.event(Event::Clear)),
             _ => drop(b.event(Event::Stop)),

@@ -106,19 +106,19 @@ impl Bench {
         self.board.hardware.board.code[0]
     }
 
-    pub fn state(&self) -> Mode {
-        self.log.last().unwrap().step.state().unwrap()
+    pub fn mode(&self) -> Mode {
+        self.log.last().unwrap().step.mode().unwrap()
     }
 
     /// Steps until the state is `state`; returns how many.
     pub fn until(&mut self, state: Mode) -> usize {
         for steps in 0..60_000 {
-            if !self.log.is_empty() && self.state() == state {
+            if !self.log.is_empty() && self.mode() == state {
                 return steps;
             }
             self.step();
         }
-        panic!("still {:?}, not {state:?}", self.state());
+        panic!("still {:?}, not {state:?}", self.mode());
     }
 
     pub fn upload(&mut self, points: &[f32], interval_s: f64) {

@@ -86,7 +86,7 @@ fn a_whole_test_is_worked_out_again_from_its_codes_bit_for_bit() {
         moved = moved.max(record.command_m[0].abs());
     }
     assert!(moved > 0.005, "the test moved {moved} m");
-    assert_eq!(outer.state(), Mode::Idle);
+    assert_eq!(outer.mode(), Mode::Idle);
 }
 
 // proves: command.event, obstacle.fault, obstacle.not_configured, obstacle.nothing_to_run by stop_pressed
@@ -204,7 +204,7 @@ fn trips(fault: Fault, steps: usize, harm: impl FnOnce(&mut Bench)) {
         b.step();
         assert!(!b.permit());
         assert_eq!(b.code(), held, "{fault:?}: the converter holds");
-        assert_eq!((b.state(), b.fault()), (Mode::Tripped, Some(fault)));
+        assert_eq!((b.mode(), b.fault()), (Mode::Tripped, Some(fault)));
     }
     let Reply::Status(status) = b.ask(Command::Status) else {
         panic!("no status");
@@ -406,7 +406,7 @@ fn a_test_without_a_limit_or_beyond_what_the_calibration_shows_is_refused_by_the
         matches!(&reply, Reply::Refused(r) if r.name == "limits.displacement_m"),
         "{reply:?}"
     );
-    assert_eq!(b.board.state(), Mode::Idle);
+    assert_eq!(b.board.mode(), Mode::Idle);
 }
 
 // proves: obstacle.not_calibrated, command.calibrate
@@ -457,7 +457,7 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     b.ready(config(), &pulse());
     b.hardware.broken.hold_pressed = true;
     b.step();
-    assert_eq!(b.state(), Mode::Armed, "there is nothing to hold yet");
+    assert_eq!(b.mode(), Mode::Armed, "there is nothing to hold yet");
     b.hardware.broken.hold_pressed = false;
     b.step();
     done(&b.event(Event::Start));
@@ -466,11 +466,11 @@ fn the_button_holds_a_running_test_once_and_the_pc_goes_on() {
     }
     b.hardware.broken.hold_pressed = true;
     b.step();
-    assert_eq!(b.state(), Mode::Holding);
+    assert_eq!(b.mode(), Mode::Holding);
     done(&b.event(Event::Start));
     for _ in 0..20 {
         b.step();
-        assert_ne!(b.state(), Mode::Holding, "the button has not come up");
+        assert_ne!(b.mode(), Mode::Holding, "the button has not come up");
     }
 }
 

@@ -94,7 +94,7 @@ fn continuous_targets_are_passed_and_answered_and_every_step_is_worked_out_again
             if b.log.last().unwrap().step.flags & flag::SOLVED != 0 && place > 0 {
                 break;
             }
-            if place == 0 && b.state() == Mode::Running {
+            if place == 0 && b.mode() == Mode::Running {
                 break;
             }
         }
@@ -128,7 +128,7 @@ fn a_target_of_stop_and_go_is_gone_to_at_the_speed_of_the_approach_and_stood_at(
     for _ in 0..100 {
         b.step();
     }
-    assert_eq!(b.state(), Mode::Running, "it stands, and waits");
+    assert_eq!(b.mode(), Mode::Running, "it stands, and waits");
     let told = [
         (at, Ok(Event::Arm)),
         (target, Err(0.004)),
@@ -178,5 +178,5 @@ fn what_the_pc_sends_in_vain_is_refused_and_moves_nothing() {
     for _ in 0..200 {
         b.step();
     }
-    assert_eq!(b.state(), Mode::Running);
+    assert_eq!(b.mode(), Mode::Running);
 }

@@ -79,7 +79,7 @@ fn a_dead_load_cell_trips_after_the_motion_that_the_test_allows_it() {
             let line = Calibration::placeholder(&CODES).displacement;
             let at_m = line.quantity(b.log.last().unwrap().step.displacement);
             most_m = most_m.max(at_m.abs());
-            if b.state() == Mode::Tripped {
+            if b.mode() == Mode::Tripped {
                 break;
             }
         }
@@ -131,7 +131,7 @@ fn nothing_approaches_before_the_contact_behind_permit_has_closed() {
     let stood = b.code();
     for _ in 0..100 {
         b.step();
-        assert!(b.permit() && b.state() == Mode::Approaching);
+        assert!(b.permit() && b.mode() == Mode::Approaching);
         assert!(b.code().abs_diff(stood) <= 1, "it approaches");
     }
     b.hardware.broken.chain = None;

@@ -195,7 +195,7 @@ fn ramped(pressed: bool) -> u32 {
     for step in 0..16_000 {
         let steps = Arc::clone(&steps);
         let happen = move |b: &mut Loopback| {
-            if b.board.state() == Mode::Stopping && steps.fetch_add(1, Relaxed) == 2 {
+            if b.board.mode() == Mode::Stopping && steps.fetch_add(1, Relaxed) == 2 {
                 b.board.hardware.broken.stop_pressed = pressed;
             }
         };

@@ -136,7 +136,7 @@ fn a_board_carries_out_nothing_that_a_program_of_another_link_sends() {
             board.read(&mut came).unwrap();
         }
     }
-    assert_eq!(board.board.state(), Mode::Idle);
+    assert_eq!(board.board.mode(), Mode::Idle);
     let mut connection = Connection::new(board, QUICK);
     let status = board::status(&mut connection).unwrap();
     assert_eq!(status.link.other_version, 2);

@@ -4,6 +4,7 @@
 //! What each of them is, in which channel and with which parameters, is in [`catalogue`]; an effect in the `actuator`
 //! channel shows between command and displacement, one in the `specimen` channel between displacement and force.
 
+mod adding;
 pub(crate) mod additions;
 mod catalogue;
 mod given;

@@ -163,7 +163,7 @@ impl<const L: usize> Hybrid<L> for CoreLoops<'_, L> {
             // The targets that this sample belongs to.
             let targets_m = step.record.command_m;
             // A loop that tripped leaves no numbers.
-            let tripped = outer.state() == Mode::Tripped;
+            let tripped = outer.mode() == Mode::Tripped;
             for (floor, target_m) in answers.floors_m.iter_mut().zip(targets_m) {
                 floor[l] = if tripped {
                     f64::NAN

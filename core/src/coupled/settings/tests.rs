@@ -173,7 +173,7 @@ fn running(settings: &CoupledSettings<2>) -> (OuterLoop<2, CoupledRig>, Laborato
     for tick in 0..20_000 {
         let (_, sample) = laboratory.step(&sent_m);
         sent_m = outer.step(&sample, &GroundMotion::none()).command_m;
-        match outer.state() {
+        match outer.mode() {
             Mode::Idle if tick > 200 => drop(outer.handle(Event::Arm)),
             Mode::Armed => {
                 outer.handle(Event::Start).unwrap();
@@ -195,7 +195,7 @@ fn the_structure_moves_as_with_ideal_actuators_where_without_the_tracker_it_runs
         let (_, sample) = laboratory.step(&sent_m);
         let step = outer.step(&sample, &ground);
         (sent_m, *target) = (step.command_m, step.record.command_m);
-        assert_eq!(outer.state(), Mode::Running, "{:?}", outer.trip());
+        assert_eq!(outer.mode(), Mode::Running, "{:?}", outer.trip());
     }
     let (peak, error) = differences(&ground, &targets, 0);
     println!("tracked: largest difference {error:?} of {peak:?} (m, rad)");
@@ -238,7 +238,7 @@ fn every_interlock_acts_and_names_its_axis() {
             assert!(sent_m.iter().all(|u| u.is_finite()));
             if let Some(trip) = outer.trip() {
                 assert_eq!(sent_m, before_m, "the last command stands");
-                assert!(!permit && outer.state() == Mode::Tripped);
+                assert!(!permit && outer.mode() == Mode::Tripped);
                 return Some((trip.fault, trip.axis));
             }
         }
@@ -291,9 +291,9 @@ fn a_hold_stands_still_and_the_test_goes_on_where_it_stood() {
     let (mut solved, mut ticks, mut last) = (0, 0, [0.0; 2]);
     while solved < STEPS {
         ticks += 1;
-        assert!(ticks < 3 * STEPS, "{:?}", outer.state());
+        assert!(ticks < 3 * STEPS, "{:?}", outer.mode());
         let (_, sample) = laboratory.step(&sent_m);
-        let ran = outer.state().integrates();
+        let ran = outer.mode().integrates();
         let step = outer.step(&sample, &ground);
         let target = step.record.command_m;
         sent_m = step.command_m;
