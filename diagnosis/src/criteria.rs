@@ -53,10 +53,9 @@ pub const FRICTION_YIELD: f64 = 0.04;
 pub const STRIBECK_YIELD: f64 = 0.06;
 /// Exponents of speed: below the first friction, below the second viscous, above it quadratic.
 pub const EXPONENTS: [f64; 2] = [0.25, 1.25];
-/// Exponent of friction in series with a spring below which it is a damper there: 1 is Maxwell's, its reciprocal is the
-/// damper's own. First where the spring may be the give of a sliding contact, whose force grows a little with speed, too;
-/// then where it gives way further: fluid dampers have exponents of 0.3 to 1 (Symans and Constantinou, 1998).
-pub const RELAXES: [f64; 2] = [2.0, 4.0];
+/// Exponent of friction in series with a spring below which it is a damper there: 1 is Maxwell's, its reciprocal is the damper's
+/// own, as in [`EXPONENTS`]: fluid dampers have 0.3 to 1 (Symans and Constantinou, 1998).
+pub const RELAXES: f64 = 1.0 / EXPONENTS[0];
 /// A force that saturates below this share of the top speed is friction.
 pub const FRICTION_SPEED: f64 = 0.08;
 

@@ -119,3 +119,24 @@ fn a_fluid_damper_behind_its_brace_is_no_hysteresis() {
         &[brace, ("exponent", 0.5, 0.03)],
     );
 }
+
+/// Nor friction: by the exponent, however stiff the brace is.
+#[test]
+fn a_fluid_damper_of_a_small_exponent_behind_a_stiff_brace_is_no_friction() {
+    let damper = Damper {
+        at_1_mm_per_s_n: 10_000.0,
+        exponent: 0.38,
+        spring_n_per_mm: Some(20_000.0),
+    };
+    let answer = asked(damper, value(0.0, 10.0));
+    let names: Vec<Effect> = answer.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names[..1], [Effect::MaxwellDamper], "{answer:?}");
+    assert!(
+        !answer.alternatives.contains(&Effect::CoulombFriction),
+        "{:?}",
+        answer.alternatives
+    );
+    let parameters = &answer.effects[0].parameters;
+    let exponent = parameters.iter().find(|p| p.name == "exponent").unwrap();
+    assert!((exponent.value - 0.38).abs() < 0.03, "{exponent:?}");
+}

@@ -33,7 +33,7 @@ impl Element {
     /// Its kind.
     pub fn kind(&self, sizes: &MotionScales) -> ElementKind {
         match self.law {
-            Law::InSeries if self.relaxes(sizes) => ElementKind::Linear,
+            Law::InSeries if self.relaxes() => ElementKind::Linear,
             Law::Slider
             | Law::Bristles
             | Law::Stribeck
@@ -61,7 +61,7 @@ impl Element {
         let [p, q, ..] = self.shape;
         let yield_at = p / sizes.x;
         match self.law {
-            Law::InSeries if self.relaxes(sizes) => Effect::MaxwellDamper,
+            Law::InSeries if self.relaxes() => Effect::MaxwellDamper,
             Law::Stribeck if yield_at < STRIBECK_YIELD => Effect::StribeckFriction,
             Law::Slider
             | Law::Bristles
@@ -106,12 +106,9 @@ impl Element {
         let near = match self.law {
             Law::PowerOfSpeed => self.shape[0] < NEARLY * EXPONENTS[0],
             Law::Saturating => self.shape[0] < NEARLY * FRICTION_SPEED * sizes.v,
-            Law::InSeries if self.relaxes(sizes) => {
-                self.shape[2] * NEARLY > self.most_relaxing(sizes)
-            }
+            Law::InSeries if self.relaxes() => self.shape[2] * NEARLY > RELAXES,
             Law::InSeries => {
-                return kind == ElementKind::Linear
-                    && self.shape[2] < NEARLY * self.most_relaxing(sizes);
+                return kind == ElementKind::Linear && self.shape[2] < NEARLY * RELAXES;
             }
             _ => false,
         };
@@ -123,7 +120,7 @@ impl Element {
     pub fn is_dashpot(&self, sizes: &MotionScales) -> bool {
         match self.law {
             Law::Relaxing => self.shape[0] < sizes.x / sizes.v,
-            Law::InSeries => self.relaxes(sizes) && self.shape[0] < MAY_BE_FRICTION * sizes.x,
+            Law::InSeries => self.relaxes() && self.shape[0] < MAY_BE_FRICTION * sizes.x,
             _ => self.name(sizes, 1.0) == Effect::ViscousDamping,
         }
     }
@@ -147,18 +144,8 @@ impl Element {
     }
 
     /// Whether what is in series with the spring is more a dashpot than friction.
-    fn relaxes(&self, sizes: &MotionScales) -> bool {
-        self.law == Law::InSeries && self.shape[2] < self.most_relaxing(sizes)
-    }
-
-    /// The exponent from which on it is friction.
-    fn most_relaxing(&self, sizes: &MotionScales) -> f64 {
-        let [contact, spring] = RELAXES;
-        if self.shape[0] < MAY_BE_FRICTION * sizes.x {
-            contact
-        } else {
-            spring
-        }
+    fn relaxes(&self) -> bool {
+        self.law == Law::InSeries && self.shape[2] < RELAXES
     }
 
     /// Where it yields, mm.
