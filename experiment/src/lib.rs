@@ -38,6 +38,7 @@ pub mod memory;
 mod method;
 pub mod nearest;
 pub mod numbers;
+mod observer;
 pub mod rig;
 pub mod score;
 pub mod soundness;

@@ -2,7 +2,7 @@
 //! sums over it.
 
 use super::part::CoupledPart;
-use crate::trace::{AnyRecord, TestObserver};
+use crate::observer::{AnyRecord, TestObserver};
 use plant::coupled::CouplerSpec;
 
 /// A quantity of both actuators, or of x and rotation.

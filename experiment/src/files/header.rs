@@ -62,6 +62,8 @@ const UNITS: &[(&str, &[&str])] = &[
     ("n_m", &["n_m", "nm", "n m", "n*m"]),
     ("m_per_s", &["m_per_s", "m/s"]),
     ("mm_per_s", &["mm_per_s", "mm/s"]),
+    ("rad_per_s", &["rad_per_s", "rad/s"]),
+    ("rad_per_s2", &["rad_per_s2", "rad/s2", "rad/s^2"]),
     ("g", &["g"]),
     (
         "gal",

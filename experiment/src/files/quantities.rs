@@ -26,6 +26,9 @@ const FORCE: &[UnitOf] = &[
     (MOMENT, 1.0),
     ("1", 1.0),
 ];
+/// Of a rotation as well, as the next.
+const SPEED: &[UnitOf] = &[("m_per_s", 1.0), ("mm_per_s", 1e-3), ("rad_per_s", 1.0)];
+const ACCELERATION: &[UnitOf] = &[("m_per_s2", 1.0), ("g", 9.80665), ("rad_per_s2", 1.0)];
 const ENERGY: &[UnitOf] = &[("j", 1.0)];
 /// What has no unit.
 pub const PLAIN: &[UnitOf] = &[("1", 1.0)];
@@ -42,8 +45,8 @@ pub const QUANTITIES: &[(&str, &[UnitOf])] = &[
     ("force", FORCE),
     ("estimated_displacement", LENGTH),
     ("estimated_force", FORCE),
-    ("velocity", &[("m_per_s", 1.0), ("mm_per_s", 1e-3)]),
-    ("acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
+    ("velocity", SPEED),
+    ("acceleration", ACCELERATION),
     ("ground_acceleration", &[("m_per_s2", 1.0), ("g", 9.80665)]),
     ("added_damping", &[("n_s_per_m", 1.0)]),
     ("gain", PLAIN),

@@ -6,12 +6,14 @@
 
 mod adding;
 pub(crate) mod additions;
+mod by_axis;
 mod catalogue;
 mod given;
 mod row;
 mod spec;
 
-pub(crate) use additions::{Additions, ChannelAdditions, Later, additions};
+pub(crate) use additions::{Additions, ChannelAdditions};
+pub(crate) use by_axis::{Later, additions};
 pub use catalogue::{Effect, Entry, catalogue};
 pub use row::{Channel, Family, Parameter};
 pub use spec::{EffectSpec, Sensor};
