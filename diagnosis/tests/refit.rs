@@ -6,6 +6,7 @@
 mod rig;
 
 use diagnosis::{Diagnosis, Recording, Verdict, diagnose};
+use plant::Effect;
 use rig::{model, record};
 
 /// A rig whose lag is 24.4 ms where 22 +- 1 are declared.
@@ -44,6 +45,22 @@ fn a_refit_is_saved_where_nothing_is_added_and_does_not_walk() {
         lag_ms(&again)
     );
     assert!(lag_ms(&again).tolerance <= saved.tolerance);
+}
+
+#[test]
+fn a_lag_far_outside_its_tolerance_is_the_cause_and_nothing_else_gets_the_credit() {
+    // 25 tolerances.
+    let [train, test] = [7, 8].map(|seed| [record(&[], [1000.0, 5.0, 47.0], seed)]);
+    let d = diagnose(&model(), &train, &test, &[]).unwrap();
+    let a = &d.channels[0];
+    let names: Vec<Effect> = a.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, [Effect::LagError], "{:?} {:?}", a.verdict, a.notes);
+    assert!(
+        (lag_ms(&d).value - 47.0).abs() < 1.0,
+        "{:?}",
+        d.improved.actuator
+    );
+    assert!(a.error_after.test_rms < 1.5 * a.noise_floor_rms);
 }
 
 /// A spring with a force that no effect of the library has.
