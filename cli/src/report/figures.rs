@@ -17,11 +17,11 @@ const LOOK_PERIODS: f64 = 3.0;
 
 /// What the figures are drawn from: the control steps in which an integration step was solved.
 pub struct Figures<'a> {
-    section: &'a TestSection<'a>,
+    pub(super) section: &'a TestSection<'a>,
     /// Their places in the trace; the k-th belongs to integration step k.
-    solved: Vec<usize>,
+    pub(super) solved: Vec<usize>,
     /// Integration step, s of model time.
-    step_s: f64,
+    pub(super) step_s: f64,
     /// The integration steps around the largest ideal displacement.
     look: Range<usize>,
     colour: Colour,
@@ -59,7 +59,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    fn floors(&self) -> impl Iterator<Item = (usize, &'a FloorTrace)> {
+    pub(super) fn floors(&self) -> impl Iterator<Item = (usize, &'a FloorTrace)> {
         self.section.trace.floors.iter().enumerate()
     }
 
@@ -77,12 +77,16 @@ impl<'a> Figures<'a> {
         }
     }
 
-    fn physical(&self) -> usize {
+    pub(super) fn physical(&self) -> usize {
         self.section.experiment.test.config.physical_storeys()
     }
 
     /// A quantity of the trace over the integration steps `range`.
-    fn over(&self, range: Range<usize>, value: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+    pub(super) fn over(
+        &self,
+        range: Range<usize>,
+        value: impl Fn(usize) -> f64,
+    ) -> Vec<(f64, f64)> {
         let start = range.start;
         history(range.len(), |k| {
             let k = start + k;
@@ -165,7 +169,7 @@ impl<'a> Figures<'a> {
     }
 
     /// A shape whose vertical axis ends where a test that ran away has nothing more to show.
-    fn cut(&self, shape: PlotShape, j: usize) -> PlotShape {
+    pub(super) fn cut(&self, shape: PlotShape, j: usize) -> PlotShape {
         let ideal_mm = self.section.ideal.peaks_m()[j] * 1e3;
         match self.section.summary.verdict {
             TestVerdict::Completed | TestVerdict::Stopped => shape,
@@ -243,7 +247,7 @@ impl<'a> Figures<'a> {
         time_plot(shape, label, &curves, "The strongest part of the test.")
     }
 
-    fn on_floor(&self, j: usize, caption: &str) -> String {
+    pub(super) fn on_floor(&self, j: usize, caption: &str) -> String {
         match self.section.trace.floors.len() {
             1 => caption.to_owned(),
             _ => format!("{}. {caption}", escape(&self.axis(j).0)),

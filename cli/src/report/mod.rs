@@ -18,6 +18,7 @@ mod rths;
 mod scale;
 mod served;
 mod sweep;
+mod watched;
 
 pub use check::{CheckSection, of_check};
 pub use comparison::{of_compare, of_comparison};
@@ -58,6 +59,7 @@ pub fn of_run(s: &TestSection<'_>) -> String {
         verdict(s.summary),
         tiles(s.summary),
         f.displacement(),
+        f.watched(),
         f.ground_motion(),
         f.loops(),
         own.concat(),

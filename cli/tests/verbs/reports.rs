@@ -140,3 +140,34 @@ fn many_tests_have_a_report_with_a_dot_each_and_a_line_each() {
     let worst = errors.iter().copied().fold(0.0, f64::max);
     assert_eq!(said["eps_rms_worst"], worst);
 }
+
+#[test]
+fn the_page_of_a_watched_test_draws_what_was_named_and_when() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let arguments = |test: &str| {
+        let set = "watch.correct=['lateness']";
+        let place = out.to_str().unwrap();
+        let asked = ["run", test, "--duration", "14", "--json", "--force"];
+        let ran = json(&[&asked[..], &["--set", set, "--out", place]].concat());
+        (
+            ran,
+            std::fs::read_to_string(out.join("report.html")).unwrap(),
+        )
+    };
+    let (ran, page) = arguments("examples/rig-watch.toml");
+    let events = ran["watch"]["events"].as_array().unwrap();
+    assert!(page.contains("What the watch saw"));
+    for event in events {
+        let (t_s, state) = (
+            event["t_s"].as_f64().unwrap(),
+            event["state"].as_str().unwrap(),
+        );
+        let line = format!("<li>{t_s:.2} s, <b>{state}</b>");
+        assert!(page.contains(&line), "{line}");
+    }
+    assert!(page.contains("delay_error of the actuator") && page.contains("; it is corrected for"));
+    // A test in which nothing was to be said has no such part.
+    let sound = arguments("examples/table1.toml").1;
+    assert!(!sound.contains("What the watch saw"));
+}
