@@ -1,32 +1,36 @@
-//! What the one engine says of a specimen, as an answer.
+//! What the one engine says of a channel, as an answer.
 
 use super::channel::ChannelDiagnosis;
-use super::specimen_search::{errors_of, nearest_of};
+use super::specimen_search::nearest_of;
 use crate::advice;
-use crate::answer::{ChannelAnswer, FoundEffect, Member, Traces, Verdict};
+use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Traces, Verdict};
 use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
-use crate::engine::{self, Figures, KnownNoise, Said, SpecimenCandidate, SpecimenData};
+use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Said, SpecimenData};
 use crate::interval;
 use crate::joint;
 use crate::model::Model;
 use crate::noise::NoiseSource;
 use crate::recording::Recording;
+use crate::signals::{end_of, nrmse, rms};
 use plant::Effect;
 
 /// What a model leaves of training and held-out records.
 type Left = [Vec<Vec<f64>>; 2];
 
-/// A specimen's records without what the model already has, as the engine sees them.
-struct Asked<'a> {
-    data: SpecimenData<'a>,
-    bare: [Vec<Recording>; 2],
+/// A channel's data in the engine, and its records without what the model already has.
+struct ChannelData<'a, A> {
+    data: &'a A,
+    bare: [&'a [Recording]; 2],
+    noise_rms: f64,
     /// A rest tells the noise.
     told: bool,
+    /// What is left below this share of the output is within the class of a good transducer.
+    transducer: f64,
 }
 
-impl Asked<'_> {
-    fn left(&self, fit: &engine::SpecimenModelFit) -> Option<Left> {
-        let [train, test] = &self.bare;
+impl<A: Asked> ChannelData<'_, A> {
+    fn left(&self, fit: &A::Fit) -> Option<Left> {
+        let [train, test] = self.bare;
         Some([
             self.data.residuals(fit, train)?,
             self.data.residuals(fit, test)?,
@@ -48,28 +52,43 @@ impl ChannelDiagnosis<'_> {
             told,
         };
         let found = engine::specimen(&mut data, known)?;
-        let bare = [train, test];
-        let asked = Asked { data, bare, told };
-        let before = asked.left(&found.declared)?;
+        let channel = ChannelData {
+            data: &data,
+            bare: [&train, &test],
+            noise_rms: noise.rms,
+            told,
+            transducer: TRANSDUCER,
+        };
+        self.answer_of(&channel, &found, improved)
+    }
+
+    /// What was found in a channel, as an answer.
+    fn answer_of<A: Asked>(
+        &self,
+        channel: &ChannelData<A>,
+        found: &Found<A::Fit>,
+        improved: &mut Model,
+    ) -> Option<ChannelAnswer> {
+        let before = channel.left(&found.declared)?;
         let mut answer = self.blank(Verdict::None);
-        answer.error_before = errors_of(&before[0], self.train, &before[1], self.test);
+        answer.error_before = self.errors_left(&before);
         answer.error_after = answer.error_before;
-        answer.refitted = advice::refitted(&self.base, &found.declared.declared);
-        answer.noise_floor_rms = noise.rms.min(answer.error_before.test_rms);
+        answer.refitted = advice::refitted(&self.base, &channel.data.declared(&found.declared));
+        answer.noise_floor_rms = channel.noise_rms.min(answer.error_before.test_rms);
         let mut after = None;
         match &found.said {
             Said::Nothing => {}
-            _ if answer.error_before.test_nrmse < TRANSDUCER => {}
+            _ if answer.error_before.test_nrmse < channel.transducer => {}
             Said::Names(c, names) => {
-                after = self.take_named(&mut answer, &asked, &before, (c, names, false), improved);
+                after = self.take_named(&mut answer, channel, &before, (c, names, false), improved);
             }
             Said::Set(c, names) => {
-                after = self.take_named(&mut answer, &asked, &before, (c, names, true), improved);
+                after = self.take_named(&mut answer, channel, &before, (c, names, true), improved);
             }
             Said::Unknown(likeliest) => {
                 answer.verdict = Verdict::Unknown;
                 if let Some(c) = likeliest {
-                    let [_, left] = asked.left(&c.model)?;
+                    let [_, left] = channel.left(&c.model)?;
                     let name = c.names.first().copied().unwrap_or(Effect::Offset);
                     answer.nearest = Some(nearest_of(name, &before[1], &left));
                 }
@@ -82,19 +101,33 @@ impl ChannelDiagnosis<'_> {
         Some(answer)
     }
 
+    /// Errors of what a model leaves of training and held-out records.
+    fn errors_left(&self, [train, test]: &Left) -> Errors {
+        let of = |left: &[Vec<f64>], records: &[Recording]| {
+            let own = records.iter().zip(left);
+            let judged = own.filter_map(|(r, left)| Some(end_of(self.target_of(r)?, left.len())));
+            nrmse(left, &judged.collect::<Vec<_>>().concat())
+        };
+        Errors {
+            train_nrmse: of(train, self.train),
+            test_nrmse: of(test, self.test),
+            test_rms: rms(test),
+        }
+    }
+
     /// Takes names into the answer and their model into the improved one, where the held-out data bear them out; what is left then.
     /// They judge what was chosen, and do not choose.
-    fn take_named(
+    fn take_named<A: Asked>(
         &self,
         answer: &mut ChannelAnswer,
-        asked: &Asked,
+        channel: &ChannelData<A>,
         before: &Left,
-        (candidate, names, is_set): (&SpecimenCandidate, &[(Effect, f64)], bool),
+        (candidate, names, is_set): (&Candidate<A::Fit>, &[(Effect, f64)], bool),
         improved: &mut Model,
     ) -> Option<Left> {
         let fit = &candidate.model;
-        let after = asked.left(fit)?;
-        let errors = errors_of(&after[0], self.train, &after[1], self.test);
+        let after = channel.left(fit)?;
+        let errors = self.errors_left(&after);
         let gain = interval::improvement(&before[1], &after[1], self.train[0].interval_s());
         // What does not come down to the noise must account for most of it: a law that is not in the table may be the cause.
         let most = if candidate.evidence.left_rms() < 1.0 {
@@ -108,7 +141,6 @@ impl ChannelDiagnosis<'_> {
             answer.nearest = Some(nearest_of(names[0].0, &before[1], &after[1]));
             return None;
         }
-        let figures = Figures::new(&asked.data, fit);
         answer.noise_floor_rms = answer.noise_floor_rms.min(errors.test_rms);
         let trust = engine::trust(&candidate.evidence);
         let of = |(name, values): (Effect, Vec<_>)| {
@@ -118,10 +150,10 @@ impl ChannelDiagnosis<'_> {
                 ..FoundEffect::new(name, values)
             }
         };
-        answer.effects = figures.all().into_iter().map(of).collect();
-        answer.refitted = advice::refitted(&self.base, &fit.declared);
+        answer.effects = channel.data.figures(fit).into_iter().map(of).collect();
+        answer.refitted = advice::refitted(&self.base, &channel.data.declared(fit));
         answer.improvement_ci90 = gain;
-        figures.save(improved);
+        channel.data.save(fit, improved);
         if is_set {
             let whole: f64 = names.iter().map(|s| s.1).sum();
             let member = |&(name, p): &(Effect, f64)| Member {
@@ -137,7 +169,7 @@ impl ChannelDiagnosis<'_> {
         } else {
             let felt = answer.noise_floor_rms;
             let share = ACCOUNTS * answer.error_before.test_rms;
-            let known = if asked.told {
+            let known = if channel.told {
                 BESIDE_NOISE
             } else {
                 f64::INFINITY
@@ -156,11 +188,10 @@ impl ChannelDiagnosis<'_> {
 
     fn engine_traces(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {
         let first = self.test.first().and_then(|r| {
-            let (x, force) = (r.displacement_mm.as_ref()?, r.force_n.as_ref()?);
-            Some(Traces::of(
-                [&r.time_s, x, force],
-                [before.first()?, after.first()?],
-            ))
+            let (before, after) = (before.first()?, after.first()?);
+            let judged = |x| end_of(x, before.len());
+            let signals = [&r.time_s, self.input_of(r)?, self.target_of(r)?];
+            Some(Traces::of(signals.map(|x| judged(x)), [before, after]))
         });
         first.unwrap_or_default()
     }

@@ -40,7 +40,7 @@ struct TrainAndTest<'a> {
 }
 
 /// Errors of what a model leaves of training and held-out records.
-pub(super) fn errors_of(
+fn errors_of(
     train: &[Vec<f64>],
     trained: &[Recording],
     test: &[Vec<f64>],

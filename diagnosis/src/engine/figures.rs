@@ -1,5 +1,6 @@
 //! The parameters of a name, each with its 90 % interval on condition that the name is right, and a model as part of a model file.
 
+use super::asked::Asked;
 use super::row::Form;
 use super::specimen::{SpecimenData, SpecimenModelFit};
 use crate::answer::ParameterEstimate;
@@ -9,6 +10,7 @@ use crate::joint::{SpecimenFit, figures::figures};
 use crate::library::candidate::NamedValue;
 use crate::linear::dot;
 use crate::model::Model;
+use crate::recording::Recording;
 use nalgebra::{DMatrix, DVector};
 use plant::{Channel, Effect, EffectSpec};
 
@@ -17,9 +19,30 @@ const SEGMENTS: usize = 24;
 /// Step of an unknown, relative.
 const STEP: f64 = 1e-3;
 
+impl Asked for SpecimenData<'_> {
+    type Fit = SpecimenModelFit;
+
+    fn residuals(&self, fit: &SpecimenModelFit, records: &[Recording]) -> Option<Vec<Vec<f64>>> {
+        let residual = |r: &Recording| Some(r.residual(r.force_n.as_ref()?, &self.answer(fit, r)?));
+        records.iter().map(residual).collect()
+    }
+
+    fn figures(&self, fit: &SpecimenModelFit) -> Vec<(Effect, Vec<ParameterEstimate>)> {
+        Figures { data: self, fit }.all()
+    }
+
+    fn declared(&self, fit: &SpecimenModelFit) -> [f64; 4] {
+        fit.declared
+    }
+
+    fn save(&self, fit: &SpecimenModelFit, model: &mut Model) {
+        Figures { data: self, fit }.save(model);
+    }
+}
+
 /// A fit's figures.
 #[derive(Debug)]
-pub struct Figures<'a, 'b> {
+struct Figures<'a, 'b> {
     data: &'a SpecimenData<'b>,
     fit: &'a SpecimenModelFit,
 }
@@ -32,14 +55,9 @@ enum Unknown {
     Shape(usize, usize),
 }
 
-impl<'a, 'b> Figures<'a, 'b> {
-    /// Of a fit to these data.
-    pub fn new(data: &'a SpecimenData<'b>, fit: &'a SpecimenModelFit) -> Self {
-        Self { data, fit }
-    }
-
+impl Figures<'_, '_> {
     /// Each name with its parameters.
-    pub fn all(&self) -> Vec<(Effect, Vec<ParameterEstimate>)> {
+    fn all(&self) -> Vec<(Effect, Vec<ParameterEstimate>)> {
         let mut names = self.fit.names.clone();
         names.dedup();
         let unknowns = self.unknowns();
@@ -182,7 +200,7 @@ impl<'a, 'b> Figures<'a, 'b> {
     }
 
     /// Puts the fit into a model: refitted parameters, elements beside the specimen, effects.
-    pub fn save(&self, model: &mut Model) {
+    fn save(&self, model: &mut Model) {
         let (elements, owners) = self.elements(self.fit);
         elements.save(&owners, model);
         let Some((_, effects)) = model.channel_mut(Channel::Specimen) else {

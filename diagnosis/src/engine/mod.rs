@@ -7,6 +7,7 @@
 //! specimen   the columns                                               polish    a model's shapes at their best
 //! free       the rival without a name                              posterior  the probability of each name
 //! verdict    three thresholds                                          figures   a name's parameters with intervals
+//! asked      what an answer needs of a channel
 //! ```
 //!
 //! It is asked for by [`Engine::One`]; [`Engine::Votes`] are the searches of before, which it is to replace.
@@ -16,6 +17,7 @@
 //! (`noise`); and that nobody changes a verdict afterwards but to refuse one. Notes, remainder, intervals of the error and saving take
 //! a [`SpecimenModelFit`] and its residuals.
 
+mod asked;
 mod bounded;
 mod figures;
 mod free;
@@ -30,16 +32,14 @@ mod search;
 mod specimen;
 mod verdict;
 
-pub use figures::Figures;
+pub use asked::{Asked, Found};
+pub use posterior::Candidate;
 pub use specimen::{SpecimenData, SpecimenModelFit};
 pub use verdict::Said;
 
-use posterior::{Candidate, Posterior};
+use posterior::Posterior;
 use rayon::prelude::*;
 use specimen::Term;
-
-/// A specimen's model under the names that it has.
-pub type SpecimenCandidate = Candidate<SpecimenModelFit>;
 
 /// Which searches name what is missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,15 +70,6 @@ const ASKED_FOR_LESS: usize = 5;
 /// Models further below the best one than this are not, nats.
 const FAR_BELOW: f64 = 14.0;
 
-/// What is found out about a specimen.
-#[derive(Debug)]
-pub struct SpecimenFound {
-    /// What can be said.
-    pub said: Said<SpecimenModelFit>,
-    /// The declared model, its parameters within their tolerances.
-    pub declared: SpecimenModelFit,
-}
-
 /// The noise that a search is to know: its variance in the samples that are searched, and whether a rest tells it.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownNoise {
@@ -94,7 +85,7 @@ const BESIDE_FREE: usize = 10;
 const AT_MOST: f64 = 2.5;
 
 /// Searches, and decides.
-pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<SpecimenFound> {
+pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<SpecimenModelFit>> {
     data.score.noise = noise.variance.max(f64::MIN_POSITIVE);
     let (atoms, mut found) = data.searched();
     if !noise.told {
@@ -117,7 +108,7 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<SpecimenFo
     let posterior = Posterior::of(all);
     let [sure, most] = verdict::NOTHING;
     let allowed = if noise.told { [sure; 2] } else { [sure, most] };
-    Some(SpecimenFound {
+    Some(Found {
         said: verdict::verdict(&posterior, allowed),
         declared,
     })
@@ -128,7 +119,7 @@ fn nameless(
     data: &SpecimenData,
     fits: &[SpecimenModelFit],
     declared: &SpecimenModelFit,
-) -> Vec<SpecimenCandidate> {
+) -> Vec<Candidate<SpecimenModelFit>> {
     let mut leading: Vec<&SpecimenModelFit> = fits.iter().collect();
     leading.sort_by(|a, b| b.evidence.score().total_cmp(&a.evidence.score()));
     leading.truncate(BESIDE_FREE);

@@ -256,16 +256,6 @@ impl<'a> SpecimenData<'a> {
         Some(motion.track.span_of(&y))
     }
 
-    /// Measured less answered, record by record.
-    pub fn residuals(
-        &self,
-        fit: &SpecimenModelFit,
-        records: &[Recording],
-    ) -> Option<Vec<Vec<f64>>> {
-        let residual = |r: &Recording| Some(r.residual(r.force_n.as_ref()?, &self.answer(fit, r)?));
-        records.iter().map(residual).collect()
-    }
-
     /// What a model answers to the training data as they are searched.
     pub fn answered(&self, fit: &SpecimenModelFit) -> Vec<f64> {
         let mut y = vec![0.0; self.target.len()];

@@ -1,0 +1,33 @@
+//! What an answer needs of a channel, whichever it is.
+
+use crate::answer::ParameterEstimate;
+use crate::model::Model;
+use crate::recording::Recording;
+use plant::Effect;
+
+/// A channel's training data with the fits of models to them.
+pub trait Asked {
+    /// A model at its best.
+    type Fit: Clone;
+
+    /// Measured less modelled, record by record, which may be others than those of the fit; `None` where a signal is missing.
+    fn residuals(&self, fit: &Self::Fit, records: &[Recording]) -> Option<Vec<Vec<f64>>>;
+
+    /// Each name with its parameters and their 90 % intervals.
+    fn figures(&self, fit: &Self::Fit) -> Vec<(Effect, Vec<ParameterEstimate>)>;
+
+    /// The declared parameters, in the order and the units of the channel's table.
+    fn declared(&self, fit: &Self::Fit) -> [f64; 4];
+
+    /// Puts a fit into a model.
+    fn save(&self, fit: &Self::Fit, model: &mut Model);
+}
+
+/// What is found out about a channel.
+#[derive(Debug)]
+pub struct Found<F> {
+    /// What can be said.
+    pub said: super::Said<F>,
+    /// The declared model, its parameters within their tolerances.
+    pub declared: F,
+}
