@@ -5,7 +5,9 @@
 //! ```text
 //!  station     what runs on every board: the control period (station/period.rs), commands, upload, calibration, limits
 //!  hardware    what it requires of a board: one trait
-//!  board/X     one folder a board: pins, clocks, converters, flash. bin/X: its start and its tasks
+//!  chip        what all chips of the family share (start, control interrupt, ways out, tasks), and a folder a chip
+//!  converter   external converters, by their data sheets
+//!  board/X     one folder a board: what is wired to which pin, and what it samples with. bin/X: an image
 //!  sim         the board that the tests on this machine share
 //!  session     the QEMU image's talk with its driver
 //! ```
@@ -18,7 +20,13 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 pub mod board;
+#[cfg(target_os = "none")]
+pub mod chip;
+#[cfg(all(target_os = "none", feature = "stm32"))]
+pub mod converter;
 pub mod hardware;
+#[cfg(feature = "stm32")]
+mod image;
 pub mod session;
 #[cfg(not(target_os = "none"))]
 pub mod sim;

@@ -23,11 +23,14 @@ mod tests {
     use embassy_stm32::flash::Flash;
     use embassy_stm32::gpio::{Level, Output, Speed};
     use embassy_stm32::{Peripherals, pac};
-    use firmware::board::nucleo_f429zi::converters::Converters;
-    use firmware::board::nucleo_f429zi::internal::{CODES, DacOutput, Internal, Sensors};
-    use firmware::board::nucleo_f429zi::period::Period;
-    use firmware::board::nucleo_f429zi::store::{Memory, Store};
-    use firmware::board::nucleo_f429zi::{Irqs, clocks, lower_priorities};
+    use firmware::board::nucleo_f429zi::{CODES, Internal, Irqs, lower_priorities};
+    use firmware::chip::stm32::converters::Converters;
+    use firmware::chip::stm32::metal::start_cycle_counter;
+    use firmware::chip::this::adc::Sensors;
+    use firmware::chip::this::clocks;
+    use firmware::chip::this::dac::DacOutput;
+    use firmware::chip::this::period::Period;
+    use firmware::chip::this::store::{Memory, Store};
     use firmware::station::Wiring;
     use link::channel::Calibration;
     use outerloop_core::Config;
@@ -48,7 +51,7 @@ mod tests {
     #[init]
     fn init() -> Bench {
         let mut core = cortex_m::Peripherals::take().unwrap();
-        clocks::start_cycle_counter(&mut core);
+        start_cycle_counter(&mut core);
         let external_clock = clocks::external_clock_is_right();
         lower_priorities();
         let p = embassy_stm32::init(clocks::tree(external_clock));

@@ -7,7 +7,7 @@
 
 use cortex_m::Peripherals;
 use firmware::board::qemu::{Begin, Exchange, HostGone, SysTick, exit};
-use firmware::board::stack::HighWater;
+use firmware::chip::stack::HighWater;
 use firmware::session::{PeriodReply, SessionAccount};
 use firmware::step_time::StepTime;
 use link::Command;

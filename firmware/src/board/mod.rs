@@ -1,19 +1,12 @@
 //! What a board is made of. Nothing here knows the algorithm.
-
-#[cfg(feature = "nucleo-f429zi")]
-mod image;
-
-#[cfg(target_os = "none")]
-pub mod stack;
+//!
+//! An image is for one board, and [`this`] is the one that the features name.
 
 #[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
 pub mod nucleo_f429zi;
 
 #[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
-pub mod nucleo_f429zi_16;
-
-#[cfg(all(target_os = "none", feature = "nucleo-f429zi"))]
-pub mod nucleo_f429zi_3;
+pub use nucleo_f429zi as this;
 
 #[cfg(all(target_os = "none", feature = "qemu"))]
 pub mod qemu;

@@ -2,4 +2,4 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 // End of the four conversions.
-firmware::nucleo_f429zi_image!(ADC, firmware::board::nucleo_f429zi::internal::Internal);
+firmware::stm32_image!(ADC, firmware::board::nucleo_f429zi::WithInternal);

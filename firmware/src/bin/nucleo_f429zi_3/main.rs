@@ -2,4 +2,4 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 // The conversion is over: a compare of the sampling timer.
-firmware::nucleo_f429zi_image!(TIM2, firmware::board::nucleo_f429zi_3::ExternalThree, 3);
+firmware::stm32_image!(TIM2, firmware::board::nucleo_f429zi::WithExternalThree, 3);

@@ -1,123 +1,26 @@
-//! The chip's own converters of 12 bits, and how they hang on the timers.
+//! The NUCLEO-F429ZI with the chip's own converters of 12 bits.
 
-use super::converters::{Converters, Resources, StartedConverters};
-use super::further_adc::{FurtherAdc, injected_by_tim2};
-use super::period::Period;
-use cortex_m::peripheral::DWT;
-use embassy_stm32::adc::{Adc, AdcChannel, Exten, InjectedAdc, SampleTime};
-use embassy_stm32::gpio::Flex;
-use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::pac;
-use embassy_stm32::peripherals::{ADC1, DAC1, PA3, PA4, PC0};
-use embassy_stm32::rcc;
-use embassy_stm32::triggers::TIM2_TRGO;
-use embassy_stm32::{Peri, interrupt};
+use super::wired;
+use crate::chip::stm32::board::{Board, Wired};
+use crate::chip::stm32::converters::{Converters, StartedConverters};
+use crate::chip::this::adc::{FurtherAdc, Sensors, TOP};
+use crate::chip::this::dac::DacOutput;
+use crate::chip::this::period::Period;
+use embassy_stm32::adc::AdcChannel;
+use embassy_stm32::peripherals::{ADC1, ADC2, DAC1, PA3, PA4, PC0, PC2, PC3, TIM2, TIM4};
+use embassy_stm32::{Peri, Peripherals};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
 /// The codes of this board: sensors are two conversions of 12 bits, added; ranks displacement, force, force, displacement
 /// have the same mean instant, so each channel's code is the sum of its pair.
 pub const CODES: CodeRange = CodeRange {
-    sensor_top: 2 * 4095,
+    sensor_top: TOP,
     sensor_rail: 8,
     sensor_spare: 600,
     command_top: 4095,
     command_spare: 300,
 };
-
-/// The DAC's trigger for which TIM4 stands.
-const DAC_TRIGGER_TIM4: u8 = 5;
-
-/// Cycles that a first conversion of four may take: 13 us, and much more.
-const FIRST_SAMPLE_CYCLES: u32 = 100_000;
-
-/// Displacement and force.
-pub struct Sensors(InjectedAdc<'static, ADC1, 4>);
-
-impl Sensors {
-    /// Ready for TIM2, which does not run yet.
-    pub fn new(
-        adc: Peri<'static, ADC1>,
-        displacement: Peri<'static, PA3>,
-        force: Peri<'static, PC0>,
-    ) -> Self {
-        // SAFETY: each pin is named twice in one sequence of one converter and used by nothing else.
-        let (displacement_again, force_again) =
-            unsafe { (displacement.clone_unchecked(), force.clone_unchecked()) };
-        // 56 cycles of 21 MHz: a source of up to 10 kOhm settles to half a code.
-        let sampling = SampleTime::CYCLES56;
-        // In this order both channels have the same mean instant.
-        let ranks = [
-            (displacement.degrade_adc(), sampling),
-            (force.degrade_adc(), sampling),
-            (force_again.degrade_adc(), sampling),
-            (displacement_again.degrade_adc(), sampling),
-        ];
-        Self(Adc::new(adc).setup_injected_conversions(ranks, TIM2_TRGO, Exten::RISING_EDGE, true))
-    }
-
-    /// A sample by request, before the timer runs. `None`: the converter does not answer.
-    pub fn first(&mut self) -> Option<[u16; 2]> {
-        pac::ADC1.cr2().modify(|w| w.set_jswstart(true));
-        let begin = DWT::cycle_count();
-        while !pac::ADC1.sr().read().jeoc() {
-            if DWT::cycle_count().wrapping_sub(begin) > FIRST_SAMPLE_CYCLES {
-                return None;
-            }
-        }
-        let codes = self.codes();
-        interrupt::ADC.unpend();
-        codes
-    }
-
-    /// The converter is on, and TIM2's update starts its four conversions.
-    pub fn is_set_up(&self) -> bool {
-        injected_by_tim2(pac::ADC1, 4)
-    }
-
-    /// The sample that has just been converted; `None` if there is none.
-    #[inline]
-    pub fn codes(&mut self) -> Option<[u16; 2]> {
-        let fresh = pac::ADC1.sr().read().jeoc();
-        let [d1, f1, f2, d2] = self.0.read_injected_samples();
-        fresh.then_some([d1 + d2, f1 + f2])
-    }
-}
-
-/// Channel 1 of the DAC: what is written waits for TIM4.
-pub struct DacOutput;
-
-impl DacOutput {
-    /// Puts the pin at `code` at once, then leaves it to TIM4.
-    pub fn new(_dac: Peri<'static, DAC1>, pin: Peri<'static, PA4>, code: u16) -> Self {
-        rcc::enable_and_reset::<DAC1>();
-        let mut pin = Flex::new(pin);
-        pin.set_as_analog();
-        core::mem::forget(pin);
-        let dac = pac::DAC1;
-        let command = Self;
-        // An enabled channel shows its holding register at once as long as no trigger is on; without a code in it,
-        // that would be the end of the stroke.
-        command.write(code);
-        dac.cr().modify(|w| w.set_tsel(0, DAC_TRIGGER_TIM4));
-        dac.cr().modify(|w| w.set_en(0, true));
-        command.write(code);
-        dac.cr().modify(|w| w.set_ten(0, true));
-        command
-    }
-
-    /// The channel is on and waits for TIM4.
-    pub fn is_set_up(&self) -> bool {
-        let cr = pac::DAC1.cr().read();
-        cr.en(0) && cr.ten(0) && cr.tsel(0) == DAC_TRIGGER_TIM4
-    }
-
-    /// The code that the pin shows from TIM4's next pulse on.
-    #[inline]
-    pub fn write(&self, code: u16) {
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-    }
-}
 
 /// The chip's own converters.
 pub struct Internal {
@@ -126,8 +29,48 @@ pub struct Internal {
     further_adc: FurtherAdc,
 }
 
-impl Converters for Internal {
+/// What they take of the chip.
+pub struct Parts {
+    pub adc1: Peri<'static, ADC1>,
+    pub adc2: Peri<'static, ADC2>,
+    pub dac1: Peri<'static, DAC1>,
+    pub tim2: Peri<'static, TIM2>,
+    pub tim4: Peri<'static, TIM4>,
+    pub pa3: Peri<'static, PA3>,
+    pub pa4: Peri<'static, PA4>,
+    pub pc0: Peri<'static, PC0>,
+    pub pc2: Peri<'static, PC2>,
+    pub pc3: Peri<'static, PC3>,
+}
+
+/// The board with them.
+pub struct WithInternal;
+
+impl Board for WithInternal {
+    type Converters = Internal;
+
     const NAME: &'static str = "NUCLEO-F429ZI";
+
+    fn wire(p: Peripherals) -> Wired<Parts> {
+        let parts = Parts {
+            adc1: p.ADC1,
+            adc2: p.ADC2,
+            dac1: p.DAC1,
+            tim2: p.TIM2,
+            tim4: p.TIM4,
+            pa3: p.PA3,
+            pa4: p.PA4,
+            pc0: p.PC0,
+            pc2: p.PC2,
+            pc3: p.PC3,
+        };
+        wired!(p, parts)
+    }
+}
+
+impl Converters for Internal {
+    type Parts = Parts;
+
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = &[
         Input::CommandReadBack(0),
@@ -145,11 +88,7 @@ impl Converters for Internal {
     // Some 110 instructions and two divisions, from a flash that is not in the cache.
     const AROUND_STEP_CYCLES: u32 = 400;
 
-    fn new(
-        r: Resources,
-        ticks: u32,
-        standing: impl Fn(usize, u16) -> u16,
-    ) -> StartedConverters<Self> {
+    fn new(r: Parts, ticks: u32, standing: impl Fn(usize, u16) -> u16) -> StartedConverters<Self> {
         let mut sensors = Sensors::new(r.adc1, r.pa3, r.pc0);
         // Of a converter that does not answer: the first step will find its samples stale.
         let first = sensors.first().unwrap_or([CODES.sensor_top / 2; 2]);
@@ -178,12 +117,8 @@ impl Converters for Internal {
     }
 
     unsafe fn enable_interrupt() {
-        // No conversion has been asked for: one that stands here is none of the timer's.
-        pac::ADC1.sr().modify(|w| w.set_jeoc(false));
-        interrupt::ADC.unpend();
-        interrupt::ADC.set_priority(Priority::P0);
         // SAFETY: by the caller.
-        unsafe { interrupt::ADC.enable() };
+        unsafe { Sensors::enable_interrupt() };
     }
 
     #[inline]

@@ -1,4 +1,4 @@
-//! The NUCLEO-F429ZI (MB1137): every pin and every register that the image uses.
+//! The NUCLEO-F429ZI (MB1137): every pin that an image uses, and what hangs on it.
 //!
 //! # Wiring
 //! | signal | pin | connector | peripheral | level |
@@ -35,31 +35,21 @@
 //!  12.95 us  end of conversion: the control interrupt, whose command goes into the DAC's holding register
 //!  40 us     TIM4 compare: the DAC takes the command over
 //! ```
-//!
-//! # Priorities
-//! The control interrupt has priority 0, the highest. Everything else has less and is all that a critical section masks
-//! ([`critical`]). So nothing that runs on this board delays the control interrupt, and it calls nothing that needs a
-//! critical section: no embassy, no defmt.
 
-use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::{bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
+use crate::chip::stm32::BACKGROUND;
+use embassy_stm32::interrupt::InterruptExt;
+use embassy_stm32::mode::Async;
+use embassy_stm32::peripherals::{DMA1_CH1, DMA1_CH3, PD8, PD9, USART3};
+use embassy_stm32::usart::{Config, Uart};
+use embassy_stm32::{Peri, bind_interrupts, dma, flash, interrupt, pac, peripherals, usart};
 
-pub mod boot;
-pub mod clocks;
-pub mod control;
-pub mod converters;
-mod core_coupled;
-mod critical;
-pub mod drill;
-pub mod fatal;
-pub mod further_adc;
-pub mod internal;
-pub mod kept;
-pub mod metal;
-pub mod period;
-mod stack_guard;
-pub mod store;
-pub mod tasks;
+mod external;
+mod external_three;
+mod internal;
+
+pub use external::WithExternal;
+pub use external_three::WithExternalThree;
+pub use internal::{CODES, Internal, WithInternal};
 
 bind_interrupts!(
     /// Embassy's interrupts. The control interrupt is none of them.
@@ -71,9 +61,6 @@ bind_interrupts!(
     }
 );
 
-/// Of everything but the control interrupt.
-pub const BACKGROUND: Priority = Priority::P8;
-
 /// Puts embassy's interrupts, whose default is the highest priority, below the control interrupt's.
 pub fn lower_priorities() {
     interrupt::TIM3.set_priority(BACKGROUND);
@@ -83,26 +70,76 @@ pub fn lower_priorities() {
     interrupt::FLASH.set_priority(BACKGROUND);
 }
 
-/// Watches the supply: below 2.9 V the program ends while it still can. It needs 2.7 V at 168 MHz, and the chip's own reset
-/// waits for 1.8.
-pub fn guard_supply() {
-    pac::RCC.apb1enr().modify(|w| w.set_pwren(true));
-    pac::PWR.cr1().modify(|w| {
-        w.set_pls(SUPPLY_2_9_V);
-        w.set_pvde(true);
-    });
-    // A supply that is low from the start makes no edge: nothing begins until it is there.
-    while pac::PWR.csr1().read().pvdo() {}
-    pac::EXTI.rtsr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
-    pac::EXTI.pr(0).write(|w| w.set_line(SUPPLY_LINE, true));
-    pac::EXTI.imr(0).modify(|w| w.set_line(SUPPLY_LINE, true));
-    interrupt::PVD.set_priority(Priority::P0);
-    // SAFETY: its handler uses nothing that has to be put in place.
-    unsafe { interrupt::PVD.enable() };
+/// For the ways out, which may use nothing else: the register that drops PERMIT, port E's BSRR, and what is written there, the
+/// reset of pin 9.
+pub const PERMIT_REGISTER: u32 = 0x4002_1018;
+/// See [`PERMIT_REGISTER`].
+pub const PERMIT_RESET: u32 = 1 << (16 + 9);
+
+/// The red lamp, whoever owns its pin.
+pub fn fault_lamp_on() {
+    pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
 }
 
-/// The supply's threshold, PLS = 111.
-const SUPPLY_2_9_V: u8 = 7;
+/// The port to the PC, before it is open.
+pub struct Serial {
+    usart: Peri<'static, USART3>,
+    rx: Peri<'static, PD9>,
+    tx: Peri<'static, PD8>,
+    tx_dma: Peri<'static, DMA1_CH3>,
+    rx_dma: Peri<'static, DMA1_CH1>,
+}
 
-/// The supply's line among the external interrupts.
-const SUPPLY_LINE: usize = 16;
+impl Serial {
+    /// At the link's rate.
+    pub fn open(self) -> Uart<'static, Async> {
+        let mut config = Config::default();
+        config.baudrate = link::BAUD;
+        let uart = Uart::new(
+            self.usart,
+            self.rx,
+            self.tx,
+            self.tx_dma,
+            self.rx_dma,
+            Irqs,
+            config,
+        );
+        defmt::unwrap!(uart)
+    }
+}
+
+/// What is the same with all converters, of the peripherals `$p`.
+macro_rules! wired {
+    ($p:ident, $parts:expr) => {{
+        use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
+        let wired = $crate::chip::stm32::board::Wired {
+            pins: $crate::chip::stm32::metal::Pins {
+                permit: Output::new($p.PE9, Level::Low, Speed::Low),
+                pulse: Output::new($p.PE14, Level::Low, Speed::Low),
+                chain: Input::new($p.PE15, Pull::Down),
+                button: Input::new($p.PC13, Pull::Down),
+                stop: Input::new($p.PE11, Pull::Up),
+                step: Output::new($p.PE13, Level::Low, Speed::Medium),
+            },
+            lamps: $crate::chip::stm32::tasks::lights::Lamps {
+                green: Output::new($p.PB0, Level::Low, Speed::Low),
+                blue: Output::new($p.PB7, Level::Low, Speed::Low),
+                red: Output::new($p.PB14, Level::Low, Speed::Low),
+            },
+            serial: $crate::board::nucleo_f429zi::Serial {
+                usart: $p.USART3,
+                rx: $p.PD9,
+                tx: $p.PD8,
+                tx_dma: $p.DMA1_CH3,
+                rx_dma: $p.DMA1_CH1,
+            },
+            flash: $p.FLASH,
+            watchdog: $p.IWDG,
+            converters: $parts,
+        };
+        // See the wiring: what reading the second bank of the flash needs on early chips.
+        core::mem::forget(Output::new($p.PA12, Level::Low, Speed::Low));
+        wired
+    }};
+}
+use wired;

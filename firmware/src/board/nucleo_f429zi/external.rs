@@ -1,5 +1,5 @@
 //! The NUCLEO-F429ZI with external converters of 16 bits: an AD7606 for the inputs, an AD5761R for the command, both -10 to
-//! +10 V. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super::nucleo_f429zi).
+//! +10 V. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
 //!
 //! # Wiring
 //! | signal | pin | connector | peripheral | level |
@@ -25,23 +25,25 @@
 //! up in the middle then. When only the chip was reset it holds its voltage all the while: it is not set up again, and goes
 //! from there to the measured position. PERMIT is low in both cases.
 
-mod ad5761r;
-pub(super) mod ad7606;
-mod bus;
-pub(super) mod output;
-pub(super) mod timers;
-
-use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
-use super::nucleo_f429zi::period::Period;
-use ad5761r::Ad5761r;
-use ad7606::Ad7606;
+use super::wired;
+use crate::chip::stm32::board::{Board, Wired};
+use crate::chip::stm32::converters::{Converters, StartedConverters};
+use crate::chip::this::conversion::{self, ConversionPins, INTERRUPT_US, LoadPin};
+use crate::chip::this::period::Period;
+use crate::chip::this::spi::Bus;
+use crate::converter::ad5761r::Ad5761r;
+use crate::converter::ad7606::Ad7606;
+use crate::converter::output::OutputBus;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::peripherals::{
+    PA5, PA6, PB10, PB11, PC10, PC11, PC12, PD2, PD12, PD14, PF12, SPI1, SPI3, TIM2, TIM4,
+};
+use embassy_stm32::{Peri, Peripherals};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
-use output::OutputBus;
-use timers::INTERRUPT_US;
 
 /// The codes of this board, -10 V at 0 and +10 V at the top. A rail is 20 mV wide; limits leave half a volt free.
-pub const CODES: CodeRange = CodeRange {
+pub(super) const CODES: CodeRange = CodeRange {
     sensor_top: u16::MAX,
     sensor_rail: 65,
     sensor_spare: 1638,
@@ -63,8 +65,103 @@ pub struct External {
     further: [u16; MAX_INPUTS],
 }
 
-impl Converters for External {
+/// What external converters take of the chip, one actuator's or three's.
+pub struct Parts {
+    pub spi1: Peri<'static, SPI1>,
+    pub spi3: Peri<'static, SPI3>,
+    pub tim2: Peri<'static, TIM2>,
+    pub tim4: Peri<'static, TIM4>,
+    pub pa5: Peri<'static, PA5>,
+    pub pa6: Peri<'static, PA6>,
+    pub pb10: Peri<'static, PB10>,
+    pub pb11: Peri<'static, PB11>,
+    pub pc10: Peri<'static, PC10>,
+    pub pc11: Peri<'static, PC11>,
+    pub pc12: Peri<'static, PC12>,
+    pub pd2: Peri<'static, PD2>,
+    pub pd12: Peri<'static, PD12>,
+    pub pd14: Peri<'static, PD14>,
+    pub pf12: Peri<'static, PF12>,
+}
+
+/// The parts, of the peripherals `$p`.
+macro_rules! external_parts {
+    ($p:ident) => {
+        $crate::board::nucleo_f429zi::external::Parts {
+            spi1: $p.SPI1,
+            spi3: $p.SPI3,
+            tim2: $p.TIM2,
+            tim4: $p.TIM4,
+            pa5: $p.PA5,
+            pa6: $p.PA6,
+            pb10: $p.PB10,
+            pb11: $p.PB11,
+            pc10: $p.PC10,
+            pc11: $p.PC11,
+            pc12: $p.PC12,
+            pd2: $p.PD2,
+            pd12: $p.PD12,
+            pd14: $p.PD14,
+            pf12: $p.PF12,
+        }
+    };
+}
+pub(super) use external_parts;
+
+/// What hangs on the parts, ready; the timers do not run yet.
+pub(super) struct Started<const W: usize> {
+    pub(super) adc: Ad7606,
+    /// Codes of a first conversion, if the converter answers.
+    pub(super) first: Option<[u16; W]>,
+    pub(super) conversion: ConversionPins,
+    pub(super) output: OutputBus,
+    pub(super) load: LoadPin,
+    pub(super) tim2: Peri<'static, TIM2>,
+    pub(super) tim4: Peri<'static, TIM4>,
+}
+
+impl Parts {
+    /// Converts by hand, and makes the output's bus ready.
+    pub(super) fn start<const W: usize>(self) -> Started<W> {
+        // What is pulled up or down outside is so before a bus moves.
+        let select = Output::new(self.pd14, Level::High, Speed::VeryHigh);
+        let bus = Bus::of_input(self.spi1, self.pa5, self.pa6);
+        let reset = Output::new(self.pf12, Level::Low, Speed::Low);
+        let mut adc = Ad7606::new(bus, select, reset);
+        let mut conversion = ConversionPins::new(self.pb10, self.pb11);
+        let first = adc.first(&mut conversion);
+        let sync = Output::new(self.pd2, Level::High, Speed::VeryHigh);
+        let load = LoadPin::new(self.pd12);
+        let bus = Bus::of_output(self.spi3, self.pc10, self.pc11, self.pc12);
+        Started {
+            adc,
+            first,
+            conversion,
+            output: OutputBus { bus, sync },
+            load,
+            tim2: self.tim2,
+            tim4: self.tim4,
+        }
+    }
+}
+
+/// The board with them.
+pub struct WithExternal;
+
+impl Board for WithExternal {
+    type Converters = External;
+
     const NAME: &'static str = "NUCLEO-F429ZI 16 bits";
+
+    fn wire(p: Peripherals) -> Wired<Parts> {
+        let parts = external_parts!(p);
+        wired!(p, parts)
+    }
+}
+
+impl Converters for External {
+    type Parts = Parts;
+
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = &[
         Input::CommandReadBack(0),
@@ -76,31 +173,28 @@ impl Converters for External {
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 60;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
-    const LATEST_BEGIN_US: u32 = timers::LATEST_BEGIN_US;
+    const LATEST_BEGIN_US: u32 = conversion::LATEST_BEGIN_US;
     // Six words of 16 bits and three of 8 at 10.5 MHz, 13 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 2600;
 
     fn new(
-        r: Resources,
+        parts: Parts,
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
     ) -> StartedConverters<Self> {
-        let mut adc = Ad7606::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
-        let (sampled, line) = adc.first(r.pb10, r.pb11);
-        let first = sampled.map_or(
+        let started = parts.start();
+        let first = started.first.map_or(
             [CODES.sensor_top / 2; 2],
             |[displacement, force, ..]: [u16; INPUTS]| [displacement, force],
         );
-        let wires = (r.pc10, r.pc11, r.pc12);
-        let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
-        let mut dac = Ad5761r::new(bus);
-        let answered = dac.is_set_up() && sampled.is_some();
+        let mut dac = Ad5761r::new(started.output);
+        let answered = dac.is_set_up() && started.first.is_some();
         dac.write(standing(0, first[0]));
-        let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        timers::take_pins(ldac, line);
+        let period = Period::new(started.tim2, started.tim4, ticks, Self::OUTPUT_DELAY_US);
+        conversion::take_pins(started.load, started.conversion);
         StartedConverters {
             converters: Self {
-                adc,
+                adc: started.adc,
                 dac,
                 further: [0; MAX_INPUTS],
             },
@@ -112,13 +206,13 @@ impl Converters for External {
 
     unsafe fn enable_interrupt() {
         // SAFETY: by the caller.
-        unsafe { timers::enable_interrupt() };
+        unsafe { conversion::enable_interrupt() };
     }
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; 1]> {
         // A converter that has not converted would only repeat itself.
-        if !timers::conversion_has_ended() {
+        if !conversion::conversion_has_ended() {
             return None;
         }
         let [displacement, force, v3, v4, v5, _]: [u16; INPUTS] = self.adc.read()?;

@@ -2,7 +2,6 @@
 
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
-use embassy_stm32::pac;
 use link::frame::checksum;
 use link::status::{CrashCause, CrashReport, StartCause};
 use outerloop_core::Mode;
@@ -72,23 +71,6 @@ pub fn take() -> Option<CrashReport> {
         return None;
     }
     postcard::from_bytes(coded).ok()
-}
-
-/// Why the chip started; the flags are cleared for the next time.
-pub fn start() -> StartCause {
-    let flags = pac::RCC.csr().read();
-    pac::RCC.csr().modify(|w| w.set_rmvf(true));
-    if flags.wdgrstf() || flags.wwdgrstf() {
-        StartCause::Watchdog
-    } else if flags.sftrstf() {
-        StartCause::Software
-    } else if flags.porrstf() {
-        StartCause::Power
-    } else if flags.borrstf() {
-        StartCause::BrownOut
-    } else {
-        StartCause::Pin
-    }
 }
 
 /// The crash report that belongs to such a start. A watchdog that nobody has announced is news too.

@@ -8,18 +8,28 @@ use core::ops::Range;
 use cortex_m::asm::{dsb, isb};
 use cortex_m::peripheral::MPU;
 
-/// What nobody may touch: it ends where the stack does (`memory.x`). A function that takes more than these 32 KiB off the
-/// stack pointer at once could step over it: a test holds the largest frame below that.
-pub const RANGE: Range<u32> = 0x1fff_8000..0x2000_0000;
+unsafe extern "C" {
+    /// By `memory.x`: the stack may grow down to here, where the memory begins.
+    static _stack_end: u32;
+}
 
-/// Its size as the unit takes it: 2^(SIZE + 1) bytes.
-const SIZE: u32 = RANGE.end.wrapping_sub(RANGE.start).ilog2() - 1;
+/// Bytes that nobody may touch. A function that takes more than these off the stack pointer at once could step over them: a
+/// test holds the largest frame below that.
+const BYTES: u32 = 32 * 1024;
+
+/// Where they are: they end where the stack does.
+pub fn range() -> Range<u32> {
+    let end = (&raw const _stack_end).addr() as u32;
+    end - BYTES..end
+}
+
+/// Their size as the unit takes it: 2^(SIZE + 1) bytes.
+const SIZE: u32 = BYTES.ilog2() - 1;
 
 /// Nobody may read, write or execute (access permissions 000, XN).
 const NO_ACCESS: u32 = 1 << 28;
 
-/// The variables and the stack: 256 KiB from here.
-const MEMORY: u32 = 0x2000_0000;
+/// The stack and the variables: 256 KiB from its end on.
 const MEMORY_SIZE: u32 = 17;
 
 /// Everybody may read and write, nobody execute (access permissions 011, XN); write-back memory, as the processor's own map
@@ -33,9 +43,10 @@ const DEFAULT_MAP: u32 = 1 << 2;
 
 /// From now on.
 pub fn close(mpu: &mut MPU) {
+    let range = range();
     let regions = [
-        (RANGE.start, NO_ACCESS | SIZE << 1),
-        (MEMORY, DATA | MEMORY_SIZE << 1),
+        (range.start, NO_ACCESS | SIZE << 1),
+        (range.end, DATA | MEMORY_SIZE << 1),
     ];
     // SAFETY: nothing of the program lies below the stack, and none of its code in the memory.
     unsafe {

@@ -1,8 +1,8 @@
 //! The NUCLEO-F429ZI with three actuators: an AD7606 for displacements and forces, an AD5754R for the commands, both -10 to
-//! +10 V and 16 bits. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super::nucleo_f429zi).
+//! +10 V and 16 bits. All else (PERMIT, emergency stop, lamps, link) is as on the [board itself](super).
 //!
 //! # Wiring
-//! The pins are those of [one actuator](super::nucleo_f429zi_16); the AD5754R stands in the place of the AD5761R, on the same
+//! The pins are those of [one actuator](super::external); the AD5754R stands in the place of the AD5761R, on the same
 //! SCLK, SDO, SDI, SYNC and LDAC.
 //!
 //! | AD7606 | |
@@ -34,17 +34,18 @@
 //! there. When only the chip was reset they hold their voltages: it is not set up again, and goes from there to the measured
 //! positions. PERMIT is low in both cases.
 
-mod ad5754r;
-
-use super::nucleo_f429zi::converters::{Converters, Resources, StartedConverters};
-use super::nucleo_f429zi::further_adc::FurtherAdc;
-use super::nucleo_f429zi::period::Period;
-use super::nucleo_f429zi_16::ad7606::Ad7606;
-use super::nucleo_f429zi_16::output::OutputBus;
-use super::nucleo_f429zi_16::timers::{self, INTERRUPT_US};
-use super::nucleo_f429zi_16::{CODES, SPAN_V};
-use ad5754r::{Ad5754r, OUTPUTS};
+use super::external::{CODES, Parts as External, SPAN_V, external_parts};
+use super::wired;
+use crate::chip::stm32::board::{Board, Wired};
+use crate::chip::stm32::converters::{Converters, StartedConverters};
+use crate::chip::this::adc::FurtherAdc;
+use crate::chip::this::conversion::{self, INTERRUPT_US};
+use crate::chip::this::period::Period;
+use crate::converter::ad5754r::{Ad5754r, OUTPUTS};
+use crate::converter::ad7606::Ad7606;
 use embassy_stm32::adc::AdcChannel;
+use embassy_stm32::peripherals::{ADC2, PA3, PC0, PC3};
+use embassy_stm32::{Peri, Peripherals};
 use link::telemetry::MAX_INPUTS;
 use link::{CodeRange, Input};
 
@@ -60,8 +61,38 @@ pub struct ExternalThree {
     second_displacement: u16,
 }
 
-impl Converters<OUTPUTS> for ExternalThree {
+/// What they take of the chip.
+pub struct Parts {
+    pub external: External,
+    pub adc2: Peri<'static, ADC2>,
+    pub pa3: Peri<'static, PA3>,
+    pub pc0: Peri<'static, PC0>,
+    pub pc3: Peri<'static, PC3>,
+}
+
+/// The board with them.
+pub struct WithExternalThree;
+
+impl Board<OUTPUTS> for WithExternalThree {
+    type Converters = ExternalThree;
+
     const NAME: &'static str = "NUCLEO-F429ZI 3 x 16";
+
+    fn wire(p: Peripherals) -> Wired<Parts> {
+        let parts = Parts {
+            external: external_parts!(p),
+            adc2: p.ADC2,
+            pa3: p.PA3,
+            pc0: p.PC0,
+            pc3: p.PC3,
+        };
+        wired!(p, parts)
+    }
+}
+
+impl Converters<OUTPUTS> for ExternalThree {
+    type Parts = Parts;
+
     const CODES: CodeRange = CODES;
     const INPUTS: &'static [Input] = &[
         Input::CommandReadBack(0),
@@ -74,37 +105,34 @@ impl Converters<OUTPUTS> for ExternalThree {
     const INPUT_SPAN_V: [f32; 2] = SPAN_V;
     const OUTPUT_DELAY_US: u32 = 80;
     const BEGINS_US: u32 = INTERRUPT_US + 2;
-    const LATEST_BEGIN_US: u32 = timers::LATEST_BEGIN_US;
+    const LATEST_BEGIN_US: u32 = conversion::LATEST_BEGIN_US;
     // Eight words of 16 bits and nine of 8 at 10.5 MHz, 22 us with their waiting loops, and what the board's own take.
     const AROUND_STEP_CYCLES: u32 = 4600;
 
     fn new(
-        r: Resources,
+        parts: Parts,
         ticks: u32,
         standing: impl Fn(usize, u16) -> u16,
     ) -> StartedConverters<Self, OUTPUTS> {
-        let mut adc = Ad7606::new(r.spi1, r.pa5, r.pa6, r.pd14, r.pf12);
-        let (sampled, line) = adc.first(r.pb10, r.pb11);
+        let started = parts.external.start();
         let (first, second_displacement) =
-            sorted(sampled.unwrap_or([CODES.sensor_top / 2; INPUTS]));
-        let wires = (r.pc10, r.pc11, r.pc12);
-        let (bus, ldac) = OutputBus::new(r.spi3, wires, r.pd2, r.pd12);
-        let mut dac = Ad5754r::new(bus);
-        let answered = dac.is_set_up() && sampled.is_some();
+            sorted(started.first.unwrap_or([CODES.sensor_top / 2; INPUTS]));
+        let mut dac = Ad5754r::new(started.output);
+        let answered = dac.is_set_up() && started.first.is_some();
         for (actuator, [displacement, _]) in first.into_iter().enumerate() {
             dac.write(actuator, standing(actuator, displacement));
         }
         let outputs = [
-            r.pa3.degrade_adc(),
-            r.pc0.degrade_adc(),
-            r.pc3.degrade_adc(),
+            parts.pa3.degrade_adc(),
+            parts.pc0.degrade_adc(),
+            parts.pc3.degrade_adc(),
         ];
-        let further_adc = FurtherAdc::new(r.adc2, outputs);
-        let period = Period::new(r.tim2, r.tim4, ticks, Self::OUTPUT_DELAY_US);
-        timers::take_pins(ldac, line);
+        let further_adc = FurtherAdc::new(parts.adc2, outputs);
+        let period = Period::new(started.tim2, started.tim4, ticks, Self::OUTPUT_DELAY_US);
+        conversion::take_pins(started.load, started.conversion);
         StartedConverters {
             converters: Self {
-                adc,
+                adc: started.adc,
                 dac,
                 further_adc,
                 second_displacement,
@@ -117,13 +145,13 @@ impl Converters<OUTPUTS> for ExternalThree {
 
     unsafe fn enable_interrupt() {
         // SAFETY: by the caller.
-        unsafe { timers::enable_interrupt() };
+        unsafe { conversion::enable_interrupt() };
     }
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; OUTPUTS]> {
         // A converter that has not converted would only repeat itself.
-        if !timers::conversion_has_ended() {
+        if !conversion::conversion_has_ended() {
             return None;
         }
         let codes;

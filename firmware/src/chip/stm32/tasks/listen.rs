@@ -1,8 +1,8 @@
 //! The task that receives commands.
 
 use super::report::ReplyQueue;
-use crate::board::nucleo_f429zi::store::Store;
-use crate::board::stack::HighWater;
+use crate::chip::stack::HighWater;
+use crate::chip::this::store::Store;
 use crate::station::{CommandResult, Heartbeat, Heartbeats, Outcome, Service, Wiring};
 use core::cell::RefCell;
 use embassy_futures::select::{Either, select};

@@ -2,8 +2,8 @@
 
 use super::converters::Converters;
 use super::kept;
-use super::period::Period;
 use super::{drill, drill::Drill};
+use crate::chip::this::period::Period;
 use crate::hardware::Hardware;
 use crate::station::Heartbeat;
 use cortex_m::peripheral::DWT;
@@ -18,34 +18,60 @@ use outerloop_core::Mode;
 /// The watchdog resets the chip so long after it was fed last, us; its clock, and so this time, is good to a factor of two.
 pub const WATCHDOG_US: u32 = 25_000;
 
+/// Starts the cycle counter. To be called once, before the clocks are looked at.
+pub fn start_cycle_counter(core: &mut cortex_m::Peripherals) {
+    core.DCB.enable_trace();
+    core.DWT.enable_cycle_counter();
+}
+
 /// The processor's cycles.
 #[inline]
 pub fn cycles() -> u32 {
     DWT::cycle_count()
 }
 
-/// What the control interrupt owns of the board.
-pub struct Metal<C> {
-    /// Displacements, forces and commands.
-    pub converters: C,
-    /// The control period.
-    pub period: Period,
+/// The pins of the control interrupt beside those of the converters.
+pub struct Pins {
     /// The PERMIT line.
     pub permit: Output<'static>,
     /// Turns over in every step with PERMIT, for a relay that falls when the pulses stop.
     pub pulse: Output<'static>,
     /// The contact of what hangs on PERMIT.
     pub chain: Pin<'static>,
-    /// The blue button.
+    /// High while the hold button is pressed.
     pub button: Pin<'static>,
     /// The emergency stop's contact.
     pub stop: Pin<'static>,
     /// High while the step runs.
     pub step: Output<'static>,
-    /// The watchdog.
-    pub watchdog: IndependentWatchdog<'static, IWDG>,
+}
+
+/// What the control interrupt owns of the board.
+pub struct Metal<C> {
+    converters: C,
+    period: Period,
+    pins: Pins,
+    watchdog: IndependentWatchdog<'static, IWDG>,
     /// A task's starvation has been kept.
-    pub starving: bool,
+    starving: bool,
+}
+
+impl<C> Metal<C> {
+    /// Before the first step.
+    pub fn new(
+        converters: C,
+        period: Period,
+        pins: Pins,
+        watchdog: IndependentWatchdog<'static, IWDG>,
+    ) -> Self {
+        Self {
+            converters,
+            period,
+            pins,
+            watchdog,
+            starving: false,
+        }
+    }
 }
 
 impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
@@ -61,7 +87,7 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
 
     #[inline]
     fn codes(&mut self) -> Option<[[u16; 2]; A]> {
-        self.step.set_high();
+        self.pins.step.set_high();
         if drill::asked() == Drill::Overrun {
             drill::overrun();
         }
@@ -87,33 +113,33 @@ impl<C: Converters<A>, const A: usize> Hardware<A> for Metal<C> {
     fn output(&mut self, actuator: usize, code: u16) {
         self.converters.write(actuator, code);
         if actuator + 1 == A {
-            self.step.set_low();
+            self.pins.step.set_low();
         }
     }
 
     #[inline]
     fn permit(&mut self, on: bool) {
         if on {
-            self.permit.set_high();
-            self.pulse.toggle();
+            self.pins.permit.set_high();
+            self.pins.pulse.toggle();
         } else {
-            self.permit.set_low();
+            self.pins.permit.set_low();
         }
     }
 
     #[inline]
     fn permit_chain_closed(&self) -> bool {
-        self.chain.is_high()
+        self.pins.chain.is_high()
     }
 
     #[inline]
     fn emergency_stop(&self) -> bool {
-        self.stop.is_high()
+        self.pins.stop.is_high()
     }
 
     #[inline]
     fn hold_pressed(&self) -> bool {
-        self.button.is_high()
+        self.pins.button.is_high()
     }
 
     fn set_period(&mut self, ticks: u32) {

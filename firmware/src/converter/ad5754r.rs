@@ -1,13 +1,13 @@
 //! The AD5754R: four outputs of -10 to +10 V, 16 bits, with a reference of its own; three of them are used.
 //!
-//! By its data sheet (Analog Devices) a [command](crate::board::nucleo_f429zi_16::output) has a bit for read or write, a zero,
+//! By its data sheet (Analog Devices) a [command](super::output) has a bit for read or write, a zero,
 //! three bits of the register, three of the output, 16 of data. Codes wait in the input registers for the falling edge of
 //! LDAC, which brings all of them to the outputs at once. After power-up the outputs are clamped to ground until they are
 //! powered up one by one; the codes are zero then, which with BIN/2sCOMP at ground (two's complement) is 0 V, the middle of
 //! the stroke.
 
-use crate::board::nucleo_f429zi_16::output::OutputBus;
-use crate::board::nucleo_f429zi_16::timers::WAIT;
+use super::output::OutputBus;
+use crate::chip::this::conversion::WAIT;
 
 // Registers, in bits 3 to 5 of the first byte; outputs in 0 to 2.
 const READ: u8 = 1 << 7;

@@ -4,11 +4,10 @@
 //! a small number does nothing. The background task looks at it
 //! ten times a second, the control interrupt in every step.
 
+use crate::chip::this::supply;
 use core::hint::black_box;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use cortex_m::peripheral::{DWT, SCB};
-use embassy_stm32::interrupt;
-use embassy_stm32::interrupt::InterruptExt;
 
 /// The drill that is asked for; its symbol is `DRILL`.
 #[unsafe(no_mangle)]
@@ -80,7 +79,7 @@ pub fn background() {
             // SAFETY: pends the exception, as the clock's guard does.
             unsafe { (*SCB::PTR).icsr.write(NMI_PENDING) };
         }
-        Drill::LowSupply => interrupt::PVD.pend(),
+        Drill::LowSupply => supply::pend(),
         Drill::Panic => panic!("a drill"),
         Drill::HardFault => cortex_m::asm::udf(),
         Drill::Stack { eights } => {

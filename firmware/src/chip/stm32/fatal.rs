@@ -7,12 +7,12 @@
 //! nobody will return.
 
 use super::{kept, stack_guard};
+use crate::board::this as board;
 use crate::station::Heartbeats;
 use core::arch::{asm, naked_asm};
 use core::fmt::Write;
 use core::sync::atomic::{AtomicPtr, Ordering::Relaxed};
 use cortex_m::peripheral::SCB;
-use embassy_stm32::{interrupt, pac};
 use heapless::String;
 use link::status::{CrashCause, CrashReport};
 
@@ -34,25 +34,35 @@ pub fn note_heartbeats(heartbeats: &'static Heartbeats) {
 /// up this writes to a port without a clock, and nothing happens.
 macro_rules! drop_permit {
     () => {
-        concat!(
-            "movw r1, #0x1018\n", // GPIOE's BSRR, 0x4002_1018
-            "movt r1, #0x4002\n",
-            "mov.w r2, #0x2000000\n", // reset bit 9
-            "str r2, [r1]\n",
-        )
+        "movw r1, #{low}\nmovt r1, #{high}\nmov.w r2, #{reset}\nstr r2, [r1]\n"
     };
 }
+
+/// PERMIT's register in two halves, and what is written there.
+const LOW: u32 = board::PERMIT_REGISTER & 0xffff;
+const HIGH: u32 = board::PERMIT_REGISTER >> 16;
+const RESET: u32 = board::PERMIT_RESET;
 
 #[inline(always)]
 fn drop_permit() {
     // SAFETY: a write to the port's register, which resets the one pin.
-    unsafe { asm!(drop_permit!(), out("r1") _, out("r2") _, options(nostack, preserves_flags)) };
+    unsafe {
+        asm!(
+            drop_permit!(),
+            low = const LOW,
+            high = const HIGH,
+            reset = const RESET,
+            out("r1") _,
+            out("r2") _,
+            options(nostack, preserves_flags),
+        );
+    };
 }
 
 /// The end, with PERMIT low: the reason is kept, and the watchdog resets the chip.
 fn halt(cause: CrashCause, text: String<96>) -> ! {
     cortex_m::interrupt::disable();
-    pac::GPIOB.bsrr().write(|w| w.set_bs(14, true));
+    board::fault_lamp_on();
     // SAFETY: null or what `note_heartbeats` was given.
     let tick = unsafe { HEARTBEATS.load(Relaxed).as_ref() }.map_or(0, Heartbeats::tick);
     kept::keep(&CrashReport {
@@ -121,6 +131,9 @@ unsafe extern "C" fn HardFault() -> ! {
         "ldr r2, =_stack_start",
         "msr msp, r2",
         "1: b {faulted}",
+        low = const LOW,
+        high = const HIGH,
+        reset = const RESET,
         room = const ROOM_TO_TELL,
         faulted = sym faulted,
     )
@@ -132,7 +145,7 @@ extern "C" fn faulted(frame: u32) -> ! {
     // SAFETY: reading the fault status has no effect.
     let (status, at) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).mmfar.read()) };
     let mut text = Cut(String::new());
-    let touched_guard = status & ADDRESS_IS_KNOWN != 0 && stack_guard::RANGE.contains(&at);
+    let touched_guard = status & ADDRESS_IS_KNOWN != 0 && stack_guard::range().contains(&at);
     // The fault's own frame no longer fitted, or something was pushed below the end.
     if frame < end + FRAME || touched_guard {
         let _ = write!(
@@ -157,9 +170,9 @@ unsafe fn NonMaskableInt() -> ! {
     )
 }
 
-/// The supply is below 2.9 V: at 168 MHz the chip needs 2.7.
-#[interrupt]
-fn PVD() {
+/// The supply is below what the chip needs. To be called first of all by the interrupt of its guard.
+#[inline(always)]
+pub fn supply_is_low() -> ! {
     drop_permit();
     halt(
         CrashCause::LowSupply,

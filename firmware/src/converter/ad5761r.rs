@@ -5,7 +5,7 @@
 //! reset the output is clamped to ground until the control register is written.
 
 use super::output::OutputBus;
-use super::timers::WAIT;
+use crate::chip::this::conversion::WAIT;
 
 // Commands.
 const NOTHING: u8 = 0x0;

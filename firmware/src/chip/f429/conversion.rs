@@ -1,18 +1,20 @@
 //! The timers around external converters: CONVST, BUSY and the control interrupt at TIM2, LDAC at TIM4.
 
-use super::ad7606::ConversionPins;
-use crate::board::nucleo_f429zi::clocks::CORE_HZ;
-use crate::board::nucleo_f429zi::period::TICKS_PER_US;
-use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
+use super::clocks::CORE_HZ;
+use super::period::TICKS_PER_US;
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, Ocm};
-use embassy_stm32::peripherals::PD12;
+use embassy_stm32::peripherals::{PB10, PB11, PD12};
 use embassy_stm32::{Peri, interrupt, pac};
 
 /// Two microseconds, in cycles: longer than an output converter needs between any two edges, and after a reset.
 pub const WAIT: u32 = CORE_HZ / 500_000;
 
-/// TIM4's alternate function on PD12.
+/// TIM2's alternate function on PB10 and PB11.
+const AF_TIM2: u8 = 1;
+
+/// TIM4's on PD12.
 const AF_TIM4: u8 = 2;
 
 /// The step begins so many microseconds after its trigger.
@@ -101,5 +103,46 @@ impl LoadPin {
         let timed = AfType::output(OutputType::PushPull, Speed::VeryHigh);
         self.0.set_as_af_unchecked(AF_TIM4, timed);
         core::mem::forget(self.0);
+    }
+}
+
+/// CONVST and BUSY while they are not the timer's yet.
+pub struct ConversionPins {
+    convst: Flex<'static>,
+    busy: Flex<'static>,
+}
+
+impl ConversionPins {
+    /// CONVST low.
+    pub fn new(convst: Peri<'static, PB10>, busy: Peri<'static, PB11>) -> Self {
+        let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
+        convst.set_low();
+        convst.set_as_output(Speed::VeryHigh);
+        // A converter that is not there is busy for good.
+        busy.set_as_input(Pull::Up);
+        Self { convst, busy }
+    }
+
+    /// CONVST, by hand.
+    pub fn set_convst(&mut self, high: bool) {
+        if high {
+            self.convst.set_high();
+        } else {
+            self.convst.set_low();
+        }
+    }
+
+    /// BUSY.
+    pub fn is_busy(&self) -> bool {
+        self.busy.is_high()
+    }
+
+    /// To the timer.
+    fn give_pin_to_timer(mut self) {
+        let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);
+        self.convst.set_as_af_unchecked(AF_TIM2, convst);
+        self.busy
+            .set_as_af_unchecked(AF_TIM2, AfType::input(Pull::Up));
+        core::mem::forget((self.convst, self.busy));
     }
 }

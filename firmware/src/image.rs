@@ -1,19 +1,21 @@
-//! What each of the NUCLEO-F429ZI's images consists of.
+//! What each image for a chip consists of.
 
-/// An image: the interrupt in which its control period runs, the converters that it works on, how many actuators if not one.
+/// An image: the interrupt in which its control period runs, its board, and how many actuators it has if not one.
 #[macro_export]
-macro_rules! nucleo_f429zi_image {
-    ($interrupt:ident, $converters:ty $(, $actuators:literal)?) => {
+macro_rules! stm32_image {
+    ($interrupt:ident, $board:ty $(, $actuators:literal)?) => {
         #[cfg(target_os = "none")]
         mod image {
             use embassy_stm32::interrupt;
-            use $crate::board::nucleo_f429zi::{boot, control::ControlCell, fatal};
+            use $crate::chip::stm32::board::Board;
+            use $crate::chip::stm32::{boot, control::ControlCell, fatal};
 
-            static CONTROL: ControlCell<$converters $(, $actuators)?> = ControlCell::new();
+            static CONTROL: ControlCell<<$board as Board$(<$actuators>)?>::Converters $(, $actuators)?> =
+                ControlCell::new();
 
             #[cortex_m_rt::entry]
             fn main() -> ! {
-                boot::run(&CONTROL)
+                boot::run::<$board, _>(&CONTROL)
             }
 
             #[interrupt]

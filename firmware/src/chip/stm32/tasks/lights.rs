@@ -1,10 +1,8 @@
 //! The lamps. What they mean is in `docs/wiring.md`.
 
-use crate::board::nucleo_f429zi::drill;
+use crate::chip::stm32::drill;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use embassy_stm32::Peri;
-use embassy_stm32::gpio::{Level, Output, Speed};
-use embassy_stm32::peripherals::{PB0, PB7, PB14};
+use embassy_stm32::gpio::{Level, Output};
 use embassy_time::{Duration, Ticker};
 use outerloop_core::Mode;
 
@@ -17,25 +15,11 @@ pub fn show(flags: u32) {
 }
 
 /// The three lamps.
+#[expect(missing_docs, reason = "named by their colours")]
 pub struct Lamps {
-    green: Output<'static>,
-    blue: Output<'static>,
-    red: Output<'static>,
-}
-
-impl Lamps {
-    /// All dark.
-    pub fn new(
-        green: Peri<'static, PB0>,
-        blue: Peri<'static, PB7>,
-        red: Peri<'static, PB14>,
-    ) -> Self {
-        Self {
-            green: Output::new(green, Level::Low, Speed::Low),
-            blue: Output::new(blue, Level::Low, Speed::Low),
-            red: Output::new(red, Level::Low, Speed::Low),
-        }
-    }
+    pub green: Output<'static>,
+    pub blue: Output<'static>,
+    pub red: Output<'static>,
 }
 
 /// A beat of all patterns.

@@ -5,24 +5,17 @@
 //! the first bit of V1, each rising edge of SCLK the next; SCLK is at most 14.5 MHz at VDRIVE of 3 V. Results are in two's
 //! complement.
 
-use super::bus::{Bus, SpiMode};
+use crate::chip::this::clocks::CORE_HZ;
+use crate::chip::this::conversion::ConversionPins;
+use crate::chip::this::spi::Bus;
 use cortex_m::peripheral::DWT;
-use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
-use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff};
-use embassy_stm32::peripherals::{PA5, PA6, PB10, PB11, PD14, PF12, SPI1};
-use embassy_stm32::{Peri, pac, rcc};
-
-/// SPI1's alternate function on its pins.
-const AF_SPI1: u8 = 5;
-
-/// TIM2's on PB10 and PB11.
-const AF_TIM2: u8 = 1;
+use embassy_stm32::gpio::Output;
 
 /// Two's complement to codes that count from the lower end, and back.
 const SIGN: u16 = 0x8000;
 
 /// A microsecond, in cycles.
-const US: u32 = super::super::nucleo_f429zi::clocks::CORE_HZ / 1_000_000;
+const US: u32 = CORE_HZ / 1_000_000;
 
 /// A conversion may take so long while nothing else waits for it.
 const CONVERSION_CYCLES: u32 = 100 * US;
@@ -45,77 +38,38 @@ pub struct Ad7606 {
     select: Output<'static>,
 }
 
-/// CONVST and BUSY while they are not the timer's yet.
-pub struct ConversionPins {
-    convst: Flex<'static>,
-    busy: Flex<'static>,
-}
-
 impl Ad7606 {
-    /// Reset and ready.
-    pub fn new(
-        _spi: Peri<'static, SPI1>,
-        clock: Peri<'static, PA5>,
-        data: Peri<'static, PA6>,
-        select: Peri<'static, PD14>,
-        reset: Peri<'static, PF12>,
-    ) -> Self {
-        let select = Output::new(select, Level::High, Speed::VeryHigh);
-        rcc::enable_and_reset::<SPI1>();
-        // 84 MHz / 8 = 10.5 MHz.
-        let manner = SpiMode {
-            idle: Cpol::IDLE_HIGH,
-            edge: Cpha::FIRST_EDGE,
-            bits: Dff::BITS16,
-            divider: Br::DIV8,
-        };
-        let bus = Bus::new(pac::SPI1, &manner);
-        let mut clock = Flex::new(clock);
-        clock.set_as_af_unchecked(
-            AF_SPI1,
-            AfType::output(OutputType::PushPull, Speed::VeryHigh),
-        );
-        let mut data = Flex::new(data);
-        data.set_as_af_unchecked(AF_SPI1, AfType::input(Pull::None));
-        let mut reset = Output::new(reset, Level::High, Speed::Low);
+    /// Reset and ready, on a bus that is ready; it is not selected.
+    pub fn new(bus: Bus, select: Output<'static>, mut reset: Output<'static>) -> Self {
+        reset.set_high();
         cortex_m::asm::delay(US);
         reset.set_low();
         cortex_m::asm::delay(US);
-        // They stay as they are.
-        core::mem::forget((clock, data, reset));
+        // It stays as it is.
+        core::mem::forget(reset);
         Self { bus, select }
     }
 
     /// A conversion by hand, before the timer runs: the first `W` inputs, with the known voltage at the last of them. No codes:
     /// the converter does not answer.
-    pub fn first<const W: usize>(
-        &mut self,
-        convst: Peri<'static, PB10>,
-        busy: Peri<'static, PB11>,
-    ) -> (Option<[u16; W]>, ConversionPins) {
-        let (mut convst, mut busy) = (Flex::new(convst), Flex::new(busy));
-        convst.set_low();
-        convst.set_as_output(Speed::VeryHigh);
-        // A converter that is not there is busy for good.
-        busy.set_as_input(Pull::Up);
-        let mut codes = None;
+    pub fn first<const W: usize>(&mut self, pins: &mut ConversionPins) -> Option<[u16; W]> {
         for _ in 0..FIRST_CONVERSIONS {
             cortex_m::asm::delay(US);
-            convst.set_high();
+            pins.set_convst(true);
             cortex_m::asm::delay(US);
             let begin = DWT::cycle_count();
             let mut ended = false;
             while !ended && DWT::cycle_count().wrapping_sub(begin) < CONVERSION_CYCLES {
-                ended = busy.is_low();
+                ended = !pins.is_busy();
             }
-            codes = if ended { self.read() } else { None };
+            let codes = if ended { self.read() } else { None };
             if codes.is_some() {
-                break;
+                return codes;
             }
-            convst.set_low();
+            pins.set_convst(false);
             cortex_m::asm::delay(PAUSE_CYCLES);
         }
-        (codes, ConversionPins { convst, busy })
+        None
     }
 
     /// The first `W` inputs of the last conversion, V1 first; `None` if the last of them does not show the known voltage.
@@ -139,16 +93,5 @@ impl Ad7606 {
             *place = self.bus.exchange(0)? ^ SIGN;
         }
         Some(words)
-    }
-}
-
-impl ConversionPins {
-    /// To the timer.
-    pub fn give_pin_to_timer(mut self) {
-        let convst = AfType::output(OutputType::PushPull, Speed::VeryHigh);
-        self.convst.set_as_af_unchecked(AF_TIM2, convst);
-        self.busy
-            .set_as_af_unchecked(AF_TIM2, AfType::input(Pull::Up));
-        core::mem::forget((self.convst, self.busy));
     }
 }

@@ -4,38 +4,42 @@ use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::pac::spi::Spi;
 use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Dff, Mstr};
-use embassy_stm32::peripherals::{PC10, PC11, PC12, SPI3};
+use embassy_stm32::peripherals::{PA5, PA6, PC10, PC11, PC12, SPI1, SPI3};
 use embassy_stm32::{Peri, pac, rcc};
 
 /// Cycles that a word may take: 16 bits at 10.5 MHz are 256.
 const TIMEOUT_CYCLES: u32 = 1000;
 
-/// What divides SPI3's clock of 42 MHz: 10.5 MHz for commands; 2.6 MHz for answers, which leave the converter up to 40 ns
-/// after their edge and come over a wire.
+/// What divides SPI3's clock of 42 MHz for commands: 10.5 MHz.
 pub const WRITING: Br = Br::DIV4;
+
+/// For answers, which leave the converter up to 40 ns after their edge and come over a wire: 2.6 MHz.
 pub const ASKING: Br = Br::DIV16;
 
-/// SPI3's alternate function.
+/// SPI1's alternate function on its pins.
+const AF_SPI1: u8 = 5;
+
+/// SPI3's.
 const AF_SPI3: u8 = 6;
 
 /// A bus with one chip on it.
 pub struct Bus(Spi);
 
 /// Clock, edge and word length that the chip needs.
-pub struct SpiMode {
+struct SpiMode {
     /// The clock's level between words.
-    pub idle: Cpol,
+    idle: Cpol,
     /// The edge at which both sides read.
-    pub edge: Cpha,
+    edge: Cpha,
     /// Bits of a word.
-    pub bits: Dff,
+    bits: Dff,
     /// What divides the peripheral clock.
-    pub divider: Br,
+    divider: Br,
 }
 
 impl Bus {
     /// On an interface that has its clock and its pins.
-    pub fn new(spi: Spi, mode: &SpiMode) -> Self {
+    fn new(spi: Spi, mode: &SpiMode) -> Self {
         spi.cr1().write(|w| {
             w.set_cpol(mode.idle);
             w.set_cpha(mode.edge);
@@ -49,6 +53,32 @@ impl Bus {
         // The word length may not change while the interface is on.
         spi.cr1().modify(|w| w.set_spe(true));
         Self(spi)
+    }
+
+    /// SPI1 with its pins, as an AD7606 wants it: 10.5 MHz, idle high, read at the falling edge.
+    pub fn of_input(
+        _spi: Peri<'static, SPI1>,
+        clock: Peri<'static, PA5>,
+        data: Peri<'static, PA6>,
+    ) -> Self {
+        rcc::enable_and_reset::<SPI1>();
+        // 84 MHz / 8 = 10.5 MHz.
+        let mode = SpiMode {
+            idle: Cpol::IDLE_HIGH,
+            edge: Cpha::FIRST_EDGE,
+            bits: Dff::BITS16,
+            divider: Br::DIV8,
+        };
+        let bus = Self::new(pac::SPI1, &mode);
+        let (mut clock, mut data) = (Flex::new(clock), Flex::new(data));
+        clock.set_as_af_unchecked(
+            AF_SPI1,
+            AfType::output(OutputType::PushPull, Speed::VeryHigh),
+        );
+        data.set_as_af_unchecked(AF_SPI1, AfType::input(Pull::None));
+        // They stay as they are.
+        core::mem::forget((clock, data));
+        bus
     }
 
     /// SPI3 with its pins, as the output converters want it: 10.5 MHz, idle low, read at the falling edge.

@@ -5,7 +5,6 @@
 //! new reload value. A board whose external clock is missing or wrong runs from its own, answers the PC, and cannot be
 //! armed.
 
-use cortex_m::Peripherals;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::pac;
 use embassy_stm32::pac::iwdg::vals::Key;
@@ -32,12 +31,6 @@ const RELOADS: u32 = 16;
 /// Cycles after which a clock that does not answer is given up: 60 ms at the chip's own 16 MHz, when nothing has
 /// changed the clocks yet.
 const TIMEOUT_CYCLES: u32 = INTERNAL_HZ / 1000 * 60;
-
-/// Starts the cycle counter. To be called once, before anything else here.
-pub fn start_cycle_counter(core: &mut Peripherals) {
-    core.DCB.enable_trace();
-    core.DWT.enable_cycle_counter();
-}
 
 /// Starts the watchdog with its longest time, some 0.5 s, and compares the external clock with the chip's own. The chip
 /// must run on its own, as after a reset, and does so again afterwards.
@@ -98,7 +91,7 @@ fn wait_for(condition: impl Fn() -> bool) -> bool {
 /// The clock tree: 168 MHz for the processor, 42 and 84 MHz for the peripherals, 84 MHz for the timers.
 pub fn tree(external: bool) -> embassy_stm32::Config {
     let mut config = embassy_stm32::Config::default();
-    config.dma_interrupt_priority = super::BACKGROUND;
+    config.dma_interrupt_priority = crate::chip::stm32::BACKGROUND;
     let rcc = &mut config.rcc;
     rcc.ls = LsConfig::off();
     if external {

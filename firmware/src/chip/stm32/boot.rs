@@ -1,0 +1,303 @@
+//! From the reset to the first control step, the same for every chip, board and kind of converters.
+//!
+//! Nothing may move the actuator: PERMIT is low, the position is read, the output gets it before it is enabled, and the
+//! sampling timer starts last.
+
+use super::board::Board;
+use super::control::{Control, ControlCell};
+use super::converters::{Converters, StartedConverters};
+use super::metal::{Metal, WATCHDOG_US, cycles, start_cycle_counter};
+use super::tasks::{lights, listen, report};
+use super::{fatal, kept, stack_guard};
+use crate::board::this as wiring;
+use crate::chip::stack::HighWater;
+use crate::chip::this::core_coupled::{self, CoreCoupled};
+use crate::chip::this::store::{Memory, Store};
+use crate::chip::this::{clocks, reset, supply};
+use crate::station::{
+    Board as Facts, Clock, Heartbeats, Order, Outcome, Parts, Points, QueueEnds, Report, Service,
+    Setup, Station, WatchParts, Writable,
+};
+use core::cell::RefCell;
+use defmt_rtt as _;
+use embassy_executor::{Executor, Spawner};
+use embassy_stm32::flash::Flash;
+use embassy_stm32::wdg::IndependentWatchdog;
+use heapless::spsc::{Consumer, Producer, Queue};
+use link::CodeRange;
+use link::channel::{Calibration, ErrorFeedback};
+use link::status::{CrashReport, StartCause};
+use outerloop_core::{Config, Refusal};
+use static_cell::{ConstStaticCell, StaticCell};
+
+/// What the board's clocks allow. A step has to be ready when the output takes its command over.
+const fn clock<C: Converters<A>, const A: usize>() -> Clock {
+    let per_us = clocks::CORE_HZ / 1_000_000;
+    Clock {
+        timer_hz: clocks::TIMER_HZ,
+        // A period of 10 ms; the watchdog's shortest time is 17 ms.
+        slowest_rate_hz: 100,
+        fastest_rate_hz: link::fastest_rate_hz(link::BAUD, A, C::INPUTS.len()),
+        deadline_ticks: (C::OUTPUT_DELAY_US - C::BEGINS_US) * per_us,
+        around_step_ticks: C::AROUND_STEP_CYCLES,
+        stopwatch_hz: clocks::CORE_HZ,
+    }
+}
+
+defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
+
+static HEARTBEATS: Heartbeats = Heartbeats::new();
+
+/// Starts the board and runs its tasks for good. `control` is where the image's control interrupt finds what it owns.
+#[inline(always)] // Into the image's entry: the frame of the start is at the bottom of the stack anyway.
+pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Converters, A>) -> ! {
+    static ANSWERS: StaticCell<report::ReplyQueue> = StaticCell::new();
+    static RECEIVED: ConstStaticCell<[u8; 2048]> = ConstStaticCell::new([0; 2048]);
+
+    let stack = HighWater::paint();
+    let (mut about, p) = start_chip();
+    let wired = B::wire(p);
+    defmt::info!(
+        "started: {}, external clock right: {}",
+        defmt::Debug2Format(&about.started),
+        about.crystal_ok
+    );
+
+    let clock = const { clock::<B::Converters, A>() };
+    let (setup, config) = settings(&clock, A);
+    let saved = saved_calibrations::<A>(&B::Converters::CODES);
+    let placeholder = Calibration::placeholder(&B::Converters::CODES);
+    let calibrations = saved.map(|saved| saved.unwrap_or(placeholder));
+    let StartedConverters {
+        converters,
+        mut period,
+        first,
+        answered,
+    } = B::Converters::new(
+        wired.converters,
+        setup.period_ticks,
+        |actuator, displacement| {
+            let calibration = calibrations.get(actuator).unwrap_or(&placeholder);
+            code_at_standstill(calibration, &B::Converters::CODES, displacement)
+        },
+    );
+
+    let (ends, tasks) = queues();
+    let (crystal_ok, crashed) = (about.crystal_ok, about.last_crash.is_some());
+    let in_force = (setup.rate_hz, setup.model_step_s);
+    let parts = Parts {
+        orders: tasks.orders,
+        spare: spare(&clock, A),
+        writable: tasks.writable,
+        config,
+        calibrations: saved.into_iter().collect(),
+        watch: tasks.watch,
+    };
+    let service = service(facts::<B, A>(&mut about, answered), parts, in_force);
+    let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
+    let station = Station::new(setup, calibrations, first, &HEARTBEATS, ends, per_tick);
+
+    let (tx, rx) = wired.serial.open().split();
+    let rx = rx.into_ring_buffered(RECEIVED.take());
+    let answers: &'static report::ReplyQueue = ANSWERS.init(report::ReplyQueue::new());
+    let listener = listen::Listener {
+        service,
+        outcomes: tasks.outcomes,
+        answers,
+        heartbeats: &HEARTBEATS,
+        store: Store::new(Flash::new(wired.flash, wiring::Irqs)),
+        stack,
+    };
+    let reporter = report::Reporter {
+        reports: tasks.reports,
+        service,
+        answers,
+        heartbeats: &HEARTBEATS,
+        channels: (A, B::Converters::INPUTS.len()),
+    };
+
+    let mut watchdog = IndependentWatchdog::new(wired.watchdog, WATCHDOG_US);
+    watchdog.unleash();
+    watchdog.pet();
+    period.start();
+    control.begin(Control {
+        station,
+        metal: Metal::new(converters, period, wired.pins, watchdog),
+    });
+    run_tasks(|spawner| {
+        spawner.spawn(defmt::unwrap!(listen::task(listener, rx)));
+        spawner.spawn(defmt::unwrap!(report::task(reporter, tx)));
+        spawner.spawn(defmt::unwrap!(lights::task(
+            wired.lamps,
+            crystal_ok,
+            crashed
+        )));
+    })
+}
+
+/// Runs what `spawn` begins, for good.
+#[inline(always)]
+fn run_tasks(spawn: impl FnOnce(Spawner)) -> ! {
+    static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+    EXECUTOR.init(Executor::new()).run(spawn)
+}
+
+/// What is known once the chip runs.
+struct About {
+    started: StartCause,
+    last_crash: Option<CrashReport>,
+    crystal_ok: bool,
+}
+
+/// Why the chip has started and what was kept from before; then its clocks, and the guards of stack, clock and supply.
+#[inline(always)]
+fn start_chip() -> (About, embassy_stm32::Peripherals) {
+    fatal::note_heartbeats(&HEARTBEATS);
+    let started = reset::cause();
+    let last_crash = kept::crash_before(started);
+    if let Some(mut core) = cortex_m::Peripherals::take() {
+        start_cycle_counter(&mut core);
+        stack_guard::close(&mut core.MPU);
+    }
+    let crystal_ok = clocks::external_clock_is_right();
+    wiring::lower_priorities();
+    let p = embassy_stm32::init(clocks::tree(crystal_ok));
+    clocks::finish(crystal_ok);
+    supply::guard();
+    let about = About {
+        started,
+        last_crash,
+        crystal_ok,
+    };
+    (about, p)
+}
+
+/// The tasks' ends of the queues, and the memory of the ground motion.
+struct TaskEnds {
+    orders: Producer<'static, Order>,
+    outcomes: Consumer<'static, Outcome>,
+    reports: Consumer<'static, Report>,
+    writable: Writable,
+    watch: WatchParts,
+}
+
+/// The queues between the control interrupt and the tasks. To be called once.
+#[inline(always)]
+fn queues() -> (QueueEnds, TaskEnds) {
+    static ORDERS: StaticCell<Queue<Order, 4>> = StaticCell::new();
+    static OUTCOMES: StaticCell<Queue<Outcome, 4>> = StaticCell::new();
+    static POINTS: ConstStaticCell<Points> = ConstStaticCell::new(Points::new());
+    let (orders_in, orders_out) = ORDERS.init(Queue::new()).split();
+    let (outcomes_in, outcomes_out) = OUTCOMES.init(Queue::new()).split();
+    // The start comes here once.
+    let CoreCoupled {
+        reports,
+        blocks,
+        answers,
+        watches,
+    } = defmt::unwrap!(core_coupled::claim());
+    let (reports_in, reports_out) = reports.split();
+    let (blocks_in, blocks_out) = blocks.split();
+    let (answers_in, answers_out) = answers.split();
+    let interrupt = QueueEnds {
+        orders: orders_out,
+        outcomes: outcomes_in,
+        reports: reports_in,
+        blocks: blocks_in,
+        answers: answers_out,
+    };
+    let tasks = TaskEnds {
+        orders: orders_in,
+        outcomes: outcomes_out,
+        reports: reports_out,
+        writable: POINTS.take().claim(),
+        watch: WatchParts {
+            watches,
+            blocks: blocks_out,
+            answers: answers_in,
+        },
+    };
+    (interrupt, tasks)
+}
+
+/// What the PC may ask about the board; `answered`: its converters have.
+fn facts<B: Board<A>, const A: usize>(about: &mut About, answered: bool) -> Facts {
+    Facts {
+        name: B::NAME,
+        commit: env!("OUTERLOOP_COMMIT"),
+        clock: const { clock::<B::Converters, A>() },
+        now: cycles,
+        codes: B::Converters::CODES,
+        actuators: A,
+        inputs: B::Converters::INPUTS,
+        input_span_v: B::Converters::INPUT_SPAN_V,
+        output_delay_us: B::Converters::OUTPUT_DELAY_US as f32,
+        crystal_ok: about.crystal_ok,
+        converters_ok: answered,
+        started: about.started,
+        last_crash: about.last_crash.take(),
+    }
+}
+
+/// What was saved for each actuator and belongs to these converters.
+fn saved_calibrations<const A: usize>(codes: &CodeRange) -> [Option<Calibration>; A] {
+    core::array::from_fn(|actuator| {
+        let wiring = Memory.calibration(actuator);
+        wiring.and_then(|wiring| wiring.of(codes))
+    })
+}
+
+/// The test to begin with: the saved one, else one that cannot be armed.
+#[inline(never)]
+fn settings(clock: &Clock, actuators: usize) -> (&'static mut Setup, Option<Config>) {
+    static FIRST: Place = Place::new();
+    let setup = unconfigured(&FIRST, clock, actuators);
+    let Some(config) = Memory.test() else {
+        return (setup, None);
+    };
+    match setup.replace(&config, clock, actuators) {
+        Ok(()) => (setup, Some(config)),
+        Err(refusal) => {
+            defmt::warn!("the saved test is refused now: {=str}", refusal.name);
+            (setup, None)
+        }
+    }
+}
+
+/// The service where it stays: what it passes through is not on the stack any more when the tasks stand on the start.
+#[inline(never)]
+fn service(board: Facts, parts: Parts, in_force: (f32, f64)) -> &'static RefCell<Service> {
+    static SERVICE: StaticCell<RefCell<Service>> = StaticCell::new();
+    SERVICE.init_with(|| RefCell::new(Service::new(board, parts, in_force)))
+}
+
+/// The place for the next test.
+fn spare(clock: &Clock, actuators: usize) -> &'static mut Setup {
+    static SPARE: Place = Place::new();
+    unconfigured(&SPARE, clock, actuators)
+}
+
+/// Where a test stays.
+type Place = StaticCell<Result<Setup, Refusal>>;
+
+/// A test that cannot be armed, worked out where it stays. A test is a sixth of the stack: what it passes through must not
+/// add up.
+#[inline(never)]
+fn unconfigured(place: &'static Place, clock: &Clock, actuators: usize) -> &'static mut Setup {
+    let first = place.init_with(|| Setup::unconfigured(clock, actuators));
+    // The clock's constants allow 2 kHz; a test on the host says so too.
+    defmt::unwrap!(first.as_mut().ok())
+}
+
+/// The command's code that holds the actuator where the displacement says that it is; at the end of the DAC's range if
+/// that is further out, and there PERMIT cannot be given.
+fn code_at_standstill(calibration: &Calibration, codes: &CodeRange, displacement: u16) -> u16 {
+    let position_m = calibration.displacement.quantity(displacement);
+    let line = &calibration.command;
+    ErrorFeedback::new()
+        .code(calibration, codes.command_top, position_m)
+        .unwrap_or_else(|| {
+            let above = position_m / line.per_code + line.zero_code > 0.0;
+            if above { codes.command_top } else { 0 }
+        })
+}
