@@ -12,6 +12,10 @@ fn main() {
 
 fn chip() {
     println!("cargo:rustc-env=OUTERLOOP_COMMIT={}", commit());
+    // Where memory.x is, for an image that another crate links.
+    if let Some(top) = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent() {
+        println!("cargo:rustc-link-search={}", top.display());
+    }
     if std::env::var_os("CARGO_FEATURE_NUCLEO_F429ZI").is_some() {
         for image in ["nucleo_f429zi", "nucleo_f429zi_16", "nucleo_f429zi_3"] {
             println!("cargo:rustc-link-arg-bin={image}=-Tdefmt.x");

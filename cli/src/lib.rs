@@ -12,6 +12,7 @@
 //! | `designed_test` | a test that the diagnosis has designed, as a file |
 //! | [`improve`] | a test, the diagnosis of its record, the next test |
 //! | `keys` | every key of a test file, from the code that reads it |
+//! | [`program`] | the command line, and what the program returns |
 //! | `provenance` | who ran what, when, with which files |
 //! | `wording` | what a diagnosis says, in sentences |
 //! | `physical_part` | what the multi-axial problem declares physical, and what its record says of it |
@@ -47,6 +48,7 @@ pub mod improve;
 mod keys;
 mod orders;
 mod physical_part;
+pub mod program;
 mod provenance;
 mod report;
 mod scope;

@@ -35,6 +35,7 @@ impl<const N: usize> Context<'_, N> {
             omega: self.omega[0],
             rate_hz: self.rate_hz,
             time_scale: self.time_scale,
+            model_step_s: self.model_step_s,
         }
     }
 
@@ -54,10 +55,11 @@ impl<const N: usize> Context<'_, N> {
     }
 }
 
-/// What the predictor of one actuator may know. Not generic over the number of floors, so that an image holds each
+/// What a method may know of one actuator and its axis. Not generic over the number of floors, so that an image holds each
 /// design once.
 #[derive(Debug)]
-pub(crate) struct ActuatorContext<'a> {
+#[non_exhaustive]
+pub struct ActuatorContext<'a> {
     /// `[compensation]`, with the parameters of all methods.
     pub parameters: &'a Compensation,
     /// The declared delay, ms.
@@ -72,6 +74,8 @@ pub(crate) struct ActuatorContext<'a> {
     pub rate_hz: f64,
     /// Laboratory time per model time.
     pub time_scale: f64,
+    /// Integration step, s of model time.
+    pub model_step_s: f64,
 }
 
 impl ActuatorContext<'_> {

@@ -167,7 +167,7 @@ impl<const N: usize, R: Rig<N>> Design<N, R> {
             block_steps: steps_in_block(t.rate_hz),
         };
         Ok(Self {
-            law: Law::design(&context),
+            law: Law::design(&context)?,
             predictor: Predictor::design(&context)?,
             estimation: estimation(config, structure, control_step_s)?,
             step,

@@ -90,6 +90,21 @@ impl Course {
 }
 
 /// The compensation of a test whose targets come from outside.
+///
+/// ```
+/// use outerloop_core::{Config, Design, Follower, Method};
+///
+/// let mut config = Config::shear_frame([1000.0], [158e3], [0.02]);
+/// config.compensation.kind = Method::Afp; // behind a delay of 4 ms, 8 steps
+/// let mut follower = Follower::<1>::new(Design::new(&config)?, 0.0);
+/// let mut command_m = 0.0;
+/// for step in 0..100 {
+///     let target_m = 1e-5 * step as f32;
+///     command_m = follower.step([target_m], [target_m], [158e3 * target_m])[0];
+/// }
+/// assert!(command_m > 1e-5 * 105.0, "it is sent ahead");
+/// # Ok::<(), outerloop_core::Refusal>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Follower<const N: usize> {
     design: StepConstants<N>,

@@ -3,6 +3,15 @@
 use crate::float::unlikely;
 
 /// A record and how it is laid over the integration steps. Cheap to copy; borrows its points.
+///
+/// ```
+/// use outerloop_core::GroundMotion;
+///
+/// let points_m_per_s2 = [0.0, 1.0, 0.5];
+/// let ground = GroundMotion::new(&points_m_per_s2, 0.01, 0.005).unwrap();
+/// assert_eq!((ground.at(1), ground.steps()), (0.5, 4));
+/// assert!(GroundMotion::new(&points_m_per_s2, 0.0, 0.005).is_none());
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct GroundMotion<'a> {
     points_m_per_s2: &'a [f32],

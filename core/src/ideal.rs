@@ -10,6 +10,23 @@ use crate::newmark::{Coefficients, Newmark};
 use crate::signal::{SignalConstants, SignalGenerator, Target};
 
 /// A test with an ideal actuator, in motion.
+///
+/// ```
+/// use outerloop_core::{Config, Design, GroundMotion, IdealTest};
+///
+/// let config = Config::shear_frame([1000.0], [158e3], [0.02]);
+/// let points = [0.0, 2.0, -2.0, 0.0, 0.0, 0.0];
+/// let ground = GroundMotion::new(&points, 0.05, config.model_step_s()).unwrap();
+/// let mut test = IdealTest::<1>::new(&Design::new(&config)?);
+/// let mut peak_m = 0.0_f32;
+/// while !test.is_over(&ground) {
+///     let at_m = test.command_m()[0];
+///     peak_m = peak_m.max(at_m.abs());
+///     test.step([158e3 * at_m], &ground);
+/// }
+/// assert!(peak_m > 1e-3);
+/// # Ok::<(), outerloop_core::Refusal>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct IdealTest<const N: usize> {
     coefficients: Coefficients<N>,

@@ -27,6 +27,11 @@
 
 #![no_std]
 #![forbid(unsafe_code)]
+// What only some methods use, a build without them does not.
+#![cfg_attr(
+    not(feature = "all-methods"),
+    allow(dead_code, unused_imports, unused_variables)
+)]
 // `!(x <= limit)` is how a NaN fails a limit.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
@@ -46,6 +51,8 @@ mod matrix;
 mod method;
 mod newmark;
 mod outer_loop;
+#[cfg(feature = "own-methods")]
+pub mod own;
 mod predict;
 mod record;
 mod refusal;
@@ -57,16 +64,19 @@ mod supervise;
 pub mod watch;
 
 pub use config::Config;
+pub use context::ActuatorContext;
 pub use design::Design;
 pub use follower::Follower;
+pub use force::{AxisLaw, AxisOutput, AxisStep};
 pub use ground_motion::GroundMotion;
 pub use ideal::IdealTest;
 pub use matrix::modes;
-pub use method::{Accepted, Force, Method, Prediction};
+pub use method::{Accepted, Force, Method, NOT_BUILT_IN, Prediction};
 pub use newmark::{Coefficients, Newmark};
 pub use outer_loop::{OuterLoop, Pace, Sample, Step};
+pub use predict::{LastCommand, PredictAxis, TargetMotion};
 pub use record::{EnergyWords, Record, flag};
-pub use refusal::Refusal;
+pub use refusal::{Refusal, accept};
 pub use rig::{DirectRig, Rig};
 pub use structure::Structure;
 pub use supervise::{Event, Fault, HISTORY, Mode, Rejected, Trip};

@@ -5,9 +5,12 @@
 //! time. Every force law goes with every predictor.
 //!
 //! # To add a method
-//! Write `force/NAME.rs` or `predict/NAME.rs` and append its line to [`for_each_method`] below. The line has a number,
-//! the variant, the name in test files, the type and its file; a force law also says behind which predictor it stands
-//! where its name is given alone.
+//! Write `force/NAME.rs` or `predict/NAME.rs` and put its line into [`for_each_method`] below, in front of the last one, which
+//! stands for a method that a program [brings itself](crate::own). The line has a number, the variant, the name in test
+//! files, the type and its file; a force law also says behind which predictor it stands where its name is given alone.
+//!
+//! A `feature` is the cargo feature without which a build has the name and the number, but not the method: a board carries
+//! what its laboratory runs. A test that asks for another method is refused and told which feature that needs.
 //!
 //! The number is what travels to a board and stays in its flash. Take the next free one, and never give one again, not
 //! even after a method has gone: a board with another firmware would run another method. `link/tests/golden.txt` pins
@@ -27,44 +30,79 @@ macro_rules! for_each_method {
                 /// Eq 20 with the sech gain of Eq 19, and the guards.
                 3 Paper "paper" behind None = damping::VariableDamping<N, damping::Gained>;
                 /// Force at the time the target was reached (Ahmadizadeh).
-                4 Ahmadizadeh "ahmadizadeh" behind Afp = Corrected<fit::FittedForce<N>, N>, file fit;
+                4 Ahmadizadeh "ahmadizadeh" behind Afp = Corrected<fit::FittedForce<N>, N>, file fit, feature "ahmadizadeh";
                 /// Measured force, and tangent stiffness times the remaining displacement.
-                5 Tangent "tangent" behind Afp = Corrected<tangent::TangentForce<N>, N>, file tangent;
+                5 Tangent "tangent" behind Afp = Corrected<tangent::TangentForce<N>, N>, file tangent, feature "tangent";
+                /// What the program brings itself.
+                255 OwnForce "own-force" behind None = own::OwnForce<N>, file own, feature "own-methods";
             }
             predictors {
                 /// Polynomial extrapolation of the command (Horiuchi).
-                1 Lagrange "lagrange" = Axes<lagrange::Lagrange, N>, file lagrange;
+                1 Lagrange "lagrange" = Axes<lagrange::Lagrange, N>, file lagrange, feature "lagrange";
                 /// The same with the delay estimated on line (Darby).
-                2 Darby "darby" = Axes<darby::Darby, N>, file darby;
+                2 Darby "darby" = Axes<darby::Darby, N>, file darby, feature "darby";
                 /// Prediction by the structure's own model (Carrion and Spencer).
-                3 ModelPrediction "model-prediction" = model::ModelPrediction, file model;
+                3 ModelPrediction "model-prediction" = model::ModelPrediction, file model, feature "model-prediction";
                 /// First-order phase lead (Zhao).
-                4 PhaseLead "phase-lead" = Axes<phase_lead::PhaseLead, N>, file phase_lead;
+                4 PhaseLead "phase-lead" = Axes<phase_lead::PhaseLead, N>, file phase_lead, feature "phase-lead";
                 /// Minimal control synthesis with modified demand (Bonnet).
-                5 Mcs "mcs" = Axes<mcs::Mcs, N>, file mcs;
+                5 Mcs "mcs" = Axes<mcs::Mcs, N>, file mcs, feature "mcs";
                 /// Inverse model and feedback of the error (Carrion).
-                6 FeedforwardFeedback "feedforward-feedback" = Axes<feedforward_feedback::FeedforwardFeedback, N>, file feedforward_feedback;
+                6 FeedforwardFeedback "feedforward-feedback" = Axes<feedforward_feedback::FeedforwardFeedback, N>, file feedforward_feedback, feature "feedforward-feedback";
                 /// Adaptive forward prediction (Wallace).
-                7 Afp "afp" = Axes<afp::Afp, N>, file afp;
+                7 Afp "afp" = Axes<afp::Afp, N>, file afp, feature "afp";
                 /// Inverse compensation (Chen and Ricles).
-                8 Inverse "inverse" = Axes<inverse::Inverse, N>, file inverse;
+                8 Inverse "inverse" = Axes<inverse::Inverse, N>, file inverse, feature "inverse";
                 /// The same, adaptive.
-                9 AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse;
+                9 AdaptiveInverse "adaptive-inverse" = Axes<adaptive_inverse::AdaptiveInverse, N>, file adaptive_inverse, feature "adaptive-inverse";
                 /// Adaptive time series (Chae).
-                10 Ats "ats" = Axes<ats::Ats, N>, file ats;
+                10 Ats "ats" = Axes<ats::Ats, N>, file ats, feature "ats";
                 /// Adaptive model-based compensation (Galmez and Fermandois).
-                11 Amb "amb" = Axes<amb::Amb, N>, file amb;
+                11 Amb "amb" = Axes<amb::Amb, N>, file amb, feature "amb";
                 /// Inverse of a servo-hydraulic actuator whose parameters are estimated from the noise-free command.
-                12 Hydraulic "hydraulic" = Axes<hydraulic::Hydraulic, N>, file hydraulic;
+                12 Hydraulic "hydraulic" = Axes<hydraulic::Hydraulic, N>, file hydraulic, feature "hydraulic";
+                /// What the program brings itself.
+                255 Own "own" = own::OwnPredictor<N>, file own, feature "own-methods";
             }
         }
     };
 }
 pub(crate) use for_each_method;
 
+/// All but what a program brings itself.
+const fn but_last<T>(named: &'static [T]) -> &'static [T] {
+    match named.split_last() {
+        Some((_, all)) => all,
+        None => named,
+    }
+}
+
+/// What a refusal says of a method that the build leaves out.
+pub const NOT_BUILT_IN: &str = "the methods that were built in";
+
+/// Refuses a method whose feature this build has not.
+#[allow(unused_macros)] // A build with every method leaves none out.
+macro_rules! left_out {
+    ($number:literal, $name:literal, $feature:literal) => {
+        Err($crate::refusal::Refusal {
+            name: "compensation.kind",
+            value: $number as f64,
+            accepted: concat!(
+                "the methods that were built in: ",
+                $name,
+                " needs the cargo feature `",
+                $feature,
+                "`"
+            ),
+        })
+    };
+}
+#[allow(unused_imports)]
+pub(crate) use left_out;
+
 /// The name of one force law with the predictor `$behind`.
 macro_rules! with_predictor {
-    ($behind:expr, $force:literal {$($(#[$doc:meta])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*}) => {
+    ($behind:expr, $force:literal {$($(#[$doc:meta])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*}) => {
         match $behind {
             Prediction::None => concat!($force, "+none"),
             $(Prediction::$P => concat!($force, "+", $name),)*
@@ -73,12 +111,13 @@ macro_rules! with_predictor {
 }
 
 macro_rules! predictor_names {
-    ($($(#[doc = $doc:literal])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)?;)*) => {
+    ($($(#[doc = $doc:literal])* $number:literal $P:ident $name:literal = $stage:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*) => {
         /// What stands between the target and the command that is sent; each is a method of the same name.
         ///
         /// The numbers are on the link and in flash: they never change, and none is given again.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
+        #[non_exhaustive]
         pub enum Prediction {
             /// The target is sent as it is.
             None = 0,
@@ -86,8 +125,10 @@ macro_rules! predictor_names {
         }
 
         impl Prediction {
-            /// Every predictor, in the order of the documentation.
-            pub const ALL: &[Self] = &[Self::None, $(Self::$P),*];
+            /// Every predictor, in the order of the documentation; what a program brings itself is none of them.
+            pub const ALL: &[Self] = but_last(Self::NAMED);
+
+            const NAMED: &[Self] = &[Self::None, $(Self::$P),*];
 
             /// The name on the command line and in files.
             pub const fn name(self) -> &'static str {
@@ -112,7 +153,7 @@ macro_rules! predictor_names {
 
             /// The predictor with this number.
             pub fn from_code(code: u8) -> Option<Self> {
-                Self::ALL.iter().copied().find(|p| p.code() == code)
+                Self::NAMED.iter().copied().find(|p| p.code() == code)
             }
         }
 
@@ -125,7 +166,7 @@ macro_rules! predictor_names {
 
 macro_rules! names {
     (
-        forces {$($(#[doc = $doc:literal])* $number:literal $F:ident $name:literal behind $own:ident = $stage:ty $(, file $file:ident)?;)*}
+        forces {$($(#[doc = $doc:literal])* $number:literal $F:ident $name:literal behind $own:ident = $stage:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*}
         predictors {$($predictors:tt)*}
     ) => {
         names!(@ [$($(#[doc = $doc])* $number $F $name $own;)*] {$($predictors)*});
@@ -137,13 +178,16 @@ macro_rules! names {
         /// The numbers are on the link and in flash: they never change, and none is given again.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
+        #[non_exhaustive]
         pub enum Force {
             $($(#[doc = $doc])* $F = $number,)*
         }
 
         impl Force {
-            /// Every force law, in the order of the documentation.
-            pub const ALL: &[Self] = &[$(Self::$F),*];
+            /// Every force law, in the order of the documentation; what a program brings itself is none of them.
+            pub const ALL: &[Self] = but_last(Self::NAMED);
+
+            const NAMED: &[Self] = &[$(Self::$F),*];
 
             /// The name on the command line and in files.
             pub const fn name(self) -> &'static str {
@@ -166,7 +210,7 @@ macro_rules! names {
 
             /// The force law with this number.
             pub fn from_code(code: u8) -> Option<Self> {
-                Self::ALL.iter().copied().find(|f| f.code() == code)
+                Self::NAMED.iter().copied().find(|f| f.code() == code)
             }
 
             /// The predictor behind which it stands where it is named alone.
@@ -197,6 +241,15 @@ for_each_method!(names);
 ///
 /// Its name is that of the force law where the predictor is the law's own (`paper`, `tangent`), that of the predictor
 /// where the force is used as measured (`ats`), else both (`tangent+ats`, `paper+afp`, `tangent+none`).
+///
+/// ```
+/// use outerloop_core::{Force, Method, Prediction};
+///
+/// let method = Method::from_name("tangent+ats").unwrap();
+/// assert_eq!((method.force, method.predictor), (Force::Tangent, Prediction::Ats));
+/// assert_eq!(Method::Paper.behind(Prediction::Afp).name(), "paper+afp");
+/// assert!(Method::from_name("magic").is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
     /// What acts in the equation of motion.
@@ -282,8 +335,8 @@ impl Method {
 
     /// The method with this name; `None` where there is none: [`Accepted`] says what there is.
     pub fn from_name(name: &str) -> Option<Self> {
-        let force = |name| Force::ALL.iter().copied().find(|f| f.name() == name);
-        let predictor = |name| Prediction::ALL.iter().copied().find(|p| p.name() == name);
+        let force = |name| Force::NAMED.iter().copied().find(|f| f.name() == name);
+        let predictor = |name| Prediction::NAMED.iter().copied().find(|p| p.name() == name);
         match name.split_once('+') {
             Some((law, behind)) => Some(Self {
                 force: force(law)?,

@@ -6,6 +6,7 @@ use rigless::emulator::{
 };
 use rigless::soc::{Endian, Width};
 use rigless::time::VirtualNanos;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -35,10 +36,17 @@ pub(crate) enum CoreBit {
     },
 }
 
+/// Priorities of interrupts, a byte each (ARMv7-M, B3.4.9).
+const PRIORITIES: u64 = 0xe000_e400;
+
 #[derive(Debug, Default)]
 struct Asked {
     turn: Option<CoreBit>,
     stack_pointer: u64,
+    /// Interrupts whose priority is asked for, with what was found last.
+    priorities: BTreeMap<u16, Option<u8>>,
+    /// Every value of BASEPRI that was seen.
+    masks: BTreeSet<u8>,
 }
 
 /// What is asked of the processor, and what it tells. Clones are of the same processor.
@@ -60,12 +68,29 @@ impl CoreBits {
         self.asked().stack_pointer
     }
 
+    /// Has the priorities of these interrupts looked at while the processor runs.
+    pub fn look_at_priorities(&self, interrupts: &[u16]) {
+        self.asked().priorities = interrupts.iter().map(|&i| (i, None)).collect();
+    }
+
+    /// The priorities as they were last, by interrupt.
+    pub fn priorities(&self) -> BTreeMap<u16, Option<u8>> {
+        self.asked().priorities.clone()
+    }
+
+    /// What critical sections have masked so far: the values of BASEPRI between two stretches of instructions.
+    pub fn masks(&self) -> BTreeSet<u8> {
+        self.asked().masks.clone()
+    }
+
     /// The core with its processor behind these.
     pub(crate) fn before(&self, mut core: CoreSpec) -> CoreSpec {
         let (inner, bits) = (core.processor, self.clone());
         let processor: ProcessorConstructor = Arc::new(move |endian| {
+            let inner = inner(endian)?;
             Ok(Box::new(Turned {
-                inner: inner(endian)?,
+                basepri: number(inner.target_xml(), "basepri"),
+                inner,
                 bits: bits.clone(),
                 mapped: Vec::new(),
             }) as Box<dyn Processor>)
@@ -80,8 +105,31 @@ impl CoreBits {
 struct Turned {
     inner: Box<dyn Processor>,
     bits: CoreBits,
+    /// The debugger's number of that register.
+    basepri: usize,
     /// Addresses of the memory, and where this process has it.
     mapped: Vec<(Range<u64>, usize)>,
+}
+
+/// The debugger's number of a register: they count on from the last one whose number is said.
+fn number(xml: &str, name: &str) -> usize {
+    let mut number = 0;
+    for register in xml.split("<reg ").skip(1) {
+        let attribute = |key: &str| register.split_once(key)?.1.split('"').next();
+        let register = register.split('>').next().unwrap_or(register);
+        if let Some(said) = register
+            .contains("regnum=")
+            .then(|| attribute("regnum=\"")?.parse().ok())
+            .flatten()
+        {
+            number = said;
+        }
+        if attribute("name=\"") == Some(name) {
+            return number;
+        }
+        number += 1;
+    }
+    panic!("the processor has no register {name}")
 }
 
 impl Turned {
@@ -135,7 +183,21 @@ impl Processor for Turned {
         let ran = self.inner.run(budget, bus);
         let pointer = self.inner.gdb_register(13);
         let pointer = pointer.and_then(|bytes| Some(u32::from_le_bytes(bytes.try_into().ok()?)));
-        self.bits.asked().stack_pointer = pointer.unwrap_or(0).into();
+        let mask = self.inner.gdb_register(self.basepri);
+        let bits = self.bits.clone();
+        let mut asked = bits.asked();
+        asked.stack_pointer = pointer.unwrap_or(0).into();
+        asked
+            .masks
+            .extend(mask.and_then(|bytes| bytes.first().copied()));
+        for (interrupt, priority) in &mut asked.priorities {
+            let address = PRIORITIES + u64::from(*interrupt);
+            let word = address & !3;
+            let held = self
+                .inner
+                .debugger_access(None, word, Width::W32, VirtualNanos(0));
+            *priority = held.map(|held| (held >> (8 * (address - word))) as u8);
+        }
         ran
     }
 

@@ -43,6 +43,7 @@ pub mod servo;
 pub mod wire;
 
 pub use chain::Converters;
+pub use core_bits::CoreBits;
 pub use image::Firmware;
 pub use laboratory::Laboratory;
 pub use log::{InjectedFault, Log, LoggedEvent, PlannedFault};

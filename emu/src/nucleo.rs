@@ -71,9 +71,9 @@ impl Nucleo {
         self
     }
 
-    /// With a processor whose bits turn over.
+    /// With a processor that is looked into, and whose bits turn over.
     #[must_use]
-    pub(crate) fn with_core_bits(mut self, bits: CoreBits) -> Self {
+    pub fn with_core_bits(mut self, bits: CoreBits) -> Self {
         self.core_bits = Some(bits);
         self
     }

@@ -1,9 +1,11 @@
 //! What each image for a chip consists of.
 
-/// An image: the interrupt in which its control period runs, its board, and how many actuators it has if not one.
+/// An image: the interrupt in which its control period runs, its board, how many actuators it has if not one, and the methods
+/// that it brings itself if there are any, as in `stm32_image!(ADC, WithInternal; own METHODS)`.
+#[cfg(feature = "stm32")]
 #[macro_export]
 macro_rules! stm32_image {
-    ($interrupt:ident, $board:ty $(, $actuators:literal)?) => {
+    ($interrupt:ident, $board:ty $(, $actuators:literal)? $(; own $own:expr)?) => {
         #[cfg(target_os = "none")]
         mod image {
             use embassy_stm32::interrupt;
@@ -15,6 +17,8 @@ macro_rules! stm32_image {
 
             #[cortex_m_rt::entry]
             fn main() -> ! {
+                // The first to register is heard.
+                $(let _ = $own.register();)?
                 boot::run::<$board, _>(&CONTROL)
             }
 
@@ -36,6 +40,31 @@ macro_rules! stm32_image {
             let name = env!("CARGO_BIN_NAME");
             eprintln!("{name} is a board's image: build it with scripts/cross");
             std::process::exit(2);
+        }
+    };
+}
+
+/// The image for QEMU, with the methods that it brings itself if there are any: `qemu_image!(own METHODS)`.
+#[cfg(all(target_os = "none", feature = "qemu"))]
+#[macro_export]
+macro_rules! qemu_image {
+    ($(own $own:expr)?) => {
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            use $crate::board::qemu::image;
+            static mut POINTS: [f32; image::MAX_POINTS] = [0.0; image::MAX_POINTS];
+            $(let _ = $own.register();)?
+            image::main(POINTS)
+        }
+
+        #[panic_handler]
+        fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+            $crate::board::qemu::exit(2)
+        }
+
+        #[cortex_m_rt::exception]
+        unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+            $crate::board::qemu::exit(3)
         }
     };
 }

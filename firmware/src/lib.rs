@@ -25,7 +25,6 @@ pub mod chip;
 #[cfg(all(target_os = "none", feature = "stm32"))]
 pub mod converter;
 pub mod hardware;
-#[cfg(feature = "stm32")]
 mod image;
 pub mod session;
 #[cfg(not(target_os = "none"))]

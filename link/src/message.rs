@@ -199,6 +199,7 @@ mod tests {
         c.delay_ms = times.clone();
         (c.inverse, c.clamp_below) = (Some([f64::MAX; 3]), limit);
         c.hydraulic = Some(Hydraulic::of_delay(0.01, 1e6));
+        c.own = [f64::MAX; 8].into_iter().collect();
         (config.estimation.delay_ms, config.estimation.lag_ms) = (times.clone(), times);
         config.timing.substeps = u16::MAX;
         config.timing.late_limit_steps = u16::MAX;

@@ -189,6 +189,10 @@ impl Config {
             (0.0..=8.0).contains(&c.lead_steps),
             "0 to 8",
         )?;
+        for &number in &c.own {
+            let accepted = "finite numbers";
+            accept("compensation.own", number, number.is_finite(), accepted)?;
+        }
         Learning::check(&c.adaptation)?;
         Law::<1>::check(c)?;
         Predictor::<1>::check(c, &self.timing)

@@ -7,6 +7,7 @@ use crate::method::Method;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum Secant {
     /// The command's, as published: the result is a stiffness `(omega tau)^2` too high.
     #[default]
@@ -14,6 +15,9 @@ pub enum Secant {
     /// The specimen's own, `u_m,i - u_m,i-1`: that error is gone. Held where the two increments disagree in sign.
     Measured,
 }
+
+/// Parameters of a method that a program brings itself.
+pub type OwnParameters = heapless::Vec<f64, 8>;
 
 /// Compensation: which method, and the parameters of all.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +64,8 @@ pub struct Compensation {
     pub amb: Amb,
     /// The actuator that `hydraulic` inverts. Left out: one that is late by `delay_ms`.
     pub hydraulic: Option<Hydraulic>,
+    /// Parameters of a method that the program brings itself, in its order; at most eight numbers.
+    pub own: OwnParameters,
 }
 
 /// Adaptive model-based compensation.
@@ -230,6 +236,7 @@ impl Default for Compensation {
             tangent: Tangent::default(),
             amb: Amb::default(),
             hydraulic: None,
+            own: OwnParameters::new(),
         }
     }
 }

@@ -7,7 +7,7 @@ mod compensation;
 mod rig;
 mod times;
 
-pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, Secant, Tangent};
+pub use compensation::{Adaptation, Amb, Compensation, Hydraulic, OwnParameters, Secant, Tangent};
 pub use rig::{PerActuator, RigConfig};
 pub use times::ActuatorTimes;
 
@@ -20,6 +20,19 @@ pub const MAX_DOF: usize = 8;
 pub type PerFloor = Vec<f64, MAX_DOF>;
 
 /// A whole test, as the test file and the link carry it.
+///
+/// ```
+/// use outerloop_core::{Config, Design, Method};
+///
+/// let mut config = Config::shear_frame([1000.0; 2], [158e3; 2], [0.02; 2]);
+/// config.structure.physical_storeys = Some(1);
+/// config.compensation.kind = Method::Tangent;
+/// config.limits.displacement_m = Some(0.1);
+/// assert!(Design::<2>::new(&config).is_ok());
+/// config.compensation.delay_ms = (-4.0).into();
+/// let said = Design::<2>::new(&config).unwrap_err().to_string();
+/// assert_eq!(said, "compensation.delay_ms = -4 is refused: accepted are above 0 and below 10000 ms");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -139,6 +152,7 @@ impl Default for Timing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
 pub enum Filter {
     /// The samples as they are.
     #[default]

@@ -2,7 +2,7 @@
 //! measured one.
 
 use crate::config::Compensation;
-use crate::context::Context;
+use crate::context::{ActuatorContext, Context};
 use crate::energy::{Observation, Windowed};
 use crate::refusal::Refusal;
 
@@ -78,6 +78,60 @@ pub(crate) trait ForceLaw<const N: usize>: Sized {
         reached: &LawInput<'_, N>,
         shown: &mut Correction<N>,
     ) -> LawOutput<N>;
+}
+
+/// What a law that works axis by axis sees of an integration step.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct AxisStep {
+    /// Target that has been reached, u_c, m.
+    pub command_m: f32,
+    /// By how much it has moved since the last step, m.
+    pub increment_m: f32,
+    /// Estimated displacement of the specimen, u_m, m.
+    pub displacement_m: f32,
+    /// Estimated restoring force, R_m, N.
+    pub force_n: f32,
+    /// Eq 12 over the window, J: negative where the actuator has put energy in.
+    pub energy_j: f32,
+    /// By how much the target has moved over the window, m.
+    pub window_m: f32,
+    /// dt v_{i-1}, m.
+    pub velocity_dt_m: f32,
+    /// dt v^_i, Eq 16, m.
+    pub predictor_velocity_dt_m: f32,
+}
+
+/// What it gives to the equation of motion.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisOutput {
+    /// Restoring force, N.
+    pub force_n: f32,
+    /// Added damping, N s/m.
+    pub damping_n_s_per_m: f32,
+}
+
+/// A force law that works axis by axis; [`own`](crate::own) says how a program brings one.
+pub trait AxisLaw: Sized {
+    /// Constants of an axis, worked out once.
+    type Constants: Clone + core::fmt::Debug;
+
+    /// Checks the parameters of the law.
+    ///
+    /// # Errors
+    /// The first that cannot be accepted.
+    fn check(_: &Compensation) -> Result<(), Refusal> {
+        Ok(())
+    }
+
+    /// The constants for a test.
+    fn design(context: &ActuatorContext<'_>) -> Self::Constants;
+
+    /// At rest at zero.
+    fn at_rest(k: &Self::Constants) -> Self;
+
+    /// One integration step.
+    fn act(&mut self, k: &Self::Constants, reached: &AxisStep) -> AxisOutput;
 }
 
 /// A law that puts the force at the target in place of the measured one.

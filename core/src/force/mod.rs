@@ -22,23 +22,26 @@ pub(crate) use interface::{Correction, LawInput, LawOutput};
 
 use crate::config::Compensation;
 use crate::context::Context;
+#[allow(unused_imports)] // A build with every method leaves none out.
+use crate::method::left_out;
 use crate::method::{Force, for_each_method};
 use crate::refusal::Refusal;
 use corrected::Corrected;
-use interface::ForceLaw;
+pub(crate) use interface::ForceLaw;
+pub use interface::{AxisLaw, AxisOutput, AxisStep};
 
 macro_rules! laws {
     (
-        forces {$($(#[$doc:meta])* $number:literal $V:ident $name:literal behind $own:ident = $law:ty $(, file $file:ident)?;)*}
+        forces {$($(#[$doc:meta])* $number:literal $V:ident $name:literal behind $own:ident = $law:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*}
         predictors {$($_predictors:tt)*}
     ) => {
-        $($(pub(crate) mod $file;)?)*
+        $($(#[cfg(feature = $feature)])? $(pub(crate) mod $file;)?)*
 
         /// The force law of a loop, with its constants and its memory.
         #[derive(Clone, Debug)]
         #[allow(clippy::large_enum_variant)] // There is no heap.
         pub(crate) enum Law<const N: usize> {
-            $($(#[$doc])* $V($law, <$law as ForceLaw<N>>::Constants),)*
+            $($(#[$doc])* $(#[cfg(feature = $feature)])? $V($law, <$law as ForceLaw<N>>::Constants),)*
         }
 
         impl<const N: usize> Law<N> {
@@ -47,24 +50,28 @@ macro_rules! laws {
             /// # Errors
             /// The first that cannot be accepted.
             pub fn check(c: &Compensation) -> Result<(), Refusal> {
-                $(<$law as ForceLaw<N>>::check(c)?;)*
+                $($(#[cfg(feature = $feature)])? <$law as ForceLaw<N>>::check(c)?;)*
                 Ok(())
             }
 
             /// For a test, at rest at zero.
-            pub fn design(context: &Context<'_, N>) -> Self {
-                match context.parameters.kind.force {
-                    $(Force::$V => {
+            ///
+            /// # Errors
+            /// This build does not have the law.
+            pub fn design(context: &Context<'_, N>) -> Result<Self, Refusal> {
+                Ok(match context.parameters.kind.force {
+                    $($(#[cfg(feature = $feature)])? Force::$V => {
                         let k = <$law as ForceLaw<N>>::design(context);
                         Self::$V(ForceLaw::<N>::at_rest(&k), k)
                     })*
-                }
+                    $($(#[cfg(not(feature = $feature))] Force::$V => return left_out!($number, $name, $feature),)?)*
+                })
             }
 
             /// Back to rest at zero, in place.
             pub fn rest(&mut self) {
                 match self {
-                    $(Self::$V(law, k) => *law = ForceLaw::<N>::at_rest(k),)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(law, k) => *law = ForceLaw::<N>::at_rest(k),)*
                 }
             }
 
@@ -72,12 +79,10 @@ macro_rules! laws {
             #[inline]
             pub fn act(&mut self, reached: &LawInput<'_, N>, shown: &mut Correction<N>) -> LawOutput<N> {
                 match self {
-                    $(Self::$V(law, k) => law.act(k, reached, shown),)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(law, k) => law.act(k, reached, shown),)*
                 }
             }
         }
     };
 }
 for_each_method!(laws);
-
-impl Force {}

@@ -8,7 +8,8 @@ use crate::structure::actuated;
 
 /// What the last command of an axis has led to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LastCommand {
+#[non_exhaustive]
+pub struct LastCommand {
     /// Target that was in force, u_c, m.
     pub target_m: f32,
     /// Command that was in force, m.
@@ -21,7 +22,8 @@ pub(crate) struct LastCommand {
 
 /// Where the motion of an axis goes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TargetMotion {
+#[non_exhaustive]
+pub struct TargetMotion {
     /// Next target, m.
     pub displacement_m: f32,
     /// Its velocity, m per control step.
@@ -110,8 +112,8 @@ pub(crate) trait Predict<const N: usize>: Sized {
     }
 }
 
-/// A predictor that works axis by axis.
-pub(crate) trait PredictAxis: Sized {
+/// A predictor that works axis by axis. [`own`](crate::own) has one of thirty lines.
+pub trait PredictAxis: Sized {
     /// Constants of an axis, worked out once.
     type Constants: Clone + core::fmt::Debug;
 

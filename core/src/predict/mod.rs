@@ -35,20 +35,23 @@ mod checks;
 mod interface;
 mod past;
 
-use interface::{Axes, Predict};
-pub(crate) use interface::{LastCommand, TargetMotion};
+use interface::Axes;
+pub(crate) use interface::Predict;
+pub use interface::{LastCommand, PredictAxis, TargetMotion};
 
 use crate::config::{Compensation, Timing};
 use crate::context::Context;
+#[allow(unused_imports)] // A build with every method leaves none out.
+use crate::method::left_out;
 use crate::method::{Prediction, for_each_method};
 use crate::refusal::Refusal;
 
 macro_rules! predictors {
     (
         forces {$($_forces:tt)*}
-        predictors {$($(#[$doc:meta])* $number:literal $V:ident $name:literal = $axes:ty $(, file $file:ident)?;)*}
+        predictors {$($(#[$doc:meta])* $number:literal $V:ident $name:literal = $axes:ty $(, file $file:ident)? $(, feature $feature:literal)?;)*}
     ) => {
-        $($(pub(crate) mod $file;)?)*
+        $($(#[cfg(feature = $feature)])? $(pub(crate) mod $file;)?)*
 
         /// The predictor of a loop, with its constants and its memory.
         #[derive(Clone, Debug)]
@@ -56,7 +59,7 @@ macro_rules! predictors {
         pub(crate) enum Predictor<const N: usize> {
             /// The target is sent as it is.
             None,
-            $($(#[$doc])* $V($axes, <$axes as Predict<N>>::Constants),)*
+            $($(#[$doc])* $(#[cfg(feature = $feature)])? $V($axes, <$axes as Predict<N>>::Constants),)*
         }
 
         impl<const N: usize> Predictor<N> {
@@ -65,7 +68,7 @@ macro_rules! predictors {
             /// # Errors
             /// The first that cannot be accepted.
             pub fn check(c: &Compensation, t: &Timing) -> Result<(), Refusal> {
-                $(<$axes as Predict<N>>::check(c, t)?;)*
+                $($(#[cfg(feature = $feature)])? <$axes as Predict<N>>::check(c, t)?;)*
                 Ok(())
             }
 
@@ -76,10 +79,11 @@ macro_rules! predictors {
             pub fn design(context: &Context<'_, N>) -> Result<Self, Refusal> {
                 Ok(match context.parameters.kind.predictor {
                     Prediction::None => Self::None,
-                    $(Prediction::$V => {
+                    $($(#[cfg(feature = $feature)])? Prediction::$V => {
                         let k = <$axes as Predict<N>>::design(context)?;
                         Self::$V(Predict::<N>::at_rest(&k), k)
                     })*
+                    $($(#[cfg(not(feature = $feature))] Prediction::$V => return left_out!($number, $name, $feature),)?)*
                 })
             }
 
@@ -87,7 +91,8 @@ macro_rules! predictors {
             pub fn learns(of: Prediction) -> bool {
                 match of {
                     Prediction::None => false,
-                    $(Prediction::$V => <$axes as Predict<N>>::LEARNS,)*
+                    $($(#[cfg(feature = $feature)])? Prediction::$V => <$axes as Predict<N>>::LEARNS,)*
+                    $($(#[cfg(not(feature = $feature))] Prediction::$V => false,)?)*
                 }
             }
 
@@ -95,7 +100,7 @@ macro_rules! predictors {
             pub fn sees_all(&self) -> bool {
                 match self {
                     Self::None => false,
-                    $(Self::$V(..) => <$axes as Predict<N>>::SEES_ALL,)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(..) => <$axes as Predict<N>>::SEES_ALL,)*
                 }
             }
 
@@ -103,7 +108,7 @@ macro_rules! predictors {
             pub fn rest(&mut self) {
                 match self {
                     Self::None => {}
-                    $(Self::$V(axes, k) => *axes = Predict::<N>::at_rest(k),)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(axes, k) => *axes = Predict::<N>::at_rest(k),)*
                 }
             }
 
@@ -111,7 +116,7 @@ macro_rules! predictors {
             pub fn unlearn(&mut self, axis: usize) {
                 match self {
                     Self::None => {}
-                    $(Self::$V(axes, k) => Predict::<N>::unlearn(axes, k, axis),)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(axes, k) => Predict::<N>::unlearn(axes, k, axis),)*
                 }
             }
 
@@ -125,7 +130,7 @@ macro_rules! predictors {
             ) {
                 match self {
                     Self::None => {}
-                    $(Self::$V(axes, k) => axes.command(k, followed, ahead, physical, command_m),)*
+                    $($(#[cfg(feature = $feature)])? Self::$V(axes, k) => axes.command(k, followed, ahead, physical, command_m),)*
                 }
             }
         }

@@ -5,6 +5,7 @@ macro_rules! faults {
         /// Why a test tripped.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
+        #[non_exhaustive]
         pub enum Fault {
             $($(#[$doc])* $Fault = $code,)*
         }

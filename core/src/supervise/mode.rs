@@ -156,7 +156,19 @@ impl Mode {
     /// # Errors
     /// The event means nothing here.
     pub const fn after(self, event: Event) -> Result<Self, Rejected> {
-        let after = match self {
+        match self.led_by(event) {
+            Some(mode) => Ok(mode),
+            None => Err(Rejected {
+                state: self,
+                event,
+                obstacle: None,
+            }),
+        }
+    }
+
+    /// The table of modes: where `event` leads, if it means something here.
+    const fn led_by(self, event: Event) -> Option<Self> {
+        match self {
             Self::Idle => match event {
                 Event::Arm => Some(Self::Approaching),
                 // Without permission to move there is nothing to trip; arming checks the same conditions.
@@ -227,14 +239,6 @@ impl Mode {
                 | Event::Fault
                 | Event::MinorFault => None,
             },
-        };
-        match after {
-            Some(mode) => Ok(mode),
-            None => Err(Rejected {
-                state: self,
-                event,
-                obstacle: None,
-            }),
         }
     }
 }

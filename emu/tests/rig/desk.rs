@@ -1,7 +1,9 @@
 //! The emulated board on the desk, the PC's side of the link beside it, both in this process.
 
 use emu::nucleo::{HEALTHY_MV, Nucleo, RIGHT_CRYSTAL_HZ, USUAL_LSI_HZ};
-use emu::{Converters, Firmware, Laboratory, Log, LoggedEvent, Mutant, PlannedFault, Wire};
+use emu::{
+    Converters, CoreBits, Firmware, Laboratory, Log, LoggedEvent, Mutant, PlannedFault, Wire,
+};
 use link::command::Command;
 use link::frame::checksum;
 use link::reply::Reply;
@@ -121,6 +123,8 @@ pub struct Bench {
     pub actuator: usize,
     /// When the emulator ends by itself, s of the board's time.
     pub longest_s: u64,
+    /// What looks into the processor.
+    pub processor: Option<CoreBits>,
 }
 
 impl Default for Bench {
@@ -138,6 +142,7 @@ impl Default for Bench {
             valve_m_per_s: f64::INFINITY,
             actuator: 0,
             longest_s: LONGEST_S,
+            processor: None,
         }
     }
 }
@@ -204,10 +209,13 @@ impl Desk {
         let theirs = wire.clone();
         let board = std::thread::spawn(move || {
             let run = || {
-                let board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
+                let mut board = Nucleo::new(bench.crystal_hz, bench.lsi_hz, theirs.clone())
                     .map_err(|e| e.to_string())?
                     .with_converters(CONVERTERS)
                     .supplied(bench.supply_mv);
+                if let Some(processor) = bench.processor {
+                    board = board.with_core_bits(processor);
+                }
                 emu::run(board, &firmware.images, laboratory)
             };
             let ended = run();

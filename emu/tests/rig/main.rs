@@ -15,6 +15,7 @@ mod monitor;
 mod mutant;
 mod mutants;
 mod orders;
+mod priorities;
 mod settings;
 mod stopped;
 mod whole_test;

@@ -20,6 +20,8 @@ mod limits_and_link;
 #[path = "../rig/mutant.rs"]
 mod mutant;
 mod mutants;
+#[path = "../rig/priorities.rs"]
+mod priorities;
 mod silent;
 mod single_faults;
 mod soak;

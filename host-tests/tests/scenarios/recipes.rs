@@ -34,6 +34,9 @@ fn added(recipe: &str) -> Vec<(String, usize, bool)> {
 fn recipes_apply_to_this_tree() {
     for recipe in std::fs::read_dir(top().join("docs/recipes")).unwrap() {
         let recipe = recipe.unwrap().path();
+        if recipe.is_dir() {
+            continue; // A crate of its own: nothing is patched.
+        }
         let applied = Command::new("git")
             .args(["apply", "--check"])
             .arg(recipe.canonicalize().unwrap())
@@ -75,8 +78,8 @@ fn an_effect_is_a_row_a_behaviour_and_a_candidate() {
 }
 
 #[test]
-fn a_board_is_one_folder_one_binary_and_its_line_in_the_list() {
-    let files = added("add-a-board.patch");
+fn converters_are_one_folder_one_binary_and_its_line_in_the_list() {
+    let files = added("add-converters.patch");
     let old: Vec<_> = files.iter().filter(|f| !f.2).collect();
     assert_eq!(old.len(), 1, "{files:?}");
     assert_eq!(old[0].0, "firmware/src/board/mod.rs");

@@ -25,7 +25,7 @@
 //! up in the middle then. When only the chip was reset it holds its voltage all the while: it is not set up again, and goes
 //! from there to the measured position. PERMIT is low in both cases.
 
-use super::wired;
+use super::wiring::wired;
 use crate::chip::stm32::board::{Board, Wired};
 use crate::chip::stm32::converters::{Converters, StartedConverters};
 use crate::chip::this::conversion::{self, ConversionPins, INTERRUPT_US, LoadPin};

@@ -35,7 +35,7 @@
 //! positions. PERMIT is low in both cases.
 
 use super::external::{CODES, Parts as External, SPAN_V, external_parts};
-use super::wired;
+use super::wiring::wired;
 use crate::chip::stm32::board::{Board, Wired};
 use crate::chip::stm32::converters::{Converters, StartedConverters};
 use crate::chip::this::adc::FurtherAdc;

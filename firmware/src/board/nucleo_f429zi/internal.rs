@@ -1,6 +1,6 @@
 //! The NUCLEO-F429ZI with the chip's own converters of 12 bits.
 
-use super::wired;
+use super::wiring::wired;
 use crate::chip::stm32::board::{Board, Wired};
 use crate::chip::stm32::converters::{Converters, StartedConverters};
 use crate::chip::this::adc::{FurtherAdc, Sensors, TOP};

@@ -4,6 +4,7 @@
 //! None of the STM32's peripherals can be relied on there, so nothing of a real board's input and output is in it.
 
 mod exchange;
+pub mod image;
 mod semihosting;
 mod systick;
 

@@ -21,7 +21,9 @@ use crate::station::{
 use core::cell::RefCell;
 use defmt_rtt as _;
 use embassy_executor::{Executor, Spawner};
+use embassy_stm32::Peri;
 use embassy_stm32::flash::Flash;
+use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use heapless::spsc::{Consumer, Producer, Queue};
 use link::CodeRange;
@@ -62,7 +64,6 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
         defmt::Debug2Format(&about.started),
         about.crystal_ok
     );
-
     let clock = const { clock::<B::Converters, A>() };
     let (setup, config) = settings(&clock, A);
     let saved = saved_calibrations::<A>(&B::Converters::CODES);
@@ -96,7 +97,6 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
     let service = service(facts::<B, A>(&mut about, answered), parts, in_force);
     let per_tick = clocks::CORE_HZ / clocks::TIMER_HZ;
     let station = Station::new(setup, calibrations, first, &HEARTBEATS, ends, per_tick);
-
     let (tx, rx) = wired.serial.open().split();
     let rx = rx.into_ring_buffered(RECEIVED.take());
     let answers: &'static report::ReplyQueue = ANSWERS.init(report::ReplyQueue::new());
@@ -115,10 +115,7 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
         heartbeats: &HEARTBEATS,
         channels: (A, B::Converters::INPUTS.len()),
     };
-
-    let mut watchdog = IndependentWatchdog::new(wired.watchdog, WATCHDOG_US);
-    watchdog.unleash();
-    watchdog.pet();
+    let watchdog = started_watchdog(wired.watchdog);
     period.start();
     control.begin(Control {
         station,
@@ -133,6 +130,14 @@ pub fn run<B: Board<A>, const A: usize>(control: &'static ControlCell<B::Convert
             crashed
         )));
     })
+}
+
+/// The watchdog, which runs from here on.
+fn started_watchdog(watchdog: Peri<'static, IWDG>) -> IndependentWatchdog<'static, IWDG> {
+    let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
+    watchdog.unleash();
+    watchdog.pet();
+    watchdog
 }
 
 /// Runs what `spawn` begins, for good.

@@ -1,0 +1,44 @@
+//! Nothing holds the control interrupt up: what the chip's interrupt controller holds while a test runs.
+
+use crate::desk::{Bench, Desk};
+use emu::CoreBits;
+use outerloop_cli::board::Image;
+use outerloop_core::Mode;
+
+/// Numbers of interrupts, RM0090: the supply's guard; then embassy's, the flash, two streams of DMA, TIM3, USART3.
+const SUPPLY: u16 = 1;
+const BACKGROUND: [u16; 5] = [4, 12, 14, 29, 39];
+
+/// In which the control period runs: the chip's converters, or TIM2.
+const CONTROL: u16 = match crate::IMAGE {
+    Image::Internal => 18,
+    Image::External | Image::Three => 28,
+};
+
+#[test]
+fn only_the_control_interrupt_and_the_supplys_are_above_what_critical_sections_mask() {
+    let processor = CoreBits::default();
+    let mut desk = Desk::with(Bench {
+        processor: Some(processor.clone()),
+        ..Bench::default()
+    });
+    desk.start();
+    desk.until(Mode::Running);
+    processor.look_at_priorities(&[&BACKGROUND[..], &[CONTROL, SUPPLY]].concat());
+    for _ in 0..500 {
+        desk.step();
+    }
+    let found = processor.priorities();
+    println!("priorities {found:?}, BASEPRI {:?}", processor.masks());
+    for urgent in [CONTROL, SUPPLY] {
+        assert_eq!(found[&urgent], Some(0x00), "interrupt {urgent}");
+    }
+    for background in BACKGROUND {
+        assert_eq!(found[&background], Some(0x80), "interrupt {background}");
+    }
+    // All but priority 0, and nothing else: a mask of 0 is none, one above 0x80 would mask nothing.
+    assert_eq!(
+        processor.masks().into_iter().collect::<Vec<_>>(),
+        [0x00, 0x10]
+    );
+}
