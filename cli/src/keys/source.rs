@@ -144,7 +144,9 @@ fn kind(ty: &Type) -> ValueKind {
                 },
                 ("f64" | "f32", _) => ValueKind::Number,
                 ("u8" | "u16" | "u32" | "u64" | "usize", _) => ValueKind::Integer,
-                ("PerFloor" | "PerActuator" | "PerAxis" | "ActuatorTimes", _) => ValueKind::Numbers,
+                ("PerFloor" | "PerActuator" | "PerAxis" | "ActuatorTimes" | "OwnParameters", _) => {
+                    ValueKind::Numbers
+                }
                 ("String" | "PathBuf", _) => ValueKind::Text,
                 ("bool", _) => ValueKind::Flag,
                 (name, _) => ValueKind::Table(name.to_owned()),

@@ -357,6 +357,13 @@ fn lists_of_one(table: &mut Table) {
         })
         .collect::<Vec<_>>();
     table.extend(numbers);
+    // A method that a program brings itself may have a single number, too.
+    if let Some(Value::Table(compensation)) = table.get_mut("compensation")
+        && let Some(own) = compensation.get_mut("own")
+        && !own.is_array()
+    {
+        *own = Value::Array(vec![own.clone()]);
+    }
 }
 
 /// Sets one value by its dotted path; a number in the path is a place in a list, from 0. Whether the names exist is
