@@ -5,7 +5,7 @@ use super::specimen_search::nearest_of;
 use crate::advice;
 use crate::answer::{ChannelAnswer, Errors, FoundEffect, Member, Traces, Verdict};
 use crate::criteria::{ACCOUNTS, BESIDE_NOISE, NOISE, SET_LEAVES, TRANSDUCER, WORTH_A_NAME};
-use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Said, SpecimenData};
+use crate::engine::{self, Asked, Candidate, Found, KnownNoise, Named, Said, SpecimenData};
 use crate::interval;
 use crate::joint;
 use crate::model::Model;
@@ -79,11 +79,16 @@ impl ChannelDiagnosis<'_> {
         match &found.said {
             Said::Nothing => {}
             _ if answer.error_before.test_nrmse < channel.transducer => {}
-            Said::Names(c, names) => {
-                after = self.take_named(&mut answer, channel, &before, (c, names, false), improved);
+            Said::Names(n) => {
+                let named = (&n.model, &n.names[..], false);
+                after = self.take_named(&mut answer, channel, &before, named, improved);
+                if after.is_some() {
+                    self.say_beside(&mut answer, n);
+                }
             }
             Said::Set(c, names) => {
-                after = self.take_named(&mut answer, channel, &before, (c, names, true), improved);
+                let named = (c, &names[..], true);
+                after = self.take_named(&mut answer, channel, &before, named, improved);
             }
             Said::Unknown(likeliest) => {
                 answer.verdict = Verdict::Unknown;
@@ -94,6 +99,7 @@ impl ChannelDiagnosis<'_> {
                 }
             }
         }
+        answer.unnamed = Some(found.unnamed);
         let kept = after.as_ref().unwrap_or(&before);
         answer.notes = advice::engine(&answer);
         answer.traces = self.engine_traces(&before[1], &kept[1]);
@@ -184,6 +190,19 @@ impl ChannelDiagnosis<'_> {
         }
         answer.error_after = errors;
         Some(after)
+    }
+
+    /// What stands beside names that are sure.
+    fn say_beside<F>(&self, answer: &mut ChannelAnswer, named: &Named<F>) {
+        answer
+            .effects
+            .retain(|e| named.names.iter().any(|n| n.0 == e.name));
+        if named.more {
+            answer.verdict = Verdict::Partial;
+        }
+        answer.alternatives = named.beside.iter().map(|n| n.0).collect();
+        let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
+        answer.members = named.beside.iter().map(member).collect();
     }
 
     fn engine_traces(&self, before: &[Vec<f64>], after: &[Vec<f64>]) -> Traces {

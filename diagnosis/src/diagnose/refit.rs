@@ -51,10 +51,10 @@ pub fn state_probabilities(answer: &mut ChannelAnswer) {
         let by_certificate = 1.0 - effect.q.unwrap_or(LEAST_SURE);
         effect.p = Some(member.map_or(by_certificate, |m| m.probability));
     }
-    let measured = UNNAMED
-        .iter()
-        .find(|(verdict, _)| *verdict == answer.verdict);
-    answer.unnamed = measured.map(|(_, share)| *share);
+    if answer.unnamed.is_none() {
+        let own = |(verdict, _): &&(Verdict, f64)| *verdict == answer.verdict;
+        answer.unnamed = UNNAMED.iter().find(own).map(|(_, share)| *share);
+    }
 }
 
 impl ChannelDiagnosis<'_> {

@@ -1,5 +1,7 @@
 //! What an answer needs of a channel, whichever it is.
 
+use super::posterior::{Candidate, Posterior};
+use super::verdict;
 use crate::answer::ParameterEstimate;
 use crate::model::Model;
 use crate::recording::Recording;
@@ -30,4 +32,20 @@ pub struct Found<F> {
     pub said: super::Said<F>,
     /// The declared model, its parameters within their tolerances.
     pub declared: F,
+    /// How probable it is that something without a name is there.
+    pub unnamed: f64,
+}
+
+impl<F: Clone> Found<F> {
+    /// What scored models of a channel come to; the declared one is among them. `told`: a rest tells the noise.
+    pub fn of(models: Vec<Candidate<F>>, declared: F, told: bool) -> Self {
+        let posterior = Posterior::of(models);
+        let [sure, most] = verdict::NOTHING;
+        let allowed = if told { [sure; 2] } else { [sure, most] };
+        Self {
+            said: verdict::verdict(&posterior, allowed),
+            declared,
+            unnamed: posterior.unnamed(),
+        }
+    }
 }

@@ -45,6 +45,13 @@ impl Equations {
         self.soft = other.soft;
     }
 
+    /// Pulls an unknown towards a value.
+    pub fn pull(&mut self, unknown: usize, value: f64, weight: f64) {
+        self.gram[unknown * self.n + unknown] += weight;
+        self.right[unknown] += weight * value;
+        self.square += weight * value * value;
+    }
+
     /// Squares that are left with these values.
     pub fn left(&self, values: &[f64]) -> f64 {
         let mut left = self.square;

@@ -71,8 +71,9 @@ impl SpecimenData<'_> {
         parts.iter_mut().for_each(|p| p.soft = own);
         let low: Vec<f64> = bounds.iter().map(|b| b.low).collect();
         let high: Vec<f64> = bounds.iter().map(|b| b.high).collect();
+        let ties = self.ties(|i| self.frees(&fit.terms, i));
         let first: [f64; BLOCKS] = self.score.weights(&self.left_by(fit));
-        let fitted = judged(&parts, [&low, &high], &self.score, &first)?;
+        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &first)?;
         let price = fit.evidence.price + PRICE;
         Some(self.score.evidence(&fitted.left_out, price))
     }

@@ -73,6 +73,7 @@ impl Grams {
     pub fn fit(
         &self,
         terms: &[(usize, Bound)],
+        ties: &[Tie],
         score: &Score,
         first: &[f64; BLOCKS],
     ) -> Option<Fitted> {
@@ -82,12 +83,29 @@ impl Grams {
         let limit = |i: usize, x: f64| if by(i) > 0.0 { x / by(i) } else { 0.0 };
         let low: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.low)).collect();
         let high: Vec<f64> = (0..at.len()).map(|i| limit(i, terms[i].1.high)).collect();
-        let mut fitted = judged(&parts, [&low, &high], score, first)?;
+        let scaled = ties.iter().map(|t| Tie {
+            value: limit(t.unknown, t.value),
+            weight: t.weight * by(t.unknown).powi(2),
+            ..*t
+        });
+        let scaled: Vec<Tie> = scaled.collect();
+        let mut fitted = judged(&parts, [&low, &high], &scaled, score, first)?;
         for (i, s) in fitted.strengths.iter_mut().enumerate() {
             *s *= by(i);
         }
         Some(fitted)
     }
+}
+
+/// A declared parameter that is held by its tolerance.
+#[derive(Clone, Copy, Debug)]
+pub struct Tie {
+    /// Which of the unknowns.
+    pub unknown: usize,
+    /// What is declared.
+    pub value: f64,
+    /// What its distance from that weighs: [`Score::tie`].
+    pub weight: f64,
 }
 
 /// Rounds of weights.
@@ -97,18 +115,25 @@ const ROUNDS: usize = 2;
 pub fn judged(
     parts: &[Equations],
     [low, high]: [&[f64]; 2],
+    ties: &[Tie],
     score: &Score,
     first: &[f64; BLOCKS],
 ) -> Option<Fitted> {
     let mut weights = *first;
     let mut strengths = Vec::new();
     let mut left = [0.0; BLOCKS];
-    let mut whole = Equations::zero(low.len());
-    for _ in 0..ROUNDS {
-        whole = Equations::zero(low.len());
+    let summed = |weights: &[f64; BLOCKS]| {
+        let mut sum = Equations::zero(low.len());
         for (part, weight) in parts.iter().zip(weights) {
-            whole.add(part, weight);
+            sum.add(part, *weight);
         }
+        for tie in ties {
+            sum.pull(tie.unknown, tie.value, tie.weight);
+        }
+        sum
+    };
+    for _ in 0..ROUNDS {
+        let whole = summed(&weights);
         strengths = whole.solve(low, high)?;
         left = std::array::from_fn(|b| parts[b].left(&strengths));
         if strengths.iter().any(|s| !s.is_finite()) {
@@ -117,12 +142,7 @@ pub fn judged(
         weights = score.weights(&left);
     }
     let mut left_out = [0.0; BLOCKS];
-    // The weights of the last solution, whose sum is at hand.
-    let mut used = Equations::zero(low.len());
-    for (part, weight) in parts.iter().zip(weights) {
-        used.add(part, weight);
-    }
-    whole.clone_from(&used);
+    let whole = summed(&weights);
     for b in 0..BLOCKS {
         let mut others = whole.clone();
         others.add(&parts[b], -weights[b]);

@@ -35,9 +35,8 @@ mod verdict;
 pub use asked::{Asked, Found};
 pub use posterior::Candidate;
 pub use specimen::{SpecimenData, SpecimenModelFit};
-pub use verdict::Said;
+pub use verdict::{Named, Said};
 
-use posterior::Posterior;
 use rayon::prelude::*;
 use specimen::Term;
 
@@ -45,9 +44,9 @@ use specimen::Term;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
     /// Single effects, elements searched jointly and the actuator's parts, and what arbitrates between them.
-    #[default]
     Votes,
     /// One vocabulary, one score, one search, a posterior and a verdict.
+    #[default]
     One,
 }
 
@@ -105,13 +104,7 @@ pub fn specimen(data: &mut SpecimenData, noise: KnownNoise) -> Option<Found<Spec
     let mut all = nameless(data, &fits, &declared);
     fits.push(declared.clone());
     all.extend(fits.into_iter().flat_map(|f| candidates(data, f)));
-    let posterior = Posterior::of(all);
-    let [sure, most] = verdict::NOTHING;
-    let allowed = if noise.told { [sure; 2] } else { [sure, most] };
-    Some(Found {
-        said: verdict::verdict(&posterior, allowed),
-        declared,
-    })
+    Some(Found::of(all, declared, noise.told))
 }
 
 /// The declared model and the leading ones with free functions beside them.

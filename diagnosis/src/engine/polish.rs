@@ -2,6 +2,7 @@
 
 use super::bounded::Equations;
 use super::gram::judged;
+use super::row::Form;
 use super::score::{BLOCKS, NU};
 use super::search::{DECLARED, price_of_many};
 use super::specimen::{SpecimenData, SpecimenModelFit, Term, late_s};
@@ -76,7 +77,8 @@ impl SpecimenData<'_> {
         let parts = self.parts(&columns, &self.target);
         let (low, high) = ends(&bounds);
         let even = std::array::from_fn(|b| 1.0 / self.score.samples[b].max(1.0));
-        let fitted = judged(&parts, [&low, &high], &self.score, &even)?;
+        let ties = self.ties(|i| self.frees(terms, i));
+        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &even)?;
         let mut answer = vec![0.0; self.target.len()];
         add_columns(&mut answer, &columns, &fitted.strengths, 1.0);
         let residual = difference(&self.target, &answer);
@@ -227,7 +229,21 @@ impl SpecimenData<'_> {
         let mut all = here.columns.clone();
         all.extend(slopes.into_iter().map(|s| s.column));
         let parts = self.parts(&all, &here.residual);
-        let fitted = judged(&parts, [&low, &high], &self.score, &here.weights)?;
+        let mut ties = self.ties(|i| self.frees(&terms, i));
+        ties.iter_mut()
+            .for_each(|t| t.value -= here.strengths[t.unknown]);
+        let fitted = judged(&parts, [&low, &high], &ties, &self.score, &here.weights)?;
+        // A parameter inside its tolerances is no cause.
+        let inside = |t: &Term| {
+            let Form::Parameter(i) = self.rows[t.row].form else {
+                return false;
+            };
+            let [within, _] = self.declared()[i];
+            (within.low..=within.high).contains(&here.strengths[i])
+        };
+        if terms.iter().any(inside) {
+            return None;
+        }
         let mut at = DECLARED;
         let mut strengths = Vec::new();
         for t in &terms {

@@ -1,7 +1,7 @@
 //! From scored models to the probability of each name and of nothing.
 
 use super::score::Evidence;
-use plant::Effect;
+use plant::{Effect, Family};
 
 /// A model with its names; none: the declared one.
 #[derive(Clone, Debug)]
@@ -65,6 +65,40 @@ impl<M: Clone> Posterior<M> {
         with
     }
 
+    /// The same if there is nothing without a name.
+    pub fn named(&self) -> Self {
+        let named = self.models.iter().filter(|m| !m.0.nameless);
+        let whole: f64 = named.clone().map(|m| m.1).sum();
+        let models = named.map(|(c, w)| (c.clone(), w / whole.max(f64::MIN_POSITIVE)));
+        Self {
+            models: models.collect(),
+        }
+    }
+
+    /// The share of what any model takes from the declared one, in the logarithm of the squares, that this one takes.
+    pub fn explained(&self, by: &Candidate<M>) -> f64 {
+        let density = |c: &Candidate<M>| c.evidence.log_density;
+        let most = self.models.iter().map(|m| density(&m.0));
+        let most = most.fold(f64::NEG_INFINITY, f64::max);
+        self.declared().map_or(0.0, |declared| {
+            let whole = (most - density(declared)).max(f64::MIN_POSITIVE);
+            (density(by) - density(declared)) / whole
+        })
+    }
+
+    /// How probable it is that names of this family are in the rig, any of them.
+    pub fn family(&self, family: Family) -> f64 {
+        let of = |n: &Effect| n.entry().family == family;
+        let with = self.models.iter().filter(|(c, _)| c.names.iter().any(of));
+        with.map(|(_, w)| w).sum()
+    }
+
+    /// How probable it is that something without a name is in the rig.
+    pub fn unnamed(&self) -> f64 {
+        let with = self.models.iter().filter(|(c, _)| c.nameless);
+        with.map(|(_, w)| w).sum()
+    }
+
     /// The best model without any name.
     pub fn declared(&self) -> Option<&Candidate<M>> {
         let plain = |c: &&Candidate<M>| c.names.is_empty() && !c.nameless;
@@ -111,7 +145,7 @@ mod tests {
             candidate(&[backlash], 2.0, 3.0),
         ]);
         assert!((clear.name(friction) - 1.0).abs() < 1e-3);
-        assert!(matches!(verdict(&clear, NOTHING), Said::Names(_, names) if names.len() == 1));
+        assert!(matches!(verdict(&clear, NOTHING), Said::Names(n) if n.names.len() == 1));
         // Each of two names is judged by what it takes from the other's model.
         let both = Posterior::of(vec![
             declared,
@@ -119,7 +153,7 @@ mod tests {
             candidate(&[backlash], 5.0, 3.0),
             candidate(&[friction, backlash], 0.5, 7.5),
         ]);
-        assert!(matches!(verdict(&both, NOTHING), Said::Names(_, names) if names.len() == 2));
+        assert!(matches!(verdict(&both, NOTHING), Said::Names(n) if n.names.len() == 2));
     }
 
     #[test]
@@ -134,8 +168,10 @@ mod tests {
             let all = vec![declared.clone(), friction.clone(), nameless(left)];
             verdict(&Posterior::of(all), NOTHING)
         };
-        assert!(matches!(of(1.9), Said::Names(..)));
-        assert!(matches!(of(0.5), Said::Unknown(Some(_))));
+        assert!(matches!(of(1.9), Said::Names(n) if !n.more));
+        // Friction takes four fifths of it: a plain name, and not all.
+        assert!(matches!(of(0.9), Said::Names(n) if n.more));
+        assert!(matches!(of(0.1), Said::Unknown(Some(_))));
     }
 
     #[test]

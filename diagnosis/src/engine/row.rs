@@ -78,6 +78,11 @@ impl Row {
     pub fn effect(name: Effect, price: f64, sizes: &Sizes, counts: &[usize]) -> Option<Self> {
         let all = crate::library::candidates(Channel::Specimen);
         let candidate = all.into_iter().find(|c| c.effect == name)?;
+        Some(Self::of(candidate, price, sizes, counts))
+    }
+
+    /// The same by a form of an effect that the catalogue's name does not lead to.
+    pub fn of(candidate: Candidate, price: f64, sizes: &Sizes, counts: &[usize]) -> Self {
         let shapes = (candidate.shapes)(&sizes.scales);
         let strengths = (candidate.bounds)(&sizes.scales).len().max(1);
         let mut grid = vec![[0.0; 4]];
@@ -94,12 +99,12 @@ impl Row {
                 })
                 .collect();
         }
-        Some(Self {
+        Self {
             form: Form::Effect(candidate),
             grid,
             price: price + A_SHAPE * shapes.len() as f64 + A_STRENGTH * (strengths - 1) as f64,
             frees: None,
-        })
+        }
     }
 
     /// The same with a declared parameter that may leave its tolerance with it.
@@ -128,9 +133,11 @@ impl Row {
         };
         let element = Element { law, shape };
         let friction = element.may_be_friction(&sizes.motion);
+        let levels_off = law == Law::Saturating && shape[0] < LEVELS_OFF * sizes.motion.v;
         let dashpot = element.is_dashpot(&sizes.motion);
         let other = match own.entry().family {
             Family::Hysteresis if friction => Effect::CoulombFriction,
+            Family::Damping if levels_off => Effect::CoulombFriction,
             Family::Damping if dashpot => Effect::ViscousDamping,
             _ => return None,
         };
@@ -185,6 +192,9 @@ impl Row {
         }
     }
 }
+
+/// A damper whose force grows no more from this share of the top speed on may be friction that slips softly.
+const LEVELS_OFF: f64 = 0.35;
 
 /// The strength of what acts once.
 const ONCE: Bound = Bound {

@@ -69,6 +69,12 @@ impl Score {
         }
     }
 
+    /// What a declared parameter's distance from its declared value weighs beside the blocks' squares: half a nat at one tolerance.
+    /// Without it a parameter that the motion hardly feels goes to an end of its tolerances.
+    pub fn tie(&self, tolerance: f64) -> f64 {
+        BLOCKS as f64 * self.noise / (NU * tolerance * tolerance)
+    }
+
     /// Weights of the blocks' squares in a fit: the slope of the score.
     pub fn weights(&self, left: &[f64; BLOCKS]) -> [f64; BLOCKS] {
         let structure = self.structure(left);

@@ -1,6 +1,6 @@
 //! The one search: every law alone, the best with every other, three and four together; then one less, or another in place of one.
 
-use super::gram::Grams;
+use super::gram::{Grams, Tie};
 use super::score::{BLOCKS, Evidence, Score};
 use crate::linear::Bound;
 use plant::Family;
@@ -56,6 +56,8 @@ pub struct Search<'a> {
     pub atoms: &'a [Atom],
     /// What the declared parameters may be inside their tolerances, and outside.
     pub declared: [[Bound; 2]; DECLARED],
+    /// What holds them inside.
+    pub ties: Vec<Tie>,
     /// The measure.
     pub score: &'a Score,
 }
@@ -80,7 +82,9 @@ impl Search<'_> {
             .map(|i| (i, self.declared[i][usize::from(frees(i))]))
             .collect();
         terms.extend(own().flat_map(|a| a.terms.iter().copied()));
-        let fitted = self.grams.fit(&terms, self.score, first)?;
+        let ties = self.ties.iter().filter(|t| !frees(t.unknown)).copied();
+        let ties: Vec<Tie> = ties.collect();
+        let fitted = self.grams.fit(&terms, &ties, self.score, first)?;
         // A strength of nothing is no term.
         let mut at = DECLARED;
         for atom in own() {

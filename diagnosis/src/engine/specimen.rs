@@ -1,7 +1,7 @@
 //! A specimen's channel for the engine: its training data as columns, and a model of it at its best.
 
 use super::bounded::Equations;
-use super::gram::Grams;
+use super::gram::{Grams, Tie};
 use super::law::table;
 use super::motion::{Motion, sizes};
 use super::row::{Form, Row, Sizes};
@@ -113,7 +113,7 @@ impl<'a> SpecimenData<'a> {
     }
 
     /// What declared parameters may be: within their tolerances, and outside.
-    fn declared(&self) -> [[Bound; 2]; DECLARED] {
+    pub fn declared(&self) -> [[Bound; 2]; DECLARED] {
         std::array::from_fn(|i| {
             let within = self.base.within_tolerances(i);
             // A dashpot and a mass come on top of what is declared: less of it is noise in a derivative.
@@ -187,6 +187,7 @@ impl<'a> SpecimenData<'a> {
             grams: &grams,
             atoms: &atoms,
             declared: self.declared(),
+            ties: self.ties(|_| false),
             score: &self.score,
         };
         let found = search.run();
@@ -200,20 +201,34 @@ impl<'a> SpecimenData<'a> {
 
     /// Bounds of a model's strengths, declared parameters first.
     pub fn bounds(&self, terms: &[Term]) -> Vec<Bound> {
-        let freed = |i: usize| {
-            terms.iter().any(|t| {
-                let row = &self.rows[t.row];
-                matches!(row.form, Form::Parameter(p) if p == i) || row.frees == Some(i)
-            })
-        };
         let declared = self.declared();
         let mut all: Vec<Bound> = (0..DECLARED)
-            .map(|i| declared[i][usize::from(freed(i))])
+            .map(|i| declared[i][usize::from(self.frees(terms, i))])
             .collect();
         for t in terms.iter().filter(|t| !self.is_stage(t)) {
             all.extend(self.rows[t.row].bounds(&self.sizes, t.shape));
         }
         all
+    }
+
+    /// What holds the declared parameters of a model that may not leave their tolerances.
+    pub fn ties(&self, freed: impl Fn(usize) -> bool) -> Vec<Tie> {
+        let held = (0..DECLARED).filter(|i| !freed(*i));
+        held.filter(|i| self.base.tolerance(*i) > 0.0)
+            .map(|unknown| Tie {
+                unknown,
+                value: self.base.values[unknown],
+                weight: self.score.tie(self.base.tolerance(unknown)),
+            })
+            .collect()
+    }
+
+    /// Whether a model lets a declared parameter leave its tolerances.
+    pub fn frees(&self, terms: &[Term], parameter: usize) -> bool {
+        terms.iter().any(|t| {
+            let row = &self.rows[t.row];
+            matches!(row.form, Form::Parameter(p) if p == parameter) || row.frees == Some(parameter)
+        })
     }
 
     pub fn is_stage(&self, term: &Term) -> bool {

@@ -1,7 +1,7 @@
 //! The decision, on one screen: three thresholds on a posterior, which nothing rewrites.
 
 use super::posterior::{Candidate, Posterior};
-use plant::Effect;
+use plant::{Effect, Family};
 
 /// Structure below the first share of the noise is nothing. Where no rest tells the noise, below the second, too, unless a model
 /// speaks against it.
@@ -12,6 +12,12 @@ pub const SPEAKS: f64 = 5.5;
 pub const SURE: f64 = 0.72;
 /// A set holds the cause with at least this probability.
 pub const SET: f64 = 0.9;
+/// The model of sure names alone stands where another that has more is better by less than this, nats: three fifths of the squares.
+pub const LACKS: f64 = 4.0;
+/// What stands beside sure names with at least this probability.
+pub const RIVALS: f64 = 0.05;
+/// The share of what free functions take, in the logarithm of the squares, that a name must take to be given beside what has none.
+pub const PLAIN: f64 = 0.75;
 /// A set of more names says nothing.
 pub const LARGEST_SET: usize = 5;
 /// Where a model leaves more than this share of the noise, a law that is not in the table may be the cause: of names that were given
@@ -20,51 +26,102 @@ pub const UNEXPLAINED: f64 = 0.45;
 /// The probability that such a law is the cause, below and above.
 pub const NOT_IN_THE_TABLE: [f64; 2] = [0.02, 0.2];
 
+/// Names without which nothing is said, taken as a whole.
+#[derive(Clone, Debug)]
+pub struct Named<M> {
+    /// The likeliest model that has them.
+    pub model: Candidate<M>,
+    /// The names, each with its probability.
+    pub names: Vec<(Effect, f64)>,
+    /// One of these stands beside them, too.
+    pub beside: Vec<(Effect, f64)>,
+    /// They are not all: something else is there, with a name or without.
+    pub more: bool,
+}
+
 /// What can be said of a channel.
 #[derive(Clone, Debug)]
 pub enum Said<M> {
     /// Nothing is missing.
     Nothing,
-    /// These names are in it, each with its probability.
-    Names(Candidate<M>, Vec<(Effect, f64)>),
-    /// One of these is in it, beside those that are sure.
+    /// These names are in it.
+    Names(Named<M>),
+    /// One of these is in it.
     Set(Candidate<M>, Vec<(Effect, f64)>),
     /// Something is, and no name can be given; the likeliest one's model.
     Unknown(Option<Candidate<M>>),
 }
 
 /// What a posterior allows to be said. What counts as nothing, over the noise: in any case, and where no model speaks against it.
-pub fn verdict<M: Clone>(posterior: &Posterior<M>, [sure, most]: [f64; 2]) -> Said<M> {
-    let best = posterior.models.first().map(|m| m.0.evidence.score());
-    let is_nothing = |c: &Candidate<M>| {
-        let left = c.evidence.left_rms();
-        let silent = best.is_none_or(|best| best - c.evidence.score() < SPEAKS);
-        left < sure || left < most && silent
-    };
-    if posterior.declared().is_some_and(is_nothing) {
+pub fn verdict<M: Clone>(posterior: &Posterior<M>, nothing: [f64; 2]) -> Said<M> {
+    if posterior
+        .declared()
+        .is_some_and(|c| is_nothing(posterior, c, nothing))
+    {
         return Said::Nothing;
     }
-    let names = posterior.names();
-    let sure: Vec<(Effect, f64)> = names.iter().copied().filter(|n| n.1 >= SURE).collect();
-    let with = |all: &[Effect]| {
-        let has = |c: &&Candidate<M>| !c.nameless && all.iter().all(|n| c.names.contains(n));
-        posterior.models.iter().map(|m| &m.0).find(has).cloned()
-    };
-    let only: Vec<Effect> = sure.iter().map(|n| n.0).collect();
-    if !sure.is_empty() {
-        // The model of exactly these names, where there is one; else the likeliest that has them.
-        let exact = |c: &&Candidate<M>| {
-            let all = only.iter().all(|n| c.names.contains(n));
-            !c.nameless && c.names.len() == only.len() && all
-        };
-        let model = posterior.models.iter().map(|m| &m.0).find(exact).cloned();
-        if let Some(model) = model.or_else(|| with(&only)) {
-            return Said::Names(model, sure);
-        }
+    let said =
+        names(posterior).or_else(|| set(posterior).map(|(model, set)| Said::Set(model, set)));
+    if let Some(said) = said {
+        return said;
     }
-    let named = posterior.models.iter().map(|m| &m.0);
-    let likeliest = named.clone().find(|c| !c.names.is_empty() && !c.nameless);
-    // The smallest set of names one of which is in the rig with enough probability.
+    // Free functions do better than any name, and a plain name does nearly all that they do.
+    let named = posterior.named();
+    let best = named.models.iter().find(|m| !m.0.names.is_empty());
+    let Some((likeliest, _)) = best else {
+        return Said::Unknown(None);
+    };
+    let unknown = Said::Unknown(Some(likeliest.clone()));
+    if posterior.explained(likeliest) < PLAIN {
+        return unknown;
+    }
+    match names(&named) {
+        Some(Said::Names(n)) => Said::Names(Named { more: true, ..n }),
+        _ => set(&named).map_or(unknown, |(model, set)| Said::Set(model, set)),
+    }
+}
+
+fn is_nothing<M: Clone>(
+    posterior: &Posterior<M>,
+    declared: &Candidate<M>,
+    [sure, most]: [f64; 2],
+) -> bool {
+    let best = posterior.models.first().map(|m| m.0.evidence.score());
+    let left = declared.evidence.left_rms();
+    let silent = best.is_none_or(|best| best - declared.evidence.score() < SPEAKS);
+    left < sure || left < most && silent
+}
+
+/// Names that are sure, with the model that has them.
+fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
+    let mut names = posterior.names();
+    names.retain(|n| n.1 >= SURE);
+    let only: Vec<Effect> = names.iter().map(|n| n.0).collect();
+    let has = |c: &&Candidate<M>| !c.nameless && only.iter().all(|n| c.names.contains(n));
+    let all = || posterior.models.iter().map(|m| &m.0).filter(has);
+    if only.is_empty() {
+        return None;
+    }
+    let best = all().next()?;
+    // The model of exactly these names, unless it lacks what is there beside them.
+    let exact = all().find(|c| c.names.len() == only.len());
+    let near = |c: &&Candidate<M>| best.evidence.score() - c.evidence.score() < LACKS;
+    let model = exact.filter(near).unwrap_or(best).clone();
+    let more = model.names.len() > only.len();
+    let mut beside = posterior.names();
+    beside.retain(|n| more && !only.contains(&n.0) && n.1 >= RIVALS);
+    beside.truncate(LARGEST_SET);
+    Some(Said::Names(Named {
+        model,
+        names,
+        beside,
+        more,
+    }))
+}
+
+/// The smallest set of names one of which is in the rig with enough probability; else those of a family that is sure.
+fn set<M: Clone>(posterior: &Posterior<M>) -> Option<(Candidate<M>, Vec<(Effect, f64)>)> {
+    let names = posterior.names();
     let holds = |set: &[(Effect, f64)]| {
         let hit = |c: &Candidate<M>| set.iter().any(|n| c.names.contains(&n.0));
         let all = posterior.models.iter().filter(|m| hit(&m.0));
@@ -72,8 +129,25 @@ pub fn verdict<M: Clone>(posterior: &Posterior<M>, [sure, most]: [f64; 2]) -> Sa
     };
     let smallest = (1..=names.len().min(LARGEST_SET)).find(|n| holds(&names[..*n]));
     let set = smallest.filter(|n| *n > 1).map(|n| names[..n].to_vec());
-    match set.and_then(|set| Some((with(&[set[0].0])?, set))) {
-        Some((model, set)) => Said::Set(model, set),
-        None => Said::Unknown(likeliest.cloned()),
-    }
+    let set = set.or_else(|| plain_family(posterior, &names))?;
+    let has = |c: &&Candidate<M>| !c.nameless && c.names.contains(&set[0].0);
+    let model = posterior.models.iter().map(|m| &m.0).find(has)?;
+    Some((model.clone(), set))
+}
+
+/// Names of one family, where the family is sure and none of its names is.
+fn plain_family<M: Clone>(
+    posterior: &Posterior<M>,
+    names: &[(Effect, f64)],
+) -> Option<Vec<(Effect, f64)>> {
+    let mut families: Vec<Family> = names.iter().map(|n| n.0.entry().family).collect();
+    families.sort_by_key(|f| *f as usize);
+    families.dedup();
+    let sure = families
+        .into_iter()
+        .find(|f| posterior.family(*f) >= SURE)?;
+    let mut own: Vec<(Effect, f64)> = names.to_vec();
+    own.retain(|n| n.0.entry().family == sure);
+    own.truncate(LARGEST_SET);
+    (own.len() > 1).then_some(own)
 }

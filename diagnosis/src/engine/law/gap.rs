@@ -2,6 +2,7 @@
 
 use crate::engine::row::{Row, Sizes, over};
 use crate::joint::element::Law;
+use crate::library::ROUNDED_GAP;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes) -> Vec<Row> {
@@ -26,6 +27,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
     all.extend(own);
     all.extend(Row::effect(Effect::Backlash, 2.8, sizes, &[10]));
     all.extend(Row::effect(Effect::DeadBand, 2.8, sizes, &[10]));
+    all.push(Row::of(ROUNDED_GAP, 2.8, sizes, &[6, 2]));
     all.extend(Row::effect(Effect::SlipGap, 3.2, sizes, &[6, 5]));
     all
 }

@@ -1,6 +1,7 @@
 //! What the readings do: a calibration, a zero, a clock, a line, a limit; and the mass on the load cell.
 
 use crate::engine::row::{Row, Sizes};
+use crate::library::ROUNDED_LIMIT;
 use plant::Effect;
 
 pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
@@ -16,6 +17,7 @@ pub fn rows(sizes: &Sizes, rests: bool) -> Vec<Row> {
         (Effect::Saturation, 3.2, &[12][..]),
         (Effect::MainsHum, 3.0, &[3][..]),
     ];
+    all.push(Row::of(ROUNDED_LIMIT, 3.2, sizes, &[6, 3]));
     let slow = [
         (Effect::Drift, 3.3, &[5][..]),
         (Effect::TemperatureGain, 4.3, &[5][..]),
