@@ -44,9 +44,9 @@ use specimen::Term;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
     /// Single effects, elements searched jointly and the actuator's parts, and what arbitrates between them.
+    #[default]
     Votes,
     /// One vocabulary, one score, one search, a posterior and a verdict.
-    #[default]
     One,
 }
 

@@ -67,9 +67,21 @@ impl<M: Clone> Posterior<M> {
 
     /// The same if there is nothing without a name.
     pub fn named(&self) -> Self {
-        let named = self.models.iter().filter(|m| !m.0.nameless);
-        let whole: f64 = named.clone().map(|m| m.1).sum();
-        let models = named.map(|(c, w)| (c.clone(), w / whole.max(f64::MIN_POSITIVE)));
+        self.only(|c| !c.nameless)
+    }
+
+    /// The same if there are as many names as the fewest of a model that `does`; `None` where none does.
+    pub fn with_as_few_names(&self, does: impl Fn(&Candidate<M>) -> bool) -> Option<Self> {
+        let enough = self.models.iter().map(|m| &m.0);
+        let enough = enough.filter(|c| !c.names.is_empty() && does(c));
+        let fewest = enough.map(|c| c.names.len()).min()?;
+        Some(self.only(|c| c.names.len() == fewest))
+    }
+
+    fn only(&self, of: impl Fn(&Candidate<M>) -> bool) -> Self {
+        let kept = self.models.iter().filter(|m| of(&m.0));
+        let whole: f64 = kept.clone().map(|m| m.1).sum();
+        let models = kept.map(|(c, w)| (c.clone(), w / whole.max(f64::MIN_POSITIVE)));
         Self {
             models: models.collect(),
         }

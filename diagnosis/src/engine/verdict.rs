@@ -67,17 +67,20 @@ pub fn verdict<M: Clone>(posterior: &Posterior<M>, nothing: [f64; 2]) -> Said<M>
     }
     // Free functions do better than any name, and a plain name does nearly all that they do.
     let named = posterior.named();
-    let best = named.models.iter().find(|m| !m.0.names.is_empty());
-    let Some((likeliest, _)) = best else {
-        return Said::Unknown(None);
+    let likeliest = named
+        .models
+        .iter()
+        .map(|m| &m.0)
+        .find(|c| !c.names.is_empty());
+    let plain = named.with_as_few_names(|c| posterior.explained(c) >= PLAIN);
+    let Some(plain) = plain else {
+        return Said::Unknown(likeliest.cloned());
     };
-    let unknown = Said::Unknown(Some(likeliest.clone()));
-    if posterior.explained(likeliest) < PLAIN {
-        return unknown;
-    }
-    match names(&named) {
+    match names(&plain) {
         Some(Said::Names(n)) => Said::Names(Named { more: true, ..n }),
-        _ => set(&named).map_or(unknown, |(model, set)| Said::Set(model, set)),
+        _ => set(&plain).map_or(Said::Unknown(likeliest.cloned()), |(model, set)| {
+            Said::Set(model, set)
+        }),
     }
 }
 
