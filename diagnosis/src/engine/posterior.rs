@@ -171,19 +171,19 @@ mod tests {
     #[test]
     fn what_free_functions_take_as_well_as_a_law_has_no_name() {
         let declared = candidate(&[], 9.0, 0.0);
-        let friction = candidate(&[Effect::CoulombFriction], 2.0, 3.0);
+        let friction = |left| candidate(&[Effect::CoulombFriction], left, 3.0);
         let nameless = |left: f64| Candidate {
             nameless: true,
             ..candidate(&[], left, 9.5)
         };
-        let of = |left: f64| {
-            let all = vec![declared.clone(), friction.clone(), nameless(left)];
+        let of = |named: f64, free: f64| {
+            let all = vec![declared.clone(), friction(named), nameless(free)];
             verdict(&Posterior::of(all), NOTHING)
         };
-        assert!(matches!(of(1.9), Said::Names(n) if !n.more));
-        // Friction takes four fifths of it: a plain name, and not all.
-        assert!(matches!(of(0.9), Said::Names(n) if n.more));
-        assert!(matches!(of(0.1), Said::Unknown(Some(_))));
+        assert!(matches!(of(2.0, 1.9), Said::Names(n) if !n.more));
+        // Friction takes nearly all of it: a plain name, and not all.
+        assert!(matches!(of(1.0, 0.5), Said::Names(n) if n.more));
+        assert!(matches!(of(2.0, 0.5), Said::Unknown(Some(_))));
     }
 
     #[test]
