@@ -4,10 +4,11 @@
 //! |---|---|
 //! | [`verb`] | one file a verb of the command line |
 //! | [`board`] | the PC's side of a board: link, orders, a test over the serial port |
-//! | `comparison` | one bench for every compensation |
+//! | `document` | sentences, tables and plots, for the terminal and for a page |
+//! | `answer` | what each verb answers, as such a document |
 //! | `orders` | what an operator asked of a running test, for its replay |
 //! | `difference` | two tests that ran, side by side |
-//! | `sweep` | a test over the values of one key, and fragility curves |
+//! | `many` | a test over the values of one key, or on drawn rigs |
 //! | [`archive`] | what a test leaves in its folder, for its replay |
 //! | `designed_test` | a test that the diagnosis has designed, as a file |
 //! | [`improve`] | a test, the diagnosis of its record, the next test |
@@ -15,10 +16,8 @@
 //! | [`program`] | the command line, and what the program returns |
 //! | `provenance` | who ran what, when, with which files |
 //! | `wording` | what a diagnosis says, in sentences |
-//! | `physical_part` | what the multi-axial problem declares physical, and what its record says of it |
 //! | [`serve`] | the rig as an element of a finite-element model |
 //! | `scope` | a picture in the browser while a test runs |
-//! | `report` | the self-contained HTML page |
 //!
 //! Every mistake of the user is an [`experiment::failure::Failure`]: one sentence and an exit status.
 
@@ -39,21 +38,20 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::terminal::output::print_note(format_args!($($text)*)) };
 }
 
+mod answer;
 pub mod archive;
 pub mod board;
-mod comparison;
 mod designed_test;
 mod difference;
+mod document;
 pub mod improve;
 mod keys;
+mod many;
 mod orders;
-mod physical_part;
 pub mod program;
 mod provenance;
-mod report;
 mod scope;
 pub mod serve;
-mod sweep;
 pub mod terminal;
 pub mod verb;
 mod wording;

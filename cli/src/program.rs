@@ -26,7 +26,7 @@ enum Verb {
     Diff(verb::diff::Diff),
     Compare(verb::compare::Compare),
     Check(verb::check::Check),
-    MonteCarlo(verb::monte_carlo::MonteCarlo),
+    MonteCarlo(verb::sweep::MonteCarlo),
     Sweep(verb::sweep::Sweep),
     Diagnose(verb::diagnose::Diagnose),
     Improve(verb::improve::Improve),

@@ -280,7 +280,6 @@ fn a_signal_leaves_the_tests_that_are_done() {
             ],
             "sweep.csv",
         ),
-        (&["compare", test, "--bench"], "bench.json"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let mut command = command(verb);

@@ -3,6 +3,7 @@
 //! The driver here is written apart from the PC tool's, so that a figure that both print has been computed twice.
 
 pub mod call_graph;
+pub mod compensations;
 pub mod data;
 pub mod exam;
 pub mod foresight;

@@ -29,9 +29,6 @@ pub fn describe_words(started: StartCause, words: Option<&CrashReport>) -> Optio
 
 /// Everything that is worth watching, a line each.
 pub fn describe(identity: &Identity, status: &Status) -> String {
-    let reading = |line: link::channel::ChannelCalibration, code: u16| {
-        (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
-    };
     let us = |cycles: u32| f64::from(cycles) / f64::from(identity.clock_hz) * 1e6;
     let timing = status.timing;
     let mut lines = vec![
@@ -70,22 +67,7 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
         ),
     ];
     let several = identity.actuators() > 1;
-    let codes = std::iter::once(&status.codes).chain(&status.other_codes);
-    let readings = (1..).zip(identity.calibrations().zip(codes)).map(
-        |(actuator, (lines, &[displacement, force]))| {
-            let whose = if several {
-                format!("actuator {actuator}: ")
-            } else {
-                String::new()
-            };
-            format!(
-                "{whose}displacement {:.3} mm (code {displacement}), force {:.1} N (code {force})",
-                reading(lines.displacement, displacement) * 1e3,
-                reading(lines.force, force)
-            )
-        },
-    );
-    lines.splice(1..1, readings);
+    lines.splice(1..1, describe_readings(identity, status));
     if let Some(trip) = status.trip {
         let of = match trip.limited_axis() {
             Some(axis) if several => format!(" of actuator {}", axis + 1),
@@ -112,6 +94,30 @@ pub fn describe(identity: &Identity, status: &Status) -> String {
     }
     lines.extend(describe_words(status.started, status.last_crash.as_ref()));
     lines.join("\n")
+}
+
+/// What each actuator's transducer and load cell read.
+fn describe_readings(identity: &Identity, status: &Status) -> Vec<String> {
+    let reading = |line: link::channel::ChannelCalibration, code: u16| {
+        (f64::from(code) - f64::from(line.zero_code)) * f64::from(line.per_code)
+    };
+    let several = identity.actuators() > 1;
+    let codes = std::iter::once(&status.codes).chain(&status.other_codes);
+    let readings = (1..).zip(identity.calibrations().zip(codes)).map(
+        |(actuator, (lines, &[displacement, force]))| {
+            let whose = if several {
+                format!("actuator {actuator}: ")
+            } else {
+                String::new()
+            };
+            format!(
+                "{whose}displacement {:.3} mm (code {displacement}), force {:.1} N (code {force})",
+                reading(lines.displacement, displacement) * 1e3,
+                reading(lines.force, force)
+            )
+        },
+    );
+    readings.collect()
 }
 
 /// What the rig watch says.

@@ -3,7 +3,7 @@
 //! A test that moves a rig must not be ended by a full disk under its log. So what cannot be printed is dropped, and
 //! [`finish`] returns it when the verb has finished.
 
-use super::bond;
+use super::bond::{bound, loosened};
 use experiment::failure::Failure;
 use experiment::files::plain;
 use std::fmt::Arguments;
@@ -65,7 +65,7 @@ fn wrapped(text: &str, columns: usize) -> String {
         }
         let sentence = line.trim_start_matches(' ');
         let indent = &line[..line.len() - sentence.len()];
-        let sentence = bond::bound(sentence);
+        let sentence = bound(sentence);
         let below = " ".repeat(hanging(line, columns));
         // A path or a command that is longer than the line stays whole, so that it can be copied.
         let options = textwrap::Options::new(columns)
@@ -74,7 +74,7 @@ fn wrapped(text: &str, columns: usize) -> String {
             .word_separator(textwrap::WordSeparator::AsciiSpace)
             .word_splitter(textwrap::WordSplitter::NoHyphenation)
             .break_words(false);
-        bond::loosened(&textwrap::fill(&sentence, options))
+        loosened(&textwrap::fill(&sentence, options))
     });
     lines.collect::<Vec<_>>().join("\n")
 }

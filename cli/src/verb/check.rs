@@ -1,18 +1,18 @@
 //! `outerloop check`: whether a test may be run, before it is.
 
 use super::coupled::CoupledCheckRequest;
-use super::{MethodName, MotionArguments, hand_over, json};
+use super::{MethodName, MotionArguments, hand_over, json, no_files};
+use crate::answer::{CheckSection, TestSection, of_check};
+use crate::document::Document;
 use crate::provenance::{WithProvenance, note_seed};
-use crate::report::{self, CheckSection, TestSection};
-use crate::terminal::{Progress, table};
+use crate::terminal::Progress;
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::files::test::TestFile;
 use experiment::method;
-use experiment::numbers::{percent, percent_or_lost};
+use experiment::numbers::percent;
 use experiment::soundness::{self, Judgement, SoundnessVerdict};
-use experiment::stability::growth::SmallMotions;
 use experiment::stability::perturbed::Spread;
 use experiment::stability::small_motion::Learning;
 use experiment::stability::{self, Stability};
@@ -102,21 +102,10 @@ impl Check {
             judgement: &judgement,
             answer: &answer,
         };
-        let tell = || {
-            println!(
-                "{}: {}.\nExpected error: {}.\n",
-                judgement.verdict.name().to_uppercase(),
-                judgement.reason,
-                expected(&judgement),
-            );
-            print(&answer);
-        };
-        hand_over(
-            (out, self.json),
-            ("check.json", &json(&WithProvenance::of(&whole))?),
-            || Ok(vec![("report.html", page(&experiment, &whole)?)]),
-            tell,
-        )?;
+        let text = json(&WithProvenance::of(&whole))?;
+        hand_over((out, self.json), ("check.json", &text), no_files, |page| {
+            document(&experiment, &whole, page)
+        })?;
         let (verdict, reason) = (judgement.verdict, &judgement.reason);
         verdict.outcome(format!("{}: {}: {reason}", path.display(), verdict.name()))
     }
@@ -186,41 +175,36 @@ fn judge(
     Ok(judgement)
 }
 
-/// The error to expect, in words.
-fn expected(judgement: &Judgement) -> String {
-    if !judgement.expected_eps_rms.is_finite() {
-        return "none, since the planned motion does not run to its end".into();
+/// What is said; for a page the planned motion runs again, with every step kept.
+fn document(
+    experiment: &Experiment,
+    whole: &Whole<'_>,
+    with_page: bool,
+) -> Result<Document, Failure> {
+    let mut section = CheckSection {
+        experiment,
+        judgement: whole.judgement,
+        answer: whole.answer,
+        drawn: None,
+    };
+    if !with_page {
+        return Ok(of_check(&section));
     }
-    format!(
-        "{} rms; {} on a rig that differs",
-        percent(judgement.expected_eps_rms),
-        percent_or_lost(judgement.expected_eps_rms_differing)
-    )
-}
-
-/// The report.
-fn page(experiment: &Experiment, whole: &Whole<'_>) -> Result<String, Failure> {
     let ideal = experiment.ideal()?;
     let method = experiment.test.config.compensation.kind;
     let seed = whole.answer.perturbed.spread.seed;
     let run = experiment.run(method, &ideal, seed, true, ())?;
-    Ok(report::of_check(&CheckSection {
-        judgement: whole.judgement,
-        answer: whole.answer,
-        over_delay: &stability::limits::over_delay(
-            &experiment.small_motions(Learning::On)?,
-            &whole.answer.limits,
-        )?,
-        planned: TestSection {
-            experiment,
-            summary: &run.summary,
-            trace: run
-                .trace
-                .as_ref()
-                .ok_or_else(|| Failure::test("the planned motion kept no record"))?,
-            ideal: &ideal,
-        },
-    }))
+    let small_motions = experiment.small_motions(Learning::On)?;
+    let over_delay = stability::limits::over_delay(&small_motions, &whole.answer.limits)?;
+    let kept = || Failure::test("the planned motion kept no record");
+    let planned = TestSection {
+        experiment,
+        summary: &run.summary,
+        trace: run.trace.as_ref().ok_or_else(kept)?,
+        ideal: &ideal,
+    };
+    section.drawn = Some((&over_delay, planned));
+    Ok(of_check(&section))
 }
 
 /// All that is found out, as JSON.
@@ -230,109 +214,4 @@ struct Whole<'a> {
     judgement: &'a Judgement,
     #[serde(flatten)]
     answer: &'a Stability,
-}
-
-fn or_none(value: Option<f64>, text: impl Fn(f64) -> String) -> String {
-    value.map_or_else(|| "none found".into(), text)
-}
-
-fn print(a: &Stability) {
-    println!(
-        "Small motions of the loop after a blow, integration steps of {:.4} ms:\n",
-        a.step_s * 1e3
-    );
-    let mut t = table(&[
-        "compensation",
-        "small motions",
-        "growth a second",
-        "damping, mode 1",
-    ]);
-    let or_dash = |value: f64| match value.is_finite() {
-        true => percent(value),
-        false => "-".into(),
-    };
-    let mut row = |r: &SmallMotions, here: &str| {
-        t.add_row([
-            format!("{}{here}", r.compensation),
-            r.word().to_owned(),
-            or_dash(r.growth_per_s.exp_m1()),
-            or_dash(r.damping_ratio),
-        ]);
-    };
-    row(&a.row, "  <- this test");
-    if let Some(start) = &a.at_start {
-        row(start, ", before it has learnt");
-    }
-    for r in &a.alternatives {
-        row(r, "");
-    }
-    println!("{t}\n");
-
-    let mut t = table(&["mode", "structure", "in the loop", "damping in the loop"]);
-    for (i, m) in a.modes.iter().enumerate() {
-        t.add_row([
-            format!("{}", i + 1),
-            format!("{:.3} Hz", m.structure_hz),
-            format!("{:.3} Hz", m.frequency_hz),
-            percent(m.damping_ratio),
-        ]);
-    }
-    println!("{t}\n");
-
-    let mut t = table(&["", "present", "limit", "margin"]);
-    let margin = |l: &stability::limits::StabilityLimit| {
-        l.margin_percent
-            .map_or_else(|| "-".into(), |m| format!("{m:.1} %"))
-    };
-    let (delay, gain) = (&a.limits.delay, &a.limits.gain);
-    t.add_row([
-        "delay".into(),
-        format!("{:.3} ms", delay.present),
-        or_none(delay.limit, |x| format!("{x:.3} ms")),
-        margin(delay),
-    ]);
-    t.add_row([
-        "loop gain".into(),
-        format!("{:.3}", gain.present),
-        or_none(gain.limit, |x| format!("{x:.3}")),
-        margin(gain),
-    ]);
-    let needed = a.limits.time_scale_needed;
-    t.add_row([
-        "time scale".into(),
-        format!("{:.3}", a.time_scale),
-        or_none(needed, |x| format!("at least {x:.3}")),
-        needed.map_or_else(
-            || "-".into(),
-            |x| format!("{:.1} %", (a.time_scale / x - 1.0) * 100.0),
-        ),
-    ]);
-    println!("{t}\n");
-
-    let mut t = table(&["delay budget", "ms", "from"]);
-    for p in &a.delay_budget {
-        t.add_row([
-            p.part.to_owned(),
-            format!("{:+.3}", p.ms),
-            p.from.to_owned(),
-        ]);
-    }
-    println!("{t}\n");
-
-    let p = &a.perturbed;
-    println!(
-        "On {} of {} perturbed rigs small motions grow (standard deviations: times {}, gain {}, stiffness {}, damping {}).\n\
-         Worst: {} a second, least damping of mode 1 {}.",
-        p.unstable,
-        p.spread.plants,
-        percent(p.spread.delay),
-        percent(p.spread.gain),
-        percent(p.spread.stiffness),
-        percent(p.spread.damping),
-        or_dash(p.worst_growth_per_s.exp_m1()),
-        or_dash(p.least_damping_ratio),
-    );
-    for note in &a.notes {
-        println!("Note: {note}.");
-    }
 }

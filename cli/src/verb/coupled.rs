@@ -1,16 +1,14 @@
 //! `check` of a test of two coupled actuators, and what no verb does with one.
 
-use super::{hand_over, json};
+use super::{hand_over, json, no_files};
+use crate::answer::of_coupled_check;
 use crate::provenance::WithProvenance;
-use crate::report::{self, TestSection};
-use crate::terminal::coupled_test::{LIMIT_HEAD, limit_row};
-use crate::terminal::{Progress, table};
+use crate::terminal::Progress;
 use experiment::Experiment;
-use experiment::coupled::planned::{self, CoupledCheck};
+use experiment::coupled::planned;
 use experiment::failure::Failure;
 use experiment::files::ground_motion::GroundMotionFile;
 use experiment::files::test::TestFile;
-use experiment::numbers::percent;
 use experiment::stability::perturbed::Spread;
 use std::path::Path;
 
@@ -56,37 +54,20 @@ pub(super) fn check(test: &TestFile, asked: &CoupledCheckRequest<'_>) -> Result<
         let progress = Progress::over("rigs", asked.spread.plants as u64);
         planned::check(&experiment, kind, &asked.spread, || progress.add(1))?
     };
-    let page = || {
-        let section = run.trace.as_ref().map(|trace| TestSection {
-            experiment: &experiment,
-            summary: &check.planned,
-            trace,
-            ideal: &ideal,
-        });
-        let page = section.map(|section| report::of_coupled_check(&check, &section));
-        Ok(page.map(|page| ("report.html", page)).into_iter().collect())
-    };
     let text = json(&WithProvenance::seeded(&check, asked.spread.seed))?;
-    hand_over((asked.out, asked.json), ("check.json", &text), page, || {
-        print_check(&experiment, &check);
-    })?;
+    hand_over(
+        (asked.out, asked.json),
+        ("check.json", &text),
+        no_files,
+        |page| {
+            let planned = run
+                .trace
+                .as_ref()
+                .filter(|_| page)
+                .map(|trace| (trace, &ideal));
+            Ok(of_coupled_check(&experiment, &check, planned))
+        },
+    )?;
     let said = format!("{}: {}", check.verdict.name(), check.reason);
     check.verdict.outcome(said)
-}
-
-fn print_check(experiment: &Experiment, check: &CoupledCheck) {
-    println!(
-        "{}: {}.\nExpected error: {} rms; at worst {} on a rig that differs.\n",
-        check.verdict.name().to_uppercase(),
-        check.reason.trim_end_matches('.'),
-        percent(check.expected_eps_rms),
-        percent(check.expected_eps_rms_differing),
-    );
-    println!("{}", experiment.in_words());
-    let mut limits = table(&LIMIT_HEAD);
-    limits.add_rows(check.limits.iter().map(limit_row));
-    println!(
-        "{limits}\n\n{} of {} rigs that differ are lost.",
-        check.lost, check.plants,
-    );
 }

@@ -1,10 +1,10 @@
 //! `outerloop demo`: the whole story with no input.
 
+use super::look_at_page;
+use crate::answer::{TestSection, of_demo};
 use crate::improve::Improvement;
-use crate::report::{self, TestSection};
-use crate::terminal::{self, Progress};
+use crate::terminal::Progress;
 use crate::verb::rig_arguments::RigArguments;
-use crate::wording::headline;
 use experiment::Experiment;
 use experiment::failure::Failure;
 use experiment::files::near_fault::near_fault;
@@ -61,14 +61,6 @@ impl Demo {
         let out = out.as_deref().unwrap_or(&self.out);
         let test = TestFile::parse(TEST, "examples/table1.toml", Path::new(""), &[])?;
         let experiment = Experiment::new(test, &near_fault(), None)?;
-        let structure = &experiment.test.config.structure;
-        println!(
-            "A structure of {} kg on {} kN/m, an actuator {} ms late, {:.0} s of a near-fault ground motion.\n",
-            structure.mass_kg[0],
-            structure.stiffness_n_per_m[0] / 1e3,
-            experiment.test.config.compensation.delay_ms,
-            experiment.seconds,
-        );
         let steps = experiment.control_steps() * Method::ALL.len();
         let ideal = experiment.ideal()?;
         let runs = {
@@ -79,11 +71,6 @@ impl Demo {
                 .collect::<Result<Vec<_>, _>>()?
         };
         let rows: Vec<Summary> = runs.iter().map(|r| r.summary.clone()).collect();
-        println!("{}\n", terminal::summaries(&rows));
-        let shown = [Method::None, Method::Paper].map(Method::name);
-        for row in rows.iter().filter(|r| shown.contains(&r.compensation)) {
-            println!("{}: {}", row.compensation, row.sentence());
-        }
         let section = |kind: Method| {
             let run = runs
                 .iter()
@@ -96,24 +83,11 @@ impl Demo {
             })
         };
         let story = undeclared()?;
-        println!(
-            "\nAnd when the rig has something in it that nobody declared ({}):",
-            story.undeclared()
-        );
-        for c in &story.diagnosis.channels {
-            println!("    {}", headline(c));
-        }
-        for change in &story.changes {
-            println!("    -> {change}");
-        }
-        println!(
-            "\n{}",
-            terminal::improvements(&[("undeclared".into(), &story)])
-        );
         if let (Some(none), Some(paper)) = (section(Method::None), section(Method::Paper)) {
-            let page = report::of_demo(&none, &paper, &rows, &story);
-            output::write_all(out, &[("report.html", page)])?;
-            println!("\nLook at {}", out.join("report.html").display());
+            let document = of_demo(&none, &paper, &rows, &story);
+            output::write_all(out, &[("report.html", document.page())])?;
+            println!("{}", document.terminal());
+            look_at_page(Some(out));
         }
         Ok(())
     }

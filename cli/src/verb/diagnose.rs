@@ -2,12 +2,12 @@
 
 mod coupled;
 
-use super::{json, look_at_report};
+use super::{hand_over, json};
+use crate::answer::{DiagnosisSection, of_diagnosis};
 use crate::designed_test;
 use crate::provenance::WithProvenance;
-use crate::report;
 use crate::terminal;
-use diagnosis::{Diagnosis, ForceUnit, Next};
+use diagnosis::{Diagnosis, ForceUnit, Model, Next};
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
 use experiment::files::measured::{FilePart, RecordFiles, without_force_unit};
@@ -109,56 +109,59 @@ impl Diagnose {
                 Some(next)
             }
         };
-        let improved = model::to_toml(&diagnosis.improved)?;
+        self.answer(&declared, &diagnosis, next.as_ref(), out)
+    }
+
+    /// Writes and says what was found.
+    fn answer(
+        &self,
+        declared: &Model,
+        diagnosis: &Diagnosis,
+        next: Option<&Next>,
+        out: Option<&Path>,
+    ) -> Result<(), Failure> {
+        let designed = next.zip(self.next.as_deref());
         let answer = Answer {
-            diagnosis: &diagnosis,
-            next: next
-                .as_ref()
-                .zip(self.next.as_deref())
-                .map(|(design, file)| Designed { file, design }),
+            diagnosis,
+            next: designed.map(|(design, file)| Designed { file, design }),
         };
-        let with_provenance = WithProvenance::of(&answer);
+        let text = json(&WithProvenance::of(&answer))?;
+        let (stated, improved) = (
+            model::to_toml(declared)?,
+            model::to_toml(&diagnosis.improved)?,
+        );
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
-        if let Some(folder) = out {
-            let stated = model::to_toml(&declared)?;
-            let title = format!(
-                "What {} says about {}",
-                file_name(&self.train[0].file),
-                file_name(&self.model)
-            );
-            output::write_all(
-                folder,
-                &[
-                    (
-                        "report.html",
-                        report::of_diagnosis(
-                            &title,
-                            &diagnosis,
-                            next.as_ref(),
-                            [&stated, &improved],
-                        ),
-                    ),
-                    ("diagnosis.json", json(&with_provenance)?),
-                    ("model.toml", improved),
-                ],
-            )?;
-        }
-        if self.json {
-            answer!("{}", json(&with_provenance)?);
-            return Ok(());
-        }
-        println!("{}", terminal::diagnosis(&diagnosis));
-        if let Some((next, path)) = next.as_ref().zip(self.next.as_ref()) {
-            println!("\n{}", terminal::next(next));
-            println!("The command of the next test is in {}", path.display());
-        }
-        if let Some(path) = &self.save_model {
-            println!("{} is in {}", saved(&diagnosis), path.display());
-        }
-        look_at_report(out);
-        Ok(())
+        hand_over(
+            (out, self.json),
+            ("diagnosis.json", &text),
+            || Ok(vec![("model.toml", improved.as_str())]),
+            |page| {
+                let section = DiagnosisSection {
+                    title: &self.title(),
+                    diagnosis,
+                    next,
+                    models: [&stated, &improved],
+                };
+                let mut d = of_diagnosis(&section, page);
+                if let Some((_, path)) = designed {
+                    d.tell(format!(
+                        "The command of the next test is in {}",
+                        path.display()
+                    ));
+                }
+                if let Some(path) = &self.save_model {
+                    d.tell(format!("{} is in {}", saved(diagnosis), path.display()));
+                }
+                Ok(d)
+            },
+        )
+    }
+
+    fn title(&self) -> String {
+        let (record, model) = (file_name(&self.train[0].file), file_name(&self.model));
+        format!("What {record} says about {model}")
     }
 }
 

@@ -1,15 +1,13 @@
 //! `outerloop diff`: two tests that ran, side by side.
 
-use super::{hand_over, json};
+use super::{hand_over, json, no_files};
+use crate::answer::of_difference;
 use crate::archive;
-use crate::difference::{self, Difference};
+use crate::difference::Difference;
 use crate::provenance::WithProvenance;
-use crate::report;
-use crate::terminal;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
 use experiment::numbers::percent;
-use serde_json::Value;
 use std::path::PathBuf;
 
 /// Compare two recorded tests: different settings, figures, how far apart their motions are
@@ -31,6 +29,17 @@ pub struct Diff {
 }
 
 impl Diff {
+    /// Of two tests, with nothing that they have to keep.
+    pub(super) fn of([first, second]: [PathBuf; 2], out: Option<PathBuf>, json: bool) -> Self {
+        Self {
+            first,
+            second,
+            within: None,
+            out,
+            json,
+        }
+    }
+
     /// Compares.
     ///
     /// # Errors
@@ -63,17 +72,15 @@ impl Diff {
                 self.second.display()
             )));
         }
-        let json_text = json(&WithProvenance::of(&difference))?;
-        let page = || {
-            let names = [&self.first, &self.second].map(|p| p.display().to_string());
-            let page = report::of_difference(&difference, [&first, &second], &names);
-            Ok(vec![("report.html", page)])
-        };
+        let text = json(&WithProvenance::of(&difference))?;
         hand_over(
             (out.as_deref(), self.json),
-            ("difference.json", &json_text),
-            page,
-            || print(&difference),
+            ("difference.json", &text),
+            no_files,
+            |page| {
+                let names = [&self.first, &self.second].map(|p| p.display().to_string());
+                Ok(of_difference(&difference, [&first, &second], &names, page))
+            },
         )?;
         let apart = difference.of_displacement();
         match (self.within, apart) {
@@ -84,38 +91,4 @@ impl Diff {
             _ => Ok(()),
         }
     }
-}
-
-fn print(d: &Difference) {
-    if d.settings.is_empty() {
-        println!("The same test: no key of its configuration, rig or ground motion differs.\n");
-    } else {
-        let mut t = terminal::table(&["set otherwise", "first", "second"]);
-        for s in &d.settings {
-            t.add_row([
-                s.key.clone(),
-                difference::plain_text(&s.first),
-                difference::plain_text(&s.second),
-            ]);
-        }
-        println!("{t}\n");
-    }
-    let mut t = terminal::table(&["figure", "first", "second"]);
-    for f in &d.figures {
-        t.add_row([f.key.to_owned(), figure(&f.first), figure(&f.second)]);
-    }
-    println!("{t}\n");
-    let mut t = terminal::table(&["channel", "peak", "rms apart", "of peak", "most", "at"]);
-    for c in d.channels.iter().filter(|c| c.is_motion()) {
-        t.add_row(c.cells());
-    }
-    println!("{t}");
-    println!("{}", d.sentence());
-}
-
-/// A figure of a summary: a word, or a number with three digits.
-fn figure(value: &Value) -> String {
-    value
-        .as_f64()
-        .map_or_else(|| difference::plain_text(value), experiment::numbers::three)
 }

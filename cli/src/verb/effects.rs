@@ -1,6 +1,7 @@
 //! `outerloop effects`: every effect by the name that files and answers use.
 
-use crate::terminal::{output, table};
+use crate::document::table;
+use crate::terminal::output;
 use experiment::failure::Failure;
 use plant::catalogue;
 use serde_json::json;

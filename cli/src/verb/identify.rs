@@ -1,11 +1,10 @@
 //! `outerloop identify`: gain, delay, lag and offset of the actuator from a record of its motion.
 
-use super::{json, look_at_report};
+use super::{json, look_at_page};
+use crate::answer::of_identify;
 use crate::provenance::WithProvenance;
-use crate::report;
 use crate::terminal;
-use crate::wording::digits;
-use diagnosis::{Identified, Recording};
+use diagnosis::Identified;
 use experiment::actuator_doubt::doubt;
 use experiment::failure::Failure;
 use experiment::files::columns::Columns;
@@ -65,39 +64,29 @@ impl Identify {
             }
         }
         let response = match &out {
-            Some(folder) => Some(self.write_page(folder, &recording, &found, doubt.as_deref())?),
+            Some(_) => Some(frequency_response(&recording)?),
             None => None,
         };
+        let mut document =
+            of_identify(&recording.name, &found, doubt.as_deref(), response.as_ref());
+        if let (Some(folder), Some(response)) = (&out, &response) {
+            let figures = json(&WithProvenance::of(response))?;
+            let files = [("report.html", document.page()), ("response.json", figures)];
+            output::write_all(folder, &files)?;
+        }
         if self.json {
-            answer!(
-                "{}",
-                json(&WithProvenance::of(&IdentifiedOverFrequency {
-                    found,
-                    response
-                }))?
-            );
-            return doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)));
+            let all = IdentifiedOverFrequency { found, response };
+            answer!("{}", json(&WithProvenance::of(&all))?);
+        } else {
+            if let Some(path) = &self.write {
+                document.tell(format!(
+                    "{}: plant.actuator, compensation.delay_ms and estimation are set; comments are left as they were.",
+                    path.display()
+                ));
+            }
+            println!("{}", document.terminal());
+            look_at_page(out.as_deref());
         }
-        for (name, unit, value, [low, high]) in [
-            ("gain", "", found.gain, found.gain_ci90),
-            ("delay", " ms", found.delay_ms, found.delay_ms_ci90),
-            ("lag", " ms", found.lag_ms, found.lag_ms_ci90),
-            ("offset", " mm", found.offset_mm, found.offset_mm_ci90),
-        ] {
-            let [value, low, high] = [value, low, high].map(digits);
-            println!("{name:<7}{value:>9}{unit:<3}  90 % in {low} to {high}{unit}");
-        }
-        println!(
-            "The model leaves {:.2} % of the displacement's standard deviation.",
-            found.nrmse * 100.0
-        );
-        if let Some(path) = &self.write {
-            println!(
-                "{}: plant.actuator, compensation.delay_ms and estimation are set; comments are left as they were.",
-                path.display()
-            );
-        }
-        look_at_report(out.as_deref());
         doubt.map_or(Ok(()), |doubt| Err(Failure::test(doubt)))
     }
 }
@@ -110,23 +99,6 @@ struct IdentifiedOverFrequency {
     /// With `--out` alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     response: Option<FrequencyResponse>,
-}
-
-impl Identify {
-    /// The page, and beside it the figures as JSON.
-    fn write_page(
-        &self,
-        folder: &Path,
-        recording: &Recording,
-        found: &Identified,
-        doubt: Option<&str>,
-    ) -> Result<FrequencyResponse, Failure> {
-        let response = frequency_response(recording)?;
-        let page = report::of_identify(&recording.name, found, doubt, &response);
-        let figures = json(&WithProvenance::of(&response))?;
-        output::write_all(folder, &[("report.html", page), ("response.json", figures)])?;
-        Ok(response)
-    }
 }
 
 /// Sets the actuator in a test file; every other line of it stays as it is.

@@ -1,15 +1,15 @@
 //! `outerloop improve`: a test, the diagnosis of its record, and the same test with what was found.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use super::{CommonArguments, json, look_at_report, require_all_ran};
+use super::{CommonArguments, hand_over, json, require_all_ran};
+use crate::answer::of_improvements;
 use crate::designed_test;
 use crate::improve::{DESIGNED, Improvement, ImprovementOutcome};
 use crate::provenance::WithProvenance;
-use crate::report;
-use crate::terminal::{self, Progress, interrupt};
-use diagnosis::{ChannelAnswer, Diagnosis, Model, Verdict};
+use crate::terminal::{Progress, interrupt};
+use diagnosis::{Diagnosis, Model};
 use experiment::failure::Failure;
-use experiment::files::{look_ahead, model, output, record_csv};
+use experiment::files::{look_ahead, model, record_csv};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -95,15 +95,12 @@ impl Improve {
             rows: named.iter().map(|(name, s)| row(name, s)).collect(),
         };
         let summary = json(&WithProvenance::seeded(&rows, self.common.seed))?;
-        if let Some(folder) = out {
-            write(folder, &named, summary.clone())?;
-        }
-        if self.common.json {
-            answer!("{summary}");
-        } else {
-            print(&named);
-            look_at_report(out);
-        }
+        hand_over(
+            (out, self.common.json),
+            ("summary.json", &summary),
+            || files_of(&named),
+            |page| Ok(of_improvements(&named, page)),
+        )?;
         let worse: Vec<&str> = named
             .iter()
             .filter(|(_, s)| s.outcome() == ImprovementOutcome::Worse)
@@ -140,39 +137,6 @@ impl Improve {
             self.common.seed,
             &progress,
         )
-    }
-}
-
-fn print(named: &[(String, &Improvement)]) {
-    for (name, story) in named {
-        println!("{name}");
-        for c in &story.first.channels {
-            print_channel(c);
-            // Where nothing is near, the note says why.
-            if c.verdict == Verdict::Unknown && c.nearest.is_none() {
-                c.notes.iter().for_each(|note| println!("    {note}"));
-            }
-        }
-        for d in &story.designed {
-            println!(
-                "    Not settled: {}",
-                crate::wording::plan::summary(&d.next)
-            );
-            println!("    {}", crate::wording::plan::limits(&d.next));
-            d.diagnosis.channels.iter().for_each(print_channel);
-        }
-        for change in &story.changes {
-            println!("    -> {change}");
-        }
-    }
-    println!("\n{}", terminal::improvements(named));
-}
-
-/// A verdict, and how sure it is.
-fn print_channel(c: &ChannelAnswer) {
-    println!("    {}", crate::wording::headline(c));
-    if let Some(sure) = crate::wording::sureness(c) {
-        println!("    {sure}");
     }
 }
 
@@ -221,15 +185,9 @@ fn stem(test: &std::path::Path) -> String {
     stem.to_string_lossy().into_owned()
 }
 
-fn write(
-    folder: &std::path::Path,
-    stories: &[(String, &Improvement)],
-    summary: String,
-) -> Result<(), Failure> {
-    let mut files = vec![
-        ("report.html".to_owned(), report::of_improvements(stories)),
-        ("summary.json".to_owned(), summary),
-    ];
+/// The files beside the page.
+fn files_of(stories: &[(String, &Improvement)]) -> Result<Vec<(String, String)>, Failure> {
+    let mut files = Vec::new();
     for (name, story) in stories {
         let improved: &Model = &story.diagnosis.improved;
         // A model with which the test became worse is not handed on.
@@ -251,5 +209,5 @@ fn write(
             ));
         }
     }
-    output::write_all(folder, &files)
+    Ok(files)
 }

@@ -1,8 +1,9 @@
 //! `outerloop keys`: every key of a test file.
 
 use super::json;
+use crate::document::table;
 use crate::keys;
-use crate::terminal::{output, table};
+use crate::terminal::output;
 use experiment::failure::Failure;
 
 /// List every key of a test file: unit, default, what is accepted, meaning

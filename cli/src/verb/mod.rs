@@ -13,7 +13,6 @@ pub mod help;
 pub mod identify;
 pub mod improve;
 pub mod keys;
-pub mod monte_carlo;
 pub mod new;
 pub mod replay;
 pub mod rig_arguments;
@@ -22,6 +21,7 @@ pub mod serve;
 pub mod shell;
 pub mod sweep;
 
+use crate::document::Document;
 use crate::provenance::note_seed;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use experiment::Experiment;
@@ -44,9 +44,6 @@ pub struct MotionArguments {
     /// Unit of the accelerations in such a file
     #[arg(long, value_name = "UNIT")]
     unit: Option<AccelerationUnit>,
-    /// Counts of the recorder per one of that unit, for a ground motion in MiniSEED; the station's metadata say it
-    #[arg(long, value_name = "COUNTS", allow_negative_numbers = true)]
-    sensitivity: Option<f64>,
 }
 
 impl MotionArguments {
@@ -59,7 +56,6 @@ impl MotionArguments {
         let columns = ColumnChoice {
             interval_s: self.dt,
             unit: self.unit,
-            sensitivity: self.sensitivity,
         };
         match named.or(of_test.record.as_deref()) {
             Some(path) => GroundMotionFile::load(path, columns),
@@ -157,34 +153,53 @@ impl TypedValueParser for MethodName {
     }
 }
 
-/// Says where the report is, if one was written.
-fn look_at_report(folder: Option<&Path>) {
-    if let Some(folder) = folder {
-        println!("Look at {}", folder.join("report.html").display());
-    }
-}
-
-/// Hands over what a verb found out: with `--out` its `files` and the JSON, `named` with its text, in a folder; then with
-/// `--json` that text alone, else what `print` says, and where the report is.
-fn hand_over<T: Into<Vec<u8>>>(
+/// Hands over what a verb found out: with `--out` the page, its `files` and the JSON, `named` with its text, in a folder; then
+/// with `--json` that text alone, else the answer on the terminal, and where the page is. `document` is told whether there
+/// is a page.
+fn hand_over<N: Into<String>, T: Into<Vec<u8>>>(
     (out, json): (Option<&Path>, bool),
     named: (&'static str, &str),
-    files: impl FnOnce() -> Result<Vec<(&'static str, T)>, Failure>,
-    print: impl FnOnce(),
+    files: impl FnOnce() -> Result<Vec<(N, T)>, Failure>,
+    document: impl FnOnce(bool) -> Result<Document, Failure>,
 ) -> Result<(), Failure> {
+    if json && out.is_none() {
+        answer!("{}", named.1);
+        return Ok(());
+    }
+    let document = document(out.is_some())?;
     if let Some(folder) = out {
-        let files = files()?.into_iter().map(|(name, file)| (name, file.into()));
-        let text: (&str, Vec<u8>) = (named.0, named.1.into());
-        let all: Vec<(&str, Vec<u8>)> = files.chain([text]).collect();
-        output::write_all(folder, &all)?;
+        let own = [
+            ("report.html", document.page().into_bytes()),
+            (named.0, named.1.into()),
+        ];
+        let own = own.map(|(name, file): (&str, Vec<u8>)| (name.to_owned(), file));
+        let files = files()?
+            .into_iter()
+            .map(|(name, file)| (name.into(), file.into()));
+        output::write_all(
+            folder,
+            &files.chain(own).collect::<Vec<(String, Vec<u8>)>>(),
+        )?;
     }
     if json {
         answer!("{}", named.1);
     } else {
-        print();
-        look_at_report(out);
+        println!("{}", document.terminal());
+        look_at_page(out);
     }
     Ok(())
+}
+
+/// Where a verb has nothing beside the page and its JSON.
+fn no_files() -> Result<Vec<(&'static str, String)>, Failure> {
+    Ok(Vec::new())
+}
+
+/// Says where the page is, if one was written.
+fn look_at_page(folder: Option<&Path>) {
+    if let Some(folder) = folder {
+        println!("Look at {}", folder.join("report.html").display());
+    }
 }
 
 /// That all tests ran; Ctrl-C leaves a part of them.

@@ -1,18 +1,19 @@
 //! `outerloop run`: one closed-loop test.
 
 use super::rig_arguments::{RigArguments, RigKind};
-use super::{CommonArguments, MethodName, json, look_at_report};
+use super::{CommonArguments, MethodName, json, look_at_page};
+use crate::answer::of_run;
 use crate::archive::{self, FinishedTest};
 use crate::board::Trajectory;
 use crate::improve::TestSite;
-use crate::orders::OrderRecorder;
+use crate::orders::{OperatorOrder, OrderRecorder};
 use crate::provenance::WithProvenance;
-use crate::report::{self, TestSection};
 use crate::scope::Scoped;
 use crate::terminal::interrupt::{self, StopBySignal};
-use crate::terminal::{self, Progress, plot};
+use crate::terminal::{self, Progress};
 use diagnosis::ForceUnit;
 use experiment::Experiment;
+use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::signal::SignalPoints;
 use experiment::files::test::TestFile;
@@ -20,7 +21,6 @@ use experiment::files::{look_ahead, model, output, record_csv};
 use experiment::judged::JudgedRun;
 use experiment::numbers::{length, three};
 use experiment::rig::improvement;
-use experiment::summary::Summary;
 use experiment::trace::Response;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -51,9 +51,6 @@ pub struct Run {
     /// What is known of the rig, for example from `diagnose --save-model`: taken into account in this test
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Draw the displacement in the terminal, also where standard output is none
-    #[arg(long, conflicts_with = "json")]
-    plot: bool,
     #[command(flatten)]
     place: RigArguments,
     #[command(flatten)]
@@ -100,50 +97,43 @@ impl Run {
         }
         let experiment = self.common.experiment(&test, self.record.as_deref())?;
         remarks.extend(experiment.remarks());
-        let (run, picture) = self.test(&experiment, out)?;
-        if self.common.json {
-            answer!(
-                "{}",
-                json(&WithProvenance::seeded(&run.summary, self.common.seed))?
-            );
-        } else {
-            println!("{}", experiment.in_words());
-            for remark in remarks {
-                println!("{remark}");
-            }
-            tell(&run.summary, picture);
-            look_at_report(out);
-            if let Some(board) = &run.summary.board {
-                println!("{}", board.sentence());
-            }
+        let ran = self.test(&experiment, out.is_some())?;
+        let summary = &ran.run.summary;
+        let page = ran.run.trace.as_ref().filter(|_| out.is_some());
+        let page = page.map(|trace| (trace, &ran.ideal));
+        let mut document = of_run(&experiment, summary, &remarks, page);
+        let text = json(&WithProvenance::seeded(summary, self.common.seed))?;
+        self.write(&experiment, &ran, out, [&document.page(), &text])?;
+        if let Some(board) = &summary.board {
+            document.tell(board.sentence());
         }
-        run.summary.outcome()
+        if self.common.json {
+            answer!("{text}");
+        } else {
+            println!("{}", document.terminal());
+            look_at_page(out);
+        }
+        summary.outcome()
     }
 
-    /// Runs the test and writes what was asked for; with it a picture of it, where one is wanted.
-    fn test(
-        &self,
-        experiment: &Experiment,
-        out: Option<&Path>,
-    ) -> Result<(JudgedRun, Option<String>), Failure> {
+    /// Runs the test; with a page or an archive every step is kept.
+    fn test(&self, experiment: &Experiment, with_page: bool) -> Result<Ran, Failure> {
         let test = &experiment.test;
-        let kind = match &self.compensation {
+        let compensation = match &self.compensation {
             Some(name) => test.compensation_named(name)?,
             None => test.compensation(),
         };
-        let keep = out.is_some() || self.archive.is_some();
+        let keep = with_page || self.archive.is_some();
         experiment.check_memory(experiment.memory_bytes(keep))?;
         if let Some(note) = experiment.note_of_size(keep) {
             eprintln!("outerloop: note: {note}");
         }
-        let drawn = !self.common.json && (self.plot || plot::columns().is_some());
         let progress = Progress::over(&experiment.record, experiment.control_steps() as u64);
         let ideal = experiment.ideal()?;
         let rate_hz = test.config.timing.rate_hz;
         let title = format!("{} under {}", self.common.test.display(), experiment.record);
         let simulated = self.place.kind() == RigKind::Simulated;
         let scope = self.scope.open(&title, rate_hz, simulated)?;
-        let mut response = drawn.then(|| Response::new(ideal.peaks_m().len()));
         // What repeats itself is stopped by an order that a replay can give again.
         let repeats = self.place.kind() != RigKind::Board;
         let by_signal = repeats.then_some(StopBySignal);
@@ -151,28 +141,16 @@ impl Run {
             interrupt::watch_rig();
         }
         let mut recorder = OrderRecorder::new((scope, by_signal));
-        let observer = (progress.observer(), (&mut recorder, &mut response));
+        let observer = (progress.observer(), &mut recorder);
         let seed = self.common.seed;
         let place = self.place.watched(self.scope.is_wanted());
-        let run = place.run(experiment, kind, &ideal, seed, keep, observer)?;
-        if let Some(trace) = &run.trace {
-            self.write(
-                &FinishedTest {
-                    experiment,
-                    compensation: kind,
-                    place: self.place.kind(),
-                    seed,
-                    orders: &recorder.orders(),
-                    summary: &run.summary,
-                    trace,
-                },
-                &ideal,
-                out,
-            )?;
-        }
-        let (step_s, floors) = (test.config.model_step_s(), experiment.floors_in_m());
-        let picture = response.map(|r| plot::response(&ideal, &r, step_s, floors));
-        Ok((run, picture))
+        let run = place.run(experiment, compensation, &ideal, seed, keep, observer)?;
+        Ok(Ran {
+            compensation,
+            ideal,
+            run,
+            orders: recorder.orders(),
+        })
     }
 
     /// Plays a signal instead of a test.
@@ -243,40 +221,54 @@ impl Run {
         })
     }
 
-    /// Writes what was asked for.
+    /// Writes what was asked for: the archive, and a folder with the page and the figures.
     fn write(
         &self,
-        ran: &FinishedTest<'_>,
-        ideal: &Response,
+        experiment: &Experiment,
+        ran: &Ran,
         out: Option<&Path>,
+        [page, figures]: [&str; 2],
     ) -> Result<(), Failure> {
-        let archived = archive::to_bytes(ran)?;
+        let Some(trace) = &ran.run.trace else {
+            return Ok(());
+        };
+        let archived = archive::to_bytes(&FinishedTest {
+            experiment,
+            compensation: ran.compensation,
+            place: self.place.kind(),
+            seed: self.common.seed,
+            orders: &ran.orders,
+            summary: &ran.run.summary,
+            trace,
+        })?;
         if let Some(file) = &self.archive {
             output::write(file, &archived)?;
         }
         let Some(folder) = out else {
             return Ok(());
         };
-        let section = TestSection {
-            experiment: ran.experiment,
-            summary: ran.summary,
-            trace: ran.trace,
-            ideal,
-        };
-        let summary = WithProvenance::seeded(ran.summary, ran.seed);
         let mut files = vec![
-            ("report.html", report::of_run(&section).into_bytes()),
-            ("record.csv", record_csv::to_csv(ran.trace).into_bytes()),
+            ("report.html", page.into()),
+            ("record.csv", record_csv::to_csv(trace).into_bytes()),
             ("record.h5", archived),
-            ("summary.json", json(&summary)?.into_bytes()),
+            ("summary.json", figures.into()),
         ];
-        let board = ran.summary.board.as_ref();
+        let board = ran.run.summary.board.as_ref();
         if let Some(further) = board.and_then(|b| b.further.as_ref()) {
-            let rate_hz = ran.experiment.test.config.timing.rate_hz;
+            let rate_hz = experiment.test.config.timing.rate_hz;
             files.push(("inputs.csv", further.to_csv(rate_hz).into_bytes()));
         }
         output::write_all(folder, &files)
     }
+}
+
+/// A test that ran.
+struct Ran {
+    compensation: Compensation,
+    ideal: Response,
+    run: JudgedRun,
+    /// What the operator asked for.
+    orders: Vec<OperatorOrder>,
 }
 
 /// Puts what the model file at `path` knows of the rig into the test, and says what was done.
@@ -296,24 +288,6 @@ fn take_into_account(path: &Path, test: &mut TestFile) -> Result<Vec<String>, Fa
     let done = improvement::apply(&known, &mut test.config);
     remarks.extend(done.iter().map(|d| format!("{}: {d}", path.display())));
     Ok(remarks)
-}
-
-/// The figures, the picture and the sentences of a test.
-fn tell(summary: &Summary, picture: Option<String>) {
-    println!("{}\n", terminal::summaries(std::slice::from_ref(summary)));
-    if let Some(found) = terminal::found(summary) {
-        println!("{found}\n");
-    }
-    if let Some(picture) = picture {
-        println!("{picture}\n");
-    }
-    // A test that failed says so once, at the end.
-    if summary.outcome().is_ok() {
-        println!("{}", summary.sentence());
-    }
-    if let Some(watch) = &summary.watch {
-        println!("{}", watch.sentence());
-    }
 }
 
 /// What became of a signal.

@@ -2,9 +2,9 @@
 
 use super::json;
 use super::rig_arguments::{RigArguments, RigKind};
+use crate::answer::{SessionSection, of_served};
 use crate::board::limits::PlannedMotion;
 use crate::provenance::WithProvenance;
-use crate::report::{self, SessionSection};
 use crate::scope::Scoped;
 use crate::serve::{
     DeclaredElement, Mover, SessionSummary, SessionVerdict, WaitingRoom, serve_client,
@@ -156,11 +156,12 @@ impl Serve {
         summary: &SessionSummary,
         trace: &Trace,
     ) -> Result<(), Failure> {
-        let report = report::of_served(&SessionSection {
+        let report = of_served(&SessionSection {
             test,
             summary,
             trace,
         });
+        let report = report.page();
         let text = json(&WithProvenance::seeded(summary, self.seed))?;
         let files = [report, record_csv::to_csv(trace), text];
         let files: Vec<_> = FILES.into_iter().zip(files).collect();

@@ -1,40 +1,108 @@
-//! `outerloop sweep`: the same test over the values of one key.
+//! `outerloop sweep`: the same test over the values of one key, or on rigs that are drawn around the declared one; under that
+//! name also `outerloop monte-carlo`.
 
 use super::{CommonArguments, MethodName, each_record, hand_over, json, require_all_ran};
+use crate::answer::{self, TestSection};
+use crate::many::{self, OneOfMany, Outcome, Range};
 use crate::provenance::WithProvenance;
-use crate::report;
-use crate::sweep::swept_test::SweptTest;
-use crate::sweep::{self, Fragility, Range, SweepResult};
-use crate::terminal::{interrupt, table};
+use crate::terminal::{Progress, interrupt};
 use experiment::Experiment;
 use experiment::compensation::Compensation;
 use experiment::failure::Failure;
 use experiment::files::look_ahead;
-use experiment::numbers::{length, percent_or_lost};
+use experiment::stability::perturbed::Spread;
+use experiment::stability::variation::Variation;
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::time::Instant;
 
-/// Run the same test over the values of one key; fragility curves
+/// Run the same test over the values of one key, or on drawn rigs
 #[derive(clap::Args, Debug)]
 pub struct Sweep {
     #[command(flatten)]
     common: CommonArguments,
     /// The key and its values, e.g. plant.actuator.delay_ms=0..20/11 (eleven of them) or excitation.scale=0.5,1,2
-    #[arg(long, value_name = "PATH=VALUES")]
-    over: String,
+    #[arg(long, value_name = "PATH=VALUES", required_unless_present = "drawn")]
+    over: Option<String>,
+    /// So many rigs drawn around the declared one, on one ground motion under one compensation; standard deviations: times of
+    /// the actuator 10 %, its gain 2 %, stiffness of the specimen 5 %
+    #[arg(
+        long,
+        value_name = "RIGS",
+        conflicts_with = "over",
+        allow_negative_numbers = true
+    )]
+    drawn: Option<usize>,
     /// A ground motion; may be given several times
     #[arg(long, value_name = "FILE")]
     record: Vec<PathBuf>,
     /// Compensations, separated by commas; left out: the test file's
     #[arg(long, value_delimiter = ',', value_name = "A,B,...", value_parser = MethodName, hide_possible_values = true)]
     compensations: Vec<String>,
-    /// Fragility: the share of ground motions under which a floor moves further than this, mm, with a lognormal curve; for
-    /// a sweep over excitation.scale
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    limit_mm: Option<f64>,
-    /// Write report.html, sweep.csv and sweep.json there
+    /// Write report.html, sweep.csv and sweep.json there; with --drawn tests.csv (each rig, and how its test ended) and
+    /// monte-carlo.json
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+}
+
+/// Run the same test on many rigs drawn around the declared one: sweep --drawn
+#[derive(clap::Args, Debug)]
+pub struct MonteCarlo {
+    #[command(flatten)]
+    common: CommonArguments,
+    /// The ground motion: CSV, AT2, or one acceleration a line
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// The compensation, instead of the test file's
+    #[arg(long, value_name = "NAME", value_parser = MethodName, hide_possible_values = true)]
+    compensation: Option<String>,
+    /// How many tests
+    #[arg(long, default_value_t = 10_000)]
+    tests: usize,
+    /// Write report.html, tests.csv (each rig, and how its test ended) and monte-carlo.json there
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl MonteCarlo {
+    /// Runs all of them.
+    ///
+    /// # Errors
+    /// Bad input.
+    pub fn run(self) -> Result<(), Failure> {
+        let sweep = Sweep {
+            common: self.common,
+            over: None,
+            drawn: None,
+            record: self.record.into_iter().collect(),
+            compensations: self.compensation.into_iter().collect(),
+            out: self.out,
+        };
+        sweep.on_drawn("--tests", self.tests)
+    }
+}
+
+/// Standard deviations of the rigs, as `check` has them.
+const SPREAD: Spread = Spread {
+    plants: 0,
+    seed: 0,
+    delay: 0.10,
+    gain: 0.02,
+    stiffness: 0.05,
+    damping: 0.0,
+};
+
+/// Tests whose ideals are worked out together.
+const TOGETHER: usize = 4;
+
+/// What a sweep came to.
+#[derive(Serialize)]
+struct SweepResult<'a> {
+    /// Path of the key.
+    path: &'a str,
+    /// Each test.
+    rows: &'a [OneOfMany],
 }
 
 impl Sweep {
@@ -43,50 +111,46 @@ impl Sweep {
     /// # Errors
     /// Bad input; Ctrl-C before all tests ran.
     pub fn run(&self) -> Result<(), Failure> {
-        let out = look_ahead::folder(
-            self.out.as_deref(),
-            &["report.html", "sweep.csv", "sweep.json"],
-        )?;
-        let out = out.as_deref();
-        interrupt::watch();
-        let range = Range::parse(&self.over)?;
-        if let Some(mm) = self.limit_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
-            return Err(Failure::input(format!(
-                "--limit-mm {mm}: accepted are millimetres above 0"
-            )));
+        match (&self.over, self.drawn) {
+            (Some(over), _) => self.over_values(over),
+            (None, drawn) => self.on_drawn("--drawn", drawn.unwrap_or_default()),
         }
+    }
+
+    fn over_values(&self, over: &str) -> Result<(), Failure> {
+        let names = ["report.html", "sweep.csv", "sweep.json"];
+        let out = look_ahead::folder(self.out.as_deref(), &names)?;
+        interrupt::watch();
+        let range = Range::parse(over)?;
         let experiments = self.experiments(&range)?;
-        let methods = match (&self.compensations[..], experiments.first()) {
-            ([], Some((_, e))) => vec![e.test.compensation()],
-            (names, Some((_, e))) => {
-                let named = names.iter().map(|n| e.test.compensation_named(n));
+        let Some((_, first)) = experiments.first() else {
+            return require_all_ran(0, range.values.len());
+        };
+        let methods: Vec<Compensation> = match &self.compensations[..] {
+            [] => vec![first.test.compensation()],
+            names => {
+                let named = names.iter().map(|n| first.test.compensation_named(n));
                 named.collect::<Result<_, _>>()?
             }
-            (_, None) => Vec::new(),
         };
-        let rows = sweep::run(&experiments, &methods, self.common.seed)?;
-        let curves = self.fragility(&rows, &methods);
-        let swept = SweepResult {
-            path: &range.path,
-            rows: &rows,
-            limit_mm: self.limit_mm,
-            fragility: &curves,
+        let steps: usize = experiments.iter().map(|(_, e)| e.control_steps()).sum();
+        let rows = {
+            let progress = Progress::over("sweep", (steps * methods.len()) as u64);
+            let lay_out = |i: usize| vec![experiments[i].clone()];
+            let seed = |_| self.common.seed;
+            many::run(experiments.len(), lay_out, &methods, seed, &progress)?
         };
-        let json_text = json(&WithProvenance::seeded(&swept, self.common.seed))?;
-        let files = || {
-            let page = experiments
-                .first()
-                .map(|(_, first)| ("report.html", report::of_sweep(&swept, first)));
-            Ok(page
-                .into_iter()
-                .chain([("sweep.csv", csv(&rows))])
-                .collect())
-        };
+        let path = &range.path;
+        let swept = SweepResult { path, rows: &rows };
+        let names: Vec<&'static str> = methods.iter().map(|m| m.name()).collect();
         hand_over(
-            (out, self.common.json),
-            ("sweep.json", &json_text),
-            files,
-            || print(&swept, &methods),
+            (out.as_deref(), self.common.json),
+            (
+                "sweep.json",
+                &json(&WithProvenance::seeded(&swept, self.common.seed))?,
+            ),
+            || Ok(vec![("sweep.csv", values_csv(&rows))]),
+            |page| Ok(answer::of_values(path, &rows, &names, first, page)),
         )?;
         let asked = range.values.len() * each_record(&self.record).len() * methods.len();
         require_all_ran(rows.len(), asked)
@@ -107,59 +171,87 @@ impl Sweep {
         Ok(all)
     }
 
-    /// The curves, the ideal rig's first; none without a limit.
-    fn fragility(&self, rows: &[SweptTest], methods: &[Compensation]) -> Vec<Fragility> {
-        let (Some(mm), Some(first)) = (self.limit_mm, methods.first()) else {
-            return Vec::new();
-        };
-        let limit_m = 1e-3 * mm;
-        let own = |m: &Compensation| -> Vec<SweptTest> {
-            let of_it = rows.iter().filter(|r| r.summary.compensation == m.name());
-            of_it.cloned().collect()
-        };
-        let ideal = Fragility::of("ideal", &own(first), |r| r.ideal_peak_m > limit_m);
-        let tested = methods
-            .iter()
-            .map(|m| Fragility::of(m.name(), &own(m), |r| r.beyond(limit_m)));
-        std::iter::once(ideal).chain(tested).collect()
-    }
-}
-
-fn print(swept: &SweepResult<'_>, methods: &[Compensation]) {
-    let key = swept.path.rsplit('.').next().unwrap_or(swept.path);
-    let mut head = vec![key.to_owned(), "ideal peak".into()];
-    head.extend(methods.iter().map(|m| m.name().to_owned()));
-    head.extend(swept.fragility.iter().map(|f| format!("beyond, {}", f.of)));
-    let head: Vec<&str> = head.iter().map(String::as_str).collect();
-    let mut t = table(&head);
-    let mut values: Vec<f64> = swept.rows.iter().map(|r| r.value).collect();
-    values.dedup();
-    for value in values {
-        let own = swept.rows.iter().filter(|r| r.value == value);
-        let peak_m = own.map(|r| r.ideal_peak_m).fold(0.0, f64::max);
-        let mut cells = vec![value.to_string(), length(peak_m)];
-        cells.extend(methods.iter().map(|m| {
-            sweep::worst(swept.rows, m.name(), value).map_or_else(String::new, percent_or_lost)
-        }));
-        cells.extend(swept.fragility.iter().map(|f| {
-            let share = f.shares.iter().find(|s| s.value == value);
-            share.map_or_else(String::new, |s| format!("{} of {}", s.beyond, s.of))
-        }));
-        t.add_row(cells);
-    }
-    println!("{t}");
-    println!(
-        "eps_rms (Eq 18) of each compensation, and the largest ideal peak; of several ground motions the worst."
-    );
-    if let Some(mm) = swept.limit_mm {
-        println!("\nWhere a floor moves further than {}:", length(1e-3 * mm));
-        for f in swept.fragility {
-            println!("  {:<14}{}", f.of, f.in_words());
+    /// `tests` drawn rigs, asked for by the option `option`.
+    fn on_drawn(&self, option: &str, tests: usize) -> Result<(), Failure> {
+        let names = ["report.html", "tests.csv", "monte-carlo.json"];
+        let out = look_ahead::folder(self.out.as_deref(), &names)?;
+        if !(1..=1_000_000).contains(&tests) {
+            return Err(Failure::input(format!(
+                "{option} {tests}: accepted are 1 to 1000000"
+            )));
         }
+        let test = self.common.load()?;
+        let (record, kind) = match (&self.record[..], &self.compensations[..]) {
+            ([] | [_], []) => (self.record.first(), test.compensation()),
+            ([] | [_], [name]) => (self.record.first(), test.compensation_named(name)?),
+            _ => {
+                return Err(Failure::input(format!(
+                    "{option}: accepted are one ground motion and one compensation"
+                )));
+            }
+        };
+        let experiment = self
+            .common
+            .experiment(&test, record.map(PathBuf::as_path))?;
+        let spread = Spread {
+            plants: tests,
+            seed: self.common.seed,
+            ..SPREAD
+        };
+        let rigs = spread.draw();
+        interrupt::watch();
+        let began = Instant::now();
+        // What is wrong with a specimen is no error of the test: each has its own ideal.
+        let on_rig = |i: usize| (i as f64, experiment.on_rig(&rigs[i]));
+        let seed = |number: f64| self.common.seed.wrapping_add(number as u64);
+        let rows = {
+            let progress = Progress::over("tests", (experiment.control_steps() * tests) as u64);
+            let lay_out = |group: usize| {
+                let first = group * TOGETHER;
+                (first..(first + TOGETHER).min(tests)).map(on_rig).collect()
+            };
+            many::run(tests.div_ceil(TOGETHER), lay_out, &[kind], seed, &progress)?
+        };
+        if rows.is_empty() {
+            return require_all_ran(0, tests);
+        }
+        let outcome = outcome(&rows, kind.name(), began.elapsed().as_secs_f64());
+        let rigs: Vec<Variation> = rows.iter().map(|r| rigs[r.value as usize]).collect();
+        let page = |with_page: bool| {
+            if !with_page {
+                return Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, None));
+            }
+            // The worst once more, with every step kept.
+            let error = |i: &usize| rows[*i].summary.error();
+            let worst = (0..rows.len()).max_by(|a, b| error(a).total_cmp(&error(b)));
+            let worst = worst.unwrap_or(0);
+            let own = experiment.on_rig(&rigs[worst]);
+            let ideal = own.ideal()?;
+            let run = own.run(kind, &ideal, seed(rows[worst].value), true, ())?;
+            let kept = || Failure::test("the worst test kept no record");
+            let section = TestSection {
+                experiment: &own,
+                summary: &run.summary,
+                trace: run.trace.as_ref().ok_or_else(kept)?,
+                ideal: &ideal,
+            };
+            let worst = Some((&rigs[worst], section));
+            Ok(answer::of_rigs(&outcome, &spread, &rows, &rigs, worst))
+        };
+        hand_over(
+            (out.as_deref(), self.common.json),
+            (
+                "monte-carlo.json",
+                &json(&WithProvenance::seeded(&outcome, self.common.seed))?,
+            ),
+            || Ok(vec![("tests.csv", rigs_csv(&rows, &rigs))]),
+            page,
+        )?;
+        require_all_ran(rows.len(), tests)
     }
 }
 
-fn csv(rows: &[SweptTest]) -> String {
+fn values_csv(rows: &[OneOfMany]) -> String {
     let mut text = String::from(
         "value,ground_motion,compensation,verdict,eps_rms_1,eps_max_1,peak_displacement_m,ideal_peak_m\n",
     );
@@ -179,4 +271,44 @@ fn csv(rows: &[SweptTest]) -> String {
         );
     }
     text
+}
+
+fn rigs_csv(rows: &[OneOfMany], rigs: &[Variation]) -> String {
+    let mut text = String::from(
+        "test,actuator_times_1,actuator_gain_1,specimen_stiffness_1,verdict,eps_rms_1,eps_max_1\n",
+    );
+    for (r, rig) in rows.iter().zip(rigs) {
+        let s = &r.summary;
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{}",
+            r.value,
+            rig.delay,
+            rig.gain,
+            rig.stiffness,
+            s.verdict.name(),
+            s.eps_rms,
+            s.eps_max
+        );
+    }
+    text
+}
+
+fn outcome(rows: &[OneOfMany], compensation: &'static str, wall_s: f64) -> Outcome {
+    let mut errors: Vec<f64> = rows.iter().map(|r| r.summary.error()).collect();
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize];
+    let steps: usize = rows.iter().map(|r| r.summary.steps).sum();
+    Outcome {
+        compensation,
+        tests: rows.len(),
+        threads: rayon::current_num_threads(),
+        wall_s,
+        tests_per_s: rows.len() as f64 / wall_s,
+        control_steps_per_s: steps as f64 / wall_s,
+        completed: errors.iter().filter(|e| e.is_finite()).count(),
+        eps_rms_median: at(0.5),
+        eps_rms_95: at(0.95),
+        eps_rms_worst: at(1.0),
+    }
 }

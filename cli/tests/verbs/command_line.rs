@@ -289,40 +289,6 @@ fn every_compensation_answers_to_its_name_in_every_place() {
 }
 
 #[test]
-fn the_bench_ranks_its_contestants_and_draws_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().to_string_lossy().into_owned();
-    let bench = [
-        "compare",
-        TABLE1,
-        "--bench",
-        "--duration",
-        "6",
-        "--json",
-        "--quiet",
-        "--out",
-        &out,
-    ];
-    let names = ["--compensations", "none,paper,tangent,tangent+ats"];
-    let all = json(&[&bench[..], &names].concat());
-    let standings = all["standings"].as_array().unwrap();
-    assert_eq!(standings.len(), 4);
-    assert_eq!(standings[3]["compensation"], "none");
-    let tests = standings[0]["tests"].as_u64().unwrap();
-    assert!(tests >= 50, "{tests} rigs");
-    assert_eq!(all["rows"].as_array().unwrap().len() as u64, 4 * tests);
-    let mean = |i: usize| standings[i]["mean"].as_f64().unwrap();
-    assert!(mean(0) <= mean(1) && mean(2) < 0.5 * mean(3));
-    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    assert_eq!(page.matches("class=\"drawing").count(), 6);
-    assert!(page.contains("second order 33.5 ms") && !page.contains("NaN"));
-    refused(
-        &[&bench[..], &["--compensations", "paper+magic"]].concat(),
-        &["paper+magic", "tangent+ats"],
-    );
-}
-
-#[test]
 fn many_rigs_differ_and_repeat_themselves() {
     let many = [
         "monte-carlo",
@@ -337,6 +303,20 @@ fn many_rigs_differ_and_repeat_themselves() {
     for key in ["completed", "eps_rms_median", "eps_rms_95", "eps_rms_worst"] {
         assert_eq!(once[key], again[key], "{key}");
     }
+    let drawn = [
+        "sweep",
+        TABLE1,
+        "--drawn",
+        "20",
+        "--duration",
+        "6",
+        "--json",
+    ];
+    assert_eq!(
+        json(&drawn)["eps_rms_95"],
+        once["eps_rms_95"],
+        "the same by its other name"
+    );
     // Gains of 2 % pass through the damping, which sees a stiffness in them, and are taken out by the tangent force.
     let tangent = json(&[&many[..], &["--compensation", "tangent"]].concat());
     let of = |a: &Value, key: &str| a[key].as_f64().unwrap();

@@ -333,7 +333,6 @@ fn what_cannot_be_is_refused_in_one_sentence() {
     set("structure.mass_kg=1", &["structure", "beside [coupled]"]);
     let none = "two coupled actuators";
     refused(&["run", EXAMPLE, "--emulated"], &["--emulated", none]);
-    refused(&["compare", EXAMPLE, "--bench"], &["--bench", none]);
     refused(&["monte-carlo", EXAMPLE], &["run, compare, check, sweep"]);
     refused(&["serve", EXAMPLE], &["run, compare, check, sweep"]);
     refused(

@@ -34,6 +34,11 @@ fn against_an_ideal_rig_the_difference_is_equation_18() {
     let (paper, summary) = ran(folder.path(), "paper", &[]);
     let out = folder.path().join("both").display().to_string();
     let difference = json(&["diff", &ideal, &paper, "--json", "--out", &out]);
+    let compared = json(&["compare", &ideal, &paper, "--json"]);
+    assert_eq!(
+        compared["channels"], difference["channels"],
+        "the same by its other name"
+    );
     let target = channel(&difference, "target_m");
     for (own, key) in [("rms_of_peak", "eps_rms"), ("peak", "peak_displacement_m")] {
         let (own, other) = (

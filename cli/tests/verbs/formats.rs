@@ -217,16 +217,3 @@ fn published_mat_and_hdf5_files_are_read_as_they_are() {
         );
     }
 }
-
-#[test]
-fn counts_of_a_recorder_shake_a_test_once_their_unit_is_said() {
-    let file = "experiment/tests/miniseed/steim2.mseed";
-    for verb in ["run", "check"] {
-        let test = [verb, "examples/table1.toml", "--record", file];
-        refused(&test, &["steim2.mseed", "--unit", "--sensitivity"]);
-        let said = ["--unit", "m/s2", "--sensitivity", "1e6", "--json"];
-        let output = outerloop(&[&test[..], &said].concat());
-        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!(answer["provenance"]["files"][1]["file"], file);
-    }
-}

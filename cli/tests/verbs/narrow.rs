@@ -33,7 +33,7 @@ const LINES: [&str; 20] = [
     "check examples/table1.toml --plants 4",
     "monte-carlo examples/table1.toml --tests 4",
     "sweep examples/table1.toml --duration 8 --over plant.actuator.delay_ms=2,8 --compensations none,paper,tangent,ats,amb,feedforward-feedback,tangent+ats",
-    "sweep examples/table1.toml --over excitation.scale=.5,1 --record o/one.csv --record o/two.csv --limit-mm 60",
+    "sweep examples/table1.toml --over excitation.scale=.5,1 --record o/one.csv --record o/two.csv",
     "diagnose --model o/model.toml --train o/first/record.csv@..20 --test o/first/record.csv@20.. --remainder",
     "improve examples/undeclared/calibration.toml",
     "identify o/first/record.csv",

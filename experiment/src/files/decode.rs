@@ -124,9 +124,9 @@ fn kind(bytes: &[u8]) -> &'static str {
             ..,
         ]
         | [b'M', b'S', 3, ..] => {
-            " of MiniSEED, which is read as a ground motion alone: ObsPy writes it as text"
+            " of MiniSEED: ObsPy reads it, takes the instrument's response off (remove_response, ACC) and writes it as text"
         }
-        _ if is_sac(bytes) => " of SAC: ObsPy reads it and writes it as MiniSEED or as text",
+        _ if is_sac(bytes) => " of SAC: ObsPy reads it and writes it as text",
         _ if is_mat_4(bytes) => {
             " of MATLAB 4: save it with `-v7`, or load it with scipy.io.loadmat and save it again"
         }

@@ -216,37 +216,7 @@ impl SiRecording {
             let values: Vec<f64> = values.iter().map(|x| x * factor).collect();
             columns.push(Column { values, ..column });
         }
-        let rows = table.lines.len();
-        let at = columns
-            .iter()
-            .position(|c| c.quantity == "time" && c.axis == 1);
-        let time_s = match (at, said.rate) {
-            (Some(at), None) => columns.remove(at).values,
-            (None, Some(hz)) if hz > 0.0 && hz <= 1e7 => (0..rows).map(|i| i as f64 / hz).collect(),
-            (None, Some(hz)) => {
-                return Err(Failure::input(format!(
-                    "--rate {hz} is refused: accepted are above 0 to 1e7 Hz"
-                )));
-            }
-            (Some(_), Some(_)) => {
-                return Err(Failure::input(format!(
-                    "{}: has times of its own: accepted is a file without, beside --rate",
-                    table.file
-                )));
-            }
-            (None, None) => return Err(no_time(&table)),
-        };
-        if time_s.len() < 2 {
-            let rows = match time_s.len() {
-                0 => "no row",
-                _ => "one row",
-            };
-            return Err(Failure::input(format!(
-                "{}: has {rows} of numbers: accepted are at least {}",
-                table.file,
-                diagnosis::FEWEST_SAMPLES
-            )));
-        }
+        let time_s = times(&table, &mut columns, said.rate)?;
         notes.extend(notes::of(&table, |quantity| {
             columns
                 .iter()
@@ -388,6 +358,44 @@ fn unknown(name: &str) -> Column {
         unit: String::new(),
         values: Vec::new(),
     }
+}
+
+/// The times of the rows, s, which are taken out of the columns where they stand there; else of a rate.
+fn times(
+    table: &NumberTable,
+    columns: &mut Vec<Column>,
+    rate_hz: Option<f64>,
+) -> Result<Vec<f64>, Failure> {
+    let rows = table.lines.len();
+    let is_time = |c: &Column| c.quantity == "time" && c.axis == 1;
+    let time_s = match (columns.iter().position(is_time), rate_hz) {
+        (Some(at), None) => columns.remove(at).values,
+        (None, Some(hz)) if hz > 0.0 && hz <= 1e7 => (0..rows).map(|i| i as f64 / hz).collect(),
+        (None, Some(hz)) => {
+            return Err(Failure::input(format!(
+                "--rate {hz} is refused: accepted are above 0 to 1e7 Hz"
+            )));
+        }
+        (Some(_), Some(_)) => {
+            return Err(Failure::input(format!(
+                "{}: has times of its own: accepted is a file without, beside --rate",
+                table.file
+            )));
+        }
+        (None, None) => return Err(no_time(table)),
+    };
+    if time_s.len() < 2 {
+        let rows = match time_s.len() {
+            0 => "no row",
+            _ => "one row",
+        };
+        return Err(Failure::input(format!(
+            "{}: has {rows} of numbers: accepted are at least {}",
+            table.file,
+            diagnosis::FEWEST_SAMPLES
+        )));
+    }
+    Ok(time_s)
 }
 
 /// That a table has no time, and how to say which column it is.

@@ -1,5 +1,11 @@
-//! The verdicts of `check` and the interlocks over some of the drawn tests that the command `check-surveys` draws many of.
+//! The verdicts of `check` and the interlocks over some of the drawn tests that the command `check-surveys` draws many of; the bench
+//! of `compensation-bench`.
 
+use experiment::Experiment;
+use experiment::files::near_fault::near_fault;
+use experiment::files::test::TestFile;
+use host_tests::compensations::condition::{Condition, yielding};
+use host_tests::compensations::{self, standing};
 use host_tests::surveys::promise::{MonitorPromise, SurveyPromise};
 use host_tests::surveys::verdicts::ActualOutcome;
 use host_tests::surveys::{monitor, verdicts};
@@ -36,4 +42,26 @@ fn the_monitor_stops_what_breaks_and_nothing_else() {
     let promise = MonitorPromise::of(&rows);
     assert_eq!(promise.sound_stopped, 0);
     assert_eq!([promise.broken, promise.broken_stopped], [all, stopped]);
+}
+
+#[test]
+fn the_bench_of_compensations_ranks_its_contestants() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/table1.toml");
+    let test = TestFile::load(std::path::Path::new(file), &[]).expect("an example");
+    let conditions = Condition::all(&test.config, &yielding(&test.plant.specimen));
+    let names = ["none", "paper", "tangent", "tangent+ats"];
+    let methods = names.map(|name| experiment::method(name).expect("a method"));
+    let experiments = [Experiment::new(test, &near_fault(), Some(6.0)).expect("a test")];
+    let rows = compensations::run(&experiments, &conditions, &methods, 1, || ());
+    let rows = rows.expect("tests that can run");
+    assert!(conditions.len() >= 50);
+    assert_eq!(rows.len(), 4 * conditions.len());
+    let standings = standing::of(&rows);
+    assert_eq!(standings.len(), 4);
+    assert_eq!(standings[3].compensation, "none");
+    let mean = |i: usize| standings[i].mean;
+    assert!(mean(0) <= mean(1) && mean(2) < 0.5 * mean(3));
+    // Nobody is better than the best of a test.
+    let best: usize = standings.iter().map(|s| s.best_in).sum();
+    assert!(best >= conditions.len(), "{best}");
 }

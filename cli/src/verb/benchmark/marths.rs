@@ -2,24 +2,21 @@
 
 mod by_table;
 
-use super::shared::{
-    RECORDS, check_plants, data_file, print_goals, refused, require_some, tell, without_lines,
-};
-use crate::physical_part::{self, PhysicalPartEstimate};
+use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
+use crate::answer::benchmark::physical_part::{self, PhysicalPartEstimate};
+use crate::answer::benchmark::{DeclaredPart, of_marths};
 use crate::provenance::{WithProvenance, note_seed};
-use crate::report::{self, DeclaredPart};
 use crate::terminal::{self, Progress, interrupt};
-use crate::verb::{json, require_all_ran};
+use crate::verb::{hand_over, json, require_all_ran};
 use benchmarks::goal::Goal;
 use benchmarks::marths::bench::{self, MarthsRecord, MarthsRow, Problem};
 use benchmarks::marths::contestants::{ALL, PairContestant};
 use benchmarks::marths::criteria::MEANING;
 use benchmarks::marths::declared::Floor;
 use benchmarks::marths::goals::goals;
-use benchmarks::marths::table::{HEAD, LEGEND, both, by_record, cells, floors};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use experiment::files::{look_ahead, output, read};
+use experiment::files::{look_ahead, read};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -134,37 +131,25 @@ impl Marths {
             })).collect::<Vec<_>>(),
             "seconds": begin.elapsed().as_secs_f64(),
         });
-        let with_provenance = WithProvenance::of(&answer);
-        if self.json {
-            answer!("{}", json(&with_provenance)?);
-        } else {
-            if let Some(file) = &self.model {
-                println!(
-                    "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has \
-                     none there, and less than none cannot be integrated.\n",
-                    file.display()
-                );
-            }
-            print(&rows, &goals);
-            for (record, found) in &parts {
-                print_parts(&record.name, found);
-            }
+        let text = json(&WithProvenance::of(&answer))?;
+        if let Some(file) = self.model.as_ref().filter(|_| !self.json) {
+            println!(
+                "Not by the problem's rules: {} is subtracted as physical. Masses at rotations are not: the reference has none there, \
+                 and less than none cannot be integrated.\n",
+                file.display()
+            );
         }
-        if let Some(folder) = &out {
-            let page = report::of_marths(&problem, &parts, &rows, (self.plants, self.seed))?;
-            let mut files = vec![
-                ("report.html".to_owned(), page),
-                ("marths.json".to_owned(), json(&with_provenance)?),
-                (
-                    "declared.toml".to_owned(),
-                    physical_part::to_toml(&problem.part)?,
-                ),
-            ];
-            for (record, found) in &parts {
-                files.push((of_record(&record.name), found.csv(&problem)));
-            }
-            output::write_all(folder, &files)?;
-        }
+        let files = || {
+            let declared = physical_part::to_toml(&problem.part)?;
+            let of_records = parts.iter();
+            let of_records = of_records.map(|(r, found)| (of_record(&r.name), found.csv(&problem)));
+            let declared = [("declared.toml".to_owned(), declared)];
+            Ok(declared.into_iter().chain(of_records).collect())
+        };
+        let (drawn, asked) = ((self.plants, self.seed), (out.as_deref(), self.json));
+        hand_over(asked, ("marths.json", &text), files, |page| {
+            of_marths(&problem, &parts, &rows, &goals, drawn, page)
+        })?;
         require_all_ran(rows.len(), records.len() * contestants.len())
     }
 
@@ -212,32 +197,4 @@ fn load(data: Option<&Path>) -> Result<Problem, Failure> {
         &read("initial_parameters.csv")?,
     )
     .map_err(refused)
-}
-
-fn print(rows: &[MarthsRow], goals: &[Goal]) {
-    println!("{LEGEND}\n");
-    for (_, group) in by_record(rows) {
-        println!("{}", floors(&group[0]));
-        let cells = group.iter().map(cells);
-        println!("{}\n", without_lines(&HEAD, cells));
-    }
-    for (contestant, name, knows) in ALL {
-        if rows.iter().any(|r| r.controller == contestant.name()) {
-            println!("{name:14} knows {knows}");
-        }
-    }
-    println!();
-    print_goals(goals);
-}
-
-fn print_parts(record: &str, found: &PhysicalPartEstimate) {
-    println!("\n{record}: the declared physical part against the loop's own record.");
-    println!("{}", terminal::coupled::coupled(&found.diagnosis));
-    for floor in &found.floors {
-        println!(
-            "  subtracted {:32} J7 of a tracker without error {}",
-            floor.subtracted,
-            both(floor.j7)
-        );
-    }
 }

@@ -2,26 +2,19 @@
 
 mod by_table;
 
-use super::shared::{
-    RECORDS, check_plants, data_file, print_goals, refused, require_some, tell, without_lines,
-};
+use super::shared::{RECORDS, check_plants, data_file, refused, require_some, tell};
+use crate::answer::benchmark::of_rths;
 use crate::provenance::{WithProvenance, note_seed};
-use crate::report;
 use crate::terminal::{Progress, interrupt};
-use crate::verb::{json, require_all_ran};
-use benchmarks::goal::Goal;
+use crate::verb::{hand_over, json, no_files, require_all_ran};
 use benchmarks::rths::case::CASES;
 use benchmarks::rths::criteria::MEANING;
-use benchmarks::rths::table::{
-    SUMMARY_LEGEND, YIELDING_HEAD, YIELDING_LEGEND, by_record, summary, summary_head,
-    yielding_summary,
-};
-use benchmarks::rths::verdict::{CAUTION, best, goals, whole_table};
+use benchmarks::rths::verdict::{best, goals, whole_table};
 use benchmarks::rths::yielding::Behaviour;
-use benchmarks::rths::{Benchmark, Contestant, GroundRecord, RthsRow, Rules};
+use benchmarks::rths::{Benchmark, Contestant, GroundRecord, Rules};
 use experiment::failure::Failure;
 use experiment::files::ground_motion::{ColumnChoice, GroundMotionFile};
-use experiment::files::{look_ahead, output};
+use experiment::files::look_ahead;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -150,22 +143,13 @@ impl Rths {
         for (behaviour, rows) in beside.iter().zip(&yielding) {
             answer[behaviour.name()] = serde_json::json!(rows);
         }
-        let with_provenance = WithProvenance::of(&answer);
-        if self.json {
-            answer!("{}", json(&with_provenance)?);
-        } else {
-            print(&rules, &rows, &yielding, &goals);
-        }
-        if let Some(folder) = &out {
-            let page = report::of_rths(&bench, &rows, &yielding)?;
-            output::write_all(
-                folder,
-                &[
-                    ("report.html", page),
-                    ("rths.json", json(&with_provenance)?),
-                ],
-            )?;
-        }
+        let text = json(&WithProvenance::of(&answer))?;
+        hand_over(
+            (out.as_deref(), self.json),
+            ("rths.json", &text),
+            no_files,
+            |page| of_rths(&bench, &rows, &yielding, &goals, page),
+        )?;
         let asked = records.len() * CASES.len() * contestants.len();
         require_all_ran(
             rows.len() + yielding.iter().map(Vec::len).sum::<usize>(),
@@ -219,32 +203,4 @@ impl Rths {
             })
             .collect()
     }
-}
-
-fn print(rules: &Rules, rows: &[RthsRow], yielding: &[Vec<RthsRow>], goals: &[Goal]) {
-    println!("Rules: {}.", rules.name());
-    match &best(rows)[..] {
-        [] => {}
-        [one] => println!("Least J4 as read, mean of all cases and ground motions: {one}."),
-        [first, rest @ ..] => println!(
-            "Least J4 as read, mean of all cases and ground motions: {first}; a tie with {}.",
-            rest.join(", ")
-        ),
-    }
-    println!("{CAUTION}\n\n{SUMMARY_LEGEND}.\n");
-    for (name, group) in by_record(rows) {
-        println!("{name}");
-        let cells = summary(group).into_iter();
-        println!("{}\n", without_lines(&summary_head(group), cells));
-    }
-    if let [degrading, pinched] = yielding {
-        println!("{YIELDING_LEGEND}.\n");
-        for ((name, degrading), (_, pinched)) in by_record(degrading).zip(by_record(pinched)) {
-            println!("{name}");
-            let cells = yielding_summary(degrading, pinched).into_iter();
-            println!("{}\n", without_lines(&YIELDING_HEAD, cells));
-        }
-    }
-    print_goals(goals);
-    println!("J1 to J9 of every case: --json, or --out DIR for a report.");
 }

@@ -1,8 +1,6 @@
 //! What both benchmarks need.
 
-use crate::terminal::{Progress, Table, interrupt, table};
-use benchmarks::goal::{GOAL_HEAD, Goal};
-use comfy_table::TableComponent;
+use crate::terminal::{Progress, interrupt};
 use experiment::failure::Failure;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -50,33 +48,4 @@ pub(super) fn data_file(given: Option<&Path>, path: &str) -> PathBuf {
         std::env::var_os("OUTERLOOP_DATA").map_or_else(|| "../shared/data".into(), PathBuf::from)
     });
     folder.join(path)
-}
-
-/// A table without lines between its rows.
-pub(super) fn without_lines(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Table {
-    let mut t = table(head);
-    for lines in [
-        TableComponent::HorizontalLines,
-        TableComponent::MiddleIntersections,
-        TableComponent::LeftBorderIntersections,
-        TableComponent::RightBorderIntersections,
-    ] {
-        t.remove_style(lines);
-    }
-    t.add_rows(rows);
-    t
-}
-
-/// What was asked for, what was found, by how much it is missed; below it the reasons.
-pub(super) fn print_goals(goals: &[Goal]) {
-    if goals.is_empty() {
-        return;
-    }
-    println!(
-        "{}\n",
-        without_lines(&GOAL_HEAD, goals.iter().map(Goal::cells))
-    );
-    for target in goals.iter().filter(|t| !t.reached()) {
-        println!("Missed. {}\n", target.sentence());
-    }
 }

@@ -1,9 +1,9 @@
 //! `outerloop board commission`: one actuator after the other, each alone.
 
 use crate::board::Trajectory;
+use crate::document::table;
 use crate::scope::Scoped;
 use crate::serve::shear_frame;
-use crate::terminal;
 use crate::verb::rig_arguments::{MovedActuator, RigArguments};
 use crate::wording::digits;
 use clap::Args;
@@ -231,7 +231,7 @@ fn described(found: &[FoundActuator], storeys_n_per_m: &[f64]) -> String {
     let names = ["actuator", "gain", "delay, ms", "lag, ms", "offset, mm"].map(str::to_owned);
     let forces = (1..=found.len()).map(|j| format!("force {j}, kN/mm"));
     let head: Vec<String> = names.into_iter().chain(forces).collect();
-    let mut table = terminal::table(&head.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = table(&head.iter().map(String::as_str).collect::<Vec<_>>());
     let frame = shear_frame(&storeys_n_per_m[..found.len().min(storeys_n_per_m.len())]);
     for each in found {
         let known = each.identified.as_ref();

@@ -1,11 +1,11 @@
 //! `outerloop board desk`: all that a bare board with four wires can show, on a page that can be sent.
 
+use crate::answer::of_desk;
 use crate::board::desk::{self, DeskRow, MISHAPS, Mishap, RowVerdict};
 use crate::board::emulated::{Emulated, EmulatedRig};
 use crate::board::{BoardConnection, Connection, Port, Timeouts};
 use crate::board::{calibrate, identify, status};
 use crate::provenance::WithProvenance;
-use crate::report;
 use crate::terminal::interrupt;
 use crate::verb::rig_arguments::{RigArguments, RigKind};
 use crate::verb::{MethodName, json};
@@ -79,9 +79,6 @@ impl Desk {
         let identity = identify(&mut board)?;
         self.refuse_what_is_no_desk(&mut board)?;
         let rows = self.rows(board, &identity, &methods)?;
-        for row in &rows {
-            println!("{}", in_words(row));
-        }
         let found = Found {
             board: &identity,
             emulated: self.is_emulated(),
@@ -89,8 +86,9 @@ impl Desk {
             rows: &rows,
         };
         let text = json(&WithProvenance::of(&found))?;
-        let page = report::of_desk(&identity, self.is_emulated(), &self.note, &rows);
-        output::write_all(&out, &[(FILES[0], page), (FILES[1], text)])?;
+        let document = of_desk(&identity, self.is_emulated(), &self.note, &rows);
+        output::write_all(&out, &[(FILES[0], document.page()), (FILES[1], text)])?;
+        println!("{}", document.terminal());
         let bad = rows.iter().filter(|row| row.verdict == RowVerdict::Bad);
         match bad.clone().next() {
             None => Ok(()),
@@ -218,13 +216,4 @@ fn by_probe(program: &std::path::Path, mishap: Mishap) -> Result<(), Failure> {
         .success()
         .then_some(())
         .ok_or_else(|| cannot(ended.to_string()))
-}
-
-fn in_words(row: &DeskRow) -> String {
-    let verdict = match row.verdict {
-        RowVerdict::Good => "good",
-        RowVerdict::Bad => "BAD",
-        RowVerdict::NotDone => "----",
-    };
-    format!("{verdict:4}  {}: {}", row.what, row.found)
 }

@@ -1,10 +1,9 @@
 //! `outerloop diagnose` of a specimen of several coordinates.
 
-use super::{Diagnose, file_name, json};
+use super::{Diagnose, hand_over, json};
+use crate::answer::of_coupled;
 use crate::provenance::WithProvenance;
-use crate::report;
 use crate::terminal;
-use crate::verb::look_at_report;
 use diagnosis::{CoupledDiagnosis, CoupledSpecimen, CoupledVerdict, Model};
 use experiment::failure::Failure;
 use experiment::files::measured::RecordFiles;
@@ -49,32 +48,20 @@ impl Diagnose {
         if let Some(path) = &self.save_model {
             output::write(path, &improved)?;
         }
-        if let Some(folder) = out {
-            let title = format!(
-                "What {} says about {}",
-                file_name(&self.train[0].file),
-                file_name(&self.model)
-            );
-            let page = report::of_coupled(&title, &d, [&text(declared)?, &improved]);
-            output::write_all(
-                folder,
-                &[
-                    ("report.html", page),
-                    ("diagnosis.json", json(&WithProvenance::of(&d))?),
-                    ("model.toml", improved),
-                ],
-            )?;
-        }
-        if self.json {
-            answer!("{}", json(&WithProvenance::of(&d))?);
-            return Ok(());
-        }
-        println!("{}", terminal::coupled::coupled(&d));
-        if let Some(path) = &self.save_model {
-            println!("{} is in {}", saved(&d), path.display());
-        }
-        look_at_report(out);
-        Ok(())
+        let (stated, json_text) = (text(declared)?, json(&WithProvenance::of(&d))?);
+        hand_over(
+            (out, self.json),
+            ("diagnosis.json", &json_text),
+            || Ok(vec![("model.toml", improved.as_str())]),
+            |page| {
+                let models = [stated.as_str(), improved.as_str()];
+                let mut document = of_coupled(&self.title(), &d, models, page);
+                if let Some(path) = &self.save_model {
+                    document.tell(format!("{} is in {}", saved(&d), path.display()));
+                }
+                Ok(document)
+            },
+        )
     }
 }
 

@@ -1,9 +1,8 @@
-//! Ground motions: CSV with `time_s,acc_g` in any dialect, PEER AT2, the networks' formats, MiniSEED, or accelerations alone.
+//! Ground motions: CSV with `time_s,acc_g` in any dialect, PEER AT2, the networks' formats, or accelerations alone.
 
 mod at2;
 mod fortran;
 mod knet;
-mod miniseed;
 mod points;
 mod strong_motion;
 
@@ -61,22 +60,7 @@ impl GroundMotionFile {
 
     /// What the file holds, by its format.
     fn points(path: &Path, file: &str, columns: ColumnChoice) -> Result<Points, Failure> {
-        if let Some(sensitivity) = columns.sensitivity
-            && !(sensitivity > 0.0 && sensitivity.is_finite())
-        {
-            return Err(Failure::input(format!(
-                "--sensitivity = {sensitivity} is refused: accepted are counts above 0"
-            )));
-        }
         let bytes = decode::bytes(path)?;
-        if miniseed::is_miniseed(&bytes) {
-            return miniseed::parse(file, &bytes, columns);
-        }
-        if columns.sensitivity.is_some() {
-            return Err(Failure::input(format!(
-                "{file}: is no MiniSEED, and --sensitivity is for the counts in such a file: accepted is the file without it"
-            )));
-        }
         if binary::is_binary(&bytes) {
             return of_variables(&binary::parse(file, bytes)?, columns);
         }

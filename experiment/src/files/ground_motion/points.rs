@@ -11,8 +11,6 @@ pub struct ColumnChoice {
     pub interval_s: Option<f64>,
     /// `--unit`.
     pub unit: Option<AccelerationUnit>,
-    /// `--sensitivity`: what one of that unit is in a recorder's counts.
-    pub sensitivity: Option<f64>,
 }
 
 /// Unit of an acceleration.

@@ -11,7 +11,6 @@ fn plain(dt: f64, unit: AccelerationUnit) -> ColumnChoice {
     ColumnChoice {
         interval_s: Some(dt),
         unit: Some(unit),
-        sensitivity: None,
     }
 }
 
@@ -70,117 +69,6 @@ fn knet_is_scaled_from_counts_behind_its_mean() {
         scale.contains("line 14") && scale.contains("7845(gal)/8223790"),
         "{scale}"
     );
-}
-
-/// A file that pymseed has written: `experiment/tests/miniseed/write.py`.
-fn miniseed(
-    name: &str,
-    unit: Option<AccelerationUnit>,
-    sensitivity: Option<f64>,
-) -> Result<GroundMotionFile, String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/miniseed");
-    let columns = ColumnChoice {
-        interval_s: None,
-        unit,
-        sensitivity,
-    };
-    GroundMotionFile::load(&folder.join(name), columns).map_err(|e| e.to_string())
-}
-
-/// Its samples, as that script has them.
-fn swept(i: usize) -> f64 {
-    let part = (std::f64::consts::PI * i as f64 / 500.0).sin();
-    (10_f64.powf(7.5 * part * part) * (0.37 * i as f64).sin()).round()
-}
-
-#[test]
-fn miniseed_of_every_packing_is_the_motion_that_was_written() {
-    let mean = (0..500).map(swept).sum::<f64>() / 500.0;
-    for (name, counts) in [
-        ("steim1.mseed", true),
-        ("steim2.mseed", true),
-        ("int32.mseed", true),
-        ("float32.mseed", false),
-        ("float64.mseed", false),
-        ("version3-steim2.mseed", true),
-        ("version3-int32.mseed", true),
-        ("version3-float32.mseed", false),
-    ] {
-        // A million counts for one m/s^2, or values that are a ten millionth of them.
-        let sensitivity = counts.then_some(1e6);
-        let g = miniseed(
-            name,
-            Some(AccelerationUnit::MetrePerSecondSquared),
-            sensitivity,
-        )
-        .unwrap();
-        assert!((g.interval_s - 0.01).abs() < 1e-9, "{name}");
-        assert_eq!(g.acc_m_per_s2.len(), 500, "{name}");
-        for (i, a) in g.acc_m_per_s2.iter().enumerate() {
-            let expected = if counts {
-                (swept(i) - mean) * 1e-6
-            } else {
-                swept(i) * 1e-7
-            };
-            assert!(
-                (f64::from(*a) - expected).abs() < 1e-6 * expected.abs().max(1.0),
-                "{name}: {i}"
-            );
-        }
-    }
-}
-
-#[test]
-fn miniseed_that_cannot_be_an_acceleration_is_refused() {
-    let metres = Some(AccelerationUnit::MetrePerSecondSquared);
-    for (name, unit, sensitivity, said) in [
-        ("steim2.mseed", None, None, "does not say its unit"),
-        ("steim2.mseed", metres, None, "accepted with --sensitivity"),
-        ("steim2.mseed", metres, Some(0.0), "--sensitivity = 0"),
-        ("gap.mseed", metres, Some(1e6), "begins 0.500 s after"),
-        ("write.py", metres, Some(1e6), "is no MiniSEED"),
-    ] {
-        let e = miniseed(name, unit, sensitivity).unwrap_err();
-        assert!(e.contains(said) && !e.contains('\n'), "{e}");
-    }
-    let whole = include_bytes!("../../../tests/miniseed/steim2.mseed");
-    let columns = ColumnChoice {
-        interval_s: None,
-        unit: metres,
-        sensitivity: Some(1e6),
-    };
-    let read = |bytes: &[u8]| {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.mseed");
-        std::fs::write(&path, bytes).unwrap();
-        GroundMotionFile::load(&path, columns).map_err(|e| e.to_string())
-    };
-    assert!(read(whole).is_ok());
-    // Cut anywhere, or with any byte of the first records broken: a sentence or a motion, never a panic.
-    for end in (1..whole.len()).step_by(7) {
-        let cut = read(&whole[..end]);
-        assert!(end % 512 == 0 || cut.is_err(), "{end}");
-    }
-    for at in 0..700 {
-        let mut bytes = whole.to_vec();
-        bytes[at] ^= 0x55;
-        let _ = read(&bytes);
-    }
-    let third = include_bytes!("../../../tests/miniseed/version3-steim2.mseed");
-    assert!(read(third).is_ok());
-    for end in 1..third.len() {
-        let _ = read(&third[..end]);
-    }
-    // Version 3 has a check sum: no broken byte behind the first three passes.
-    for at in 3..third.len() {
-        let mut bytes = third.to_vec();
-        bytes[at] ^= 0x55;
-        assert!(read(&bytes).is_err(), "{at}");
-    }
-    // A difference that is not the one that was packed is found by the sample at the end.
-    let mut bytes = whole.to_vec();
-    bytes[64 + 4 * 5 + 3] ^= 1;
-    assert!(read(&bytes).unwrap_err().contains("does not hold the"));
 }
 
 #[test]

@@ -1,0 +1,16 @@
+//! What was asked for in a benchmark problem.
+
+use crate::document::{Document, table};
+use benchmarks::goal::{GOAL_HEAD, Goal};
+
+/// What was asked for, what was found, by how much it is missed; below it the reasons.
+pub(super) fn goals(d: &mut Document, goals: &[Goal]) {
+    if goals.is_empty() {
+        return;
+    }
+    d.heading("What was asked for");
+    d.table(table(&GOAL_HEAD).with_rows(goals.iter().map(Goal::cells)));
+    for goal in goals.iter().filter(|goal| !goal.reached()) {
+        d.say(format!("Missed. {}", goal.sentence()));
+    }
+}

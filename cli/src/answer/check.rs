@@ -1,0 +1,271 @@
+//! A check: the planned motion, and how far the test is from where it would run away.
+
+use super::figures::Figures;
+use super::section::TestSection;
+use crate::document::plot::{Colour, Curve, GROUND, TALL, TESTED, WIDE, WRONG, plot};
+use crate::document::{Document, Table, table};
+use experiment::Experiment;
+use experiment::numbers::{length, percent, percent_or_lost, three};
+use experiment::soundness::Judgement;
+use experiment::stability::Stability;
+use experiment::stability::growth::SmallMotions;
+use experiment::stability::limits::StabilityLimit;
+
+/// A check, and what its page shows beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckSection<'a> {
+    /// The test.
+    pub experiment: &'a Experiment,
+    /// The verdict.
+    pub judgement: &'a Judgement,
+    /// What its small motions say.
+    pub answer: &'a Stability,
+    /// For the page: the fastest growing motion over the delay (ms of the laboratory, 1/s of model time), and the planned
+    /// motion on the simulated rig.
+    pub drawn: Option<(&'a [(f64, f64)], TestSection<'a>)>,
+}
+
+/// A check.
+pub fn of_check(c: &CheckSection<'_>) -> Document {
+    let (j, a) = (c.judgement, c.answer);
+    let lead = format!(
+        "The planned motion on the simulated rig, with compensation **{}**, and small motions of the same loop after a blow; \
+         integration steps of {} ms. What is not in the test file is in no verdict.",
+        a.row.compensation,
+        three(a.step_s * 1e3)
+    );
+    let title = format!("May this test be run? {}", c.experiment.record);
+    let mut d = Document::new(title, lead, c.drawn.is_some());
+    d.verdict(j.verdict, said(j.verdict.name(), &j.reason));
+    d.tell(format!("Expected error: {}.\n", expected(j)));
+    d.tell(format!(
+        "Small motions of the loop after a blow, integration steps of {:.4} ms:",
+        a.step_s * 1e3
+    ));
+    if let Some((over_delay, planned)) = &c.drawn {
+        tiles(&mut d, c, planned);
+        Figures::of(planned).displacement(&mut d);
+        how_near(&mut d, a, over_delay);
+    }
+    d.heading("Compensations on this rig");
+    d.explain(
+        "By their small motions alone, which do not decide over variable damping, corrected forces and predictors that learn.",
+    );
+    d.table(compensations(a));
+    d.heading("Modes");
+    d.table(modes(a));
+    d.heading("Margins");
+    d.table(margins(a));
+    d.heading("Where the delay comes from");
+    d.table(budget(a));
+    let p = &a.perturbed;
+    d.say(format!(
+        "On {} of {} perturbed rigs small motions grow (standard deviations: {}).\nWorst: {} a second, least damping of mode 1 {}.",
+        p.unstable,
+        p.spread.plants,
+        deviations(a),
+        or_dash(p.worst_growth_per_s.exp_m1()),
+        or_dash(p.least_damping_ratio),
+    ));
+    for note in &a.notes {
+        d.say(format!("Note: {note}."));
+    }
+    d.test_file(&c.experiment.test.text);
+    d
+}
+
+/// A verdict and why.
+pub(super) fn said(verdict: &str, reason: &str) -> String {
+    format!("**{}**: {reason}.", verdict.to_uppercase())
+}
+
+/// The error to expect, in words.
+fn expected(judgement: &Judgement) -> String {
+    if !judgement.expected_eps_rms.is_finite() {
+        return "none, since the planned motion does not run to its end".into();
+    }
+    format!(
+        "{} rms; {} on a rig that differs",
+        percent(judgement.expected_eps_rms),
+        percent_or_lost(judgement.expected_eps_rms_differing)
+    )
+}
+
+fn deviations(a: &Stability) -> String {
+    let spread = &a.perturbed.spread;
+    format!(
+        "times {}, gain {}, stiffness {}, damping {}",
+        percent(spread.delay),
+        percent(spread.gain),
+        percent(spread.stiffness),
+        percent(spread.damping)
+    )
+}
+
+fn tiles(d: &mut Document, c: &CheckSection<'_>, planned: &TestSection<'_>) {
+    let (j, a) = (c.judgement, c.answer);
+    let delay = &a.limits.delay;
+    let limit = match delay.limit {
+        None => "; no limit was found".into(),
+        Some(limit) => format!(
+            "; with {} as it is configured small motions grow from {} ms on",
+            a.row.compensation,
+            three(limit)
+        ),
+    };
+    d.tiles(vec![
+        (
+            percent_or_lost(j.expected_eps_rms),
+            "expected rms error, of the largest ideal displacement (Eq 18)".into(),
+        ),
+        (
+            percent_or_lost(j.expected_eps_rms_differing),
+            "the same on a rig that differs by a standard deviation".into(),
+        ),
+        (
+            length(planned.summary.peak_displacement_m),
+            "largest displacement of the planned motion".into(),
+        ),
+        (
+            format!("{} ms", three(delay.present)),
+            format!("delay at the first natural frequency{limit}"),
+        ),
+        (
+            format!("{} of {}", a.perturbed.unstable, a.perturbed.spread.plants),
+            "drawn rigs on which small motions grow".into(),
+        ),
+    ]);
+}
+
+/// Growth over the delay and over the drawn rigs.
+fn how_near(d: &mut Document, a: &Stability, over_delay: &[(f64, f64)]) {
+    d.heading("How near it is to running away");
+    let here = a.limits.delay.present;
+    let caption = format!(
+        "The fastest growing small motion over the delay at the first natural frequency, with compensation {} as it is \
+         configured: it is not told of the delay. Above the line small motions grow.",
+        a.row.compensation
+    );
+    let points = over_delay.to_vec();
+    d.figure(caption, || {
+        growth("delay [ms]", points, Some((here, "this test")))
+    });
+    let growths = &a.perturbed.growths_per_s;
+    let caption = format!(
+        "The same over {} rigs that differ from the declared one; standard deviations: {}.",
+        a.perturbed.spread.plants,
+        deviations(a)
+    );
+    let share = |i: usize| 100.0 * (i as f64 + 0.5) / growths.len() as f64;
+    let points = growths
+        .iter()
+        .enumerate()
+        .map(|(i, growth)| (share(i), *growth));
+    let points = points.collect();
+    d.figure(caption, || {
+        growth("drawn rigs, the steadiest first [%]", points, None)
+    });
+}
+
+fn growth(x_label: &str, points: Vec<(f64, f64)>, here: Option<(f64, &'static str)>) -> String {
+    let ends = |pick: fn(&(f64, f64)) -> f64| {
+        let values = points.iter().map(pick).filter(|v| v.is_finite());
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+    };
+    let (first, last) = ends(|p| p.0);
+    let (low, high) = ends(|p| p.1);
+    let line = |colour: Colour, a, b| Curve::new(colour, vec![a, b]);
+    let mut curves =
+        vec![line(WRONG, (first, 0.0), (last, 0.0)).named("above: the response grows")];
+    if let Some((x, name)) = here {
+        let (low, high) = (low.min(0.0), high.max(0.0));
+        curves.push(line(GROUND, (x, low), (x, high)).named(name));
+    }
+    curves.push(Curve::new(TESTED, points).named("fastest growing motion"));
+    let shape = if here.is_some() { TALL } else { WIDE };
+    plot(shape, x_label, "growth [1/s]", &curves)
+}
+
+fn or_dash(value: f64) -> String {
+    match value.is_finite() {
+        true => percent(value),
+        false => "-".into(),
+    }
+}
+
+fn compensations(a: &Stability) -> Table {
+    let mut t = table(&[
+        "compensation",
+        "small motions",
+        "growth a second",
+        "damping, mode 1",
+    ]);
+    let mut row = |r: &SmallMotions, here: &str| {
+        t.add_row([
+            format!("{}{here}", r.compensation),
+            r.word().to_owned(),
+            or_dash(r.growth_per_s.exp_m1()),
+            or_dash(r.damping_ratio),
+        ]);
+    };
+    row(&a.row, "  <- this test");
+    a.at_start
+        .iter()
+        .for_each(|r| row(r, ", before it has learnt"));
+    a.alternatives.iter().for_each(|r| row(r, ""));
+    t
+}
+
+fn modes(a: &Stability) -> Table {
+    let mut t = table(&["mode", "structure", "in the loop", "damping in the loop"]);
+    for (i, m) in a.modes.iter().enumerate() {
+        t.add_row([
+            (i + 1).to_string(),
+            format!("{:.3} Hz", m.structure_hz),
+            format!("{:.3} Hz", m.frequency_hz),
+            percent(m.damping_ratio),
+        ]);
+    }
+    t
+}
+
+fn margins(a: &Stability) -> Table {
+    let mut t = table(&["", "present", "limit", "margin"]);
+    let margin = |percent: Option<f64>| percent.map_or_else(|| "-".into(), |m| format!("{m:.1} %"));
+    let found = |limit: Option<f64>, said: &dyn Fn(f64) -> String| {
+        limit.map_or_else(|| "none found".into(), said)
+    };
+    let mut row = |name: &str, l: &StabilityLimit, unit: &str| {
+        let said = |x: f64| format!("{x:.3}{unit}");
+        t.add_row([
+            name.to_owned(),
+            said(l.present),
+            found(l.limit, &said),
+            margin(l.margin_percent),
+        ]);
+    };
+    row("delay", &a.limits.delay, " ms");
+    row("loop gain", &a.limits.gain, "");
+    let needed = a.limits.time_scale_needed;
+    t.add_row([
+        "time scale".to_owned(),
+        format!("{:.3}", a.time_scale),
+        found(needed, &|x| format!("at least {x:.3}")),
+        margin(needed.map(|x| (a.time_scale / x - 1.0) * 100.0)),
+    ]);
+    t
+}
+
+fn budget(a: &Stability) -> Table {
+    let mut t = table(&["delay budget", "ms", "from"]);
+    for p in &a.delay_budget {
+        t.add_row([
+            p.part.to_owned(),
+            format!("{:+.3}", p.ms),
+            p.from.to_owned(),
+        ]);
+    }
+    t
+}

@@ -1,0 +1,106 @@
+//! A check of two coupled actuators, and what their test has beside other tests.
+
+use super::check::said;
+use super::figures::Figures;
+use super::section::{TestSection, lead};
+use super::summaries::{rotation, tracking};
+use crate::document::{Document, table};
+use experiment::Experiment;
+use experiment::coupled::figures::CoupledFigures;
+use experiment::coupled::planned::CoupledCheck;
+use experiment::numbers::{percent, si};
+use experiment::trace::{Response, Trace};
+
+/// What the test found out about the actuators.
+pub(super) fn found(d: &mut Document, c: &CoupledFigures) {
+    if c.found.is_empty() {
+        return;
+    }
+    d.heading("What the test found out about the actuators");
+    let mut t = table(&["[coupled.actuators]", "declared", "found", "simulated rig"]);
+    for f in &c.found {
+        let said = |x: f32| match f.unit {
+            "1" => format!("{x:.4}"),
+            unit => format!("{x:.3} {unit}"),
+        };
+        t.add_row([
+            f.name.to_owned(),
+            said(f.declared),
+            said(f.found),
+            said(f.simulated),
+        ]);
+    }
+    d.table(t);
+}
+
+/// Figures in place of the added damping, of which there is none.
+pub(super) fn tiles(c: &CoupledFigures) -> [(String, String); 2] {
+    [
+        (rotation(c.peak_rotation_rad), "largest rotation".into()),
+        (
+            tracking(c),
+            "true strokes less targets, rms of the targets', actuator 1 / 2".into(),
+        ),
+    ]
+}
+
+/// A check; `planned`: the planned motion, where it is to be drawn.
+pub fn of_coupled_check(
+    experiment: &Experiment,
+    c: &CoupledCheck,
+    planned: Option<(&Trace, &Response)>,
+) -> Document {
+    let title = format!("May this test be run? {}", c.planned.record);
+    let mut d = Document::new(title, lead(experiment, &c.planned), planned.is_some());
+    d.verdict(
+        c.verdict,
+        said(c.verdict.name(), c.reason.trim_end_matches('.')),
+    );
+    d.tell(format!(
+        "Expected error: {} rms; at worst {} on a rig that differs.\n",
+        percent(c.expected_eps_rms),
+        percent(c.expected_eps_rms_differing),
+    ));
+    d.tell(experiment.in_words());
+    d.tiles(vec![
+        (
+            percent(c.expected_eps_rms),
+            "expected rms error, worst coordinate (Eq 18)".into(),
+        ),
+        (
+            percent(c.expected_eps_rms_differing),
+            "the same, worst of the rigs that differ".into(),
+        ),
+        (
+            format!("{} of {}", c.lost, c.plants),
+            "rigs that differ on which the test is lost".into(),
+        ),
+    ]);
+    d.heading("The limits, and what the planned motion takes of them");
+    let mut t = table(&["limit", "of", "planned", "allowed", "share"]);
+    for l in &c.limits {
+        t.add_row([
+            format!("coupled.limits.{}", l.name),
+            l.of.to_owned(),
+            si(l.planned, l.unit),
+            si(l.limit, l.unit),
+            percent(l.share),
+        ]);
+    }
+    d.table(t);
+    d.tell(format!(
+        "{} of {} rigs that differ are lost.",
+        c.lost, c.plants
+    ));
+    if let Some((trace, ideal)) = planned {
+        let section = TestSection {
+            experiment,
+            summary: &c.planned,
+            trace,
+            ideal,
+        };
+        Figures::of(&section).displacement(&mut d);
+    }
+    d.test_file(&experiment.test.text);
+    d
+}

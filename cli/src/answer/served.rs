@@ -1,0 +1,177 @@
+//! A session: a rig as an element of a model outside.
+
+use crate::document::plot::{
+    Colour, Curve, GROUND, HALF, IDEAL, PlotShape, TALL, TESTED, WIDE, WRONG, history, path, plot,
+};
+use crate::document::{Document, Grade};
+use crate::serve::{SessionSummary, SessionVerdict};
+use experiment::files::test::TestFile;
+use experiment::numbers::{joule, length, percent, si};
+use experiment::trace::{FloorTrace, Trace};
+use outerloop_core::Pace;
+
+/// A session as its page shows it.
+#[derive(Clone, Copy, Debug)]
+pub struct SessionSection<'a> {
+    /// The test file.
+    pub test: &'a TestFile,
+    /// Its figures.
+    pub summary: &'a SessionSummary,
+    /// Every step.
+    pub trace: &'a Trace,
+}
+
+/// One session.
+pub fn of_served(s: &SessionSection<'_>) -> Document {
+    let mut d = Document::new("A rig as an element of a model outside", lead(s), true);
+    verdict(&mut d, s.summary);
+    if !s.trace.is_empty() {
+        tiles(&mut d, s.summary);
+        for (j, floor) in s.trace.floors.iter().enumerate() {
+            storey(&mut d, s.trace, j, floor);
+        }
+        energy(&mut d, s.trace);
+        if s.test.serve.pace == Pace::Continuous {
+            damping(&mut d, s.trace);
+        }
+    }
+    if let Some(board) = &s.summary.board {
+        d.heading("The board");
+        d.say(board.sentence());
+    }
+    d.test_file(&s.test.text);
+    d
+}
+
+fn lead(s: &SessionSection<'_>) -> String {
+    let timing = &s.test.config.timing;
+    let pace = match s.test.serve.pace {
+        Pace::StopAndGo => "stop and go".to_owned(),
+        Pace::Continuous => format!(
+            "continuously, a target every {}",
+            si(f64::from(timing.substeps) / timing.rate_hz, "s")
+        ),
+    };
+    format!(
+        "{} targets to {:.2} s of the model, {pace}; the rig at {} Hz. The integration was the client's: what its \
+         structure did, and how far that is from its own analysis, only the client knows.",
+        s.summary.targets, s.summary.model_s, timing.rate_hz
+    )
+}
+
+fn verdict(d: &mut Document, s: &SessionSummary) {
+    let grade = match s.verdict {
+        SessionVerdict::Completed => Grade::Good,
+        SessionVerdict::Stopped => Grade::Fair,
+        SessionVerdict::Refused
+        | SessionVerdict::Lost
+        | SessionVerdict::Tripped
+        | SessionVerdict::RigLost => Grade::Bad,
+    };
+    let followed = match s.targets {
+        0 => String::new(),
+        targets => format!(
+            " At its {targets} targets the rig was {} rms from them and {} at most; the largest is {}.",
+            length(s.tracking_rms_m),
+            length(s.tracking_max_m),
+            length(s.peak_displacement_m)
+        ),
+    };
+    d.verdict(grade, format!("{}{followed}", s.ending()));
+}
+
+fn tiles(d: &mut Document, s: &SessionSummary) {
+    let mut tiles = vec![
+        (length(s.peak_displacement_m), "largest target"),
+        (
+            length(s.tracking_rms_m),
+            "measured less target at the targets, rms",
+        ),
+        (length(s.tracking_max_m), "the largest of it"),
+        (
+            joule(s.energy_error_j),
+            "energy error of the actuator (Eq 12); negative: put in",
+        ),
+        (
+            percent(s.energy_ratio),
+            "of the largest strain energy: energy error",
+        ),
+    ];
+    if s.late_targets > 0 {
+        let late = si(s.late_s, "s");
+        tiles.push((late, "for which the rig waited for a late model"));
+    }
+    let tiles = tiles
+        .into_iter()
+        .map(|(value, meaning)| (value, meaning.to_owned()));
+    d.tiles(tiles.collect());
+}
+
+/// A quantity over the laboratory's time.
+fn curve_over_time(t: &Trace, colour: Colour, value: impl Fn(usize) -> f64) -> Curve {
+    let points = history(t.len(), |i| (t.time_s(i), value(i)));
+    Curve::new(colour, points)
+}
+
+/// A plot over the laboratory's time.
+fn in_time(d: &mut Document, shape: PlotShape, label: &str, curves: &[Curve], caption: &str) {
+    d.figure(caption, || {
+        plot(shape, "time in the laboratory [s]", label, curves)
+    });
+}
+
+fn storey(d: &mut Document, t: &Trace, j: usize, floor: &FloorTrace) {
+    let mm = |column: &[f32], i: usize| f64::from(column[i]) * 1e3;
+    d.heading(match t.floors.len() {
+        1 => "Displacement".to_owned(),
+        _ => format!("Displacement of storey {}", j + 1),
+    });
+    let target = curve_over_time(t, IDEAL, |i| mm(&floor.command_m, i));
+    let curves = [
+        target.named("target").thick(),
+        curve_over_time(t, TESTED, |i| mm(&floor.displacement_m, i)).named("measured"),
+    ];
+    let caption = "Where the model wanted the specimen, and where it was.";
+    in_time(d, TALL, "displacement [mm]", &curves, caption);
+    let apart = curve_over_time(t, WRONG, |i| {
+        mm(&floor.displacement_m, i) - mm(&floor.command_m, i)
+    });
+    let caption = "Measured less target at every control step, on the way, too: an actuator that is late is behind its target.";
+    in_time(d, WIDE, "error [mm]", &[apart], caption);
+    let kn = |i: usize| f64::from(floor.force_n[i]) * 1e-3;
+    d.pair(|d| {
+        d.figure("What the specimen did: force against displacement.", || {
+            let points = path(t.len(), |i| (mm(&floor.displacement_m, i), kn(i)));
+            let curve = [Curve::new(TESTED, points)];
+            plot(HALF, "displacement [mm]", "force [kN]", &curve)
+        });
+        let force = curve_over_time(t, GROUND, kn);
+        in_time(d, HALF, "force [kN]", &[force], "Its force.");
+    });
+}
+
+fn energy(d: &mut Document, t: &Trace) {
+    let sum = |colour, column: &[f32]| curve_over_time(t, colour, |i| f64::from(column[i]));
+    let exact = sum(IDEAL, &t.energy_stiffness_j);
+    let curves = [
+        exact.named("stiffness known, Eq 6").thick(),
+        sum(WRONG, &t.energy_hsem_j).named("HSEM, Eqs 7 to 9"),
+        sum(TESTED, &t.energy_modified_j).named("modified, Eqs 10 to 12"),
+    ];
+    d.heading("Energy error");
+    let caption = "What the actuator's error has put into the structure (negative) or taken out since the start. Eq 6 takes the \
+                   declared stiffness: it holds while the specimen is elastic.";
+    in_time(d, WIDE, "cumulative energy error [J]", &curves, caption);
+}
+
+fn damping(d: &mut Document, t: &Trace) {
+    let Some(first) = t.floors.first() else {
+        return;
+    };
+    let curve = curve_over_time(t, TESTED, |i| {
+        f64::from(first.added_damping_n_s_per_m[i]) * 1e-3
+    });
+    d.heading("Added damping");
+    let caption = "What the compensation adds; its force is a part of the one that the model is answered with.";
+    in_time(d, WIDE, "added damping [kN s/m]", &[curve], caption);
+}

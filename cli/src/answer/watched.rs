@@ -1,0 +1,97 @@
+//! What the rig watch saw, drawn over the motion.
+
+use super::figures::Figures;
+use crate::document::Document;
+use crate::document::plot::{Colour, Curve, GROUND, TALL, TESTED, THIRD, WIDE, WRONG};
+use experiment::watch::{NamedCause, WatchEvent};
+use std::ops::Range;
+
+/// What it says of the rig, and the colour of the motion while it does.
+const STATES: [(&str, Colour); 4] = [
+    ("sound", TESTED),
+    ("doubtful", THIRD),
+    ("named", WRONG),
+    ("trip", GROUND),
+];
+
+impl Figures<'_> {
+    /// Where each actuator was and how far that is from its target, in the colour of what the watch said then, and a line for each
+    /// change; nothing where it had nothing to say.
+    pub fn watched(&self, d: &mut Document) {
+        let watch = self.section.summary.watch.as_ref();
+        let Some(watch) = watch.filter(|w| !w.events.is_empty()) else {
+            return;
+        };
+        let spans = self.states(&watch.events);
+        d.heading("What the watch saw");
+        for (j, floor) in self.floors().take(self.physical()) {
+            let place = |i: usize| f64::from(floor.displacement_m[i]) * 1e3;
+            let off = |i: usize| place(i) - f64::from(floor.command_m[i]) * 1e3;
+            let caption = "Where the actuator was, and what the watch said of the rig then.";
+            let (shape, label) = (self.cut(TALL, j), "measured displacement [mm]");
+            let curves = self.coloured(&spans, place);
+            Self::in_time(d, shape, label, &curves, self.on_floor(j, caption));
+            let caption = "How far that is from where the integration wanted it.";
+            let (shape, label) = (self.cut(WIDE, j), "measured less target [mm]");
+            let curves = self.coloured(&spans, off);
+            Self::in_time(d, shape, label, &curves, self.on_floor(j, caption));
+        }
+        d.on_page(|d| d.items(watch.events.iter().map(in_words).collect()));
+    }
+
+    /// From which integration step to which it said what, as a place in [`STATES`].
+    fn states(&self, events: &[WatchEvent]) -> Vec<(usize, Range<usize>)> {
+        let steps = self.solved.len();
+        let step = |t_s: f64| ((t_s / self.step_s) as usize).min(steps);
+        let place = |e: &WatchEvent| STATES.iter().position(|(s, _)| *s == e.state).unwrap_or(0);
+        let first = (0, 0..step(events[0].t_s));
+        let ends = events.iter().skip(1).map(|e| step(e.t_s)).chain([steps]);
+        let later = events
+            .iter()
+            .zip(ends)
+            .map(|(e, end)| (place(e), step(e.t_s)..end));
+        let all = [first].into_iter().chain(later);
+        all.filter(|(_, range)| !range.is_empty()).collect()
+    }
+
+    /// A quantity of the trace in the colours of the states; each state has one line in the legend.
+    fn coloured(
+        &self,
+        spans: &[(usize, Range<usize>)],
+        value: impl Fn(usize) -> f64,
+    ) -> Vec<Curve> {
+        let mut shown = [false; STATES.len()];
+        spans
+            .iter()
+            .map(|(state, range)| {
+                let (name, colour) = STATES[*state];
+                let joined = range.start..(range.end + 1).min(self.solved.len());
+                let curve = Curve::new(colour, self.over(joined, &value));
+                match std::mem::replace(&mut shown[*state], true) {
+                    true => curve,
+                    false => curve.named(name),
+                }
+            })
+            .collect()
+    }
+}
+
+/// What it said and did, from when on.
+fn in_words(e: &WatchEvent) -> String {
+    let causes: Vec<String> = e.set.iter().map(NamedCause::in_words).collect();
+    let what = match &causes[..] {
+        [] => String::new(),
+        several => format!(": {}", several.join(", or ")),
+    };
+    let corrects = if e.corrected {
+        "; it is corrected for"
+    } else {
+        ""
+    };
+    let holds = if e.held {
+        "; the compensation is held at what was declared"
+    } else {
+        ""
+    };
+    format!("{:.2} s, **{}**{what}{corrects}{holds}", e.t_s, e.state)
+}

@@ -1,0 +1,332 @@
+//! Tables: on the terminal as wide as it is, and never broken inside a word or a number.
+
+use super::grade::Grade;
+use crate::terminal::bond::{self, bound};
+use crate::terminal::output;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, TableComponent, Width};
+use std::fmt;
+use textwrap::core::display_width;
+
+/// Columns of a terminal from which on tables are set with room around each cell.
+const SPACIOUS: usize = 120;
+/// A longer word, such as a path, may be broken.
+const LONGEST_WORD: usize = 44;
+/// Columns, and letters in a row, that fit into the width of a page's text.
+const TEXT_COLUMNS: usize = 9;
+const TEXT_LETTERS: usize = 90;
+
+/// A row of a table.
+#[derive(Clone, Debug, Default)]
+pub struct TableRow {
+    /// Its cells.
+    pub(super) cells: Vec<String>,
+    /// What a dot before it says, on the page.
+    pub(super) grade: Option<Grade>,
+    /// The length of a bar behind it, of the longest, on the page.
+    pub(super) bar: Option<f64>,
+    /// The bar stands out.
+    pub(super) taken: bool,
+}
+
+/// A table for people. Where the terminal is too narrow for its longest words side by side, columns that matter least are left
+/// out and named below it; where it is too narrow for the others, each row is a block of lines.
+#[derive(Clone, Debug)]
+pub struct Table {
+    head: Vec<String>,
+    rows: Vec<TableRow>,
+    /// Columns from the first on that hold words, to the left.
+    words: usize,
+    /// Columns that may be left out, the first one first.
+    least_important: &'static [usize],
+    /// Columns of the terminal; none: as wide as it needs.
+    width: Option<u16>,
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let table = self.laid_out();
+        let Some(columns) = self.width.map(usize::from) else {
+            return f.write_str(&loosened(&table));
+        };
+        let room: &[(u16, u16)] = match columns < SPACIOUS {
+            true => &[(0, 1), (0, 0)],
+            false => &[(1, 1), (0, 1), (0, 0)],
+        };
+        let mut widths = Widths::of(&table);
+        for left_out in 0..=self.least_important.len() {
+            for padding in room {
+                if let Some(found) = widths.within(columns, *padding) {
+                    f.write_str(&loosened(&set(table, &found, *padding)))?;
+                    return self.name(&self.least_important[..left_out], f);
+                }
+            }
+            if let Some(column) = self.least_important.get(left_out) {
+                widths.leave_out(*column);
+            }
+        }
+        self.as_blocks(f)
+    }
+}
+
+/// The table with columns of these widths, blanks beside the cells included; those of no width are not shown.
+fn set(mut table: comfy_table::Table, widths: &[usize], padding: (u16, u16)) -> comfy_table::Table {
+    for (column, width) in table.column_iter_mut().zip(widths) {
+        column.set_constraint(match width {
+            0 => ColumnConstraint::Hidden,
+            width => ColumnConstraint::Absolute(Width::Fixed(*width as u16)),
+        });
+        column.set_padding(padding);
+    }
+    table
+}
+
+impl Table {
+    /// One row more.
+    pub fn add_row<C: Into<String>>(&mut self, cells: impl IntoIterator<Item = C>) {
+        self.rows.push(TableRow {
+            cells: cells.into_iter().map(Into::into).collect(),
+            ..TableRow::default()
+        });
+    }
+
+    /// The same with more rows.
+    pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        rows.into_iter().for_each(|row| self.add_row(row));
+        self
+    }
+
+    /// Puts a dot before the last row, on the page.
+    pub fn grade_last(&mut self, grade: impl Into<Grade>) {
+        if let Some(row) = self.rows.last_mut() {
+            row.grade = Some(grade.into());
+        }
+    }
+
+    /// Puts a bar behind the last row, on the page; `taken`: it stands out.
+    pub fn bar_last(&mut self, share: f64, taken: bool) {
+        if let Some(row) = self.rows.last_mut() {
+            (row.bar, row.taken) = (Some(share.clamp(0.0, 1.0)), taken);
+        }
+    }
+
+    /// The same with words in the first `columns`, to the left.
+    pub fn with_words(self, columns: usize) -> Self {
+        Self {
+            words: columns,
+            ..self
+        }
+    }
+
+    /// The same with columns that a narrow terminal may leave out, the first one first.
+    pub fn least_important(self, columns: &'static [usize]) -> Self {
+        Self {
+            least_important: columns,
+            ..self
+        }
+    }
+
+    /// The same for reading: no wider than a page where there is no terminal.
+    pub fn of_text(self) -> Self {
+        Self {
+            width: Some(output::page_columns()),
+            ..self
+        }
+    }
+
+    pub(super) fn rows(&self) -> &[TableRow] {
+        &self.rows
+    }
+
+    /// The heads of its columns on the page.
+    pub(super) fn heads(&self) -> impl Iterator<Item = &str> {
+        let bar = self.rows.iter().any(|row| row.bar.is_some()).then_some("");
+        self.head.iter().map(String::as_str).chain(bar)
+    }
+
+    /// What the text of a page is not wide enough for goes beyond it on both sides.
+    pub(super) fn is_wide(&self) -> bool {
+        let letters = |row: &TableRow| row.cells.iter().map(String::len).sum::<usize>();
+        let longest = self.rows.iter().map(letters).max().unwrap_or(0);
+        self.head.len() > TEXT_COLUMNS || longest > TEXT_LETTERS
+    }
+
+    /// The table with each unit bound to its number.
+    fn laid_out(&self) -> comfy_table::Table {
+        let mut table = comfy_table::Table::new();
+        table
+            .load_preset(UTF8_HORIZONTAL_ONLY)
+            // A rule after every row makes a table twice as long.
+            .remove_style(TableComponent::HorizontalLines)
+            .remove_style(TableComponent::MiddleIntersections)
+            .set_content_arrangement(ContentArrangement::Dynamic)
+            .set_header(&self.head);
+        if let Some(columns) = self.width {
+            table.set_width(columns);
+        }
+        for row in &self.rows {
+            table.add_row(row.cells.iter().map(|cell| bound(cell)));
+        }
+        for column in table.column_iter_mut().skip(self.words) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        table
+    }
+
+    /// What a wider terminal would show, too.
+    fn name(&self, left_out: &[usize], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if left_out.is_empty() {
+            return Ok(());
+        }
+        let names: Vec<&str> = left_out.iter().map(|c| self.head[*c].as_str()).collect();
+        write!(f, "\nOn a wider terminal also: {}.", names.join(", "))
+    }
+
+    /// Each row as lines: the head of a column, and its cell.
+    fn as_blocks(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let wide = self
+            .head
+            .iter()
+            .map(|h| display_width(h))
+            .max()
+            .unwrap_or(0);
+        for (i, row) in self.rows.iter().enumerate() {
+            if i > 0 {
+                writeln!(f)?;
+            }
+            let lines = self.head.iter().zip(&row.cells);
+            for (k, (head, cell)) in lines.filter(|(_, cell)| !cell.is_empty()).enumerate() {
+                if i + k > 0 {
+                    writeln!(f)?;
+                }
+                write!(f, "{head:<wide$}  {cell}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The table as text, its bonds blanks again.
+fn loosened(table: &comfy_table::Table) -> String {
+    bond::loosened(&table.to_string())
+}
+
+/// How wide the text of each column may be; 0: the column is left out.
+struct Widths {
+    /// At least: its longest word.
+    least: Vec<usize>,
+    /// At most: its longest line.
+    most: Vec<usize>,
+}
+
+impl Widths {
+    fn of(table: &comfy_table::Table) -> Self {
+        let (mut least, mut most) = (Vec::new(), Vec::new());
+        for row in table.header().into_iter().chain(table.row_iter()) {
+            for (i, cell) in row.cell_iter().enumerate() {
+                least.resize(least.len().max(i + 1), 1);
+                most.resize(least.len(), 1);
+                for line in cell.content().lines() {
+                    let words = line.split(' ').map(display_width);
+                    let word = words.max().unwrap_or(0).min(LONGEST_WORD);
+                    least[i] = word.max(least[i]);
+                    most[i] = display_width(line).max(most[i]);
+                }
+            }
+        }
+        Self { least, most }
+    }
+
+    fn leave_out(&mut self, column: usize) {
+        (self.least[column], self.most[column]) = (0, 0);
+    }
+
+    /// Widths that fit into so many columns, blanks beside each cell included: the widest give way first. `None`: none do.
+    fn within(&self, columns: usize, (left, right): (u16, u16)) -> Option<Vec<usize>> {
+        let padding = usize::from(left + right);
+        let shown = self.most.iter().filter(|most| **most > 0).count();
+        // And a blank where other tables have a line.
+        let room = columns.checked_sub(shown * padding + shown.saturating_sub(1))?;
+        let at_most = |cap: usize| -> Vec<usize> {
+            let both = self.most.iter().zip(&self.least);
+            both.map(|(most, least)| *most.min(&cap).max(least))
+                .collect()
+        };
+        let cap = (0..=room)
+            .rev()
+            .find(|cap| at_most(*cap).iter().sum::<usize>() <= room)?;
+        let with_padding = |width: usize| if width > 0 { width + padding } else { 0 };
+        Some(at_most(cap).into_iter().map(with_padding).collect())
+    }
+}
+
+/// A table with a head; numbers, from the second column on, to the right.
+pub fn table(head: &[impl AsRef<str>]) -> Table {
+    Table {
+        head: head.iter().map(|h| h.as_ref().to_owned()).collect(),
+        rows: Vec::new(),
+        words: 1,
+        least_important: &[],
+        // As wide as the terminal.
+        width: output::columns(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(columns: u16) -> String {
+        let mut t = table(&["channel", "verdict", "held out rms after", "noise rms"]);
+        t.width = Some(columns);
+        t.add_row(["actuator", "partial", "0.06455 mm", "0.01009 mm"]);
+        t.add_row(["specimen", "coulomb_friction", "", "44.8 N"]);
+        t.to_string()
+    }
+
+    #[test]
+    fn no_word_and_no_number_is_broken() {
+        for columns in [200, 80, 60, 50, 40, 20] {
+            let text = of(columns);
+            for word in ["actuator", "0.06455", "0.01009", "coulomb_friction"] {
+                assert!(text.contains(word), "{columns}:\n{text}");
+            }
+            let widest = text.lines().map(|l| l.chars().count()).max().unwrap();
+            assert!(
+                columns < 50 || widest <= usize::from(columns),
+                "{columns}:\n{text}"
+            );
+        }
+        // A unit stays beside its number.
+        for columns in [80, 60, 50] {
+            assert!(of(columns).contains("0.06455 mm"), "{}", of(columns));
+        }
+        assert!(of(40).contains("held out rms after  0.06455 mm"));
+        assert!(
+            !of(40).contains("held out rms after  \n"),
+            "an empty cell needs no line"
+        );
+    }
+
+    #[test]
+    fn what_matters_least_is_left_out_and_named_before_a_row_becomes_a_block() {
+        let text = |columns: u16| {
+            let mut t = table(&["compensation", "eps_rms", "damping"]).least_important(&[2]);
+            t.width = Some(columns);
+            t.add_row(["tangent", "0.00106 %", "3.47 %"]);
+            t.to_string()
+        };
+        assert!(text(40).contains("3.47 %"));
+        let narrow = text(28);
+        assert!(!narrow.contains("3.47 %"), "{narrow}");
+        assert!(
+            narrow.ends_with("\nOn a wider terminal also: damping."),
+            "{narrow}"
+        );
+        assert!(
+            narrow.lines().take(4).all(|l| display_width(l) <= 28),
+            "{narrow}"
+        );
+        assert!(text(18).contains("damping       3.47 %"), "{}", text(18));
+    }
+}
