@@ -246,7 +246,10 @@ mod tests {
             text.starts_with("paper comes near `a<b`.\nOnly there.\n\n"),
             "{text}"
         );
-        assert!(text.contains("1 mm") && !text.contains("Only here"), "{text}");
+        assert!(
+            text.contains("1 mm") && !text.contains("Only here"),
+            "{text}"
+        );
         let page = d.page();
         for part in [
             "<title>A &#60; B</title>",
