@@ -194,13 +194,19 @@ impl ChannelDiagnosis<'_> {
 
     /// What stands beside names that are sure.
     fn say_beside<F>(&self, answer: &mut ChannelAnswer, named: &Named<F>) {
-        answer
-            .effects
-            .retain(|e| named.names.iter().any(|n| n.0 == e.name));
-        if named.more {
+        let open = named.more && !named.lead && !named.beside.is_empty();
+        if open {
+            answer.verdict = Verdict::Ambiguous;
+        } else {
+            let sure = |e: &FoundEffect| named.names.iter().any(|n| n.0 == e.name);
+            answer.effects.retain(sure);
+        }
+        if named.more && !open {
             answer.verdict = Verdict::Partial;
         }
-        answer.alternatives = named.beside.iter().map(|n| n.0).collect();
+        let given = |name: Effect| answer.effects.iter().any(|e| e.name == name);
+        let others = named.beside.iter().map(|n| n.0).filter(|n| !given(*n));
+        answer.alternatives = others.collect();
         let member = |&(name, probability): &(Effect, f64)| Member { name, probability };
         answer.members = named.beside.iter().map(member).collect();
     }

@@ -29,7 +29,7 @@ pub trait Asked {
 #[derive(Debug)]
 pub struct Found<F> {
     /// What can be said.
-    pub said: super::Said<F>,
+    pub said: verdict::Said<F>,
     /// The declared model, its parameters within their tolerances.
     pub declared: F,
     /// How probable it is that something without a name is there.

@@ -37,6 +37,8 @@ pub struct Named<M> {
     pub beside: Vec<(Effect, f64)>,
     /// They are not all: something else is there, with a name or without.
     pub more: bool,
+    /// They alone do most of what the model does; else what is open beside them is the larger part.
+    pub lead: bool,
 }
 
 /// What can be said of a channel.
@@ -109,6 +111,7 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
     // The model of exactly these names, unless it lacks what is there beside them.
     let exact = all().find(|c| c.names.len() == only.len());
     let near = |c: &&Candidate<M>| best.evidence.score() - c.evidence.score() < LACKS;
+    let lead = exact.is_some_and(|c| posterior.explained(c) >= PLAIN);
     let model = exact.filter(near).unwrap_or(best).clone();
     let more = model.names.len() > only.len();
     let mut beside = posterior.names();
@@ -119,6 +122,7 @@ fn names<M: Clone>(posterior: &Posterior<M>) -> Option<Said<M>> {
         names,
         beside,
         more,
+        lead,
     }))
 }
 
